@@ -50,11 +50,23 @@ Figures = dict[str, Any]
 
 def main() -> int:
     """Writes the pages, or with --check prints what is not up to date and returns 1 if there is anything."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 if a page is not up to date")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="write nothing; exit with 1 if a page is not up to date",
+    )
     if parser.parse_args().check:
         problems = [problem for page in PAGES for problem in page_problems(DOCS / f"{page}.md")]
-        print("\n".join([*problems, "`make docs` brings everything up to date"] if problems else ["the pages are up to date"]))
+        print(
+            "\n".join(
+                [*problems, "`make docs` brings everything up to date"]
+                if problems
+                else ["the pages are up to date"]
+            )
+        )
         return int(bool(problems))
     write_games(DOCS / "games.md")
     write_melting_pot(DOCS / "meltingpot.md")
@@ -76,7 +88,9 @@ def write_games(path: Path) -> None:
 
 def write_melting_pot(path: Path) -> None:
     """Writes the page of Melting Pot's substrates."""
-    games = {substrate.name: (substrate.game, substrate.variant) for substrate in written_substrates()}
+    games = {
+        substrate.name: (substrate.game, substrate.variant) for substrate in written_substrates()
+    }
     draw_pictures(path.parent / "pictures/meltingpot", games)
     write_whole(path, melting_pot_page(path.read_text("utf-8")))
 
@@ -85,21 +99,36 @@ def page_problems(path: Path) -> list[str]:
     """Returns what is out of date of `games.md` and its figures, or of `meltingpot.md`: text, figures, pictures."""
     text = path.read_text("utf-8")
     if path.stem == "meltingpot":
-        pictures, rules, wanted, found = path.parent / "pictures/meltingpot", substrate_rules(), melting_pot_page(text), []
+        pictures, rules, wanted, found = (
+            path.parent / "pictures/meltingpot",
+            substrate_rules(),
+            melting_pot_page(text),
+            [],
+        )
     else:
-        pictures, rules = path.parent / "pictures", {name: written.game for name, written in game_texts().items()}
+        pictures, rules = (
+            path.parent / "pictures",
+            {name: written.game for name, written in game_texts().items()},
+        )
         kept = read_figures(path.with_suffix(".json"))
         wanted = games_page(text, kept)
         found = [f"{name}: no figures" for name in rules if name not in kept]
         found += [
-            f"{name}: the figures are of other rules" for name in rules if name in kept and kept[name]["hash"] != game_hash(rules[name])
+            f"{name}: the figures are of other rules"
+            for name in rules
+            if name in kept and kept[name]["hash"] != game_hash(rules[name])
         ]
         found += [f"{name}: figures of no game" for name in kept if name not in rules]
-    drawn, there = {pictures / f"{name}.png": game for name, game in rules.items()}, set(pictures.glob("*.png"))
+    drawn, there = (
+        {pictures / f"{name}.png": game for name, game in rules.items()},
+        set(pictures.glob("*.png")),
+    )
     found += [f"{picture}: missing" for picture in sorted(drawn.keys() - there)]
     found += [f"{picture}: of no game" for picture in sorted(there - drawn.keys())]
     found += [
-        f"{picture}: of other rules or looks" for picture in sorted(drawn.keys() & there) if not is_picture_of(picture, drawn[picture])
+        f"{picture}: of other rules or looks"
+        for picture in sorted(drawn.keys() & there)
+        if not is_picture_of(picture, drawn[picture])
     ]
     return found if text == wanted else [*found, f"{path}: not what the games say"]
 
@@ -113,7 +142,10 @@ def game_texts() -> dict[str, Written]:
 @cache
 def build_of(substrate: Substrate) -> Build:
     """Returns a written substrate built, with its warnings. Raises CompileError."""
-    return build(read_source(find_game(substrate.game)), substrate.variant.split("+") if substrate.variant else ())
+    return build(
+        read_source(find_game(substrate.game)),
+        substrate.variant.split("+") if substrate.variant else (),
+    )
 
 
 def substrate_rules() -> dict[str, ir.Game]:
@@ -133,7 +165,9 @@ def draw_pictures(folder: Path, games: Mapping[str, tuple[str, str]]) -> None:
         if path.is_file() and is_picture_of(path, env.game):
             continue
         *_, before, last = played(env.game, STEPS)
-        picture = make_painter(env, [last.snapshot]).draw(last.snapshot, last.actions, before.snapshot)
+        picture = make_painter(env, [last.snapshot]).draw(
+            last.snapshot, last.actions, before.snapshot
+        )
         save_png(picture, path, {SHOWN: picture_hash(env.game)})
 
 
@@ -148,19 +182,29 @@ def measure(name: str, episodes: int = EPISODES, seed: int = SEED) -> Figures:
     env = make(name)
     found = summarise(evaluate(env, random_policy(env), jax.random.key(seed), episodes))
     wanted = figure_names(env.game)
-    values = {shown: {end: _rounded(getattr(found[key], end)) for end in ("mean", "low", "high")} for key, shown in wanted.items()}
+    values = {
+        shown: {end: _rounded(getattr(found[key], end)) for end in ("mean", "low", "high")}
+        for key, shown in wanted.items()
+    }
     return {"hash": env.hash, "episodes": episodes, "seed": seed, "values": values}
 
 
 def figure_names(game: ir.Game) -> dict[str, str]:
     """Returns the figures that a page shows: their names in an evaluation -> their names on the page."""
-    names = {"collective return": "return, summed over agents", "equality": "equality of returns (1 - Gini)"}
+    names = {
+        "collective return": "return, summed over agents",
+        "equality": "equality of returns (1 - Gini)",
+    }
     for event in game.events:
         for _, name in counts_of(event):
-            names[f"event {name}"] = f"`{name}`, in an episode" + (", all agents" if event.per_agent else "")
+            names[f"event {name}"] = f"`{name}`, in an episode" + (
+                ", all agents" if event.per_agent else ""
+            )
     for measured in game.measures:
         sort = "mean" if measured.mean else "final"
-        names[f"{sort} {measured.name}"] = f"`{measured.name}`, {'mean over steps' if measured.mean else 'at the end'}"
+        names[f"{sort} {measured.name}"] = (
+            f"`{measured.name}`, {'mean over steps' if measured.mean else 'at the end'}"
+        )
     return names
 
 
@@ -181,16 +225,29 @@ def figures_text(figures: Mapping[str, Figures]) -> str:
 def games_page(page: str, figures: Mapping[str, Figures]) -> str:
     """Returns the page with what is between its marks: all games, and each game with its figures."""
     games = game_texts()
-    said = dict.fromkeys(key for written in games.values() for key, _ in written.game.about if key != "summary")
+    said = dict.fromkeys(
+        key for written in games.values() for key, _ in written.game.about if key != "summary"
+    )
     keys = sorted(said, key=lambda key: key.startswith(OURS))
     head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in keys))
 
     def row(name: str, game: ir.Game) -> tuple[str, ...]:
         about, actions = dict(game.about), str(len(game.agents.actions))
-        return f"[{plain(game.title)}](#{name})", str(game.agents.number), _size(game), actions, *(plain(about.get(k, "")) for k in keys)
+        return (
+            f"[{plain(game.title)}](#{name})",
+            str(game.agents.number),
+            _size(game),
+            actions,
+            *(plain(about.get(k, "")) for k in keys),
+        )
 
     overview = table(head, [row(name, written.game) for name, written in games.items()])
-    each = [line for name, written in games.items() if name in figures for line in _game(name, written, figures[name])]
+    each = [
+        line
+        for name, written in games.items()
+        if name in figures
+        for line in _game(name, written, figures[name])
+    ]
     return replace_sections(page, {"games": [*overview, "", *each[:-1]]})
 
 
@@ -208,18 +265,38 @@ def _size(game: ir.Game) -> str:
 def _game(name: str, written: Written, figures: Figures) -> list[str]:
     game = written.game
     summary = dict(game.about).get("summary", "")
-    lines = [f'<a id="{name}"></a>', "", f"## {plain(game.title)}", "", f"![{plain(game.title)}](pictures/{name}.png)", ""]
+    lines = [
+        f'<a id="{name}"></a>',
+        "",
+        f"## {plain(game.title)}",
+        "",
+        f"![{plain(game.title)}](pictures/{name}.png)",
+        "",
+    ]
     lines += [plain(summary), ""] if summary else []
     lines += [*_facts(name, written), "", "Numbers:", "", *parameters(written)]
     title = f"A random policy, {figures['episodes']} episodes from seed {figures['seed']}, means with their 95 % confidence intervals:"
-    return [*lines, title, "", *table(("", "mean", "interval"), [(name, *_figure(**f)) for name, f in figures["values"].items()]), ""]
+    return [
+        *lines,
+        title,
+        "",
+        *table(
+            ("", "mean", "interval"),
+            [(name, *_figure(**f)) for name, f in figures["values"].items()],
+        ),
+        "",
+    ]
 
 
 def _facts(name: str, written: Written) -> list[str]:
     game = written.game
     rows = [
         ("agents", str(game.agents.number)),
-        ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells" + (", edges joined" if game.wraps else "")),
+        (
+            "map",
+            f"{len(game.rows)} rows of {len(game.rows[0])} cells"
+            + (", edges joined" if game.wraps else ""),
+        ),
         ("actions", joined(name for _, name, _ in action_rows(game))),
         ("window", _window(game.window)),
         *((key.replace("_", " "), plain(text)) for key, text in game.about if key != "summary"),
@@ -232,7 +309,10 @@ def _facts(name: str, written: Written) -> list[str]:
 
 def _window(window: ir.Window) -> str:
     """Returns how far agents see; of several windows each, the usual one first."""
-    sides = [f"{x.ahead} ahead, {x.behind} behind, {x.left} left, {x.right} right" for x in (window.views or (window,))[::-1]]
+    sides = [
+        f"{x.ahead} ahead, {x.behind} behind, {x.left} left, {x.right} right"
+        for x in (window.views or (window,))[::-1]
+    ]
     return sides[0] + "".join(f"; of some agents {other}" for other in sides[1:])
 
 
@@ -247,12 +327,23 @@ def melting_pot_page(page: str) -> str:
     """Returns the page with what is between its marks: all substrates, and their pictures."""
     rules, written = substrate_rules(), written_substrates()
     rows = [
-        (code(e.name), code(e.game), code(e.variant) if e.variant else "", str(rules[e.name].agents.number), _size(rules[e.name]))
+        (
+            code(e.name),
+            code(e.game),
+            code(e.variant) if e.variant else "",
+            str(rules[e.name].agents.number),
+            _size(rules[e.name]),
+        )
         for e in written
     ]
-    pictures = [f"### {code(e.name)}\n\n![{plain(rules[e.name].title)}](pictures/meltingpot/{e.name}.png)\n" for e in written]
+    pictures = [
+        f"### {code(e.name)}\n\n![{plain(rules[e.name].title)}](pictures/meltingpot/{e.name}.png)\n"
+        for e in written
+    ]
     table_of_all = table(("substrate", "game", "variant", "agents", "map"), rows)
-    return replace_sections(page, {"substrates": table_of_all, "pictures": [*pictures[:-1], pictures[-1].rstrip("\n")]})
+    return replace_sections(
+        page, {"substrates": table_of_all, "pictures": [*pictures[:-1], pictures[-1].rstrip("\n")]}
+    )
 
 
 if __name__ == "__main__":

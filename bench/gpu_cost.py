@@ -16,14 +16,41 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-BYTES = {"pred": 1, "s8": 1, "u8": 1, "s16": 2, "u16": 2, "bf16": 2, "f16": 2, "s32": 4, "u32": 4, "f32": 4, "s64": 8, "u64": 8, "f64": 8}
-FREE = frozenset({"parameter", "constant", "tuple", "get-tuple-element", "bitcast", "after-all", "partition-id", "replica-id"})
+BYTES = {
+    "pred": 1,
+    "s8": 1,
+    "u8": 1,
+    "s16": 2,
+    "u16": 2,
+    "bf16": 2,
+    "f16": 2,
+    "s32": 4,
+    "u32": 4,
+    "f32": 4,
+    "s64": 8,
+    "u64": 8,
+    "f64": 8,
+}
+FREE = frozenset(
+    {
+        "parameter",
+        "constant",
+        "tuple",
+        "get-tuple-element",
+        "bitcast",
+        "after-all",
+        "partition-id",
+        "replica-id",
+    }
+)
 NO_OPERATION = FREE | {"broadcast", "reshape", "transpose", "slice", "iota", "concatenate", "copy"}
 SECTOR = 32  # bytes that a GPU reads at once
 _ARRAY = re.compile(rf"\b({'|'.join(BYTES)})\[([\d,]*)\]")
 _HEAD = re.compile(r"^(ENTRY )?%?([\w.\-]+) \(.*\) -> .* \{")
 _INSTRUCTION = re.compile(r"^\s+(ROOT )?%([\w.\-]+) = (\(.*?\)|\S+) ([\w\-]+)\((.*)$")
-_CALLED = re.compile(r"(?:body|to_apply|condition|true_computation|false_computation)=%?([\w.\-]+)|branch_computations=\{([^}]*)\}")
+_CALLED = re.compile(
+    r"(?:body|to_apply|condition|true_computation|false_computation)=%?([\w.\-]+)|branch_computations=\{([^}]*)\}"
+)
 
 
 @dataclass(frozen=True)
@@ -58,7 +85,10 @@ GPUS = {  # NVIDIA's data sheets of the A100 (SXM, 40 GB) and the H100 (SXM)
     "a100": Gpu("NVIDIA A100-SXM4-40GB", 108, 64, 1.41e9, 1555e9, 41943040, 167936, 166912, 8),
     "h100": Gpu("NVIDIA H100 80GB HBM3", 132, 128, 1.98e9, 3352e9, 52428800, 233472, 232448, 9),
 }
-LAUNCHES = (2e-6, 3.5e-6)  # seconds from the start of a kernel to that of the next, of small ones: the best and the worst case
+LAUNCHES = (
+    2e-6,
+    3.5e-6,
+)  # seconds from the start of a kernel to that of the next, of small ones: the best and the worst case
 REACHED = 0.85  # of the bandwidth, by a large kernel
 BUSY = 0.42  # of the lanes, by code of whole numbers
 FIXED = 1e-6  # seconds of a kernel beside its bytes or operations
@@ -127,7 +157,9 @@ class Cost:
 
     def seconds(self, gpu: Gpu) -> tuple[float, float]:
         """Returns the estimate with the shorter and with the longer time of a launch."""
-        shorter, longer = (sum(kernel.seconds(gpu, launch) for kernel in self.kernels) for launch in LAUNCHES)
+        shorter, longer = (
+            sum(kernel.seconds(gpu, launch) for kernel in self.kernels) for launch in LAUNCHES
+        )
         return shorter, longer
 
 
@@ -154,7 +186,10 @@ def cost_of(text: str) -> Cost:
 def count_kernels(text: str) -> int:
     """Returns how many kernels a module launches if each loop turns once. Raises ValueError for a text that is not a module."""
     module = _Module(text)
-    return sum(instruction.op not in ("while", "conditional") for instruction, _, _ in module.launched(module.entry, 1))
+    return sum(
+        instruction.op not in ("while", "conditional")
+        for instruction, _, _ in module.launched(module.entry, 1)
+    )
 
 
 class _Module:
@@ -180,7 +215,15 @@ class _Module:
                 waits += times
             else:
                 origin = (instruction.shape, self._made_by(instruction))
-                kernels.append(Kernel(instruction.name, instruction.op, *self._kernel(instruction, computation), times, *origin))
+                kernels.append(
+                    Kernel(
+                        instruction.name,
+                        instruction.op,
+                        *self._kernel(instruction, computation),
+                        times,
+                        *origin,
+                    )
+                )
         return Cost(tuple(kernels), waits)
 
     def launched(self, computation: str, times: int) -> Iterator[tuple[Instruction, str, int]]:
@@ -198,8 +241,12 @@ class _Module:
     def _made_by(self, instruction: Instruction) -> tuple[str, ...]:
         fused = re.search(r"calls=%([\w.\-]+)", instruction.rest)
         inside = self.computations[fused[1]] if fused else [instruction]
-        frames = [frame[1] for one in inside if (frame := re.search(r"stack_frame_id=(\d+)", one.rest))]
-        return tuple(dict.fromkeys(self.callers[frame] for frame in frames if self.callers.get(frame)))
+        frames = [
+            frame[1] for one in inside if (frame := re.search(r"stack_frame_id=(\d+)", one.rest))
+        ]
+        return tuple(
+            dict.fromkeys(self.callers[frame] for frame in frames if self.callers.get(frame))
+        )
 
     def _kernel(self, instruction: Instruction, computation: str) -> tuple[int, int]:
         """Returns the bytes and operations of one launch."""
@@ -207,10 +254,16 @@ class _Module:
         operands = [shapes[name] for name in instruction.operands if name in shapes]
         fused = re.search(r"calls=%([\w.\-]+)", instruction.rest)
         if fused is None or instruction.op != "fusion":
-            return _alone(instruction, operands), _multiplications(instruction, operands) or elements_of(instruction.shape)
+            return _alone(instruction, operands), _multiplications(
+                instruction, operands
+            ) or elements_of(instruction.shape)
         inside = self.computations[fused[1]]
         parameters = {int(one.rest.split(")")[0]): one for one in inside if one.op == "parameter"}
-        read = sum(_read(parameters[number], inside) for number in range(len(operands)) if number in parameters)
+        read = sum(
+            _read(parameters[number], inside)
+            for number in range(len(operands))
+            if number in parameters
+        )
         return read + _written(inside), _operations(inside)
 
 
@@ -218,16 +271,24 @@ def _callers(text: str) -> dict[str, str]:
     """Returns the last functions of each stack of calls that a module names, such as `scrub > times_in`, without those of JAX."""
     tables = {
         name: dict(re.findall(r"^(\d+) (.*)$", body, re.MULTILINE))
-        for name, body in re.findall(r"^(FileNames|FunctionNames|FileLocations|StackFrames)\n((?:\d+ .*\n)*)", text, re.MULTILINE)
+        for name, body in re.findall(
+            r"^(FileNames|FunctionNames|FileLocations|StackFrames)\n((?:\d+ .*\n)*)",
+            text,
+            re.MULTILINE,
+        )
     }
     callers: dict[str, str] = {}
     for frame, said in tables.get("StackFrames", {}).items():
         place, parent = re.findall(r"(?:file_location|parent_frame)_id=(\d+)", said)
-        file, function = re.findall(r"(?:file_name|function_name)_id=(\d+)", tables["FileLocations"][place])
+        file, function = re.findall(
+            r"(?:file_name|function_name)_id=(\d+)", tables["FileLocations"][place]
+        )
         before = callers.get(str(int(parent) - 1), "")  # it's written one too high
         ours = "site-packages" not in tables["FileNames"][file]
         name = tables["FunctionNames"][function].strip('"').split(".")[-1]
-        callers[frame] = " > ".join([*before.split(" > ")[-3:], name] if before else [name]) if ours else before
+        callers[frame] = (
+            " > ".join([*before.split(" > ")[-3:], name] if before else [name]) if ours else before
+        )
     return callers
 
 
@@ -255,7 +316,11 @@ def _read(parameter: Instruction, inside: list[Instruction]) -> int:
                 total += user.size
             elif first and user.op == "gather":
                 sizes = re.search(r"slice_sizes=\{([\d,]*)\}", user.rest)
-                entry = user.size // max(1, elements_of(user.shape)) * (_product(sizes[1]) if sizes else 1)
+                entry = (
+                    user.size
+                    // max(1, elements_of(user.shape))
+                    * (_product(sizes[1]) if sizes else 1)
+                )
                 total += max(user.size, user.size // max(1, entry) * SECTOR)
             elif first and user.op in ("dynamic-update-slice", "scatter"):
                 total += 0  # it is changed in place
@@ -286,18 +351,27 @@ def _operations(inside: list[Instruction]) -> int:
     """Returns a rough count of a fusion's operations: each instruction once for each element that its users ask for."""
     by_name = {one.name: one for one in inside}
     root = next(one for one in inside if one.is_root)
-    asked = {name: elements_of(by_name[name].shape) for name in (root.operands if root.op == "tuple" else (root.name,))}
+    asked = {
+        name: elements_of(by_name[name].shape)
+        for name in (root.operands if root.op == "tuple" else (root.name,))
+    }
     total = 0
     for one in reversed(inside):
         if one.name not in asked:
             continue
         operands = [by_name[name] for name in one.operands if name in by_name]
         own = max(1, elements_of(one.shape))
-        each = max(1, elements_of(operands[0].shape) // own) if one.op == "reduce" and operands else 1
+        each = (
+            max(1, elements_of(operands[0].shape) // own) if one.op == "reduce" and operands else 1
+        )
         times = _multiplications(one, operands) // own if one.op in ("dot", "convolution") else each
         total += 0 if one.op in NO_OPERATION else asked[one.name] * max(1, times)
         for operand in operands:
-            share = asked[one.name] * elements_of(operand.shape) // own if one.op == "concatenate" else asked[one.name] * each
+            share = (
+                asked[one.name] * elements_of(operand.shape) // own
+                if one.op == "concatenate"
+                else asked[one.name] * each
+            )
             asked[operand.name] = max(asked.get(operand.name, 0), share)
     return total
 
@@ -311,11 +385,17 @@ def _multiplications(one: Instruction, operands: list[Instruction]) -> int:
             return own * int(array[2].split(",")[int(dims[1])])
     labels = re.search(r"dim_labels=\w+_(\w+)->", one.rest)
     if labels and len(operands) > 1:
-        made, weights = _CONVOLUTIONS[next((name for name in _CONVOLUTIONS if name in one.rest), "")]
+        made, weights = _CONVOLUTIONS[
+            next((name for name in _CONVOLUTIONS if name in one.rest), "")
+        ]
         arrays = [*(operand.shape for operand in operands[:2]), one.shape]
         filters = _ARRAY.search(arrays[weights])
         return (
-            elements_of(arrays[made]) * elements_of(arrays[weights]) // int(filters[2].split(",")[labels[1].index("o")]) if filters else 0
+            elements_of(arrays[made])
+            * elements_of(arrays[weights])
+            // int(filters[2].split(",")[labels[1].index("o")])
+            if filters
+            else 0
         )
     return 0
 

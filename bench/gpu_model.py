@@ -21,7 +21,11 @@ from pathlib import Path
 from typing import Any
 
 # ruff: noqa: E402
-os.environ |= {"JAX_SKIP_CUDA_CONSTRAINTS_CHECK": "1", "CUDA_VISIBLE_DEVICES": "-1", "JAX_PLATFORMS": "cpu,cuda"}  # read while JAX loads
+os.environ |= {
+    "JAX_SKIP_CUDA_CONSTRAINTS_CHECK": "1",
+    "CUDA_VISIBLE_DEVICES": "-1",
+    "JAX_PLATFORMS": "cpu,cuda",
+}  # read while JAX loads
 import jax
 
 jax.config.update("jax_platforms", "cpu")  # the plug-in is known, and nothing is placed on it
@@ -60,7 +64,10 @@ SUITE = {  # the suite's environments of the same games: module and class, and a
     "mushrooms": ("mushrooms.mushrooms:Mushrooms", 5),
     "pd_arena": ("pd_arena.pd_arena:PD_Arena", 4),
 }
-TWENTY = (*(f"{game}+crowd" for game in NINE if game not in ("coins", "pd_arena")), "pd_arena*20")  # coins is for two
+TWENTY = (
+    *(f"{game}+crowd" for game in NINE if game not in ("coins", "pd_arena")),
+    "pd_arena*20",
+)  # coins is for two
 GROUPS = {"nine": NINE, "ten": TEN, "twenty": TWENTY}
 SECTION = "gpu model"
 
@@ -110,18 +117,42 @@ class Program:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("games", nargs="*", help="games, GAME+VARIANT, GAME*AGENTS, substrates, `nine`, `ten`, `twenty`; none: only tables")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "games",
+        nargs="*",
+        help="games, GAME+VARIANT, GAME*AGENTS, substrates, `nine`, `ten`, `twenty`; none: only tables",
+    )
     parser.add_argument("--gpu", choices=GPUS, default="h100")
-    parser.add_argument("--envs", type=numbers, default=(4096,), help="environments side by side, such as 1024,4096")
-    parser.add_argument("--observation", default="tokens", help="tokens, onehot, or both with a comma")
-    parser.add_argument("--suite", type=Path, help="a checkout of the suite's repository: its environments of these games as well")
+    parser.add_argument(
+        "--envs", type=numbers, default=(4096,), help="environments side by side, such as 1024,4096"
+    )
+    parser.add_argument(
+        "--observation", default="tokens", help="tokens, onehot, or both with a comma"
+    )
+    parser.add_argument(
+        "--suite",
+        type=Path,
+        help="a checkout of the suite's repository: its environments of these games as well",
+    )
     parser.add_argument("--only-suite", action="store_true", help="leave out ours")
-    parser.add_argument("--update", default="", help="networks (mlp, cnn) of one update of IPPO with the preset `paper`, instead of steps")
+    parser.add_argument(
+        "--update",
+        default="",
+        help="networks (mlp, cnn) of one update of IPPO with the preset `paper`, instead of steps",
+    )
     parser.add_argument("--json", type=Path, required=True, help="where rows are kept")
     parser.add_argument("--hlo", type=Path, help="a folder for the compiled programs")
-    parser.add_argument("--kernels", action="store_true", help="list the kernels of each program, and the functions that they come from")
-    parser.add_argument("--markdown", type=Path, help="a page whose section is written anew from all rows")
+    parser.add_argument(
+        "--kernels",
+        action="store_true",
+        help="list the kernels of each program, and the functions that they come from",
+    )
+    parser.add_argument(
+        "--markdown", type=Path, help="a page whose section is written anew from all rows"
+    )
     asked = parser.parse_args()
     rows = read_rows(asked.json)
     target = target_of(GPUS[asked.gpu])
@@ -140,8 +171,12 @@ def numbers(text: str) -> tuple[int, ...]:
 
 def target_of(gpu: Gpu) -> Any:
     """Returns where arrays lie on a card that is only described."""
-    topology = topologies.get_topology_desc(platform="cuda", target_config=gpu.description, topology="1x1x1")
-    return jax.sharding.NamedSharding(topologies.make_mesh(topology, (1,), ("d",)), jax.sharding.PartitionSpec())
+    topology = topologies.get_topology_desc(
+        platform="cuda", target_config=gpu.description, topology="1x1x1"
+    )
+    return jax.sharding.NamedSharding(
+        topologies.make_mesh(topology, (1,), ("d",)), jax.sharding.PartitionSpec()
+    )
 
 
 def programs(asked: argparse.Namespace, target: Any) -> Iterator[Program]:
@@ -151,13 +186,18 @@ def programs(asked: argparse.Namespace, target: Any) -> Iterator[Program]:
                 yield from (update_of(name, network, target) for network in asked.update.split(","))
                 break
             if not asked.only_suite:
-                yield from (step_of(name, observation, envs, target) for observation in asked.observation.split(","))
+                yield from (
+                    step_of(name, observation, envs, target)
+                    for observation in asked.observation.split(",")
+                )
             if asked.suite is not None and name in SUITE:
                 yield suite_step(name, asked.suite, envs, target)
 
 
 def shaped(tree: Any, target: Any, batch: tuple[int, ...] = ()) -> Any:
-    return jax.tree.map(lambda x: jax.ShapeDtypeStruct((*batch, *x.shape), x.dtype, sharding=target), tree)
+    return jax.tree.map(
+        lambda x: jax.ShapeDtypeStruct((*batch, *x.shape), x.dtype, sharding=target), tree
+    )
 
 
 def make(name: str, observation: str) -> Any:
@@ -167,7 +207,9 @@ def make(name: str, observation: str) -> Any:
         return sjdsl.make(substrate.game, substrate.variant or None, observation=observation)
     game, _, agents = name.partition("*")
     game, _, variant = game.partition("+")
-    return sjdsl.make(game, variant or None, num_agents=int(agents) if agents else None, observation=observation)
+    return sjdsl.make(
+        game, variant or None, num_agents=int(agents) if agents else None, observation=observation
+    )
 
 
 def step_of(name: str, observation: str, envs: int, target: Any) -> Program:
@@ -178,9 +220,13 @@ def step_of(name: str, observation: str, envs: int, target: Any) -> Program:
     shapes = (jax.eval_shape(task.reset), actions, jax.ShapeDtypeStruct((2,), jnp.uint32))
 
     def step(state: Any, actions: Any, key: Any) -> Any:
-        return jax.vmap(lambda s, a, k: task.step(s, a, jax.random.wrap_key_data(k)))(state, actions, key)
+        return jax.vmap(lambda s, a, k: task.step(s, a, jax.random.wrap_key_data(k)))(
+            state, actions, key
+        )
 
-    return Program("ours", name, observation, envs, env.num_agents, step, shaped(shapes, target, (envs,)), envs)
+    return Program(
+        "ours", name, observation, envs, env.num_agents, step, shaped(shapes, target, (envs,)), envs
+    )
 
 
 def suite_step(name: str, checkout: Path, envs: int, target: Any) -> Program:
@@ -197,7 +243,9 @@ def suite_step(name: str, checkout: Path, envs: int, target: Any) -> Program:
             return jax.vmap(lambda s, a, k: one(k, s, a))(state, actions, key)
 
     shapes = (state, jax.ShapeDtypeStruct((agents,), jnp.int32), key)
-    return Program("suite", name, "its own", envs, agents, step, shaped(shapes, target, (envs,)), envs)
+    return Program(
+        "suite", name, "its own", envs, agents, step, shaped(shapes, target, (envs,)), envs
+    )
 
 
 @contextlib.contextmanager
@@ -225,11 +273,20 @@ def update_of(name: str, network: str, target: Any) -> Program:
     train = make_train(env, config)
     state = jax.eval_shape(lambda: train.init(jax.random.key(0)))
     return Program(
-        "update", name, network, config.num_envs, env.num_agents, train.update, shaped((state,), target), config.steps_per_update
+        "update",
+        name,
+        network,
+        config.num_envs,
+        env.num_agents,
+        train.update,
+        shaped((state,), target),
+        config.steps_per_update,
     )
 
 
-def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None, kernels: bool) -> Row:
+def compiled(
+    program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None, kernels: bool
+) -> Row:
     """Returns the row of a program: the one that is known, if XLA would be given the same and its kernels aren't to be listed."""
     with forced("gpu"):
         lowered = jax.jit(program.function, donate_argnums=0).lower(*program.shapes)
@@ -243,24 +300,46 @@ def compiled(program: Program, gpu: str, rows: dict[Any, Row], hlo: Path | None,
     text = made.as_text()
     if hlo is not None:
         hlo.mkdir(parents=True, exist_ok=True)
-        (hlo / f"{program.of}_{program.name}_{program.observation}_{program.envs}_{gpu}.hlo".replace(" ", "_")).write_text(text)
+        (
+            hlo
+            / f"{program.of}_{program.name}_{program.observation}_{program.envs}_{gpu}.hlo".replace(
+                " ", "_"
+            )
+        ).write_text(text)
     cost = cost_of(text)
     if kernels:
         print("\n".join(map(line_of_kernel, cost.kernels)))
-    moved = [*jax.tree.leaves(program.shapes), *jax.tree.leaves(jax.eval_shape(program.function, *program.shapes))]
+    moved = [
+        *jax.tree.leaves(program.shapes),
+        *jax.tree.leaves(jax.eval_shape(program.function, *program.shapes)),
+    ]
     least = sum(
-        math.prod(leaf.shape) * jnp.dtype(leaf.dtype).itemsize for leaf in moved if not jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key)
+        math.prod(leaf.shape) * jnp.dtype(leaf.dtype).itemsize
+        for leaf in moved
+        if not jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key)
     )
     said = made.memory_analysis()
     memory = (
-        0 if said is None else said.argument_size_in_bytes + said.temp_size_in_bytes + said.output_size_in_bytes - said.alias_size_in_bytes
+        0
+        if said is None
+        else said.argument_size_in_bytes
+        + said.temp_size_in_bytes
+        + said.output_size_in_bytes
+        - said.alias_size_in_bytes
     )
     each = program.env_steps
     low, high = (each / seconds for seconds in reversed(cost.seconds(GPUS[gpu])))
     counted = Counter(kernel.op for kernel in cost.kernels)
     return Row(
         *(program.of, program.name, program.observation, program.envs, gpu, program.agents, digest),
-        *(cost.launches, cost.waits, cost.bytes / each, least / each, cost.operations / each, (low, high)),
+        *(
+            cost.launches,
+            cost.waits,
+            cost.bytes / each,
+            least / each,
+            cost.operations / each,
+            (low, high),
+        ),
         *(int(memory), seconds, dict(counted.most_common())),
     )
 
@@ -273,14 +352,19 @@ def processor_time() -> float:
 def read_rows(path: Path) -> dict[Any, Row]:
     if not path.exists():
         return {}
-    stored = [Row(**{**row, "steps_per_s": tuple(row["steps_per_s"])}) for row in json.loads(path.read_text("utf-8"))]
+    stored = [
+        Row(**{**row, "steps_per_s": tuple(row["steps_per_s"])})
+        for row in json.loads(path.read_text("utf-8"))
+    ]
     return {row.key: row for row in stored}
 
 
 def write_rows(path: Path, rows: dict[Any, Row]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     ordered = [dataclasses.asdict(rows[key]) for key in sorted(rows)]
-    path.write_text("[\n" + ",\n".join(json.dumps(row) for row in ordered) + "\n]\n", encoding="utf-8")
+    path.write_text(
+        "[\n" + ",\n".join(json.dumps(row) for row in ordered) + "\n]\n", encoding="utf-8"
+    )
 
 
 def line_of_kernel(kernel: Kernel) -> str:
@@ -305,20 +389,45 @@ def millions(row: Row) -> str:
 def page(rows: dict[Any, Row]) -> str:
     """Returns the tables of the page, from all rows."""
     found = list(rows.values())
-    steps = [("ours", "tokens", "tokens"), ("ours", "onehot", "one-hot observations"), ("suite", "its own", "the suite's own environments")]
-    tables = [
-        step_table(f"one step of a game, {title}", names, of, observation, found) for of, observation, title in steps for names in [NINE]
+    steps = [
+        ("ours", "tokens", "tokens"),
+        ("ours", "onehot", "one-hot observations"),
+        ("suite", "its own", "the suite's own environments"),
     ]
-    tables += [step_table("one step of a game with 20 agents, tokens", TWENTY, "ours", "tokens", found)]
-    tables += [step_table(f"one step of a substrate, {title}", TEN, of, observation, found) for of, observation, title in steps[:2]]
+    tables = [
+        step_table(f"one step of a game, {title}", names, of, observation, found)
+        for of, observation, title in steps
+        for names in [NINE]
+    ]
+    tables += [
+        step_table("one step of a game with 20 agents, tokens", TWENTY, "ours", "tokens", found)
+    ]
+    tables += [
+        step_table(f"one step of a substrate, {title}", TEN, of, observation, found)
+        for of, observation, title in steps[:2]
+    ]
     tables += [checked_table(found), update_table(found)]
-    parts = [f"{table.title[0].upper()}{table.title[1:]}:\n\n{markdown_table(table)}" for table in tables if table.rows]
-    return f"`make gpu-model`, JAX {jax.__version__}. Nothing here was measured.\n\n" + "\n\n".join(parts) + "\n"
+    parts = [
+        f"{table.title[0].upper()}{table.title[1:]}:\n\n{markdown_table(table)}"
+        for table in tables
+        if table.rows
+    ]
+    return (
+        f"`make gpu-model`, JAX {jax.__version__}. Nothing here was measured.\n\n"
+        + "\n\n".join(parts)
+        + "\n"
+    )
 
 
-def step_table(title: str, names: tuple[str, ...], of: str, observation: str, rows: list[Row]) -> Table:
+def step_table(
+    title: str, names: tuple[str, ...], of: str, observation: str, rows: list[Row]
+) -> Table:
     """Returns a table with a row a game; figures for several numbers of environments stand side by side."""
-    mine = [row for row in rows if (row.of, row.observation, row.gpu) == (of, observation, "h100") and row.name in names]
+    mine = [
+        row
+        for row in rows
+        if (row.of, row.observation, row.gpu) == (of, observation, "h100") and row.name in names
+    ]
     batches = sorted({row.envs for row in mine})
     figures: list[tuple[str, Callable[[Row], str]]] = [
         ("kernels", lambda row: str(row.kernels)),
@@ -335,9 +444,22 @@ def step_table(title: str, names: tuple[str, ...], of: str, observation: str, ro
         own = [by_key.get((name, envs)) for envs in batches]
         if any(own):
             agents = next(str(row.agents) for row in own if row is not None)
-            lines.append((name, agents, *(" / ".join("" if row is None else said(row) for row in own) for _, said in figures)))
+            lines.append(
+                (
+                    name,
+                    agents,
+                    *(
+                        " / ".join("" if row is None else said(row) for row in own)
+                        for _, said in figures
+                    ),
+                )
+            )
     envs = " / ".join(f"{envs:,}" for envs in batches)
-    return Table(f"{title}, H100, {envs} environments", ("game", "agents", *(heading for heading, _ in figures)), tuple(lines))
+    return Table(
+        f"{title}, H100, {envs} environments",
+        ("game", "agents", *(heading for heading, _ in figures)),
+        tuple(lines),
+    )
 
 
 def checked_table(rows: list[Row]) -> Table:
@@ -345,7 +467,10 @@ def checked_table(rows: list[Row]) -> Table:
     by_key = {row.key: row for row in rows}
     lines = []
     for name in SUITE:
-        ours, suite = (by_key.get((of, name, seen, 4096, "a100")) for of, seen in (("ours", "tokens"), ("suite", "its own")))
+        ours, suite = (
+            by_key.get((of, name, seen, 4096, "a100"))
+            for of, seen in (("ours", "tokens"), ("suite", "its own"))
+        )
         if ours is None or suite is None:
             continue
         measured = published.speed(name, crowd=False)[4096]
@@ -359,22 +484,54 @@ def checked_table(rows: list[Row]) -> Table:
             millions(suite),
         )
         lines.append((*row, f"{measured / 1e6:.2g}", f"{low:.1f} to {high:.1f}", f"{ratio:.1f}"))
-    headings = ("game", "kernels, ours / the suite's", "kB an env", "ours, estimated", "the suite's, estimated", "measured, paper")
+    headings = (
+        "game",
+        "kernels, ours / the suite's",
+        "kB an env",
+        "ours, estimated",
+        "the suite's, estimated",
+        "measured, paper",
+    )
     headings += ("estimated to measured", "ours to the suite's")
-    return Table("an A100 at 4,096 environments, million steps a second, beside what the suite's paper measured", headings, tuple(lines))
+    return Table(
+        "an A100 at 4,096 environments, million steps a second, beside what the suite's paper measured",
+        headings,
+        tuple(lines),
+    )
 
 
 def update_table(rows: list[Row]) -> Table:
     """Returns what updates of a trainer cost."""
     lines = [
         (
-            *(row.name, row.observation, row.gpu.upper(), f"{row.envs:,}", f"{row.kernels:,}", f"{row.waits:,}"),
-            *(f"{row.bytes / 1e3:.1f}", f"{row.memory / 1e9:.2f}", " to ".join(f"{rate / 1e3:.0f}k" for rate in row.steps_per_s)),
+            *(
+                row.name,
+                row.observation,
+                row.gpu.upper(),
+                f"{row.envs:,}",
+                f"{row.kernels:,}",
+                f"{row.waits:,}",
+            ),
+            *(
+                f"{row.bytes / 1e3:.1f}",
+                f"{row.memory / 1e9:.2f}",
+                " to ".join(f"{rate / 1e3:.0f}k" for rate in row.steps_per_s),
+            ),
         )
         for row in sorted(rows, key=lambda row: row.key)
         if row.of == "update"
     ]
-    headings = ("game", "network", "card", "environments", "kernels", "waits", "kB an env step", "GB of memory", "env steps/s, estimated")
+    headings = (
+        "game",
+        "network",
+        "card",
+        "environments",
+        "kernels",
+        "waits",
+        "kB an env step",
+        "GB of memory",
+        "env steps/s, estimated",
+    )
     return Table("one update of IPPO, preset `paper`", headings, tuple(lines), 3)
 
 

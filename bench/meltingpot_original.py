@@ -25,12 +25,18 @@ ROUNDS = 3
 
 def main() -> None:
     """Prints a row of Markdown for each substrate as soon as it is measured."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("source", help="the unpacked source archive of dm-meltingpot")
     parser.add_argument("substrates", nargs="*", help="names; all without any")
-    parser.add_argument("--seconds", type=float, default=3.0, help="of each substrate, in three rounds")
+    parser.add_argument(
+        "--seconds", type=float, default=3.0, help="of each substrate, in three rounds"
+    )
     asked = parser.parse_args()
-    package = types.ModuleType("meltingpot")  # its own `__init__` would load the bots, and with them TensorFlow
+    package = types.ModuleType(
+        "meltingpot"
+    )  # its own `__init__` would load the bots, and with them TensorFlow
     package.__path__ = [f"{asked.source}/meltingpot"]
     sys.modules["meltingpot"] = package
     from meltingpot import substrate
@@ -41,10 +47,15 @@ def main() -> None:
     for name in asked.substrates or sorted(substrate.SUBSTRATES):
         players, rates, busy = measure(substrate, name, asked.seconds)
         spread = f"{min(rates):,.0f} to {max(rates):,.0f}"
-        print(f"| {name} | {players} | {statistics.median(rates):,.0f} | {spread} | {statistics.median(busy):,.0f} |", flush=True)
+        print(
+            f"| {name} | {players} | {statistics.median(rates):,.0f} | {spread} | {statistics.median(busy):,.0f} |",
+            flush=True,
+        )
 
 
-def measure(substrate: types.ModuleType, name: str, seconds: float) -> tuple[int, list[float], list[float]]:
+def measure(
+    substrate: types.ModuleType, name: str, seconds: float
+) -> tuple[int, list[float], list[float]]:
     """Returns the number of players, and of each round the steps a second and the steps a second of processor time.
 
     Resets at the end of episodes are included. On a machine that others use, too, only processor time says something.

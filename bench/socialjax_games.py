@@ -36,7 +36,9 @@ CLIP = jnp.clip
 
 def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: Any) -> Any:
     """Returns a game of the suite with individual rewards, without chex, under this version of JAX."""
-    chex = types.ModuleType("chex")  # of which the suite's modules use a dataclass and names of types
+    chex = types.ModuleType(
+        "chex"
+    )  # of which the suite's modules use a dataclass and names of types
     chex.dataclass = dataclasses.dataclass
     chex.PRNGKey = chex.Array = chex.ArrayDevice = jax.Array
     sys.modules.setdefault("chex", chex)
@@ -166,7 +168,9 @@ class Bridge:
     def figures(self, shown: Any, total: Array, actions: Array) -> Figures:
         """Returns what a step that ends in a state of the suite adds to an episode's figures."""
         names = self.ours.action_names
-        chosen = {names[number]: jnp.sum(actions == number) for number in range(self.zap, len(names))}
+        chosen = {
+            names[number]: jnp.sum(actions == number) for number in range(self.zap, len(names))
+        }
         shares = {f"`{name}` chosen": count for name, count in chosen.items()}
         return {"return": total, "agents hit": sent_off(shown).sum(), **shares}
 
@@ -250,9 +254,13 @@ class CleanUp(Bridge):
     def ground(self, state: Any) -> Array:
         """Apples, river and dirt."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16)
-        grid = grid.at[self.cells("B")].set(jnp.where(state.orchard_fruit == 1, 3, 0).astype(jnp.int16))
+        grid = grid.at[self.cells("B")].set(
+            jnp.where(state.orchard_fruit == 1, 3, 0).astype(jnp.int16)
+        )
         grid = grid.at[self.cells("S")].set(6)
-        return grid.at[self.cells("HF")].set(jnp.where(state.water_state == 1, 8, 7).astype(jnp.int16))
+        return grid.at[self.cells("HF")].set(
+            jnp.where(state.water_state == 1, 8, 7).astype(jnp.int16)
+        )
 
     def beams(self, shown: Any, state: Any, actions: Array) -> Any:
         """Two sorts, zaps first."""
@@ -287,7 +295,9 @@ class Harvest(Bridge):
         """Adds those of the marks."""
         floor, gates = self.cells(".Q"), self.cells("P")
         marked = after.grid == 2
-        differ = jnp.any(marked[floor] != ours.floor_marked) | jnp.any(marked[gates] != ours.gate_marked)
+        differ = jnp.any(marked[floor] != ours.floor_marked) | jnp.any(
+            marked[gates] != ours.gate_marked
+        )
         figures = super().differences(before, actions, after, ours)
         calm = ~figures["steps with a contest by lot"]
         return {**figures, "steps after which marks differ, without a contest": differ & calm}
@@ -295,7 +305,9 @@ class Harvest(Bridge):
     def ground(self, state: Any) -> Array:
         """Walls and apples."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
-        return grid.at[self.cells("A")].set(jnp.where(state.soil_fruit == 1, 3, 0).astype(jnp.int16))
+        return grid.at[self.cells("A")].set(
+            jnp.where(state.soil_fruit == 1, 3, 0).astype(jnp.int16)
+        )
 
 
 class Closed(Harvest):
@@ -359,4 +371,6 @@ class Territory(Bridge):
         return jnp.zeros((self.agents, 1), jnp.int8)
 
 
-BRIDGES: dict[str, type[Bridge]] = {bridge.name: bridge for bridge in (CleanUp, Harvest, Closed, Partnership, Territory)}
+BRIDGES: dict[str, type[Bridge]] = {
+    bridge.name: bridge for bridge in (CleanUp, Harvest, Closed, Partnership, Territory)
+}

@@ -26,9 +26,14 @@ import jax.numpy as jnp
 
 def main() -> None:
     """Prints the steps a second: the median of the rounds, the slowest and the fastest, and the microseconds of processor time."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("checkout", help="a checkout of SocialJax")
-    parser.add_argument("game", help="module and class under socialjax/environments, such as coop_mining.coop_mining:CoopMining")
+    parser.add_argument(
+        "game",
+        help="module and class under socialjax/environments, such as coop_mining.coop_mining:CoopMining",
+    )
     parser.add_argument("--agents", type=int, required=True)
     parser.add_argument("--envs", type=int, default=1024, help="environments side by side")
     parser.add_argument("--steps", type=int, default=25, help="of each environment in a round")
@@ -45,7 +50,9 @@ def main() -> None:
         busy.append((time.process_time() - worked) / steps * 1e6)
     spread = f"{min(rates):,.0f} to {max(rates):,.0f}"
     print(f"JAX {jax.__version__}, {asked.game}, {asked.agents} agents, {asked.envs} environments")
-    print(f"{statistics.median(rates):,.0f} steps a second ({spread}), {statistics.median(busy):.2f} us of processor time a step")
+    print(
+        f"{statistics.median(rates):,.0f} steps a second ({spread}), {statistics.median(busy):.2f} us of processor time a step"
+    )
 
 
 def load(checkout: Path, game: str) -> Any:
@@ -68,7 +75,9 @@ def stepping(env: Any) -> Any:
         observed, state, reward, done, _ = env.step_env(key, state, actions)
         first, fresh = env.reset(again)
         state, observed = jax.tree_util.tree_map(
-            lambda new, old: jax.lax.select(done["__all__"], jnp.asarray(new, jnp.result_type(old)), jnp.asarray(old)),
+            lambda new, old: jax.lax.select(
+                done["__all__"], jnp.asarray(new, jnp.result_type(old)), jnp.asarray(old)
+            ),
             (fresh, first),
             (state, observed),
         )
@@ -90,10 +99,14 @@ def loop(env: Any, num_envs: int, num_steps: int) -> Any:
             states, total, _ = carry
             acting, stepping = jax.random.split(key)
             actions = jax.random.randint(acting, (num_envs, env.num_agents), 0, env.num_actions)
-            states, rewards, observed = jax.vmap(step)(jax.random.split(stepping, num_envs), states, actions)
+            states, rewards, observed = jax.vmap(step)(
+                jax.random.split(stepping, num_envs), states, actions
+            )
             return (states, total + jnp.sum(jnp.asarray(rewards, jnp.float32)), observed), None
 
-        (_, total, last), _ = jax.lax.scan(body, (states, jnp.float32(0), observed), jax.random.split(key, num_steps))
+        (_, total, last), _ = jax.lax.scan(
+            body, (states, jnp.float32(0), observed), jax.random.split(key, num_steps)
+        )
         return total + jnp.sum(jnp.asarray(last, jnp.float32))
 
     return run

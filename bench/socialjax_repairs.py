@@ -42,7 +42,9 @@ REPAIRS: dict[str, tuple[list[Change], list[str]]] = {
 
 def main() -> None:
     """Prints a table of each repair."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     add = parser.add_argument
     add("checkout", type=Path, help="a checkout of SocialJax")
     add("--repairs", nargs="*", default=[*REPAIRS], help="by their names")

@@ -31,7 +31,9 @@ Policy = Callable[[Array, Array], Array]  # key and observations [E, N, H, W, C]
 
 def main() -> None:
     """Prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     add = parser.add_argument
     add("checkout", type=Path, help="a checkout of SocialJax")
     add("--ids", nargs="*", default=[*ORIGINALS], help="the suite's, of the first table")
@@ -70,7 +72,9 @@ def main() -> None:
 
 def heading(one: str, other: str) -> None:
     """Prints the head of a table of two codes."""
-    print(f"| game, policy | what | {one} | {other} | difference |\n| --- | --- | --: | --: | --: |")
+    print(
+        f"| game, policy | what | {one} | {other} | difference |\n| --- | --- | --: | --: | --: |"
+    )
 
 
 def print_rows(first: str, one: Figures, other: Figures) -> None:
@@ -149,7 +153,9 @@ def play_at_random(env: Any, actions: int, steps: int, episodes: int, key: Array
     return run(key)
 
 
-def play_suite(bridge: Bridge, policy: Policy, episodes: int, key: Array, stepwise: bool) -> tuple[Figures, Figures]:
+def play_suite(
+    bridge: Bridge, policy: Policy, episodes: int, key: Array, stepwise: bool
+) -> tuple[Figures, Figures]:
     """Returns the figures of each episode in the suite, `[E]`.
 
     With `stepwise`, also in how many of all its steps ours differ from the same state.

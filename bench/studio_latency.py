@@ -44,7 +44,9 @@ def served(game: str) -> Iterator[str]:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "sjdsl", "studio", game, "--no-browser", "--port", "0"]
         environment = os.environ | {"XDG_CACHE_HOME": str(Path(folder) / "cache")}
-        server = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True, env=environment, process_group=0)
+        server = subprocess.Popen(
+            command, cwd=folder, stdout=subprocess.PIPE, text=True, env=environment, process_group=0
+        )
         try:
             assert server.stdout is not None
             yield re.findall(r"http\S+", server.stdout.readline())[0]
@@ -71,21 +73,33 @@ def keystrokes(page: Page, count: int, pause: float) -> list[float]:
     page.evaluate(WATCH)
     for number in range(count):
         page.keyboard.press("abcdefghij"[number % 10])
-        page.wait_for_function("wanted => window.answers.length >= wanted", arg=number + 1, timeout=60_000)
+        page.wait_for_function(
+            "wanted => window.answers.length >= wanted", arg=number + 1, timeout=60_000
+        )
         page.wait_for_timeout(1000 * pause)
     return list(page.evaluate("window.answers"))
 
 
 def main() -> None:
     """Prints a row of a Markdown table for each game."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--games", default=",".join(suite()))
     parser.add_argument("--keystrokes", type=int, default=40)
-    parser.add_argument("--pause", type=float, default=0.25, help="seconds between an answer and the next key")
+    parser.add_argument(
+        "--pause", type=float, default=0.25, help="seconds between an answer and the next key"
+    )
     given = parser.parse_args()
-    path = next(found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name)))
+    path = next(
+        found
+        for name in ("chromium", "chromium-browser", "google-chrome")
+        if (found := shutil.which(name))
+    )
     print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f} at the start\n")
-    print("| game | keystroke to answer, median | fastest | 9 of 10 within | first page |\n|---|---|---|---|---|")
+    print(
+        "| game | keystroke to answer, median | fastest | 9 of 10 within | first page |\n|---|---|---|---|---|"
+    )
     medians = []
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
@@ -98,9 +112,14 @@ def main() -> None:
                 page.close()
             medians.append(statistics.median(answers))
             tenth = statistics.quantiles(answers, n=10)[-1]
-            print(f"| {game} | {medians[-1]:.0f} ms | {min(answers):.0f} ms | {tenth:.0f} ms | {opened:.1f} s |", flush=True)
+            print(
+                f"| {game} | {medians[-1]:.0f} ms | {min(answers):.0f} ms | {tenth:.0f} ms | {opened:.1f} s |",
+                flush=True,
+            )
         browser.close()
-    print(f"\nmedian of the games {statistics.median(medians):.0f} ms; load {os.getloadavg()[0]:.1f} at the end")
+    print(
+        f"\nmedian of the games {statistics.median(medians):.0f} ms; load {os.getloadavg()[0]:.1f} at the end"
+    )
 
 
 if __name__ == "__main__":

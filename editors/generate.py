@@ -28,14 +28,22 @@ def grammar() -> dict[str, Any]:
 
 def cheat_sheet() -> str:
     """Returns the cheat sheet as it stands, with all functions of the language."""
-    before, _, after = re.split(r"(?<=## Functions\n\n```text\n)(.*?)(?=```)", SHEET.read_text("utf-8"), maxsplit=1, flags=re.DOTALL)
+    before, _, after = re.split(
+        r"(?<=## Functions\n\n```text\n)(.*?)(?=```)",
+        SHEET.read_text("utf-8"),
+        maxsplit=1,
+        flags=re.DOTALL,
+    )
     uses = [use for function in FUNCTIONS.values() for use in function.uses]
     return before + "".join(f"{written:<39}{gives}\n" for written, gives in uses) + after
 
 
 def files() -> dict[Path, str]:
     """Returns what is written where."""
-    return {SHEET: cheat_sheet(), GRAMMAR: json.dumps(grammar(), indent=2, ensure_ascii=False) + "\n"}
+    return {
+        SHEET: cheat_sheet(),
+        GRAMMAR: json.dumps(grammar(), indent=2, ensure_ascii=False) + "\n",
+    }
 
 
 if __name__ == "__main__":

@@ -17,7 +17,9 @@ def main() -> float:
     while not step.last():
         step = env.step([int(draws.integers(spec.num_values)) for spec in env.action_spec()])
         total += sum(step.reward)
-    print(f"collective return {total:g}, windows of {step.observation[0]['RGB'].shape}, actions {', '.join(config.action_names)}")
+    print(
+        f"collective return {total:g}, windows of {step.observation[0]['RGB'].shape}, actions {', '.join(config.action_names)}"
+    )
     return total
 
 

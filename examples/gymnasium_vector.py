@@ -10,7 +10,9 @@ from sjdsl.interop.gymnasium import VectorGame
 
 def main() -> float:
     """Returns the mean return of a sub-environment."""
-    env = RecordEpisodeStatistics(VectorGame("coins", num_envs=8, params={"length": 50, "spawn": 0.01}))
+    env = RecordEpisodeStatistics(
+        VectorGame("coins", num_envs=8, params={"length": 50, "spawn": 0.01})
+    )
     env.reset(seed=0)
     env.action_space.seed(0)
     for _ in range(50):

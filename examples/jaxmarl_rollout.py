@@ -20,13 +20,20 @@ def main() -> float:
         state, _ = carry
         act_key, step_key = jax.random.split(key)
         keys = dict(zip(env.agents, jax.random.split(act_key, env.num_agents), strict=True))
-        actions = {a: jax.random.randint(keys[a], (NUM_ENVS,), 0, env.action_space(a).n) for a in env.agents}
-        observation, state, _, _, info = jax.vmap(env.step)(jax.random.split(step_key, NUM_ENVS), state, actions)
+        actions = {
+            a: jax.random.randint(keys[a], (NUM_ENVS,), 0, env.action_space(a).n)
+            for a in env.agents
+        }
+        observation, state, _, _, info = jax.vmap(env.step)(
+            jax.random.split(step_key, NUM_ENVS), state, actions
+        )
         return (state, observation), info
 
     reset_key, key = jax.random.split(jax.random.key(0))
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, NUM_ENVS))
-    _, info = jax.jit(lambda carry: jax.lax.scan(step, carry, jax.random.split(key, NUM_STEPS)))((state, observation))
+    _, info = jax.jit(lambda carry: jax.lax.scan(step, carry, jax.random.split(key, NUM_STEPS)))(
+        (state, observation)
+    )
     ended = info["returned_episode"]
     mean = float(jnp.where(ended, info["returned_episode_returns"], 0).sum() / ended.sum())
     print(f"{int(ended[..., 0].sum())} episodes, mean return of an agent {mean:.2f}")

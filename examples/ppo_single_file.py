@@ -47,7 +47,9 @@ class ActorCritic(nn.Module):
         seen = observation.reshape(*observation.shape[:-3], -1).astype(jnp.float32)
         features = nn.relu(dense(64)(seen))
         actor, critic = nn.relu(dense(64)(features)), nn.relu(dense(64)(features))
-        logits = nn.Dense(self.num_actions, kernel_init=nn.initializers.orthogonal(0.01))(actor)  # at first, all actions are as likely
+        logits = nn.Dense(self.num_actions, kernel_init=nn.initializers.orthogonal(0.01))(
+            actor
+        )  # at first, all actions are as likely
         value = nn.Dense(1, kernel_init=nn.initializers.orthogonal(1.0))(critic)
         return logits, value[..., 0]
 
@@ -63,7 +65,13 @@ class Rollout(NamedTuple):
     done: Array  # [T, B], the episode ended with this step
 
 
-def collect(env: sjdsl.Environment, learner: TrainState, worlds: tuple[Array, object], key: Array, common: bool):
+def collect(
+    env: sjdsl.Environment,
+    learner: TrainState,
+    worlds: tuple[Array, object],
+    key: Array,
+    common: bool,
+):
     """Plays T steps; returns the worlds afterwards, the rollout, and the reward that all agents together had in a step."""
 
     def step(worlds: tuple[Array, object], key: Array):
@@ -71,9 +79,17 @@ def collect(env: sjdsl.Environment, learner: TrainState, worlds: tuple[Array, ob
         action_key, env_key = jax.random.split(key)
         logits, value = learner.apply_fn(learner.params, observation)
         action = jax.random.categorical(action_key, logits)
-        following, state, reward, done, _ = jax.vmap(env.step)(jax.random.split(env_key, B), state, action)  # resets what has ended
-        learnt = jnp.broadcast_to(reward.mean(axis=-1, keepdims=True), reward.shape) if common else reward
-        taken = Rollout(observation, action, log_probability_of(logits, action), value, learnt, done)
+        following, state, reward, done, _ = jax.vmap(env.step)(
+            jax.random.split(env_key, B), state, action
+        )  # resets what has ended
+        learnt = (
+            jnp.broadcast_to(reward.mean(axis=-1, keepdims=True), reward.shape)
+            if common
+            else reward
+        )
+        taken = Rollout(
+            observation, action, log_probability_of(logits, action), value, learnt, done
+        )
         return (following, state), (taken, reward.sum(axis=-1))
 
     worlds, (rollout, earned) = jax.lax.scan(step, worlds, jax.random.split(key, T))
@@ -100,18 +116,26 @@ def advantages_of(rollout: Rollout, last_value: Array) -> Array:
         return (advantage, value), advantage
 
     start = jnp.zeros_like(last_value), last_value
-    _, advantages = jax.lax.scan(backwards, start, (rollout.reward, rollout.value, goes_on), reverse=True)
+    _, advantages = jax.lax.scan(
+        backwards, start, (rollout.reward, rollout.value, goes_on), reverse=True
+    )
     return advantages
 
 
-def loss_of(parameters: object, apply: Callable[..., tuple[Array, Array]], batch: tuple[Rollout, Array]) -> Array:
+def loss_of(
+    parameters: object, apply: Callable[..., tuple[Array, Array]], batch: tuple[Rollout, Array]
+) -> Array:
     """Returns what a gradient step makes smaller, of samples `[M, N]`: PPO's clipped loss, the critic's error, less the entropy."""
     rollout, advantage = batch
     logits, value = apply(parameters, rollout.observation)
     ratio = jnp.exp(log_probability_of(logits, rollout.action) - rollout.log_probability)
     target = rollout.value + advantage
-    advantage = (advantage - advantage.mean()) / jnp.maximum(advantage.std(), 0.03)  # where nothing is paid, it is noise: not enlarged
-    policy_loss = -jnp.minimum(ratio * advantage, jnp.clip(ratio, 1 - CLIP, 1 + CLIP) * advantage).mean()
+    advantage = (advantage - advantage.mean()) / jnp.maximum(
+        advantage.std(), 0.03
+    )  # where nothing is paid, it is noise: not enlarged
+    policy_loss = -jnp.minimum(
+        ratio * advantage, jnp.clip(ratio, 1 - CLIP, 1 + CLIP) * advantage
+    ).mean()
     value_loss = 0.5 * jnp.square(value - target).mean()
     entropy = -(jax.nn.softmax(logits) * jax.nn.log_softmax(logits)).sum(axis=-1).mean()
     return policy_loss + VALUE * value_loss - ENTROPY * entropy
@@ -130,24 +154,39 @@ def learn(learner: TrainState, rollout: Rollout, advantages: Array, key: Array) 
     return jax.lax.scan(gradient_step, learner, orders.reshape(EPOCHS * MINIBATCHES, -1))[0]
 
 
-def start(env: sjdsl.Environment, updates: int, key: Array) -> tuple[TrainState, tuple[Array, object]]:
+def start(
+    env: sjdsl.Environment, updates: int, key: Array
+) -> tuple[TrainState, tuple[Array, object]]:
     """Returns the network before it has learnt, with its optimiser, and B new environments."""
     network_key, worlds_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(worlds_key, B))
     network = ActorCritic(env.num_actions)
     rate = optax.linear_schedule(LEARNING_RATE, 0.0, updates * EPOCHS * MINIBATCHES)
     optimiser = optax.chain(optax.clip_by_global_norm(0.5), optax.adam(rate, eps=1e-5))
-    learner = TrainState.create(apply_fn=network.apply, params=network.init(network_key, observation), tx=optimiser)
+    learner = TrainState.create(
+        apply_fn=network.apply, params=network.init(network_key, observation), tx=optimiser
+    )
     return learner, (observation, state)
 
 
-def where(chosen: Array, worlds: tuple[Array, object], others: tuple[Array, object]) -> tuple[Array, object]:
+def where(
+    chosen: Array, worlds: tuple[Array, object], others: tuple[Array, object]
+) -> tuple[Array, object]:
     """Returns the worlds that are chosen, `[B]` bool, and the others where they are not."""
-    return jax.tree.map(lambda one, other: jnp.where(chosen.reshape(B, *[1] * (one.ndim - 1)), one, other), worlds, others)
+    return jax.tree.map(
+        lambda one, other: jnp.where(chosen.reshape(B, *[1] * (one.ndim - 1)), one, other),
+        worlds,
+        others,
+    )
 
 
 def train(
-    game: str, steps: float, common: bool = True, seed: int = 0, say: Callable[[str], None] = print, **changes: object
+    game: str,
+    steps: float,
+    common: bool = True,
+    seed: int = 0,
+    say: Callable[[str], None] = print,
+    **changes: object,
 ) -> list[float]:
     """Trains; returns the return of an episode, of all agents together, that the rewards of each update come to.
 
@@ -169,7 +208,11 @@ def train(
         play_key, learn_key = jax.random.split(key)
         worlds, rollout, earned = collect(env, learner, worlds, play_key, common)
         last_value = learner.apply_fn(learner.params, worlds[0])[1]
-        return learn(learner, rollout, advantages_of(rollout, last_value), learn_key), worlds, earned
+        return (
+            learn(learner, rollout, advantages_of(rollout, last_value), learn_key),
+            worlds,
+            earned,
+        )
 
     # Environments that begin together end together, and each update would see one part of an episode: so some of them begin before others.
     for number in range(1, rollouts):

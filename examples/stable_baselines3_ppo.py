@@ -21,7 +21,12 @@ class WindowCNN(BaseFeaturesExtractor):
         for side in (5, 3, 3):
             layers += [torch.nn.Conv2d(depth, 32, side, padding="same"), torch.nn.ReLU()]
             depth = 32
-        self.layers = torch.nn.Sequential(*layers, torch.nn.Flatten(), torch.nn.Linear(rows * cols * depth, features_dim), torch.nn.ReLU())
+        self.layers = torch.nn.Sequential(
+            *layers,
+            torch.nn.Flatten(),
+            torch.nn.Linear(rows * cols * depth, features_dim),
+            torch.nn.ReLU(),
+        )
 
     def forward(self, observations):
         return self.layers(observations.movedim(-1, 1).float())
@@ -29,9 +34,13 @@ class WindowCNN(BaseFeaturesExtractor):
 
 def main(total_timesteps: int = 1024) -> float:
     """Returns the mean return of the last episodes. A time step is one agent's."""
-    env = VecMonitor(VecGame("coins", num_envs=4, common_reward=True, params={"length": 50, "spawn": 0.02}))
+    env = VecMonitor(
+        VecGame("coins", num_envs=4, common_reward=True, params={"length": 50, "spawn": 0.02})
+    )
     policy = {"features_extractor_class": WindowCNN}
-    model = PPO("CnnPolicy", env, n_steps=64, batch_size=128, n_epochs=4, policy_kwargs=policy, seed=0)
+    model = PPO(
+        "CnnPolicy", env, n_steps=64, batch_size=128, n_epochs=4, policy_kwargs=policy, seed=0
+    )
     model.learn(total_timesteps)
     last = [episode["r"] for episode in model.ep_info_buffer][-8:]
     mean = sum(last) / len(last)

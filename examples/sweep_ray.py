@@ -12,7 +12,9 @@ import ray
 
 from sjdsl.sweeps import Axis, SweepSpec, prepare, run_cell
 
-SPEC = SweepSpec(["coins"], [Axis("reward", ("individual", "common"))], preset="two_cores", settings={"seeds": 3})
+SPEC = SweepSpec(
+    ["coins"], [Axis("reward", ("individual", "common"))], preset="two_cores", settings={"seeds": 3}
+)
 
 
 def main(folder: str, spec: SweepSpec = SPEC) -> list[str]:

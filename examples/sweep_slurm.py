@@ -15,7 +15,9 @@ import submitit
 
 from sjdsl.sweeps import Axis, SweepSpec, prepare, run_cell
 
-SPEC = SweepSpec(["coins"], [Axis("reward", ("individual", "common"))], preset="two_cores", settings={"seeds": 3})
+SPEC = SweepSpec(
+    ["coins"], [Axis("reward", ("individual", "common"))], preset="two_cores", settings={"seeds": 3}
+)
 
 
 class Cell:
@@ -32,7 +34,9 @@ class Cell:
 def main(folder: str, spec: SweepSpec = SPEC, cluster: str = "slurm") -> list[str]:
     """Trains the cells of a sweep and returns how far each is: `done`, or `failed`."""
     executor = submitit.AutoExecutor(f"{folder}_logs", cluster=cluster)
-    executor.update_parameters(name="sjdsl_sweep", timeout_min=600)  # and slurm_partition, gpus_per_node, slurm_array_parallelism, …
+    executor.update_parameters(
+        name="sjdsl_sweep", timeout_min=600
+    )  # and slurm_partition, gpus_per_node, slurm_array_parallelism, …
     return [job.result() for job in executor.map_array(Cell(), prepare(spec, folder))]
 
 

@@ -9,7 +9,9 @@ class MissingExtra(ModuleNotFoundError):
     """A feature needs packages of an extra, such as `sjdsl[pictures]`, that isn't installed."""
 
     def __init__(self, module: str | None, extra: str) -> None:
-        super().__init__(f"the package {module} is needed: pip install 'sjdsl[{extra}]'", name=module)
+        super().__init__(
+            f"the package {module} is needed: pip install 'sjdsl[{extra}]'", name=module
+        )
 
 
 def require(extra: str, *modules: str) -> None:

@@ -20,7 +20,9 @@ MEGABYTE = 2**20
 MOST_FOLDERS = 3000  # that are looked into for games
 LARGEST_JSON = 64 * MEGABYTE  # in memory it takes ten to thirty times as much
 LONGEST_LINE = MEGABYTE
-HALF_CHARACTER = re.compile(rb"\\u[dD][89a-fA-F]")  # of two that are one character; without the other it is none
+HALF_CHARACTER = re.compile(
+    rb"\\u[dD][89a-fA-F]"
+)  # of two that are one character; without the other it is none
 
 
 @contextmanager
@@ -61,10 +63,18 @@ def write_whole(path: Path, content: bytes | str) -> None:
 def open_in_place(path: Path, mode: Literal["a", "a+", "r+"], newline: str | None = None) -> TextIO:
     """Opens a file of text, UTF-8, that is changed where it is. Raises OSError, with a reason in words, where it is a link."""
     try:
-        return open(path, mode, encoding="utf-8", newline=newline, opener=lambda name, flags: _create(name, flags, None))
+        return open(
+            path,
+            mode,
+            encoding="utf-8",
+            newline=newline,
+            opener=lambda name, flags: _create(name, flags, None),
+        )
     except OSError as error:
         if error.errno == errno.ELOOP:
-            raise OSError(errno.ELOOP, "it is a link, through which nothing is written; remove it", str(path)) from None
+            raise OSError(
+                errno.ELOOP, "it is a link, through which nothing is written; remove it", str(path)
+            ) from None
         raise
 
 
@@ -78,7 +88,9 @@ def read_bytes(path: Path, limit: int) -> bytes:
     """Returns the content of a file. Raises OSError, with a reason in words, where it is no file or has more than `limit` bytes."""
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size
-        content = file.read(min(size, limit) + 1)  # for what is asked for, Python takes the memory at once
+        content = file.read(
+            min(size, limit) + 1
+        )  # for what is asked for, Python takes the memory at once
     if len(content) > limit:
         raise OSError(errno.EFBIG, f"it has more than {limit:,} bytes", str(path))
     return content
@@ -146,9 +158,20 @@ def games_below(root: Path) -> Iterator[Path]:
             entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
         except OSError:
             continue
-        entries = [entry for entry in entries if entry.name.isprintable() and not entry.name.startswith(".")]
-        yield from (Path(entry.path) for entry in entries if entry.name.endswith(".sj") and entry.is_file())
-        inside = [entry for entry in entries if entry.is_dir(follow_symlinks=False) and entry.name not in ("node_modules", "__pycache__")]
+        entries = [
+            entry
+            for entry in entries
+            if entry.name.isprintable() and not entry.name.startswith(".")
+        ]
+        yield from (
+            Path(entry.path) for entry in entries if entry.name.endswith(".sj") and entry.is_file()
+        )
+        inside = [
+            entry
+            for entry in entries
+            if entry.is_dir(follow_symlinks=False)
+            and entry.name not in ("node_modules", "__pycache__")
+        ]
         waiting += [Path(entry.path) for entry in inside]
 
 
@@ -164,9 +187,13 @@ def _permissions(path: Path) -> int | None:
 def _open_unfinished(path: Path, permissions: int | None) -> BinaryIO:
     """Opens a new file beside `path`, locked, so that no other process takes it for one that a killed process has left."""
     while True:
-        unfinished = path.with_name(f"{secrets.token_hex(8)}{UNFINISHED}")  # no longer for a long name
+        unfinished = path.with_name(
+            f"{secrets.token_hex(8)}{UNFINISHED}"
+        )  # no longer for a long name
         try:
-            file = open(unfinished, "xb", opener=lambda name, flags: _create(name, flags, permissions))  # noqa: SIM115 (the caller closes it)
+            file = open(  # noqa: SIM115 (the caller closes it)
+                unfinished, "xb", opener=lambda name, flags: _create(name, flags, permissions)
+            )
         except OSError as error:
             _name_instead(error, unfinished, path)
             raise
@@ -211,4 +238,6 @@ def _open_at_once(name: str, flags: int) -> int:
 
 
 def _create(name: str, flags: int, permissions: int | None) -> int:
-    return os.open(name, flags | getattr(os, "O_NOFOLLOW", 0), 0o666 if permissions is None else permissions)
+    return os.open(
+        name, flags | getattr(os, "O_NOFOLLOW", 0), 0o666 if permissions is None else permissions
+    )

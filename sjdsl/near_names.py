@@ -26,7 +26,9 @@ def nearest(name: str, candidates: Iterable[str]) -> tuple[str, ...]:
     matcher = SequenceMatcher(b=name)
     for candidate in sorted(set(candidates) - {name}):
         matcher.set_seq1(candidate)
-        if matcher.real_quick_ratio() < best or matcher.quick_ratio() < best:  # they are never less than `ratio`, which is slow
+        if (
+            matcher.real_quick_ratio() < best or matcher.quick_ratio() < best
+        ):  # they are never less than `ratio`, which is slow
             continue
         alike = matcher.ratio()
         if alike > best:

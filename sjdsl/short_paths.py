@@ -16,7 +16,9 @@ def short_names(names: Iterable[str]) -> dict[str, str]:
     if not paths:
         return {name: name for name in whole}
     from_the_end = zip(*(parts[::-1] for parts in paths.values()), strict=False)
-    ending = sum(1 for _ in takewhile(lambda parts: len(paths) > 1 and len({*parts}) == 1, from_the_end))
+    ending = sum(
+        1 for _ in takewhile(lambda parts: len(paths) > 1 and len({*parts}) == 1, from_the_end)
+    )
     ending = min(ending, *(len(parts) - 1 for parts in paths.values()))
     kept = {name: parts[: len(parts) - ending] for name, parts in paths.items()}
     for depth in range(1, max(map(len, kept.values())) + 1):

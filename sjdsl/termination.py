@@ -22,7 +22,10 @@ def raising_on_sigterm() -> Iterator[None]:
 
     Off the main thread, and where the process ignores or handles it already, nothing changes.
     """
-    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+    if (
+        threading.current_thread() is not threading.main_thread()
+        or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL
+    ):
         yield
         return
     signal.signal(signal.SIGTERM, _terminate)
@@ -39,5 +42,7 @@ def sigterm_raises() -> bool:
 
 def _terminate(number: int, frame: FrameType | None) -> None:
     del number, frame
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # `timeout` sends it to the process, then to its group
+    signal.signal(
+        signal.SIGTERM, signal.SIG_IGN
+    )  # `timeout` sends it to the process, then to its group
     raise Terminated

@@ -47,14 +47,31 @@ MUCH_MEMORY = 1_400_000_000  # bytes of a worker, beyond which it gives back wha
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--update-golden", action="store_true", help="write what goldens should be instead of comparing; read the diff before committing"
+        "--update-golden",
+        action="store_true",
+        help="write what goldens should be instead of comparing; read the diff before committing",
     )
     parser.addoption(
-        "--thorough", action="store_true", help="the tests marked thorough, and no others: long ones of what other tests see in parts"
+        "--thorough",
+        action="store_true",
+        help="the tests marked thorough, and no others: long ones of what other tests see in parts",
     )
-    parser.addoption("--play-seed", type=int, default=0, help="of the play that looks for deliberate faults in games")
-    parser.addoption("--gpu-forms", action="store_true", help="programs as a GPU would have them, on this machine: the same values, slowly")
-    parser.addoption("--all", action="store_true", help="also the tests marked slow and thorough, and everything compiled as users have it")
+    parser.addoption(
+        "--play-seed",
+        type=int,
+        default=0,
+        help="of the play that looks for deliberate faults in games",
+    )
+    parser.addoption(
+        "--gpu-forms",
+        action="store_true",
+        help="programs as a GPU would have them, on this machine: the same values, slowly",
+    )
+    parser.addoption(
+        "--all",
+        action="store_true",
+        help="also the tests marked slow and thorough, and everything compiled as users have it",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -63,7 +80,10 @@ def pytest_configure(config: pytest.Config) -> None:
     This comes before JAX's first computation: XLA reads its flags once.
     """
     folder = config.rootpath / ".pytest_cache" / "jax"
-    settings: dict[str, object] = {"jax_compilation_cache_dir": str(folder), "jax_persistent_cache_min_compile_time_secs": 0.0}
+    settings: dict[str, object] = {
+        "jax_compilation_cache_dir": str(folder),
+        "jax_persistent_cache_min_compile_time_secs": 0.0,
+    }
     if config.getoption("--all"):
         os.environ["SJDSL_ALL_TESTS"] = "1"  # what is made while tests are collected looks for it
     else:
@@ -73,7 +93,9 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ[name.upper()] = str(value)
         jax.config.update(name, value)
     if not (config.getoption("--all") or config.getoption("--thorough")):
-        hypothesis.settings.register_profile("repeatable", derandomize=True)  # one commit, one verdict; the thorough runs draw new examples
+        hypothesis.settings.register_profile(
+            "repeatable", derandomize=True
+        )  # one commit, one verdict; the thorough runs draw new examples
         hypothesis.settings.load_profile("repeatable")
 
 
@@ -83,10 +105,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: rank.get(item.path, len(rank)))
     if config.getoption("--all"):
         return
-    thorough, named = config.getoption("--thorough"), any("::" in argument for argument in config.args)
+    thorough, named = (
+        config.getoption("--thorough"),
+        any("::" in argument for argument in config.args),
+    )
 
     def is_wanted(item: pytest.Item) -> bool:
-        return not item.get_closest_marker("slow") and (named or thorough == bool(item.get_closest_marker("thorough")))
+        return not item.get_closest_marker("slow") and (
+            named or thorough == bool(item.get_closest_marker("thorough"))
+        )
 
     config.hook.pytest_deselected(items=[item for item in items if not is_wanted(item)])
     items[:] = [item for item in items if is_wanted(item)]
@@ -152,7 +179,11 @@ def as_compiled(request: pytest.FixtureRequest) -> Iterator[None]:
 @pytest.fixture
 def strict_jax() -> Iterator[None]:
     """Makes JAX raise where a typed key is consumed twice, where dtypes differ and where ranks differ."""
-    with jax.debug_key_reuse(True), jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+    with (
+        jax.debug_key_reuse(True),
+        jax.numpy_dtype_promotion("strict"),
+        jax.numpy_rank_promotion("raise"),
+    ):
         yield
 
 

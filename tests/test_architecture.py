@@ -26,12 +26,17 @@ def missing(line: str) -> list[str]:
 
 def test_what_is_named_is_there() -> None:
     assert [(number, name) for number, line in enumerate(LINES, 1) for name in missing(line)] == []
-    assert missing("`sjdsl/trace/`, `effects.py`, `nosuch.py`, [none](docs/none.md)") == ["nosuch.py", "docs/none.md"]
+    assert missing("`sjdsl/trace/`, `effects.py`, `nosuch.py`, [none](docs/none.md)") == [
+        "nosuch.py",
+        "docs/none.md",
+    ]
 
 
 def test_every_package_is_on_the_map() -> None:
     """The folders of `sjdsl/` stand in the first picture, or are the compiler's own."""
-    folders = {path.name for path in (ROOT / "sjdsl").iterdir() if path.is_dir() and any(path.glob("*.*"))} - {"__pycache__", "grammar"}
+    folders = {
+        path.name for path in (ROOT / "sjdsl").iterdir() if path.is_dir() and any(path.glob("*.*"))
+    } - {"__pycache__", "grammar"}
     assert folders - {name for line in LINES for name in re.findall(r"sjdsl/(\w+)", line)} == set()
 
 

@@ -67,12 +67,18 @@ def paragraphs(text: str) -> Iterator[str]:
 def retired(prose: str) -> list[str]:
     """Returns the retired words of a paragraph, each with what to say instead."""
     prose = re.sub(r"(`+)(?:.+?)\1", "CODE", prose)
-    return [f"{m[0]} ({say})" for word, say in RETIRED.items() for m in re.finditer(rf"\b({word})\b", prose, re.IGNORECASE)]
+    return [
+        f"{m[0]} ({say})"
+        for word, say in RETIRED.items()
+        for m in re.finditer(rf"\b({word})\b", prose, re.IGNORECASE)
+    ]
 
 
 def opening(path: Path) -> str:
     """Returns the first paragraph of a module's docstring."""
-    return " ".join((ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "").split("\n\n")[0].split())
+    return " ".join(
+        (ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "").split("\n\n")[0].split()
+    )
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -96,6 +102,9 @@ def test_terms_of_the_field_lead_to_the_file_in_one_search() -> None:
 
 
 def test_what_is_found() -> None:
-    assert list(paragraphs("# A\n\n```py\nx\n```\n\n| a | b |\n\n* one\n  two\n* three\n")) == ["* one two", "* three"]
+    assert list(paragraphs("# A\n\n```py\nx\n```\n\n| a | b |\n\n* one\n  two\n* three\n")) == [
+        "* one two",
+        "* three",
+    ]
     assert retired("It keeps its promises, as a random word of luck.") != []
     assert retired("`promises` are code") == []

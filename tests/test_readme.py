@@ -18,7 +18,9 @@ ROOT = Path(__file__).parent.parent
 
 def block(language: str, page: str = "README.md") -> str:
     """Returns the first fenced block of a language."""
-    found = re.search(rf"```{language}\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+    found = re.search(
+        rf"```{language}\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL
+    )
     assert found is not None, language
     return found.group(1)
 
@@ -40,7 +42,9 @@ def test_the_orchard_is_the_example_and_plays() -> None:
 
 
 def test_the_changed_line_shares_each_fruit(tmp_path: Path) -> None:
-    (removed,), (added,) = (re.findall(rf"^[{sign}] +(.*)$", block("diff"), re.MULTILINE) for sign in "-+")
+    (removed,), (added,) = (
+        re.findall(rf"^[{sign}] +(.*)$", block("diff"), re.MULTILINE) for sign in "-+"
+    )
     text = (ROOT / "examples" / "orchard.sj").read_text(encoding="utf-8")
     assert text.count(f" {removed}\n") == 1
     path = tmp_path / "shared.sj"
@@ -63,7 +67,9 @@ def test_the_python_lines() -> None:
 
 
 @pytest.mark.slow
-def test_the_python_lines_of_training(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_python_lines_of_training(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     exec(block("python", "docs/training.md"), {})
     assert "Estimate(mean=" in capsys.readouterr().out
@@ -73,7 +79,9 @@ def test_the_python_lines_of_training(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_the_python_lines_of_playing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict = {}
-    for lines in re.findall(r"```python\n(.*?)```", (ROOT / "docs/playing.md").read_text("utf-8"), re.DOTALL):
+    for lines in re.findall(
+        r"```python\n(.*?)```", (ROOT / "docs/playing.md").read_text("utf-8"), re.DOTALL
+    ):
         exec(lines, names)
     assert len(names["player"].actions) == 1000
     assert names["moment"].done
@@ -90,7 +98,12 @@ def shown_commands() -> list[tuple[str, str]]:
     found = []
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         blocks = re.split(r"^```.*\n", page.read_text("utf-8"), flags=re.MULTILINE)[1::2]
-        found += [(page.name, line) for block in blocks for line in block.splitlines() if line.startswith("sjdsl ")]
+        found += [
+            (page.name, line)
+            for block in blocks
+            for line in block.splitlines()
+            if line.startswith("sjdsl ")
+        ]
     return found
 
 

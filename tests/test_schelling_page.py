@@ -23,7 +23,11 @@ def test_the_tables_are_those_of_the_stored_diagrams() -> None:
     assert tables.main(check=True) == 0, "write them again with `python docs/schelling/tables.py`"
 
 
-@pytest.mark.parametrize("folder", [folder for folder in DIAGRAMS if not folder.name.endswith("_trained")], ids=lambda folder: folder.name)
+@pytest.mark.parametrize(
+    "folder",
+    [folder for folder in DIAGRAMS if not folder.name.endswith("_trained")],
+    ids=lambda folder: folder.name,
+)
 def test_scripted_diagrams_are_of_the_policies_of_the_file(folder: Path) -> None:
     stored = json.loads((folder / "schelling.json").read_text(encoding="utf-8"))
     game = build(read_source(find_game(folder.name))).game
@@ -35,11 +39,15 @@ def test_scripted_diagrams_are_of_the_policies_of_the_file(folder: Path) -> None
 def test_diagrams_are_of_the_rules_of_the_file(folder: Path) -> None:
     stored = json.loads((folder / "schelling.json").read_text(encoding="utf-8"))
     rules = game_hash(build(read_source(find_game(stored["game"]["name"]))).game)
-    assert stored["game"]["hash"] == rules, "the rules have changed since: play the diagram again by the command in docs/schelling.md"
+    assert stored["game"]["hash"] == rules, (
+        "the rules have changed since: play the diagram again by the command in docs/schelling.md"
+    )
 
 
 @pytest.mark.parametrize("folder", DIAGRAMS, ids=lambda folder: folder.name)
 def test_diagrams_name_no_place_and_are_small(folder: Path) -> None:
     text = (folder / "schelling.json").read_text(encoding="utf-8")
     assert not any(json.loads(text)[side].startswith("/") for side in ("cooperators", "defectors"))
-    assert all((folder / name).stat().st_size < 90_000 for name in ("schelling.json", "schelling.svg"))
+    assert all(
+        (folder / name).stat().st_size < 90_000 for name in ("schelling.json", "schelling.svg")
+    )

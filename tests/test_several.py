@@ -13,14 +13,18 @@ from sjdsl.sweeps import Axis, SweepSpec, plan_sweep
 from sjdsl.sweeps.running import describe_with_make
 
 
-@pytest.mark.parametrize("one", ["45", "", 0.5, True, None, Path("a/b"), len, {"a": 1}, np.float32(2), np.array(3)])
+@pytest.mark.parametrize(
+    "one", ["45", "", 0.5, True, None, Path("a/b"), len, {"a": 1}, np.float32(2), np.array(3)]
+)
 def test_one_value(one: Any) -> None:
     assert several(one) == (one,)
     assert several([one, one]) == (one, one)
     assert Axis("gamma", one).values == (one,)
 
 
-@pytest.mark.parametrize("many", [("a", "b"), ["a", "b"], iter("ab"), dict.fromkeys("ab").keys(), np.array(["a", "b"])])
+@pytest.mark.parametrize(
+    "many", [("a", "b"), ["a", "b"], iter("ab"), dict.fromkeys("ab").keys(), np.array(["a", "b"])]
+)
 def test_several_values(many: Any) -> None:
     assert several(many) == ("a", "b")
 

@@ -36,14 +36,25 @@ def test_runs(tmp_path: Path) -> None:
 
 
 def test_sweeps() -> None:
-    described = {"game": "coins", "hash": OLD, "provenance": {}, "config": {}, "values": {}, "stage": 1, "point": None}
+    described = {
+        "game": "coins",
+        "hash": OLD,
+        "provenance": {},
+        "config": {},
+        "values": {},
+        "stage": 1,
+        "point": None,
+    }
     assert Cell.read("coins", described).hash == NEW
 
 
 def test_results(tmp_path: Path) -> None:
     """Two tables, one of them of before: what they say of one game is told once."""
     for name, rules in (("before", OLD), ("today", NEW)):
-        found = pd.DataFrame([{"record": "random", "game": "coins", "hash": rules, "collective_return": 1.0}], columns=COLUMNS)
+        found = pd.DataFrame(
+            [{"record": "random", "game": "coins", "hash": rules, "collective_return": 1.0}],
+            columns=COLUMNS,
+        )
         (tmp_path / name).mkdir()
         (tmp_path / name / "results.csv").write_text(write_frame(found))
     assert load(tmp_path / "before", tmp_path / "today").hash.to_list() == [NEW]

@@ -37,7 +37,9 @@ def verify(game: ir.Game) -> ir.Game:
     _check_streams(game)
     glyphs = {g.glyph for g in game.glyphs}
     assert len(glyphs) == len(game.glyphs), game.glyphs
-    assert game.rows and all(len(row) == len(game.rows[0]) and set(row) <= glyphs for row in game.rows), game.rows
+    assert game.rows and all(
+        len(row) == len(game.rows[0]) and set(row) <= glyphs for row in game.rows
+    ), game.rows
     return game
 
 
@@ -51,7 +53,11 @@ def _check_streams(game: ir.Game) -> None:
                 case ir.Draw() | ir.Pick() | ir.Chance() | ir.Match() | ir.Move() | ir.Wander():
                     streams[node.stream] += 1
                 case ir.Shift():
-                    streams.update(stream for stream in (node.stream, node.heading_stream) if stream is not None)
+                    streams.update(
+                        stream
+                        for stream in (node.stream, node.heading_stream)
+                        if stream is not None
+                    )
                 case ir.Set(lot=int(stream)):
                     streams[stream] += 1
                 case ir.Send() if node.pool not in pools:

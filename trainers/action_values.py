@@ -47,4 +47,6 @@ def best_action(values: Array, allowed: Array | None) -> Array:
 def exploration(config: VDNConfig, updates: Array) -> Array:
     """Returns the probability of exploring in the rollout after `updates` updates: linear, then constant."""
     gone = jnp.minimum(updates / (config.epsilon_fraction * config.num_updates), 1.0)
-    return (config.epsilon_start + gone * (config.epsilon_end - config.epsilon_start)).astype(jnp.float32)
+    return (config.epsilon_start + gone * (config.epsilon_end - config.epsilon_start)).astype(
+        jnp.float32
+    )

@@ -28,7 +28,9 @@ class ActorCritics:
     teams: Teams
     network: ActorCritic
     joint_shape: tuple[int, ...] | None  # of a central critic's input; None: critics are local
-    state_vector: Callable[[Any], Array] | None  # of one state `[K]` float32, if that is the critic's input
+    state_vector: (
+        Callable[[Any], Array] | None
+    )  # of one state `[K]` float32, if that is the critic's input
     packing: Packing  # of the observations in a rollout
     masks: bool  # whether forbidden actions are never taken
     num_actions: int  # A
@@ -42,13 +44,18 @@ class ActorCritics:
         agents = jnp.asarray(self.teams.indices[0])
         seen_by_team = seen[:, :, : len(agents)]
         keys = jax.random.split(key, len(self.teams.agents))
-        drawn = [self.network.init(team_key, memory, seen_by_team, self.blank_joint(), fresh, agents) for team_key in keys]
+        drawn = [
+            self.network.init(team_key, memory, seen_by_team, self.blank_joint(), fresh, agents)
+            for team_key in keys
+        ]
         return jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn)
 
     def start_memory(self, num_envs: int) -> Memory:
         """Returns the memory before the first step of B environments: leaves `[B, G, ...]`."""
         memory = self.network.start_memory(num_envs)
-        return jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(self.teams.agents), axis=1), memory)
+        return jax.tree.map(
+            lambda leaf: jnp.repeat(leaf[:, None], len(self.teams.agents), axis=1), memory
+        )
 
     def joint(self, observation: Array, state: Any) -> Array | None:
         """Returns the input of central critics `[L, M, ...]`: all windows `[L, M, N, P, V, V]`, plane after plane, or states `[L, M, ...]` as vectors."""
@@ -62,9 +69,13 @@ class ActorCritics:
         """Returns zeros `[1, 1, ...]` in place of `joint`, where the values aren't used."""
         if self.joint_shape is None:
             return None
-        return jnp.zeros((1, 1, *self.joint_shape), jnp.uint8 if self.state_vector is None else jnp.float32)
+        return jnp.zeros(
+            (1, 1, *self.joint_shape), jnp.uint8 if self.state_vector is None else jnp.float32
+        )
 
-    def apply(self, parameters: Any, memory: Memory, observation: Array, joint: Array | None, fresh: Array) -> tuple[Memory, Array, Array]:
+    def apply(
+        self, parameters: Any, memory: Memory, observation: Array, joint: Array | None, fresh: Array
+    ) -> tuple[Memory, Array, Array]:
         """Reads L steps of M environments with all networks.
 
         Args:
@@ -79,8 +90,14 @@ class ActorCritics:
         apply = over_teams(self.teams, self.network.apply, AGENTS_AXIS)
         teams_first = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), memory)
         after, logits, values = apply(parameters, teams_first, observation, joint, fresh)
-        everybody = partial(with_partners, self.teams, axis=AGENTS_AXIS, num_agents=observation.shape[AGENTS_AXIS])
-        return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1), after), everybody(logits), everybody(values)
+        everybody = partial(
+            with_partners, self.teams, axis=AGENTS_AXIS, num_agents=observation.shape[AGENTS_AXIS]
+        )
+        return (
+            jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1), after),
+            everybody(logits),
+            everybody(values),
+        )
 
 
 def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
@@ -117,7 +134,15 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         own=config.own,
         normalise_values=config.normalise_values,
     )
-    return ActorCritics(teams, network, joint_shape, state_vector, packing_of(env), wants_masks(env, config), env.num_actions)
+    return ActorCritics(
+        teams,
+        network,
+        joint_shape,
+        state_vector,
+        packing_of(env),
+        wants_masks(env, config),
+        env.num_actions,
+    )
 
 
 def token_planes(env: Environment) -> tuple[TokenPlane, ...]:
@@ -148,6 +173,10 @@ def state_shape(env: Environment) -> tuple[int, ...]:
       ConfigError: it has none.
     """
     if not hasattr(env, "state_vector"):
-        raise ConfigError(f'`{env.name}` has no state_vector for a critic of the state; choose critic = "observations"')
-    result: tuple[int, ...] = jax.eval_shape(lambda key: env.state_vector(env.reset(key)[1]), abstract_key()).shape
+        raise ConfigError(
+            f'`{env.name}` has no state_vector for a critic of the state; choose critic = "observations"'
+        )
+    result: tuple[int, ...] = jax.eval_shape(
+        lambda key: env.state_vector(env.reset(key)[1]), abstract_key()
+    ).shape
     return result

@@ -5,7 +5,9 @@ import jax.numpy as jnp
 from jax import Array
 
 
-def successor_values(values: Array, last_value: Array, terminal_values: Array, done: Array, truncated: Array) -> Array:
+def successor_values(
+    values: Array, last_value: Array, terminal_values: Array, done: Array, truncated: Array
+) -> Array:
     """Returns the bootstrap value after each step.
 
     Inside an episode it is the value of the next observation. After a truncation it is the value of the observation at which
@@ -25,7 +27,9 @@ def successor_values(values: Array, last_value: Array, terminal_values: Array, d
     return jnp.where(truncated[..., None], terminal_values, following)
 
 
-def generalised_advantages(rewards: Array, values: Array, successors: Array, done: Array, gamma: float, gae_lambda: float) -> Array:
+def generalised_advantages(
+    rewards: Array, values: Array, successors: Array, done: Array, gamma: float, gae_lambda: float
+) -> Array:
     """Returns the advantage of each action.
 
     delta_t = r_t + gamma * V(s_{t+1}) - V(s_t);  A_t = delta_t + gamma * lambda * A_{t+1}, cut after each episode.
@@ -49,5 +53,7 @@ def generalised_advantages(rewards: Array, values: Array, successors: Array, don
         advantage = delta + keep * advantage
         return advantage, advantage
 
-    _, advantages = jax.lax.scan(backwards, jnp.zeros_like(deltas[0]), (deltas, decay), reverse=True)
+    _, advantages = jax.lax.scan(
+        backwards, jnp.zeros_like(deltas[0]), (deltas, decay), reverse=True
+    )
     return advantages

@@ -46,4 +46,6 @@ def make_train(env: Environment, config: Config) -> Train:
     adopt, parameters = program.adopt, load_parameters(config.init_from, env, config)
     if adopt is None:
         raise ConfigError("this algorithm can't start from a policy: its `Train` has no `adopt`")
-    return replace(program, init=lambda key: adopt(program.init(key), jax.tree.map(jnp.asarray, parameters)))
+    return replace(
+        program, init=lambda key: adopt(program.init(key), jax.tree.map(jnp.asarray, parameters))
+    )

@@ -21,7 +21,10 @@ class CheckpointPace:
     @property
     def interval(self) -> float:
         """The least seconds from the end of one checkpoint to the start of the next."""
-        return max(SECONDS_A_MINUTE * self._config.checkpoint_minutes, self._cost / self._config.checkpoint_share - self._cost)
+        return max(
+            SECONDS_A_MINUTE * self._config.checkpoint_minutes,
+            self._cost / self._config.checkpoint_share - self._cost,
+        )
 
     def is_due(self, update: int, now: float) -> bool:
         """Whether to write a checkpoint after an update."""

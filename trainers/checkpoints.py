@@ -37,12 +37,19 @@ class CheckpointError(Exception):
 
 def last_checkpoint(run_dir: Path) -> int:
     """Returns the update after which the last checkpoint of a run was written; 0 if there is none."""
-    return max((int(path.name) for path in (run_dir / CHECKPOINTS).glob("*") if path.name.isdecimal()), default=0)
+    return max(
+        (int(path.name) for path in (run_dir / CHECKPOINTS).glob("*") if path.name.isdecimal()),
+        default=0,
+    )
 
 
 def resumption(done: int) -> str:
     """Returns where a run resumes, in words. `done`: the update of its checkpoint; 0 without one."""
-    return f"resuming after update {done:,}" if done else "there is no checkpoint yet: starting again at update 1"
+    return (
+        f"resuming after update {done:,}"
+        if done
+        else "there is no checkpoint yet: starting again at update 1"
+    )
 
 
 class Checkpoints:
@@ -53,7 +60,9 @@ class Checkpoints:
 
         self._ocp = ocp
         self.folder = (run_dir / CHECKPOINTS).resolve()
-        options = ocp.CheckpointManagerOptions(max_to_keep=KEPT, enable_async_checkpointing=False, cleanup_tmp_directories=True)
+        options = ocp.CheckpointManagerOptions(
+            max_to_keep=KEPT, enable_async_checkpointing=False, cleanup_tmp_directories=True
+        )
         self._manager = ocp.CheckpointManager(self.folder, options=options)
 
     def updates(self) -> list[int]:
@@ -65,17 +74,23 @@ class Checkpoints:
         """Writes the state after an update. Raises OSError when there is no room."""
         arrays = _named_arrays(state)
         known = {"digest": digest_of(arrays), "arrays": _kinds(arrays)}
-        parts = self._ocp.args.Composite(state=self._ocp.args.StandardSave(arrays), known=self._ocp.args.JsonSave(known))
+        parts = self._ocp.args.Composite(
+            state=self._ocp.args.StandardSave(arrays), known=self._ocp.args.JsonSave(known)
+        )
         try:
             with naming(self.folder / str(update)), _without_further_errors():
                 self._manager.save(update, args=parts, force=True)
                 if is_first():
                     seal(self.folder / str(update))
-        except ValueError as error:  # tensorstore has no class for errors of the system, but names their number
+        except (
+            ValueError
+        ) as error:  # tensorstore has no class for errors of the system, but names their number
             number = re.search(r"os_error_code='(\d+)'", str(error))
             if number is None:
                 raise
-            raise OSError(int(number[1]), os.strerror(int(number[1])), str(self.folder / str(update))) from None
+            raise OSError(
+                int(number[1]), os.strerror(int(number[1])), str(self.folder / str(update))
+            ) from None
 
     def restore(self, update: int, like: Any) -> Any:
         """Returns the state after an update, with the structure, dtypes and placement of `like`.
@@ -90,13 +105,20 @@ class Checkpoints:
         wanted = {name: ocp.utils.to_shape_dtype_struct(leaf) for name, leaf in named.items()}
         known = self._read(update, known=ocp.args.JsonRestore())["known"]
         if known.get("arrays", _kinds(named)) != _kinds(named):
-            raise CheckpointError(f"{folder} can't be read: its arrays have other names, shapes or dtypes than this run's")
+            raise CheckpointError(
+                f"{folder} can't be read: its arrays have other names, shapes or dtypes than this run's"
+            )
         arrays = self._read(update, state=ocp.args.StandardRestore(wanted))["state"]
         if digest_of(arrays) != known.get("digest"):
             raise CheckpointError(f"{folder} is damaged: its arrays aren't those that were written")
         leaves, structure = tree_flatten_with_path(like)
         restored = [(leaf, arrays[keystr(place)]) for place, leaf in leaves]
-        keys = [jax.random.wrap_key_data(array, impl=jax.random.key_impl(leaf)) if _is_key(leaf) else array for leaf, array in restored]
+        keys = [
+            jax.random.wrap_key_data(array, impl=jax.random.key_impl(leaf))
+            if _is_key(leaf)
+            else array
+            for leaf, array in restored
+        ]
         return jax.tree.unflatten(structure, keys)
 
     def restore_last(self, start: TrainState) -> tuple[TrainState, int]:
@@ -118,7 +140,9 @@ class Checkpoints:
             return self._manager.restore(update, args=self._ocp.args.Composite(**parts))
         except Exception as error:  # orbax and tensorstore have no common class of errors
             message = (str(error).strip().splitlines() or [type(error).__name__])[0][:300]
-            raise CheckpointError(f"{self.folder / str(update)} cannot be read: {message}") from None
+            raise CheckpointError(
+                f"{self.folder / str(update)} cannot be read: {message}"
+            ) from None
 
     def drop(self, update: int) -> None:
         """Removes a checkpoint that can't be read, so that the run can write it again."""
@@ -156,7 +180,10 @@ def _without_further_errors() -> Iterator[None]:
 def _named_arrays(state: Any) -> dict[str, Any]:
     """Returns the leaves of a state by their paths; random keys as their words."""
     leaves, _ = tree_flatten_with_path(state)
-    return {keystr(place): jax.random.key_data(leaf) if _is_key(leaf) else leaf for place, leaf in leaves}
+    return {
+        keystr(place): jax.random.key_data(leaf) if _is_key(leaf) else leaf
+        for place, leaf in leaves
+    }
 
 
 def _is_key(leaf: Any) -> bool:
@@ -165,4 +192,6 @@ def _is_key(leaf: Any) -> bool:
 
 def _kinds(arrays: Mapping[str, Any]) -> dict[str, str]:
     """Returns dtype and shape of each array, as text: `float32[4,2]`."""
-    return {name: f"{array.dtype}[{','.join(map(str, array.shape))}]" for name, array in arrays.items()}
+    return {
+        name: f"{array.dtype}[{','.join(map(str, array.shape))}]" for name, array in arrays.items()
+    }

@@ -62,21 +62,43 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
             assert program.adopt is not None
             return program.adopt(state, own)
 
-        result: TrainState = at_once(start_seed)(seeds if config.seeds > 1 else seeds[0], parameters)
+        result: TrainState = at_once(start_seed)(
+            seeds if config.seeds > 1 else seeds[0], parameters
+        )
         return result
 
     seeds = jnp.asarray(config.seed_numbers, jnp.uint32)
     shapes = jax.eval_shape(first, seeds, parameters)
     places = placement.of_state(shapes)
-    state = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), shapes, places)
+    state = jax.tree.map(
+        lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place),
+        shapes,
+        places,
+    )
     # Return leaves, not a tree: tracing again creates a new optimiser, which JAX would take for a different tree structure.
-    init = jax.jit(lambda seeds, parameters: jax.tree.leaves(first(seeds, parameters)), out_shardings=jax.tree.leaves(places))
+    init = jax.jit(
+        lambda seeds, parameters: jax.tree.leaves(first(seeds, parameters)),
+        out_shardings=jax.tree.leaves(places),
+    )
     collect_over = over_seeds(program.collect)
-    collect = jax.jit(collect_over, donate_argnums=0, out_shardings=(places, None)).lower(state).compile()
-    played_shapes, played_places = jax.eval_shape(collect_over, state)[1], collect.output_shardings[1]
-    played = jax.tree.map(lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place), played_shapes, played_places)
+    collect = (
+        jax.jit(collect_over, donate_argnums=0, out_shardings=(places, None)).lower(state).compile()
+    )
+    played_shapes, played_places = (
+        jax.eval_shape(collect_over, state)[1],
+        collect.output_shardings[1],
+    )
+    played = jax.tree.map(
+        lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place),
+        played_shapes,
+        played_places,
+    )
     learn_over = over_seeds(program.learn)
-    learn = jax.jit(learn_over, donate_argnums=0, out_shardings=(places, placement.everywhere)).lower(state, played).compile()
+    learn = (
+        jax.jit(learn_over, donate_argnums=0, out_shardings=(places, placement.everywhere))
+        .lower(state, played)
+        .compile()
+    )
     need, free = max(_bytes(collect), _bytes(learn)), free_memory()
     if need > free:
         raise NoMemoryError(
@@ -147,7 +169,12 @@ def _bytes(compiled: Any) -> int:
     found = compiled.memory_analysis()
     if found is None:
         return 0
-    result: int = found.argument_size_in_bytes + found.output_size_in_bytes + found.temp_size_in_bytes - found.alias_size_in_bytes
+    result: int = (
+        found.argument_size_in_bytes
+        + found.output_size_in_bytes
+        + found.temp_size_in_bytes
+        - found.alias_size_in_bytes
+    )
     return result
 
 
@@ -157,7 +184,11 @@ def free_memory() -> int:
     if device.platform == "cpu":
         return int(psutil.virtual_memory().available)
     stats = device.memory_stats() or {}
-    return int(stats["bytes_limit"] - stats.get("bytes_in_use", 0)) if "bytes_limit" in stats else 2**62
+    return (
+        int(stats["bytes_limit"] - stats.get("bytes_in_use", 0))
+        if "bytes_limit" in stats
+        else 2**62
+    )
 
 
 def peak_megabytes() -> float:

@@ -25,7 +25,17 @@ from pydantic import (
 from sjdsl.near_names import meant
 
 from .config_errors import RETIRED, ConfigError, sentence_of
-from .extensions import BUILT_IN, Kind, RewardMode, a, find, is_own, lasting, name_of, require_allowed
+from .extensions import (
+    BUILT_IN,
+    Kind,
+    RewardMode,
+    a,
+    find,
+    is_own,
+    lasting,
+    name_of,
+    require_allowed,
+)
 from .own_settings import OWN, Own, gathered, missing_own, spread, unread_own
 from .policy_names import lasting_name, split_name
 
@@ -35,7 +45,9 @@ MOST_SEEDS = 2**16  # in one run; each has a folder
 TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
 # Keys of stored configurations that nothing reads.
 FORMER = (*RETIRED, "team_reward", "similarity_clip", "individual_kl", "team_kl", "roles")
-SEEDS = 2**32  # the number of seeds: JAX uses the lower 32 bits, so a larger seed would repeat the run of a smaller one
+SEEDS = (
+    2**32
+)  # the number of seeds: JAX uses the lower 32 bits, so a larger seed would repeat the run of a smaller one
 
 
 class Given(NamedTuple):
@@ -83,7 +95,9 @@ def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, Validat
         if callable(value):
             return name_of(kind, value)
         if not isinstance(value, str) or (value not in names and not is_own(kind, value)):
-            raise ValueError(f"{', '.join(map(repr, names))}, the name of {a(kind)} that was registered, or FILE.py:NAME")
+            raise ValueError(
+                f"{', '.join(map(repr, names))}, the name of {a(kind)} that was registered, or FILE.py:NAME"
+            )
         if value not in names:
             value = lasting(kind, value)
             find(kind, value)
@@ -103,13 +117,20 @@ def _partners(value: Any, given: ValidationInfo) -> Any:
         parts = re.findall(r"\s*([\d,\s]+)=([^,]+)", value)
         if not value.strip() or re.sub(r"\s*([\d,\s]+)=([^,]+)(,|$)", "", value):
             raise ValueError(PARTNERS_FORM)
-        value = {int(agent): policy.strip() for agents, policy in parts for agent in agents.replace(" ", "").strip(",").split(",")}
+        value = {
+            int(agent): policy.strip()
+            for agents, policy in parts
+            for agent in agents.replace(" ", "").strip(",").split(",")
+        }
     if _is_stored(given):  # checked before it was stored, with full paths
         return value
     if isinstance(value, Mapping):
         value = value.items()
     try:
-        pairs = [(int(agent) if isinstance(agent, str) else operator.index(agent), policy) for agent, policy in value]
+        pairs = [
+            (int(agent) if isinstance(agent, str) else operator.index(agent), policy)
+            for agent, policy in value
+        ]
     except (TypeError, ValueError):
         raise ValueError(PARTNERS_FORM) from None
     return tuple(sorted((agent, lasting_name(policy)) for agent, policy in pairs))
@@ -133,16 +154,30 @@ def _policy_name(value: Any, given: ValidationInfo) -> Any:
     return value if _is_stored(given) else lasting_name(value)
 
 
-Count = Annotated[PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)]  # larger numbers are not exact floats
+Count = Annotated[
+    PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)
+]  # larger numbers are not exact floats
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
-Angles = Annotated[tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...], Field(min_length=1), BeforeValidator(_listed)]
-Sides = Annotated[tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...], Field(min_length=1), BeforeValidator(_listed)]
+Angles = Annotated[
+    tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...],
+    Field(min_length=1),
+    BeforeValidator(_listed),
+]
+Sides = Annotated[
+    tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...],
+    Field(min_length=1),
+    BeforeValidator(_listed),
+]
 Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partners)]
 
 COMMON, SVO = only("reward", "common"), only("reward", "svo")
 EXCHANGE, INEQUITY = only("reward", "exchange"), only("reward", "inequity")
-TRACES = Only("reward", "svo or one of your own", lambda reward: reward not in get_args(RewardMode) or reward == "svo")
+TRACES = Only(
+    "reward",
+    "svo or one of your own",
+    lambda reward: reward not in get_args(RewardMode) or reward == "svo",
+)
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
 CNN, MAPPO = only("network", "cnn"), only("algorithm", "mappo")
 BUFFER, ROLLOUT = only("replay", "buffer"), only("replay", "none")
@@ -156,8 +191,12 @@ class Config(BaseModel):
 
     algorithm: str
     seed: CountOrZero = 0
-    seeds: Annotated[Count, Field(le=MOST_SEEDS)] = 1  # runs side by side, with seeds `seed`, `seed` + 1 and so on
-    total_timesteps: Count = 10_000_000  # environment steps of each seed, rounded up to whole updates
+    seeds: Annotated[Count, Field(le=MOST_SEEDS)] = (
+        1  # runs side by side, with seeds `seed`, `seed` + 1 and so on
+    )
+    total_timesteps: Count = (
+        10_000_000  # environment steps of each seed, rounded up to whole updates
+    )
     num_envs: Count = 64
     num_steps: Count = 128  # steps of one rollout
     spread_starts: bool = True  # environments start at different steps of an episode, so that each rollout covers all of it
@@ -167,37 +206,67 @@ class Config(BaseModel):
     max_gradient_norm: PositiveFloat = 0.5
     adam_epsilon: PositiveFloat = 1e-8  # added to the root of squared gradients; a larger one slows layers with small gradients
 
-    init_from: Annotated[str, BeforeValidator(_policy_name)] = ""  # the policy whose parameters the run starts with; "": random ones
+    init_from: Annotated[str, BeforeValidator(_policy_name)] = (
+        ""  # the policy whose parameters the run starts with; "": random ones
+    )
     partners: Partners = ()  # (agent, policy): agents that act by a fixed policy and don't learn
 
-    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", BUILT_IN["reward"]))] = "individual"  # or a custom one, of a `Step`
+    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", BUILT_IN["reward"]))] = (
+        "individual"  # or a custom one, of a `Step`
+    )
     common_reward: Annotated[Literal["sum", "mean"], COMMON] = "sum"
-    reward_smoothing: Annotated[Fraction, TRACES] = 0.0  # decay per step of the reward traces that svo compares; 0: this step's rewards
-    svo_angle: Annotated[Angles, SVO] = (90.0,)  # target angle in degrees; one for all agents or one each
+    reward_smoothing: Annotated[Fraction, TRACES] = (
+        0.0  # decay per step of the reward traces that svo compares; 0: this step's rewards
+    )
+    svo_angle: Annotated[Angles, SVO] = (
+        90.0,
+    )  # target angle in degrees; one for all agents or one each
     svo_weight: Annotated[NonNegativeFloat, SVO] = 0.5
-    svo_at_rest: Annotated[Literal["selfish", "content"], SVO] = "selfish"  # the angle while nobody is rewarded: 0, or the target
-    svo_quadrant: Annotated[bool, SVO] = True  # clip angles to 0 .. 90 degrees, the range of the theory
+    svo_at_rest: Annotated[Literal["selfish", "content"], SVO] = (
+        "selfish"  # the angle while nobody is rewarded: 0, or the target
+    )
+    svo_quadrant: Annotated[bool, SVO] = (
+        True  # clip angles to 0 .. 90 degrees, the range of the theory
+    )
     exchange_ratio: Annotated[Fraction, EXCHANGE] = (
         0.5  # weight of each other agent's reward relative to one's own: 0 individual, 1 the mean
     )
     inequity_envy: Annotated[NonNegativeFloat, INEQUITY] = 5.0  # weight of others having more
     inequity_guilt: Annotated[NonNegativeFloat, INEQUITY] = 0.05  # weight of others having less
-    inequity_smoothing: Annotated[Fraction, INEQUITY] = 0.975  # lambda: traces decay by gamma x lambda per step; 0: this step's rewards
-    match_socialjax: Annotated[bool, SCALED] = False  # scale rewards by the number of agents, as in the released code
+    inequity_smoothing: Annotated[Fraction, INEQUITY] = (
+        0.975  # lambda: traces decay by gamma x lambda per step; 0: this step's rewards
+    )
+    match_socialjax: Annotated[bool, SCALED] = (
+        False  # scale rewards by the number of agents, as in the released code
+    )
 
-    agent_id: bool = False  # networks also read the agent's number, so that agents who share one can differ
+    agent_id: bool = (
+        False  # networks also read the agent's number, so that agents who share one can differ
+    )
     mask_actions: bool = True  # exclude forbidden actions from drawing, values and learning
 
-    network: Annotated[str, BeforeValidator(_one_of_or_own("network", BUILT_IN["network"]))] = "cnn"  # or a custom one, of tokens
+    network: Annotated[str, BeforeValidator(_one_of_or_own("network", BUILT_IN["network"]))] = (
+        "cnn"  # or a custom one, of tokens
+    )
     network_width: Count = 64  # units of each hidden dense layer
-    convolution_sides: Annotated[Sides, CNN] = (5, 3, 3)  # kernel side of each convolution in cells, in order
+    convolution_sides: Annotated[Sides, CNN] = (
+        5,
+        3,
+        3,
+    )  # kernel side of each convolution in cells, in order
     convolution_channels: Annotated[Count, CNN] = 32  # output channels of each convolution
     precision: Literal["float32", "bfloat16"] = "float32"  # of the layers; parameters stay float32
     own: Own = ()  # (name, value): settings of a custom algorithm, loss, network or reward
 
-    checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = 10.0  # at least, between two checkpoints
-    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = 0.05  # the largest share of time spent on writing checkpoints
-    checkpoint_updates: CountOrZero = 0  # instead: updates between checkpoints, however long writing takes; 0: by time
+    checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = (
+        10.0  # at least, between two checkpoints
+    )
+    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = (
+        0.05  # the largest share of time spent on writing checkpoints
+    )
+    checkpoint_updates: CountOrZero = (
+        0  # instead: updates between checkpoints, however long writing takes; 0: by time
+    )
     policy_every: CountOrZero = 0  # updates between numbered policies; 0: a twentieth of the run
     keep_policies: CountOrZero = 5  # how many of the latest are kept; 0: all
     evaluate_every: CountOrZero = 0  # updates between evaluations; 0: none during the run
@@ -212,10 +281,21 @@ class Config(BaseModel):
             first = {
                 fault["loc"][:1]: fault for fault in reversed(error.errors())
             }  # of each key: a wrong number in a list is no list either
-            raise ConfigError("\n".join(sentence_of(fault, cls.model_fields, KEYS_OF) for fault in reversed(first.values()))) from None
+            raise ConfigError(
+                "\n".join(
+                    sentence_of(fault, cls.model_fields, KEYS_OF)
+                    for fault in reversed(first.values())
+                )
+            ) from None
         if config.seed + config.seeds > SEEDS:
-            last = "" if config.seeds == 1 else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
-            raise ConfigError(f"`seed` must be below 2^32 = {SEEDS}, as random keys have 32 bits, not {config.seed}{last}")
+            last = (
+                ""
+                if config.seeds == 1
+                else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
+            )
+            raise ConfigError(
+                f"`seed` must be below 2^32 = {SEEDS}, as random keys have 32 bits, not {config.seed}{last}"
+            )
         asked = info.context.asked if info.context is not None else None
         config._refuse_unread(config.model_fields_set if asked is None else asked, _is_stored(info))
         return config
@@ -235,7 +315,9 @@ class Config(BaseModel):
             if name in asked
         ]
         if not stored:  # stored code is not imported here
-            faults += [said for name, said in unread_own(self).items() if {"own", OWN + name} & {*asked}]
+            faults += [
+                said for name, said in unread_own(self).items() if {"own", OWN + name} & {*asked}
+            ]
             faults += missing_own(self)
         if faults:
             raise ConfigError("\n".join(faults))
@@ -243,7 +325,11 @@ class Config(BaseModel):
     @property
     def unread(self) -> dict[str, Only]:
         """The settings that have no effect here, each with the values of another setting that would make it effective."""
-        return {name: mark for name, mark in dependent_settings(type(self)).items() if not mark.holds(getattr(self, mark.setting))}
+        return {
+            name: mark
+            for name, mark in dependent_settings(type(self)).items()
+            if not mark.holds(getattr(self, mark.setting))
+        }
 
     @property
     def hooks(self) -> dict[Kind, str]:
@@ -280,22 +366,34 @@ class Config(BaseModel):
 class PPOConfig(Config):
     """Proximal policy optimisation with local critics (ippo) or a central critic (mappo)."""
 
-    algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo")))] = "ippo"  # or a custom one
-    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUILT_IN["loss"]))] = "ppo"  # or a custom one, of a minibatch
+    algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo")))] = (
+        "ippo"  # or a custom one
+    )
+    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUILT_IN["loss"]))] = (
+        "ppo"  # or a custom one, of a minibatch
+    )
     learning_rate: PositiveFloat = 5e-4
     num_epochs: Count = 2
     num_minibatches: Count = 8
     gae_lambda: Fraction = 0.95
-    advantage_floor: NonNegativeFloat = 0.03  # the least standard deviation that a minibatch's advantages are divided by
+    advantage_floor: NonNegativeFloat = (
+        0.03  # the least standard deviation that a minibatch's advantages are divided by
+    )
     clip_epsilon: PositiveFloat = 0.2
     scale_clip_epsilon: bool = False  # divide clip_epsilon by the number of agents
     clip_value_loss: bool = False
-    normalise_values: bool = False  # critics predict in units of the running mean and deviation of their targets
+    normalise_values: bool = (
+        False  # critics predict in units of the running mean and deviation of their targets
+    )
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 
-    critic: Annotated[Literal["observations", "state"], MAPPO] = "observations"  # the critic's input: all agents' windows, or the state
-    joint_optimiser: Annotated[bool, MAPPO] = False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
+    critic: Annotated[Literal["observations", "state"], MAPPO] = (
+        "observations"  # the critic's input: all agents' windows, or the state
+    )
+    joint_optimiser: Annotated[bool, MAPPO] = (
+        False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
+    )
     sharing: Literal["shared", "per_agent"] = "shared"  # whether agents share a network
     memory: Literal["none", "gru"] = "none"
 
@@ -316,30 +414,47 @@ class VDNConfig(Config):
     num_steps: Count = 1
     reward: Annotated[Literal["common"], BeforeValidator(_common)] = "common"
     match_socialjax: bool = False  # the team's reward is multiplied by the number of agents
-    replay: Literal["buffer", "none"] = "buffer"  # learn from steps drawn from a buffer, or from each rollout as it was played
+    replay: Literal["buffer", "none"] = (
+        "buffer"  # learn from steps drawn from a buffer, or from each rollout as it was played
+    )
     layer_norm: bool = False  # of each hidden layer
-    buffer_size: Annotated[Count, BUFFER] = 102_400  # environment steps in the replay buffer; a multiple of num_envs x num_steps
+    buffer_size: Annotated[Count, BUFFER] = (
+        102_400  # environment steps in the replay buffer; a multiple of num_envs x num_steps
+    )
     batch_size: Annotated[Count, BUFFER] = 128
     gradient_steps: Annotated[Count, BUFFER] = 4  # of one update
-    learning_starts: Annotated[CountOrZero, BUFFER] = 1000  # environment steps before the first gradient step
+    learning_starts: Annotated[CountOrZero, BUFFER] = (
+        1000  # environment steps before the first gradient step
+    )
     double_q: Annotated[bool, BUFFER] = False
     target_update_every: Annotated[Count, BUFFER] = 10  # updates
-    target_rate: Annotated[float, Field(gt=0.0, le=1.0), BUFFER] = 1.0  # how far the target moves towards the network
+    target_rate: Annotated[float, Field(gt=0.0, le=1.0), BUFFER] = (
+        1.0  # how far the target moves towards the network
+    )
     num_epochs: Annotated[Count, ROLLOUT] = 1
     num_minibatches: Annotated[Count, ROLLOUT] = 8
     q_lambda: Annotated[Fraction, ROLLOUT] = 0.9  # weight of longer returns
     epsilon_start: Fraction = 1.0
     epsilon_end: Fraction = 0.05
-    epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1  # of the run, until epsilon_end is reached
+    epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = (
+        0.1  # of the run, until epsilon_end is reached
+    )
 
 
 CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
-KEYS_OF: Mapping[str, Mapping[str, Any]] = {algorithm: kind.model_fields for algorithm, kind in CLASSES.items()}
+KEYS_OF: Mapping[str, Mapping[str, Any]] = {
+    algorithm: kind.model_fields for algorithm, kind in CLASSES.items()
+}
 
 
 def dependent_settings(kind: type[Config]) -> dict[str, Only]:
     """Returns the settings that are not always used, each with its condition."""
-    return {name: mark for name, field in kind.model_fields.items() for mark in field.metadata if isinstance(mark, Only)}
+    return {
+        name: mark
+        for name, field in kind.model_fields.items()
+        for mark in field.metadata
+        if isinstance(mark, Only)
+    }
 
 
 def only_of_others(name: str, kind: type[Config]) -> bool:
@@ -347,7 +462,9 @@ def only_of_others(name: str, kind: type[Config]) -> bool:
     return name not in kind.model_fields and any(name in keys for keys in KEYS_OF.values())
 
 
-def make_config(values: Mapping[str, Any] | None = None, *, asked: Collection[str] | None = None, **more: Any) -> Config:
+def make_config(
+    values: Mapping[str, Any] | None = None, *, asked: Collection[str] | None = None, **more: Any
+) -> Config:
     """Returns the configuration of the algorithm that `values` name; ippo by default.
 
     Args:
@@ -369,7 +486,10 @@ def stored_config(values: Any, strict: bool = False) -> Config:
     """
     if not isinstance(values, Mapping):
         raise ConfigError(f"a configuration has keys and values, not {type(values).__name__}")
-    return _config({key: value for key, value in values.items() if key not in FORMER}, Given(None if strict else (), stored=True))
+    return _config(
+        {key: value for key, value in values.items() if key not in FORMER},
+        Given(None if strict else (), stored=True),
+    )
 
 
 def require_code(config: Config, place: str, to_act: bool) -> None:
@@ -392,7 +512,9 @@ def class_of(algorithm: Any) -> type[Config]:
     if callable(algorithm) or (isinstance(algorithm, str) and is_own("algorithm", algorithm)):
         return PPOConfig
     if not isinstance(algorithm, str) or algorithm not in CLASSES:
-        raise ConfigError(f"unknown algorithm {algorithm!r}{meant(str(algorithm), CLASSES, 'known:')}")
+        raise ConfigError(
+            f"unknown algorithm {algorithm!r}{meant(str(algorithm), CLASSES, 'known:')}"
+        )
     return CLASSES[algorithm]
 
 
@@ -400,9 +522,18 @@ def _config(given_values: Mapping[str, Any], given: Given) -> Config:
     values = {"algorithm": "ippo", **spread(given_values)}
     kind = class_of(values["algorithm"])
     if given.asked is not None and not given.stored:
-        values = {name: value for name, value in values.items() if name in given.asked or not only_of_others(name, kind)}
+        values = {
+            name: value
+            for name, value in values.items()
+            if name in given.asked or not only_of_others(name, kind)
+        }
     config = kind.model_validate(gathered(values), context=given)
     if given.asked is None:
         return config
-    unread = {*config.unread, *(() if given.stored else map(OWN.__add__, unread_own(config)))} - {*given.asked}
-    return kind.model_validate(gathered({name: value for name, value in values.items() if name not in unread}), context=given)
+    unread = {*config.unread, *(() if given.stored else map(OWN.__add__, unread_own(config)))} - {
+        *given.asked
+    }
+    return kind.model_validate(
+        gathered({name: value for name, value in values.items() if name not in unread}),
+        context=given,
+    )

@@ -30,7 +30,9 @@ EXPECTED: Mapping[str, str] = {
 }
 
 
-def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Mapping[str, Mapping[str, Any]]) -> str:
+def sentence_of(
+    fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Mapping[str, Mapping[str, Any]]
+) -> str:
     """Returns one of pydantic's faults as a sentence; `known` has the configuration's keys, `keys_of` those of every algorithm."""
     key, kind = str(fault["loc"][0]) if fault["loc"] else "config", fault["type"]
     if kind == "extra_forbidden":
@@ -43,4 +45,6 @@ def sentence_of(fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Map
     need = EXPECTED[kind].format(**fault.get("ctx", {})) if kind in EXPECTED else fault["msg"]
     words = re.findall(r"'([^']+)'", need)  # the known values, if there are only some
     near = nearest(fault["input"], words) if isinstance(fault["input"], str) else ()
-    return f"`{key}` must be {need}, not {fault['input']!r}" + (f"; did you mean {either(near)}?" if near else "")
+    return f"`{key}` must be {need}, not {fault['input']!r}" + (
+        f"; did you mean {either(near)}?" if near else ""
+    )

@@ -23,7 +23,13 @@ def convolve(features: Array, kernel: Array) -> Array:
 
 
 def _plain(features: Array, kernel: Array, padding: int) -> Array:
-    return jax.lax.conv_general_dilated(features, kernel, (1, 1), [(padding, padding)] * 2, dimension_numbers=("NHWC", "HWIO", "NHWC"))
+    return jax.lax.conv_general_dilated(
+        features,
+        kernel,
+        (1, 1),
+        [(padding, padding)] * 2,
+        dimension_numbers=("NHWC", "HWIO", "NHWC"),
+    )
 
 
 def _convolution(padding: int) -> Any:
@@ -44,7 +50,9 @@ def _convolution(padding: int) -> Any:
 
         plain = partial(_plain, padding=padding)
         one_by_one = partial(jax.lax.map, lambda both: plain(*both))
-        return jax.lax.platform_dependent((features, kernel), cpu=one_by_one, default=lambda both: jax.vmap(plain)(*both)), True
+        return jax.lax.platform_dependent(
+            (features, kernel), cpu=one_by_one, default=lambda both: jax.vmap(plain)(*both)
+        ), True
 
     return convolution
 
@@ -54,20 +62,28 @@ def _forward(features: Array, kernel: Array) -> tuple[Array, tuple[Array, Array]
 
 
 def _backward(inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, Array]:
-    result: tuple[Array, Array] = jax.lax.platform_dependent(*inputs, gradient, cpu=_gradients_as_convolutions, default=_gradients)
+    result: tuple[Array, Array] = jax.lax.platform_dependent(
+        *inputs, gradient, cpu=_gradients_as_convolutions, default=_gradients
+    )
     return result
 
 
 def _gradients(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:
-    _, pull_back = jax.vjp(lambda image, weights: _plain(image, weights, kernel.shape[0] // 2), features, kernel)
+    _, pull_back = jax.vjp(
+        lambda image, weights: _plain(image, weights, kernel.shape[0] // 2), features, kernel
+    )
     result: tuple[Array, Array] = pull_back(gradient)
     return result
 
 
-def _gradients_as_convolutions(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:
+def _gradients_as_convolutions(
+    features: Array, kernel: Array, gradient: Array
+) -> tuple[Array, Array]:
     padding = kernel.shape[0] // 2
     of_features = _convolution(padding)(gradient, jnp.flip(kernel, (0, 1)).swapaxes(2, 3))
-    of_kernel = _convolution(padding)(features.transpose(3, 1, 2, 0), gradient.transpose(1, 2, 0, 3))
+    of_kernel = _convolution(padding)(
+        features.transpose(3, 1, 2, 0), gradient.transpose(1, 2, 0, 3)
+    )
     return of_features, of_kernel.transpose(1, 2, 0, 3)
 
 

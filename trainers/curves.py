@@ -17,7 +17,11 @@ from .run_errors import RunError
 
 POINTS = 200  # of a curve, at most; updates are averaged
 # Prefixes of columns, and what they are of an episode.
-OF_AN_EPISODE = {"event_": "{} in an episode", "mean_": "mean of {} over an episode", "final_": "{} at the end of an episode"}
+OF_AN_EPISODE = {
+    "event_": "{} in an episode",
+    "mean_": "mean of {} over an episode",
+    "final_": "{} at the end of an episode",
+}
 
 
 def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
@@ -48,7 +52,11 @@ def figures(rows: Iterable[Row], metric: str) -> np.ndarray:
 @lru_cache
 def _columns(known: tuple[str, ...], name: str) -> tuple[str, ...]:
     """Returns the columns of a name: itself, or one for each agent."""
-    found = (name,) if name in known else tuple(key for key in known if key.startswith(f"{name}_agent_"))
+    found = (
+        (name,)
+        if name in known
+        else tuple(key for key in known if key.startswith(f"{name}_agent_"))
+    )
     if not found:
         raise RunError(f"the metrics have no column `{name}`; they have {', '.join(known)}")
     return found
@@ -64,7 +72,8 @@ def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> No
     path.parent.mkdir(parents=True, exist_ok=True)
     several = any(line.low is not None for line in lines)
     picture = draw_panels(
-        split_lines(lines, in_words(metric)), note="Lines: means over seeds. Bands: from the lowest seed to the highest." * several
+        split_lines(lines, in_words(metric)),
+        note="Lines: means over seeds. Bands: from the lowest seed to the highest." * several,
     )
     with written_whole(path) as file:
         picture.savefig(file, format=path.suffix.removeprefix(".") or "png", dpi=110)
@@ -83,7 +92,10 @@ def curve_line(label: str, folder: Path, metric: str) -> Line:
         )
     steps, values = steps[known], values[:, known]
     size = max(1, math.ceil(len(steps) / POINTS))  # updates of a point
-    values = np.stack([values[:, start : start + size].mean(axis=1) for start in range(0, len(steps), size)], axis=1)
+    values = np.stack(
+        [values[:, start : start + size].mean(axis=1) for start in range(0, len(steps), size)],
+        axis=1,
+    )
     steps = steps[::size]
     whose = f"{label}, {len(seeds)} seed{'s' if len(seeds) > 1 else ''}"
     if len(seeds) == 1:

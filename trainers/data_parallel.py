@@ -13,7 +13,10 @@ from jax.sharding import Mesh, PartitionSpec
 
 ENVS = "envs"
 ALL = PartitionSpec()  # the same on every device
-OF_ENVS, SECOND_OF_ENVS = PartitionSpec(ENVS), PartitionSpec(None, ENVS)  # what has environments on its first axis, or its second
+OF_ENVS, SECOND_OF_ENVS = (
+    PartitionSpec(ENVS),
+    PartitionSpec(None, ENVS),
+)  # what has environments on its first axis, or its second
 
 
 def over_devices(function: Callable[..., Any], given: Any, returned: Any) -> Callable[..., Any]:
@@ -27,7 +30,9 @@ def over_devices(function: Callable[..., Any], given: Any, returned: Any) -> Cal
     devices = np.asarray(jax.devices())
     if devices.size == 1:
         return function
-    result: Callable[..., Any] = jax.shard_map(function, mesh=Mesh(devices, (ENVS,)), in_specs=given, out_specs=returned, check_vma=False)
+    result: Callable[..., Any] = jax.shard_map(
+        function, mesh=Mesh(devices, (ENVS,)), in_specs=given, out_specs=returned, check_vma=False
+    )
     return result
 
 

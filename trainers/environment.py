@@ -36,7 +36,9 @@ class Environment(Protocol):
         """Returns the observation `[N, P, V, V]` uint8 and the state of a new episode."""
         ...
 
-    def step(self, key: Array, state: Any, actions: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
+    def step(
+        self, key: Array, state: Any, actions: Array
+    ) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
         """Plays actions `[N]` int32, and starts a new episode when one ends.
 
         Returns observation, state, raw reward `[N]` float32, done `[]` bool and info: `truncated` `[]` bool, done by the
@@ -45,7 +47,9 @@ class Environment(Protocol):
         """
         ...
 
-    def step_env(self, key: Array, state: Any, actions: Array) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
+    def step_env(
+        self, key: Array, state: Any, actions: Array
+    ) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
         """Plays actions without starting a new episode; `terminal_observation` may be missing."""
         ...
 
@@ -80,7 +84,9 @@ def reset_shapes(env: Environment) -> tuple[Any, Any]:
 def info_shapes(env: Environment) -> dict[str, Any]:
     """Returns the shapes and dtypes of a step's info."""
     actions = array_shape((env.num_agents,), jnp.int32)
-    result: dict[str, Any] = jax.eval_shape(env.step, abstract_key(), reset_shapes(env)[1], actions)[-1]
+    result: dict[str, Any] = jax.eval_shape(
+        env.step, abstract_key(), reset_shapes(env)[1], actions
+    )[-1]
     return result
 
 

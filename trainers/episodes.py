@@ -53,20 +53,27 @@ def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
         length=jnp.zeros(num_envs, jnp.int32),
         returns=jnp.zeros((num_envs, env.num_agents), jnp.float32),
         shaped_returns=jnp.zeros((num_envs, env.num_agents), jnp.float32),
-        events={name: jnp.zeros((num_envs, *count.shape), jnp.int32) for name, count in info["events"].items()},
+        events={
+            name: jnp.zeros((num_envs, *count.shape), jnp.int32)
+            for name, count in info["events"].items()
+        },
         metric_sums=no_metrics,
         metric_finals=no_metrics,
     )
 
 
-def add_step(sums: EpisodeSums, reward: Array, shaped_reward: Array, info: dict[str, Any]) -> EpisodeSums:
+def add_step(
+    sums: EpisodeSums, reward: Array, shaped_reward: Array, info: dict[str, Any]
+) -> EpisodeSums:
     """Returns the sums after one more step of each of the B episodes; `info` as the step gave it."""
     return EpisodeSums(
         length=sums.length + 1,
         returns=sums.returns + reward,
         shaped_returns=sums.shaped_returns + shaped_reward,
         events={name: count + info["events"][name] for name, count in sums.events.items()},
-        metric_sums={name: total + info["metrics"][name] for name, total in sums.metric_sums.items()},
+        metric_sums={
+            name: total + info["metrics"][name] for name, total in sums.metric_sums.items()
+        },
         metric_finals=info["metrics"],
     )
 
@@ -90,7 +97,9 @@ def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpis
         metric_finals=sums.metric_finals,
     )
     running = jax.tree.map(lambda leaf: jnp.where(where_done(leaf), 0, leaf), sums)
-    return running, jax.tree.map(lambda leaf: jnp.where(where_done(leaf), leaf, 0).sum(axis=0, dtype=leaf.dtype), ended)
+    return running, jax.tree.map(
+        lambda leaf: jnp.where(where_done(leaf), leaf, 0).sum(axis=0, dtype=leaf.dtype), ended
+    )
 
 
 def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
@@ -113,7 +122,16 @@ def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
 
 def without_value(metrics: dict[str, Any]) -> set[str]:
     """Returns the metrics of a mean episode without a value: all but the count if none finished; equality if one of them lacks it."""
-    of_episodes = {"episode_length", "collective_return", "agent_return", "shaped_agent_return", "equality", "event", "mean", "final"}
+    of_episodes = {
+        "episode_length",
+        "collective_return",
+        "agent_return",
+        "shaped_agent_return",
+        "equality",
+        "event",
+        "mean",
+        "final",
+    }
     if metrics["episodes"] == 0:
         return of_episodes
     return {"equality"} if metrics.get("equalities", math.inf) < metrics["episodes"] else set()

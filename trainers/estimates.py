@@ -21,7 +21,9 @@ def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:
     samples = np.asarray(samples, np.float64)
     if len(samples) < 2:
         return Estimate(float(samples.mean()), -math.inf, math.inf)
-    if (samples == samples[0]).all():  # rounding would change their mean, and give them a small standard deviation
+    if (
+        samples == samples[0]
+    ).all():  # rounding would change their mean, and give them a small standard deviation
         return Estimate(float(samples[0]), float(samples[0]), float(samples[0]))
     mean = float(samples.mean())
     margin = half_width(float(samples.std(ddof=1)), len(samples), confidence)

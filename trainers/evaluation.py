@@ -70,7 +70,10 @@ def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 3
 
 
 def make_evaluator(
-    env: Environment, policy_of: Callable[[Any], Policy], num_episodes: int, memory_of: Callable[[Any], Any] | None = None
+    env: Environment,
+    policy_of: Callable[[Any], Policy],
+    num_episodes: int,
+    memory_of: Callable[[Any], Any] | None = None,
 ) -> Callable[[Array, Any], Evaluation]:
     """Returns `evaluate` as a function of key and parameters, which is compiled once.
 
@@ -82,7 +85,9 @@ def make_evaluator(
     def run(key: Array, parameters: Any) -> EpisodeSums:
         policy = with_memory(policy_of(parameters))
         if memory_of is None:
-            memory = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), policy.start)
+            memory = jax.tree.map(
+                lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), policy.start
+            )
         else:
             memory = memory_of(parameters)
         return _play(env, policy, memory, key, num_episodes).sums
@@ -91,7 +96,9 @@ def make_evaluator(
 
     def played(key: Array, parameters: Any) -> Evaluation:
         sums = jax.device_get(play(key, parameters))
-        return Evaluation(sums.returns, sums.length, sums.events, sums.metric_means, sums.metric_finals)
+        return Evaluation(
+            sums.returns, sums.length, sums.events, sums.metric_means, sums.metric_finals
+        )
 
     return played
 
@@ -107,13 +114,19 @@ class _Play:
     over: Array  # [E] bool
 
 
-def _play(env: Environment, policy: MemoryPolicy, memory: Any, key: Array, num_episodes: int) -> _Play:
+def _play(
+    env: Environment, policy: MemoryPolicy, memory: Any, key: Array, num_episodes: int
+) -> _Play:
     """Steps all episodes until the last one is over; steps after an episode's end are not counted."""
     reset_key, loop_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
-    start = _Play(state, observation, memory, zero_sums(env, num_episodes), jnp.zeros(num_episodes, bool))
+    start = _Play(
+        state, observation, memory, zero_sums(env, num_episodes), jnp.zeros(num_episodes, bool)
+    )
 
-    def play_step(key: Array, state: Any, memory: Any, observation: Array) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
+    def play_step(
+        key: Array, state: Any, memory: Any, observation: Array
+    ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
         action_key, env_key = jax.random.split(key)
         memory, actions = take_actions(env, policy, memory, action_key, observation, state)
         return memory, env.step_env(env_key, state, actions)
@@ -143,21 +156,38 @@ def _play(env: Environment, policy: MemoryPolicy, memory: Any, key: Array, num_e
 def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
     """Returns an estimate for each figure: collective return, each agent's return, lengths, events and metrics."""
     figures = {"collective return": evaluation.collective_returns}
-    figures |= {f"return of agent {index}": column for index, column in enumerate(evaluation.returns.T)}
+    figures |= {
+        f"return of agent {index}": column for index, column in enumerate(evaluation.returns.T)
+    }
     figures["equality"] = evaluation.equalities
     figures["episode length"] = evaluation.lengths
     for name, counts in evaluation.events.items():
         figures[f"event {name}"] = counts if counts.ndim == 1 else counts.sum(axis=1)
         if counts.ndim == 2:
-            figures |= {f"event {name} of agent {index}": column for index, column in enumerate(counts.T)}
+            figures |= {
+                f"event {name} of agent {index}": column for index, column in enumerate(counts.T)
+            }
     figures |= {f"mean {name}": values for name, values in evaluation.metric_means.items()}
     figures |= {f"final {name}": values for name, values in evaluation.metric_finals.items()}
     return {name: estimate(samples) for name, samples in figures.items()}
 
 
-def save_evaluation(evaluation: Evaluation, path: Path | str, played: Mapping[str, Any] | None = None) -> None:
+def save_evaluation(
+    evaluation: Evaluation, path: Path | str, played: Mapping[str, Any] | None = None
+) -> None:
     """Writes the estimates and all episodes to a JSON file; undefined figures are null. `played`: further entries, as JSON values."""
-    groups = {"collective_returns": evaluation.collective_returns, "equalities": evaluation.equalities}
+    groups = {
+        "collective_returns": evaluation.collective_returns,
+        "equalities": evaluation.equalities,
+    }
     per_episode = dataclasses.asdict(evaluation) | groups
     summary = {name: dataclasses.asdict(figure) for name, figure in summarise(evaluation).items()}
-    write_json(Path(path), {**(played or {}), "episodes": len(evaluation.lengths), "summary": summary, "per_episode": per_episode})
+    write_json(
+        Path(path),
+        {
+            **(played or {}),
+            "episodes": len(evaluation.lengths),
+            "summary": summary,
+            "per_episode": per_episode,
+        },
+    )

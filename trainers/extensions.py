@@ -69,9 +69,13 @@ def short_name(name: str) -> str:
 
 def name_of(kind: Kind, thing: Any) -> str:
     """Registers an object that is passed under the place where it is defined, and returns that name."""
-    place = f"{getattr(thing, '__module__', '')}:{getattr(thing, '__qualname__', type(thing).__name__)}"
+    place = (
+        f"{getattr(thing, '__module__', '')}:{getattr(thing, '__qualname__', type(thing).__name__)}"
+    )
     name, number = place, 1
-    while _REGISTERED.get((kind, name), thing) is not thing:  # two lambdas of one line are different
+    while (
+        _REGISTERED.get((kind, name), thing) is not thing
+    ):  # two lambdas of one line are different
         number += 1
         name = f"{place}#{number}"
     _REGISTERED[kind, name] = thing
@@ -99,7 +103,9 @@ def allow_code(*names: str) -> None:
     for name in names:
         file, _, inside = name.rpartition(":")
         if not file or not inside:
-            raise ValueError(f"`{name}` doesn't name code: it must be FILE.py:NAME or package.module:NAME")
+            raise ValueError(
+                f"`{name}` doesn't name code: it must be FILE.py:NAME or package.module:NAME"
+            )
         _ALLOWED.add(_lasting(name))
 
 

@@ -25,7 +25,9 @@ def draw_learning_curve(folder: Path, rows: Sequence[Row], title: str) -> None:
     if not panels or not is_installed("matplotlib"):
         return
     picture = BytesIO()
-    draw_panels(panels, title, STAGES_NOTE * bool(panels[0].marks)).savefig(picture, format="png", dpi=120)
+    draw_panels(panels, title, STAGES_NOTE * bool(panels[0].marks)).savefig(
+        picture, format="png", dpi=120
+    )
     write_whole(folder / LEARNING_CURVE, picture.getvalue())
 
 
@@ -37,15 +39,25 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
     steps = np.array([row["env_steps"] for row in ended])
 
     def line(name: str, label: str, colour: str) -> Line:
-        return Line(label, steps, np.array([row.get(name, np.nan) for row in ended], float), colour=colour)
+        return Line(
+            label, steps, np.array([row.get(name, np.nan) for row in ended], float), colour=colour
+        )
 
-    firsts: dict[float, Row] = {}  # the first row of each stage, played by the policy that the stage began with
+    firsts: dict[
+        float, Row
+    ] = {}  # the first row of each stage, played by the policy that the stage began with
     for row in ended:
         firsts.setdefault(row.get("stage", 0), row)
     before = np.array([firsts[row.get("stage", 0)]["collective_return"] for row in ended])
-    earned = (line("collective_return", "all agents", line_colour(0)), Line("before learning", steps, before, colour=FAINT))
+    earned = (
+        line("collective_return", "all agents", line_colour(0)),
+        Line("before learning", steps, before, colour=FAINT),
+    )
     together = Panel("all agents together", "collective return of an episode", earned)
-    figures = {label: np.array([row.get(name, np.nan) for row in rows], float) for name, label in FIGURES.items()}
+    figures = {
+        label: np.array([row.get(name, np.nan) for row in rows], float)
+        for name, label in FIGURES.items()
+    }
     updates = np.array([row["env_steps"] for row in rows])
     learning = [
         Panel(label, label, (Line("", updates, values, colour=line_colour(0)),))
@@ -53,9 +65,16 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
         if np.isfinite(values).any()  # none is, if the first loss wasn't
     ]
     names = [name for name in ended[-1] if name.startswith("return_agent_")]
-    agents = [line(name, f"agent {number}", agent_line_colour(number)) for number, name in enumerate(names)]
+    agents = [
+        line(name, f"agent {number}", agent_line_colour(number))
+        for number, name in enumerate(names)
+    ]
     for panel in split_lines(agents, "return of an agent in an episode") if len(agents) > 1 else ():
-        first, last = (line.label.removeprefix("agent ") for line in (panel.lines[0], panel.lines[-1]))
-        learning.append(replace(panel, title=f"agents {first} to {last}" if first != last else f"agent {first}"))
+        first, last = (
+            line.label.removeprefix("agent ") for line in (panel.lines[0], panel.lines[-1])
+        )
+        learning.append(
+            replace(panel, title=f"agents {first} to {last}" if first != last else f"agent {first}")
+        )
     marks = tuple(row["env_steps"] for row in [*firsts.values()][1:])
     return [replace(panel, marks=marks) for panel in (together, *learning)]

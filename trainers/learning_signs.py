@@ -9,7 +9,11 @@ from .config import Config
 from .metrics_files import Row
 from .seeds_in_words import seeds_in_words, seeds_of_each
 
-FIGURES = {"entropy": "entropy", "kl": "KL", "explained_variance": "explained variance"}  # columns that say how learning goes, in words
+FIGURES = {
+    "entropy": "entropy",
+    "kl": "KL",
+    "explained_variance": "explained variance",
+}  # columns that say how learning goes, in words
 SHARE = 0.1  # of a run's updates, after which it should have learnt something
 
 
@@ -18,7 +22,9 @@ class LearningWarning:
     """A sign that a seed learns nothing, with what to change."""
 
     sentence: str  # with `{}` in place of each figure
-    figures: tuple[float, ...] = field(default=(), compare=False)  # two seeds have the same warning with different figures
+    figures: tuple[float, ...] = field(
+        default=(), compare=False
+    )  # two seeds have the same warning with different figures
     decimals: int = 1
 
 
@@ -32,14 +38,18 @@ def said_once(by_seed: Mapping[int, Sequence[LearningWarning]]) -> list[str]:
     pairs = [(seed, warning) for seed, warnings in by_seed.items() for warning in warnings]
     for warning, seeds in seeds_of_each(pairs).items():
         of_seeds = [other.figures for seed in seeds for other in by_seed[seed] if other == warning]
-        text = warning.sentence.format(*(_range(figures, warning.decimals) for figures in zip(*of_seeds, strict=True)))
+        text = warning.sentence.format(
+            *(_range(figures, warning.decimals) for figures in zip(*of_seeds, strict=True))
+        )
         lines.append(f"{seeds_in_words(seeds)}: {text}" if len(by_seed) > 1 else text)
     return lines
 
 
 def _range(figures: Sequence[float], decimals: int) -> str:
     """Returns `16.9 to 18.0`, or `18.0` if all are the same."""
-    return " to ".join(dict.fromkeys(f"{figure:.{decimals}f}" for figure in (min(figures), max(figures))))
+    return " to ".join(
+        dict.fromkeys(f"{figure:.{decimals}f}" for figure in (min(figures), max(figures)))
+    )
 
 
 @dataclass
@@ -50,7 +60,9 @@ class Signs:
     latest: float = math.nan  # of the last that ended
     paid: bool = False  # whether any agent ever got a reward
     explained: float = 0.0  # variance of the returns that the critic explained, summed over updates
-    events: dict[str, float] = field(default_factory=dict)  # name -> how often it happened, by agents and words together
+    events: dict[str, float] = field(
+        default_factory=dict
+    )  # name -> how often it happened, by agents and words together
     updates: int = 0
 
     def count(self, row: Row) -> None:
@@ -83,7 +95,11 @@ class Signs:
                 (self.latest, self.before_learning),
             )
         if self.explained < 0:
-            mean = "common_reward=mean, " if config.reward == "common" and config.common_reward == "sum" else ""
+            mean = (
+                "common_reward=mean, "
+                if config.reward == "common" and config.common_reward == "sum"
+                else ""
+            )
             yield LearningWarning(
                 "the critic predicts returns worse than their mean would (explained_variance is {} on average). "
                 f"Try {mean}a smaller gamma, or more gradient steps (num_minibatches)",

@@ -32,7 +32,9 @@ class Loggers:
 
 
 @contextmanager
-def open_loggers(names: Sequence[LoggerName], folder: Path, title: str, config: Config, done: int) -> Iterator[Loggers]:
+def open_loggers(
+    names: Sequence[LoggerName], folder: Path, title: str, config: Config, done: int
+) -> Iterator[Loggers]:
     """Opens loggers by name.
 
     Args:
@@ -55,7 +57,9 @@ def check_loggers(names: Sequence[str]) -> None:
         require(name, PACKAGE[name])
 
 
-def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Callable[[Row], None]:
+def _tensorboard(
+    stack: ExitStack, folder: Path, title: str, config: Config, done: int
+) -> Callable[[Row], None]:
     del title, config
     from tensorboardX import SummaryWriter
 
@@ -72,7 +76,9 @@ def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, don
     return log
 
 
-def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Callable[[Row], None]:
+def _wandb(
+    stack: ExitStack, folder: Path, title: str, config: Config, done: int
+) -> Callable[[Row], None]:
     """Returns a function that logs to a run of its own, new or resumed; steps that it has already stay as they are."""
     del done
     import wandb
@@ -81,7 +87,11 @@ def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int
     if not known.exists():
         write_whole(known, secrets.token_hex(4).encode())
     number = read_bytes(known, LONGEST_ID).decode("ascii")
-    one = {"id": number, "resume": "allow", "reinit": "create_new"}  # otherwise a process has one run for all its seeds
+    one = {
+        "id": number,
+        "resume": "allow",
+        "reinit": "create_new",
+    }  # otherwise a process has one run for all its seeds
     run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.record(), **one)
     stack.callback(run.finish)
     return lambda row: run.log(_numbers(row), step=row["env_steps"])
@@ -89,4 +99,8 @@ def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int
 
 def _numbers(row: Row) -> dict[str, Any]:
     """Returns what a logger plots: everything but the axis and missing values."""
-    return {name: value for name, value in row.items() if name not in ("update", "env_steps") and value == value}
+    return {
+        name: value
+        for name, value in row.items()
+        if name not in ("update", "env_steps") and value == value
+    }

@@ -15,7 +15,9 @@ from .training_functions import Metrics
 
 Apply = Callable[..., tuple[Memory, Array, Array]]  # a team's network: `ActorCritic.apply`
 
-Loss = Callable[..., tuple[Array, Metrics]]  # (parameters, apply, batch, config) -> what is made smaller, and its parts
+Loss = Callable[
+    ..., tuple[Array, Metrics]
+]  # (parameters, apply, batch, config) -> what is made smaller, and its parts
 
 
 @flax.struct.dataclass
@@ -34,7 +36,9 @@ class Batch:
     value: Array  # [L, M, N] float32, when drawn
     advantage: Array  # [L, M, N] float32
     target: Array  # [L, M, N] float32, of the value
-    allowed: Array | None = None  # [L, M, N, bytes] uint8, packed, or None: all; in a minibatch [L, m, S, A] bool
+    allowed: Array | None = (
+        None  # [L, M, N, bytes] uint8, packed, or None: all; in a minibatch [L, m, S, A] bool
+    )
 
 
 def normalised(advantage: Array, config: PPOConfig) -> Array:
@@ -53,7 +57,9 @@ def clipped_surrogate(ratio: Array, advantage: Array, epsilon: float) -> Array:
     return jnp.minimum(ratio * advantage, clipped_ratio * advantage)
 
 
-def value_loss(value: Array, before: Array, target: Array, unit: Array | float, config: PPOConfig) -> Array:
+def value_loss(
+    value: Array, before: Array, target: Array, unit: Array | float, config: PPOConfig
+) -> Array:
     """Returns half the mean squared error of values, in a unit; about those `before`, when acting, they may be clipped (Huang et al. 2022)."""
     squared_error = jnp.square((value - target) / unit)
     if config.clip_value_loss:

@@ -75,11 +75,17 @@ def read_manifest(run_dir: Path) -> dict[str, Any]:
     except ValidationError as error:
         fault = error.errors()[0]
         what = (
-            f"`{'.'.join(map(str, fault['loc']))}` in its {MANIFEST}: {fault['msg']}" if fault["loc"] else f"its {MANIFEST} has no fields"
+            f"`{'.'.join(map(str, fault['loc']))}` in its {MANIFEST}: {fault['msg']}"
+            if fault["loc"]
+            else f"its {MANIFEST} has no fields"
         )
-        raise RunError(f"{run_dir} is not the folder of a training run, or is damaged: {what}") from None
+        raise RunError(
+            f"{run_dir} is not the folder of a training run, or is damaged: {what}"
+        ) from None
     except (OSError, ValueError):
-        raise RunError(f"{run_dir} is not the folder of a training run: it has no readable {MANIFEST}") from None
+        raise RunError(
+            f"{run_dir} is not the folder of a training run: it has no readable {MANIFEST}"
+        ) from None
     if "hash" in manifest["game"]:
         manifest["game"]["hash"] = current_hash(manifest["game"]["hash"])
     return dict(manifest)

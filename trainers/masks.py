@@ -18,7 +18,11 @@ NEVER = -1e9  # of a logit or a value: in float32 its probability is exactly 0, 
 
 def wants_masks(env: Environment, config: Config) -> bool:
     """Whether actions are masked: the configuration asks for it, and the game forbids some."""
-    return config.mask_actions and hasattr(env, "allowed_actions") and getattr(env, "forbids_actions", True)
+    return (
+        config.mask_actions
+        and hasattr(env, "allowed_actions")
+        and getattr(env, "forbids_actions", True)
+    )
 
 
 def allowed_in(env: Environment, masks: bool, state: Any) -> Array | None:
@@ -35,7 +39,9 @@ def draw_any(key: Array, shape: tuple[int, ...], num_actions: int, allowed: Arra
     """Returns actions `shape` int32, drawn from the allowed ones with equal probability."""
     if allowed is None:
         return jax.random.randint(key, shape, 0, num_actions, jnp.int32)
-    return jax.random.categorical(key, masked(jnp.zeros(allowed.shape, jnp.float32), allowed)).astype(jnp.int32)
+    return jax.random.categorical(
+        key, masked(jnp.zeros(allowed.shape, jnp.float32), allowed)
+    ).astype(jnp.int32)
 
 
 def pack_mask(allowed: Array | None) -> Array | None:
@@ -45,4 +51,6 @@ def pack_mask(allowed: Array | None) -> Array | None:
 
 def unpack_mask(packed: Array | None, num_actions: int) -> Array | None:
     """Returns the masks that `pack_mask` packed."""
-    return None if packed is None else jnp.unpackbits(packed, axis=-1, count=num_actions).astype(bool)
+    return (
+        None if packed is None else jnp.unpackbits(packed, axis=-1, count=num_actions).astype(bool)
+    )

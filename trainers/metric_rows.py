@@ -18,7 +18,11 @@ def flatten_metrics(metrics: dict[str, Any]) -> Row:
     row: Row = {}
     absent = without_value(metrics)
     for name, measured in metrics.items():
-        value = jax.tree.map(lambda leaf: np.full(np.shape(leaf), np.nan), measured) if name in absent else measured
+        value = (
+            jax.tree.map(lambda leaf: np.full(np.shape(leaf), np.nan), measured)
+            if name in absent
+            else measured
+        )
         match name:
             case "equalities":
                 pass
@@ -46,4 +50,6 @@ def mean_row(rows: Sequence[Row]) -> Row:
     for name in rows[0]:
         known = [row[name] for row in rows if row[name] == row[name]]
         means[name] = sum(known) / len(known) if known else float("nan")
-    return means | {name: rows[0][name] for name in ("update", "env_steps", "stage") if name in rows[0]}
+    return means | {
+        name: rows[0][name] for name in ("update", "env_steps", "stage") if name in rows[0]
+    }

@@ -32,8 +32,15 @@ ROWS: dict[str, TypeAdapter[Row]] = {
     METRICS_JSONL: TypeAdapter(dict[str, Figure]),
     EVALUATIONS: TypeAdapter(dict[str, Figure | dict[str, Figure]]),
 }
-COLUMNS = {METRICS_JSONL: {"env_steps"}, EVALUATIONS: {"update", "collective return"}}  # of each row
-OF_A_RUN = {"update", "seconds", "episodes"}  # further columns of the metrics, without which a run isn't resumed
+COLUMNS = {
+    METRICS_JSONL: {"env_steps"},
+    EVALUATIONS: {"update", "collective return"},
+}  # of each row
+OF_A_RUN = {
+    "update",
+    "seconds",
+    "episodes",
+}  # further columns of the metrics, without which a run isn't resumed
 
 
 @dataclass(frozen=True)
@@ -81,21 +88,32 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
         yield last
         if last["update"] == done:  # what follows may be anything
             break
-    known, diverged = last.get("update", 0), not math.isfinite(last.get("loss", 0.0))  # a seed that has diverged has no more rows
+    known, diverged = (
+        last.get("update", 0),
+        not math.isfinite(last.get("loss", 0.0)),
+    )  # a seed that has diverged has no more rows
     if known != done and not diverged:
         raise RunError(
             f"{lines} is damaged: it holds only the first {known} of the {done} updates. Restore the file; or resume from an earlier update "
             f"by removing the later ones from {folder / 'checkpoints'} (with several seeds, from the folder above)"
         )
-    wanted = range(evaluate_every, known - diverged + 1, evaluate_every) if evaluate_every else range(0)
-    found = [line for number, (line, row) in zip(wanted, _whole_lines(evaluations), strict=False) if row.get("update") == number]
+    wanted = (
+        range(evaluate_every, known - diverged + 1, evaluate_every) if evaluate_every else range(0)
+    )
+    found = [
+        line
+        for number, (line, row) in zip(wanted, _whole_lines(evaluations), strict=False)
+        if row.get("update") == number
+    ]
     if len(found) < len(wanted):
         raise RunError(
             f"{evaluations} is damaged: it holds only {len(found)} of {len(wanted)} evaluations. Restore the file, or start a new run"
         )
     _cut(lines, size)
     _cut(evaluations, sum(map(len, found)))
-    (folder / "metrics.csv").unlink(missing_ok=True)  # of an earlier version: the same rows, which wouldn't go on
+    (folder / "metrics.csv").unlink(
+        missing_ok=True
+    )  # of an earlier version: the same rows, which wouldn't go on
 
 
 def read_rows(path: Path) -> Iterator[Row]:
@@ -136,7 +154,9 @@ def thinned_rows(folder: Path, most: int) -> list[Row]:
             size = 1
         else:
             size += 1
-            thinned[-1] = {name: before + (row[name] - before) / size for name, before in thinned[-1].items()}
+            thinned[-1] = {
+                name: before + (row[name] - before) / size for name, before in thinned[-1].items()
+            }
     return thinned
 
 
@@ -161,7 +181,9 @@ def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
                 raise ValueError("a column is missing")
             yield line, row
     except ValueError:
-        raise RunError(f"{path} is damaged: its line {number} can't be read. Restore the file") from None
+        raise RunError(
+            f"{path} is damaged: its line {number} can't be read. Restore the file"
+        ) from None
     except OSError as error:
         raise RunError(f"{path} can't be read: {error.strerror}. Restore the file") from None
 

@@ -35,7 +35,9 @@ def check_minibatches(config: PPOConfig | VDNConfig) -> None:
 
 def minibatch_size(config: PPOConfig | VDNConfig) -> int:
     """Returns the number of sequences in a minibatch: steps, or whole rollouts for networks with memory."""
-    return (config.num_envs if _remembers(config) else config.steps_per_update) // config.num_minibatches
+    return (
+        config.num_envs if _remembers(config) else config.steps_per_update
+    ) // config.num_minibatches
 
 
 def _remembers(config: PPOConfig | VDNConfig) -> bool:
@@ -49,8 +51,13 @@ def draw_orders(key: Array, number: int, config: PPOConfig | VDNConfig) -> Array
     the order doesn't depend on the number of devices. On several devices, the sequences are those of this device's environments.
     """
     groups = math.gcd(config.num_envs, minibatch_size(config))
-    keys = jax.vmap(lambda own: jax.random.split(own, (number, config.num_epochs)))(own_keys(key, own_share(groups)))
-    envs, sequences = config.num_envs // groups, minibatch_size(config) * config.num_minibatches // groups  # of a group
+    keys = jax.vmap(lambda own: jax.random.split(own, (number, config.num_epochs)))(
+        own_keys(key, own_share(groups))
+    )
+    envs, sequences = (
+        config.num_envs // groups,
+        minibatch_size(config) * config.num_minibatches // groups,
+    )  # of a group
     draw = partial(jax.random.permutation, x=jnp.arange(sequences, dtype=jnp.int32))
     step, env = jnp.divmod(jax.vmap(jax.vmap(jax.vmap(draw)))(keys), envs)
     orders = (

@@ -50,16 +50,30 @@ class Torso(nn.Module):
             return self._dense(observation.astype(self.dtype))
         lead = observation.shape[:-3]
         if self.kind not in ("mlp", "cnn"):
-            return self._own(observation.reshape(-1, *observation.shape[-3:])).reshape(*lead, -1).astype(self.dtype)
+            return (
+                self._own(observation.reshape(-1, *observation.shape[-3:]))
+                .reshape(*lead, -1)
+                .astype(self.dtype)
+            )
         if self.kind == "mlp":
-            return self._activate(WindowLayer(self.width, self.planes, HIDDEN_GAIN, self.dtype, name="Dense_0")(observation))
+            return self._activate(
+                WindowLayer(self.width, self.planes, HIDDEN_GAIN, self.dtype, name="Dense_0")(
+                    observation
+                )
+            )
         features = to_channels(observation, self.planes, self.dtype, scale_numbers=True)
-        features = jnp.moveaxis(features.reshape(-1, *features.shape[-3:]), 1, -1)  # convolutions expect channels last
+        features = jnp.moveaxis(
+            features.reshape(-1, *features.shape[-3:]), 1, -1
+        )  # convolutions expect channels last
         for index, side in enumerate(self.sides):
             shape = (side, side, features.shape[-1], self.channels)
             kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
-            bias = self.param(f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:], jnp.float32)
-            features = nn.relu(convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype))
+            bias = self.param(
+                f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:], jnp.float32
+            )
+            features = nn.relu(
+                convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype)
+            )
         return self._dense(features.reshape(*lead, -1))
 
     def _own(self, tokens: Array) -> Array:
@@ -83,7 +97,9 @@ class Torso(nn.Module):
         return result
 
     def _dense(self, features: Array) -> Array:
-        return self._activate(nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features))
+        return self._activate(
+            nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features)
+        )
 
     def _activate(self, features: Array) -> Array:
         return nn.relu(nn.LayerNorm(dtype=self.dtype)(features) if self.layer_norm else features)
@@ -97,7 +113,9 @@ def with_numbers(features: Array, agents: Array | None, number: int) -> Array:
     if number == 0:
         return features
     known = jax.nn.one_hot(agents, number, dtype=features.dtype)
-    return jnp.concatenate([features, jnp.broadcast_to(known, (*features.shape[:-1], number))], axis=-1)
+    return jnp.concatenate(
+        [features, jnp.broadcast_to(known, (*features.shape[:-1], number))], axis=-1
+    )
 
 
 class Recurrence(nn.Module):
@@ -106,13 +124,17 @@ class Recurrence(nn.Module):
     width: int
     dtype: Any
 
-    @partial(nn.scan, variable_broadcast="params", split_rngs={"params": False}, in_axes=0, out_axes=0)
+    @partial(
+        nn.scan, variable_broadcast="params", split_rngs={"params": False}, in_axes=0, out_axes=0
+    )
     @nn.compact
     def __call__(self, memory: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
         """Takes memory `[..., width]`, features `[L, ..., K]` and `[L, ...]` bool, fresh; returns memory and `[L, ..., width]`."""
         features, fresh = step
         memory = jnp.where(fresh[..., None], jnp.zeros_like(memory), memory)
-        result: tuple[Array, Array] = nn.GRUCell(self.width, dtype=self.dtype, recurrent_kernel_init=orthogonal())(memory, features)
+        result: tuple[Array, Array] = nn.GRUCell(
+            self.width, dtype=self.dtype, recurrent_kernel_init=orthogonal()
+        )(memory, features)
         return result
 
 
@@ -128,9 +150,13 @@ class Head(nn.Module):
 
     @nn.compact
     def __call__(self, features: Array) -> Array:
-        hidden = nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features)
+        hidden = nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(
+            features
+        )
         hidden = nn.relu(nn.LayerNorm(dtype=self.dtype)(hidden) if self.layer_norm else hidden)
-        outputs = nn.Dense(self.outputs, kernel_init=orthogonal(self.gain), dtype=self.dtype, name="out")(hidden).astype(jnp.float32)
+        outputs = nn.Dense(
+            self.outputs, kernel_init=orthogonal(self.gain), dtype=self.dtype, name="out"
+        )(hidden).astype(jnp.float32)
         if not self.normalised:
             return outputs
         mean = self.param("mean", nn.initializers.zeros, (), jnp.float32)
@@ -161,7 +187,12 @@ class ActorCritic(nn.Module):
 
     @nn.compact
     def __call__(
-        self, memory: Memory, observation: Array, joint: Array | None, fresh: Array, agents: Array | None = None
+        self,
+        memory: Memory,
+        observation: Array,
+        joint: Array | None,
+        fresh: Array,
+        agents: Array | None = None,
     ) -> tuple[Memory, Array, Array]:
         """Reads L steps of M environments.
 
@@ -174,11 +205,21 @@ class ActorCritic(nn.Module):
         Returns:
           the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
         """
-        torso = partial(Torso, kind=self.kind, width=self.width, dtype=self.dtype, sides=self.sides, channels=self.channels, own=self.own)
+        torso = partial(
+            Torso,
+            kind=self.kind,
+            width=self.width,
+            dtype=self.dtype,
+            sides=self.sides,
+            channels=self.channels,
+            own=self.own,
+        )
         head = partial(Head, width=self.width, dtype=self.dtype)
         critic = partial(head, gain=CRITIC_GAIN, normalised=self.normalise_values, name="critic")
         seen = with_numbers(torso(self.planes, name="torso")(observation), agents, self.numbers)
-        memory, seen = self._remember("memory", memory, seen, jnp.broadcast_to(fresh[..., None], seen.shape[:-1]))
+        memory, seen = self._remember(
+            "memory", memory, seen, jnp.broadcast_to(fresh[..., None], seen.shape[:-1])
+        )
         logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(seen)
         if self.joint_planes is None:
             return memory, logits, critic(1)(seen)[..., 0]
@@ -187,10 +228,14 @@ class ActorCritic(nn.Module):
         memory, known = self._remember("critic_memory", memory, known, fresh)
         return memory, logits, critic(self.num_agents)(known)
 
-    def _remember(self, name: str, memory: Memory, features: Array, fresh: Array) -> tuple[Memory, Array]:
+    def _remember(
+        self, name: str, memory: Memory, features: Array, fresh: Array
+    ) -> tuple[Memory, Array]:
         if not self.recurrent:
             return memory, features
-        after, features = Recurrence(self.width, self.dtype, name=name)(memory[name], (features, fresh))
+        after, features = Recurrence(self.width, self.dtype, name=name)(
+            memory[name], (features, fresh)
+        )
         return {**memory, name: after}, features
 
     def start_memory(self, num_envs: int) -> Memory:
@@ -220,6 +265,18 @@ class ActionValues(nn.Module):
     @nn.compact
     def __call__(self, observation: Array) -> Array:
         """Returns `[..., N, A]` float32 for observations `[..., N, P, V, V]` uint8 of all agents, in order."""
-        torso = Torso(self.planes, self.kind, self.width, self.dtype, self.sides, self.channels, self.own, self.layer_norm, name="torso")
+        torso = Torso(
+            self.planes,
+            self.kind,
+            self.width,
+            self.dtype,
+            self.sides,
+            self.channels,
+            self.own,
+            self.layer_norm,
+            name="torso",
+        )
         seen = with_numbers(torso(observation), jnp.arange(self.numbers), self.numbers)
-        return Head(self.num_actions, self.width, CRITIC_GAIN, self.dtype, self.layer_norm, name="values")(seen)
+        return Head(
+            self.num_actions, self.width, CRITIC_GAIN, self.dtype, self.layer_norm, name="values"
+        )(seen)

@@ -38,7 +38,9 @@ def parts(config: PPOConfig) -> tuple[str, ...]:
 
 def part_of_each(parameters: Any) -> Any:
     """Returns `actor` or `critic` for each leaf, by the name of the module it is in."""
-    return jax.tree_util.tree_map_with_path(lambda path, _: "critic" if "['critic" in keystr(path) else "actor", parameters)
+    return jax.tree_util.tree_map_with_path(
+        lambda path, _: "critic" if "['critic" in keystr(path) else "actor", parameters
+    )
 
 
 def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
@@ -46,19 +48,25 @@ def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
     norms = {"gradient_norm": optax.tree.norm(gradients)}
     of_leaf = jax.tree.leaves(part_of_each(gradients))
     for part in parts(config):
-        own = [leaf for leaf, name in zip(jax.tree.leaves(gradients), of_leaf, strict=True) if name == part]
+        own = [
+            leaf
+            for leaf, name in zip(jax.tree.leaves(gradients), of_leaf, strict=True)
+            if name == part
+        ]
         norms[f"{part}_gradient_norm"] = optax.tree.norm(own)
     return norms
 
 
 def _clipped_adam(config: PPOConfig) -> optax.GradientTransformation:
     return optax.chain(
-        optax.clip_by_global_norm(config.max_gradient_norm), optax.adam(learning_rate_schedule(config), eps=config.adam_epsilon)
+        optax.clip_by_global_norm(config.max_gradient_norm),
+        optax.adam(learning_rate_schedule(config), eps=config.adam_epsilon),
     )
 
 
 def make_value_optimiser(config: VDNConfig) -> optax.GradientTransformation:
     """Returns rectified Adam on gradients whose global norm is clipped. Source: SocialJax, VDN configuration."""
     return optax.chain(
-        optax.clip_by_global_norm(config.max_gradient_norm), optax.radam(learning_rate_schedule(config), eps=config.adam_epsilon)
+        optax.clip_by_global_norm(config.max_gradient_norm),
+        optax.radam(learning_rate_schedule(config), eps=config.adam_epsilon),
     )

@@ -8,7 +8,12 @@ from .environment import Environment
 from .own_settings import filled
 from .training_functions import Metrics, Train, TrainState
 
-NEEDED = ("loss", "episodes", "collective_return", "agent_return")  # metrics that the files and curves of a run need
+NEEDED = (
+    "loss",
+    "episodes",
+    "collective_return",
+    "agent_return",
+)  # metrics that the files and curves of a run need
 
 
 def make_own(env: Environment, config: PPOConfig) -> Train:
@@ -21,15 +26,21 @@ def make_own(env: Environment, config: PPOConfig) -> Train:
       ConfigError: the function returns something else, or (while it is traced) a run that lacks a needed metric.
     """
     name = config.algorithm
-    program = filled("algorithm", name, config.own)(env, config.model_copy(update={"algorithm": "ippo", "init_from": ""}))
+    program = filled("algorithm", name, config.own)(
+        env, config.model_copy(update={"algorithm": "ippo", "init_from": ""})
+    )
     if not isinstance(program, Train) or program.policy is None:
-        raise ConfigError(f"the algorithm `{name}` must return a sjdsl.trainers.Train that has a `policy`, not {program!r:.80}")
+        raise ConfigError(
+            f"the algorithm `{name}` must return a sjdsl.trainers.Train that has a `policy`, not {program!r:.80}"
+        )
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
         after, metrics = program.learn(state, played)
         missing = [figure for figure in NEEDED if figure not in metrics]
         if missing:
-            raise ConfigError(f"the metrics of the algorithm `{name}` lack {', '.join(missing)}; `mean_episode` has all but the loss")
+            raise ConfigError(
+                f"the metrics of the algorithm `{name}` lack {', '.join(missing)}; `mean_episode` has all but the loss"
+            )
         return after, metrics
 
     return replace(program, learn=learn)

@@ -14,7 +14,13 @@ from sjdsl.near_names import meant
 from .extensions import Kind, find
 
 OWN = "own."  # prefix of such a setting on the command line, on an axis of a sweep, and in messages
-FROM_TRAINERS = ("planes", "width", "dtype", "parent", "name")  # arguments of a network that trainers fill in
+FROM_TRAINERS = (
+    "planes",
+    "width",
+    "dtype",
+    "parent",
+    "name",
+)  # arguments of a network that trainers fill in
 Value = bool | int | float | str
 
 
@@ -22,7 +28,9 @@ class Hooked(Protocol):
     """A configuration: it has hooks, and settings for them."""
 
     @property
-    def hooks(self) -> Mapping[Kind, str]: ...  # names of the user's own algorithm, loss, network and reward
+    def hooks(
+        self,
+    ) -> Mapping[Kind, str]: ...  # names of the user's own algorithm, loss, network and reward
     @property
     def own(self) -> tuple[tuple[str, Value], ...]: ...
 
@@ -61,13 +69,17 @@ def spread(values: Mapping[str, Any]) -> dict[str, Any]:
     own = values.get("own")
     if not isinstance(own, Mapping):
         return dict(values)
-    return {f"{OWN}{name}": value for name, value in own.items()} | {name: value for name, value in values.items() if name != "own"}
+    return {f"{OWN}{name}": value for name, value in own.items()} | {
+        name: value for name, value in values.items() if name != "own"
+    }
 
 
 def gathered(values: Mapping[str, Any]) -> dict[str, Any]:
     """Returns settings with those named `own.NAME` moved into the table `own`."""
     own = {name.removeprefix(OWN): value for name, value in values.items() if name.startswith(OWN)}
-    return ({"own": own} if own else {}) | {name: value for name, value in values.items() if not name.startswith(OWN)}
+    return ({"own": own} if own else {}) | {
+        name: value for name, value in values.items() if not name.startswith(OWN)
+    }
 
 
 def filled(kind: Kind, name: str, own: Iterable[tuple[str, Any]]) -> Any:
@@ -83,8 +95,16 @@ def settings_of(kind: Kind, hook: Any) -> dict[str, Any]:
         arguments = signature(hook).parameters.values()
     except ValueError:  # some functions of extension modules have no signature
         return {}
-    sorts = (Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD) if kind == "network" else (Parameter.KEYWORD_ONLY,)
-    return {one.name: one.default for one in arguments if one.kind in sorts and one.name not in FROM_TRAINERS}
+    sorts = (
+        (Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
+        if kind == "network"
+        else (Parameter.KEYWORD_ONLY,)
+    )
+    return {
+        one.name: one.default
+        for one in arguments
+        if one.kind in sorts and one.name not in FROM_TRAINERS
+    }
 
 
 def taken_settings(config: Hooked) -> Iterator[tuple[str, Any, str]]:
@@ -99,9 +119,14 @@ def unread_own(config: Hooked) -> dict[str, str]:
     taken = [setting for setting, _, _ in taken_settings(config)]
     hooks = " and ".join(f"the {kind} `{name}`" for kind, name in config.hooks.items())
     known = f"{hooks} has no keyword-only argument of that name"
-    known = known if hooks else "there is no algorithm, loss, network or reward of your own to take it"
+    known = (
+        known if hooks else "there is no algorithm, loss, network or reward of your own to take it"
+    )
     unread = [setting for setting, _ in config.own if setting not in taken]
-    return {setting: f"`{OWN}{setting}` does nothing: {known}{meant(setting, taken, 'the settings are')}" for setting in unread}
+    return {
+        setting: f"`{OWN}{setting}` does nothing: {known}{meant(setting, taken, 'the settings are')}"
+        for setting in unread
+    }
 
 
 def missing_own(config: Hooked) -> Iterator[str]:

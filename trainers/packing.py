@@ -21,7 +21,9 @@ class Part:
     """Where the bits of some planes are, in each of a number of cells."""
 
     cells: int
-    places: tuple[tuple[int, int, int, int], ...]  # of each plane: its index, number of the byte, lowest bit, number of bits
+    places: tuple[
+        tuple[int, int, int, int], ...
+    ]  # of each plane: its index, number of the byte, lowest bit, number of bits
 
     @property
     def num_bytes(self) -> int:
@@ -32,7 +34,11 @@ class Part:
         """Returns the bytes, `[..., cells]` uint8 each, of planes `[..., P, cells or more]`."""
         packed: list[Array] = []
         for number in range(self.num_bytes):
-            inside = [planes[..., plane, : self.cells] << jnp.uint8(low) for plane, byte, low, _ in self.places if byte == number]
+            inside = [
+                planes[..., plane, : self.cells] << jnp.uint8(low)
+                for plane, byte, low, _ in self.places
+                if byte == number
+            ]
             together = inside[0]
             for bits in inside[1:]:
                 together = together | bits
@@ -42,7 +48,10 @@ class Part:
     def unpack(self, packed: Array) -> dict[int, Array]:
         """Returns the planes, `[..., cells]` each, of bytes `[..., num_bytes * cells]`."""
         each = packed.reshape(*packed.shape[:-1], self.num_bytes, self.cells)
-        return {plane: (each[..., byte, :] >> jnp.uint8(low)) & jnp.uint8(2**bits - 1) for plane, byte, low, bits in self.places}
+        return {
+            plane: (each[..., byte, :] >> jnp.uint8(low)) & jnp.uint8(2**bits - 1)
+            for plane, byte, low, bits in self.places
+        }
 
 
 @dataclass(frozen=True)
@@ -59,7 +68,9 @@ class Packing:
 
     def pack(self, observation: Array) -> Array:
         """Returns `[..., P, rows, cols]` uint8 as `[..., size]` uint8."""
-        planes = observation.reshape(*observation.shape[:-2], -1)  # rows would be too short for vector instructions
+        planes = observation.reshape(
+            *observation.shape[:-2], -1
+        )  # rows would be too short for vector instructions
         return jnp.concatenate([byte for part in self.parts for byte in part.pack(planes)], axis=-1)
 
     def unpack(self, packed: Array) -> Array:
@@ -67,7 +78,10 @@ class Packing:
         local, uniform = self.parts
         by_cell, once = jnp.split(packed, [local.num_bytes * local.cells], axis=-1)
         found = local.unpack(by_cell) | uniform.unpack(once)
-        planes = [jnp.broadcast_to(found[plane], (*packed.shape[:-1], local.cells)) for plane in range(len(found))]
+        planes = [
+            jnp.broadcast_to(found[plane], (*packed.shape[:-1], local.cells))
+            for plane in range(len(found))
+        ]
         observation = jnp.stack(planes, axis=-2)
         return observation.reshape(*observation.shape[:-1], *self.window)
 
@@ -84,7 +98,9 @@ def _part(planes: Sequence[TokenPlane], uniform: bool, cells: int) -> Part:
         if plane.uniform != uniform:
             continue
         bits = bits_of(plane)
-        byte = next((number for number, taken in enumerate(used) if taken + bits <= BYTE), len(used))
+        byte = next(
+            (number for number, taken in enumerate(used) if taken + bits <= BYTE), len(used)
+        )
         if byte == len(used):
             used.append(0)
         places.append((index, byte, used[byte], bits))

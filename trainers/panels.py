@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sjdsl.extras import needs
-from sjdsl.render.plot_style import FAINT, Label, begin_at_zero, line_colour, name_lines, note_below, plot_style
+from sjdsl.render.plot_style import (
+    FAINT,
+    Label,
+    begin_at_zero,
+    line_colour,
+    name_lines,
+    note_below,
+    plot_style,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,27 +70,56 @@ def draw_panels(panels: Sequence[Panel], title: str = "", note: str = "") -> "Fi
     rows = -(-len(panels) // columns)
     drawn: list[Axes] = []
     names: list[list[Label]] = []
-    colours = {line.label: line_colour(number) for number, line in enumerate(line for panel in panels for line in panel.lines)}
+    colours = {
+        line.label: line_colour(number)
+        for number, line in enumerate(line for panel in panels for line in panel.lines)
+    }
     with plot_style():
-        figure = Figure(figsize=(max(7.0, WIDTH * columns), HEIGHT * rows + 0.4 * bool(title) + 0.3 * bool(note)), layout="constrained")
+        figure = Figure(
+            figsize=(
+                max(7.0, WIDTH * columns),
+                HEIGHT * rows + 0.4 * bool(title) + 0.3 * bool(note),
+            ),
+            layout="constrained",
+        )
         for number, panel in enumerate(panels, 1):
-            like = next((axes for axes, other in zip(drawn, panels, strict=False) if other.y_title == panel.y_title), None)
-            axes = figure.add_subplot(rows, columns, number, sharey=like, sharex=drawn[0] if drawn else None)
+            like = next(
+                (
+                    axes
+                    for axes, other in zip(drawn, panels, strict=False)
+                    if other.y_title == panel.y_title
+                ),
+                None,
+            )
+            axes = figure.add_subplot(
+                rows, columns, number, sharey=like, sharex=drawn[0] if drawn else None
+            )
             for line in panel.lines:
-                marker = "o" if len(line.steps) == 1 else ""  # a single point would be invisible without a marker
+                marker = (
+                    "o" if len(line.steps) == 1 else ""
+                )  # a single point would be invisible without a marker
                 colour = line.colour or colours[line.label]
                 axes.plot(line.steps, line.values, marker=marker, color=colour, label=line.label)
                 if line.low is not None and line.high is not None:
-                    axes.fill_between(line.steps, line.low, line.high, color=colour, alpha=0.2, linewidth=0)
+                    axes.fill_between(
+                        line.steps, line.low, line.high, color=colour, alpha=0.2, linewidth=0
+                    )
             for mark in panel.marks:
                 axes.axvline(mark, color=FAINT, linestyle=":")
-            names.append([Label(line.label, line.values[-1], line.colour or colours[line.label]) for line in panel.lines])
+            names.append(
+                [
+                    Label(line.label, line.values[-1], line.colour or colours[line.label])
+                    for line in panel.lines
+                ]
+            )
             axes.set(xlabel="environment steps", ylabel=panel.y_title, title=panel.title)
             axes.xaxis.set_major_formatter(EngFormatter(sep=""))
             axes.set_xlim(left=0)
             drawn.append(axes)
         for axes, panel in zip(drawn, panels, strict=True):
-            alike = [line for other in panels if other.y_title == panel.y_title for line in other.lines]
+            alike = [
+                line for other in panels if other.y_title == panel.y_title for line in other.lines
+            ]
             begin_at_zero(axes, [value for line in alike for value in _smallest_and_largest(line)])
         for axes, labels in zip(drawn, names, strict=True):
             name_lines(axes, labels)
@@ -93,5 +130,9 @@ def draw_panels(panels: Sequence[Panel], title: str = "", note: str = "") -> "Fi
 
 
 def _smallest_and_largest(line: Line) -> tuple[float, float]:
-    below = line.least if line.least is not None else np.nanmin(line.values if line.low is None else line.low)
+    below = (
+        line.least
+        if line.least is not None
+        else np.nanmin(line.values if line.low is None else line.low)
+    )
     return float(below), float(np.nanmax(line.values if line.high is None else line.high))

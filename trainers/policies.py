@@ -15,7 +15,15 @@ from jax import Array
 from sjdsl.compiler.lower import NotSupported
 from sjdsl.policies.compiled import scripted_policy
 from sjdsl.policies.declared import declared_policies
-from sjdsl.runtime.policy import UNTRAINED, MemoryPolicy, Policy, mixed_policy, random_policy, stay_policy, with_memory
+from sjdsl.runtime.policy import (
+    UNTRAINED,
+    MemoryPolicy,
+    Policy,
+    mixed_policy,
+    random_policy,
+    stay_policy,
+    with_memory,
+)
 
 from .action_values import best_action, explore, make_action_values
 from .actor_critics import make_actor_critics
@@ -45,7 +53,9 @@ __all__ = [
 ]
 
 
-def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | None = None) -> Policy:
+def find_policy(
+    policy: str | Path | Policy, env: Environment, greedy: bool | None = None
+) -> Policy:
     """Returns a policy by name; a policy is returned unchanged.
 
     Args:
@@ -70,9 +80,15 @@ def find_policy(policy: str | Path | Policy, env: Environment, greedy: bool | No
         try:
             return scripted_policy(env, name)
         except NotSupported as refused:
-            place = f" ({refused.origin.file}, line {refused.origin.line})" if refused.origin is not None else ""
+            place = (
+                f" ({refused.origin.file}, line {refused.origin.line})"
+                if refused.origin is not None
+                else ""
+            )
             instead = f"; {refused.instead}" if refused.instead else ""
-            raise PolicyError(f"the policy `{name}` can't be compiled: {refused.what} is not supported yet{place}{instead}") from None
+            raise PolicyError(
+                f"the policy `{name}` can't be compiled: {refused.what} is not supported yet{place}{instead}"
+            ) from None
     path, which = split_name(name)
     if path.exists() or path.suffix == ".safetensors":
         return load_policy(path, env, greedy=greedy, which=which)
@@ -99,10 +115,14 @@ def _check_arguments(name: str, policy: Any) -> None:
     try:
         arguments.bind(None, None)
     except TypeError:
-        raise PolicyError(f"the policy `{name}` is called with a key and an observation, but takes {arguments}") from None
+        raise PolicyError(
+            f"the policy `{name}` is called with a key and an observation, but takes {arguments}"
+        ) from None
 
 
-def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bool | None = None) -> Policy:
+def trained_policy(
+    env: Environment, config: Config, parameters: Any, greedy: bool | None = None
+) -> Policy:
     """Returns the policy with the given parameters.
 
     Args:
@@ -110,7 +130,9 @@ def trained_policy(env: Environment, config: Config, parameters: Any, greedy: bo
       greedy: whether to take the best action instead of drawing one. None: as the algorithm intends, that is, actors draw their actions, and
         action values take the best. Action values with `greedy=False` explore as the run did at its end.
     """
-    parameters = jax.tree.map(jnp.asarray, parameters)  # parameters from a file are NumPy arrays, which some transformations reject
+    parameters = jax.tree.map(
+        jnp.asarray, parameters
+    )  # parameters from a file are NumPy arrays, which some transformations reject
     match config:
         case PPOConfig() if "algorithm" in config.hooks:
             make_policy = _own_program(env, config).policy
@@ -133,9 +155,13 @@ def _own_program(env: Environment, config: PPOConfig) -> Train:
 def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: bool) -> Policy:
     networks = make_actor_critics(env, config)
 
-    def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
+    def act(
+        memory: Any, key: Array, observation: Array, allowed: Array | None
+    ) -> tuple[Any, Array]:
         never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with the memory `start`
-        memory, logits, _ = networks.apply(parameters, memory, observation[None, None], networks.blank_joint(), never_fresh)
+        memory, logits, _ = networks.apply(
+            parameters, memory, observation[None, None], networks.blank_joint(), never_fresh
+        )
         likes = masked(logits[0, 0], allowed)
         action = jnp.argmax(likes, axis=-1) if greedy else jax.random.categorical(key, likes)
         return memory, action.astype(jnp.int32)
@@ -146,19 +172,29 @@ def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: 
 def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: bool) -> Policy:
     network = make_action_values(env, config)
 
-    def act(memory: Any, key: Array, observation: Array, allowed: Array | None) -> tuple[Any, Array]:
+    def act(
+        memory: Any, key: Array, observation: Array, allowed: Array | None
+    ) -> tuple[Any, Array]:
         values = cast(Array, network.apply(parameters, observation))
-        return memory, best_action(values, allowed) if greedy else explore(key, values, allowed, config.epsilon_end)
+        return memory, best_action(values, allowed) if greedy else explore(
+            key, values, allowed, config.epsilon_end
+        )
 
     return _policy((), act, wants_masks(env, config))
 
 
-def _policy(start: Any, act: Callable[[Any, Array, Array, Array | None], tuple[Any, Array]], reads_allowed: bool) -> Policy:
+def _policy(
+    start: Any,
+    act: Callable[[Any, Array, Array, Array | None], tuple[Any, Array]],
+    reads_allowed: bool,
+) -> Policy:
     """Returns a policy in its simplest form: a function of key and observation if it has no memory and needs no masks."""
     if reads_allowed:
         return MemoryPolicy(start, act, reads_allowed=True)
     if jax.tree.leaves(start):
-        return MemoryPolicy(start, lambda memory, key, observation: act(memory, key, observation, None))
+        return MemoryPolicy(
+            start, lambda memory, key, observation: act(memory, key, observation, None)
+        )
     return lambda key, observation: act(start, key, observation, None)[1]
 
 
@@ -172,12 +208,18 @@ def parameter_shapes(env: Environment, config: Config) -> Any:
             networks = make_actor_critics(env, config)
             return jax.eval_shape(lambda key: networks.init(key, env), abstract_key())
         case VDNConfig():
-            return jax.eval_shape(make_action_values(env, config).init, abstract_key(), reset_shapes(env)[0])
+            return jax.eval_shape(
+                make_action_values(env, config).init, abstract_key(), reset_shapes(env)[0]
+            )
     raise TypeError(f"no algorithm takes a {type(config).__name__}")
 
 
 def load_policy(
-    source: Path | str, env: Environment, update: int | None = None, greedy: bool | None = None, which: str | int = "last"
+    source: Path | str,
+    env: Environment,
+    update: int | None = None,
+    greedy: bool | None = None,
+    which: str | int = "last",
 ) -> Policy:
     """Returns a stored policy.
 
@@ -205,7 +247,9 @@ _LOADING: ContextVar[frozenset[Path]] = ContextVar("_LOADING", default=frozenset
 def _once(path: Path) -> Iterator[None]:
     """Raises PolicyError if a policy is among its own partners, directly or through their partners."""
     if path in _LOADING.get():
-        raise PolicyError(f"{path} is its own partner, directly or through others, so it can't be loaded")
+        raise PolicyError(
+            f"{path} is its own partner, directly or through others, so it can't be loaded"
+        )
     before = _LOADING.set(_LOADING.get() | {path})
     try:
         yield
@@ -221,18 +265,28 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
     """
     path, which = split_name(name)
     if not path.exists():
-        raise ConfigError(f"`init_from` must be the folder of a run, RUN@best, RUN@UPDATE, or a .safetensors file; there is no `{name}`")
+        raise ConfigError(
+            f"`init_from` must be the folder of a run, RUN@best, RUN@UPDATE, or a .safetensors file; there is no `{name}`"
+        )
     file = policy_path(path, which)
     parameters, described = read_parameters(file, env)
-    if isinstance(config, PPOConfig) and "algorithm" not in config.hooks and isinstance(described.config, PPOConfig):
+    if (
+        isinstance(config, PPOConfig)
+        and "algorithm" not in config.hooks
+        and isinstance(described.config, PPOConfig)
+    ):
         parameters = converted(parameters, config.normalise_values)
     differs = [
         f"{key} = {getattr(described.config, key, 'none')} there and {getattr(config, key, 'none')} here"
         for key in SHAPING_NETWORKS
         if getattr(described.config, key, None) != getattr(config, key, None)
     ]
-    if jax.tree.map(jnp.shape, parameters) != jax.tree.map(lambda leaf: leaf.shape, parameter_shapes(env, config)):
-        raise ConfigError(f"a run can't start from {file}, whose networks differ: {'; '.join(differs) or 'it is for another game'}")
+    if jax.tree.map(jnp.shape, parameters) != jax.tree.map(
+        lambda leaf: leaf.shape, parameter_shapes(env, config)
+    ):
+        raise ConfigError(
+            f"a run can't start from {file}, whose networks differ: {'; '.join(differs) or 'it is for another game'}"
+        )
     return parameters
 
 
@@ -242,10 +296,14 @@ def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
     game = described.game
     if game["hash"] != env.hash:
         warnings.warn(
-            f"{path} was trained on another form of the game: {game['name']} {game['hash']}, not {env.name} {env.hash}", stacklevel=2
+            f"{path} was trained on another form of the game: {game['name']} {game['hash']}, not {env.name} {env.hash}",
+            stacklevel=2,
         )
     if parameters is None:
-        there, here = (len(game["action_names"]), game["observation_shape"]), (env.num_actions, list(reset_shapes(env)[0].shape))
+        there, here = (
+            (len(game["action_names"]), game["observation_shape"]),
+            (env.num_actions, list(reset_shapes(env)[0].shape)),
+        )
         if there != here:
             reason = f"with {there[0]} actions and observations {there[1]}; here are {here[0]} actions and observations {here[1]}"
         else:
@@ -253,7 +311,9 @@ def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
                 f"{game['hash']}, whose windows have the same size but show other things than those of {env.name} {env.hash}; "
                 "name the variant, map and observation that it was trained with"
             )
-        raise PolicyError(f"{path} doesn't fit {env.name}: it was trained on {game['name']} {reason}")
+        raise PolicyError(
+            f"{path} doesn't fit {env.name}: it was trained on {game['name']} {reason}"
+        )
     return parameters, described
 
 
@@ -266,7 +326,10 @@ def make_partners(env: Environment, config: Config) -> Partners:
     if not config.partners:
         return NOBODY
     learning_agents(env.num_agents, config)
-    return Partners(tuple(agent for agent, _ in config.partners), mixed_policy(env.num_agents, _parts(env, config)))
+    return Partners(
+        tuple(agent for agent, _ in config.partners),
+        mixed_policy(env.num_agents, _parts(env, config)),
+    )
 
 
 def with_partners(env: Environment, config: Config, policy: Policy) -> Policy:
@@ -279,4 +342,7 @@ def with_partners(env: Environment, config: Config, policy: Policy) -> Policy:
 
 def _parts(env: Environment, config: Config) -> list[tuple[tuple[int, ...], Policy]]:
     names = dict.fromkeys(name for _, name in config.partners)
-    return [(tuple(agent for agent, own in config.partners if own == name), find_policy(name, env)) for name in names]
+    return [
+        (tuple(agent for agent, own in config.partners if own == name), find_policy(name, env))
+        for name in names
+    ]

@@ -28,7 +28,16 @@ SUFFIX = ".safetensors"
 # In the metadata of the file, two digests: of its tensors, with their names, dtypes and shapes, and of the bytes of the `.json` beside it.
 # They share a key, because safetensors writes several keys in no fixed order, and equal files must have equal bytes.
 DIGEST = "sha256"
-UNREADABLE = (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError, SafetensorError, ConfigError)
+UNREADABLE = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    AttributeError,
+    OverflowError,
+    SafetensorError,
+    ConfigError,
+)
 
 
 class PolicyError(Exception):
@@ -85,7 +94,9 @@ def policy_path(source: Path, which: str | int) -> Path:
         if not source.is_file():
             raise PolicyError(f"{source} does not exist")
         return source
-    if not (source / "manifest.json").is_file() and not (source / POLICIES).is_dir():  # the folder of a single seed has no manifest
+    if (
+        not (source / "manifest.json").is_file() and not (source / POLICIES).is_dir()
+    ):  # the folder of a single seed has no manifest
         raise PolicyError(f"{source} is not the folder of a training run: it has no manifest.json")
     stored = sorted(path.stem for path in (source / POLICIES).glob(f"*{SUFFIX}"))
     name = f"{which:08d}" if isinstance(which, int) else which
@@ -93,7 +104,9 @@ def policy_path(source: Path, which: str | int) -> Path:
         return source / POLICIES / f"{name}{SUFFIX}"
     seeds = sorted(path.name for path in source.glob("seed_*") if path.is_dir())
     if seeds:
-        raise PolicyError(f"{source} holds a run of several seeds; name one: {', '.join(str(source / name) for name in seeds)}")
+        raise PolicyError(
+            f"{source} holds a run of several seeds; name one: {', '.join(str(source / name) for name in seeds)}"
+        )
     updates = ", ".join(str(int(stem)) for stem in stored if stem.isdecimal())
     if not stored:
         raise PolicyError(f"{source} holds no policy yet")
@@ -128,13 +141,20 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     except UNREADABLE as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None
     if metadata.keys() - {DIGEST} or (of_tensors and digest_of(tensors) != of_tensors):
-        raise PolicyError(f"{path} is damaged: its tensors aren't those that were written; use another policy of the run")
+        raise PolicyError(
+            f"{path} is damaged: its tensors aren't those that were written; use another policy of the run"
+        )
     if not of_json:
         lacking = "digest of its description" if of_tensors else "digest"
-        warnings.warn(f"{path} has no {lacking}, like files of earlier versions: damage can't be detected", stacklevel=2)
+        warnings.warn(
+            f"{path} has no {lacking}, like files of earlier versions: damage can't be detected",
+            stacklevel=2,
+        )
     bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
     if bad:
-        raise PolicyError(f"{path} holds non-finite numbers, in {', '.join(bad)}: no agent can act by it; use another policy")
+        raise PolicyError(
+            f"{path} holds non-finite numbers, in {', '.join(bad)}: no agent can act by it; use another policy"
+        )
     return jax.tree.unflatten(structure, [tensors[name] for name in wanted]), described
 
 
@@ -152,11 +172,18 @@ def _read_description(path: Path, digest: str) -> Described:
     """Returns the description of a policy, which must have the digest if there is one."""
     written = read_bytes(path, LARGEST_DESCRIPTION)
     if digest and hashlib.sha256(written).hexdigest() != digest:
-        raise ValueError(f"{path} is damaged: it isn't the one that was written; use another policy of the run")
+        raise ValueError(
+            f"{path} is damaged: it isn't the one that was written; use another policy of the run"
+        )
     content = parse_json(written)
     game, update, env_steps = content["game"], content["update"], content["env_steps"]
-    texts, numbers = (game["name"], game["hash"], *game["action_names"]), (update, env_steps, *game["observation_shape"])
-    if not all(isinstance(text, str) for text in texts) or not all(isinstance(number, int) for number in numbers):
+    texts, numbers = (
+        (game["name"], game["hash"], *game["action_names"]),
+        (update, env_steps, *game["observation_shape"]),
+    )
+    if not all(isinstance(text, str) for text in texts) or not all(
+        isinstance(number, int) for number in numbers
+    ):
         raise ValueError(f"{path} doesn't describe a policy")
     config = stored_config(content["config"])
     game["hash"] = current_hash(game["hash"])

@@ -25,7 +25,15 @@ from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
 from .own_settings import filled
 from .partners import Partners, learning_agents
 from .policies import trained_policy
-from .rollout import Actor, Rollout, Worlds, chosen_log_probability, collect_rollout, rewarded_steps, start_worlds
+from .rollout import (
+    Actor,
+    Rollout,
+    Worlds,
+    chosen_log_probability,
+    collect_rollout,
+    rewarded_steps,
+    start_worlds,
+)
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
 from .value_scale import follow_targets, value_unit
@@ -65,33 +73,56 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
 
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)
-        worlds = start_worlds(env, config.num_envs, networks.start_memory(config.num_envs), worlds_key, partners)
+        worlds = start_worlds(
+            env, config.num_envs, networks.start_memory(config.num_envs), worlds_key, partners
+        )
         learner = start_learner(networks.init(network_key, env), config)
         return TrainState(key, learner, worlds, jnp.int32(0), jnp.bool_(False))
 
     def play(parameters: Any, worlds: Worlds, key: Array) -> Any:
-        return collect_rollout(env, make_actor(env, networks, parameters), worlds, key, config.num_steps, shaping, partners)
+        return collect_rollout(
+            env,
+            make_actor(env, networks, parameters),
+            worlds,
+            key,
+            config.num_steps,
+            shaping,
+            partners,
+        )
 
     def collect(state: TrainState) -> tuple[TrainState, Played]:
         key, rollout_key = jax.random.split(state.key)
         together = over_devices(play, (ALL, OF_ENVS, ALL), (OF_ENVS, SECOND_OF_ENVS, ALL, ALL))
-        worlds, rollout, finished, measured = together(state.learner.params, state.worlds, rollout_key)
+        worlds, rollout, finished, measured = together(
+            state.learner.params, state.worlds, rollout_key
+        )
         after = replace(state, key=key, worlds=worlds)
         return after, Played(rollout, state.worlds.memory, finished, measured)
 
-    def take_steps(learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array) -> Any:
+    def take_steps(
+        learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array
+    ) -> Any:
         """Returns the learner, its losses, and the values `[1, M, N]` that the rollout had with their targets."""
-        _, _, last_value = _read(networks, learner.params, worlds.memory, worlds.observation, worlds.state, worlds.fresh)
+        _, _, last_value = _read(
+            networks, learner.params, worlds.memory, worlds.observation, worlds.state, worlds.fresh
+        )
         batch = make_batch(rollout, memory, last_value, config)
         return *learn_teams(learner, batch, key, networks, config), batch.value, batch.target
 
     def learn(state: TrainState, played: Played) -> tuple[TrainState, Metrics]:
         rollout = played.rollout
         key, shuffle_key = jax.random.split(state.key)
-        given, returned = (ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL), (ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS)
+        given, returned = (
+            (ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL),
+            (ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS),
+        )
         together = over_devices(take_steps, given, returned)
-        learner, losses, value, target = together(state.learner, state.worlds, rollout, played.memory, shuffle_key)
-        learner, losses["loss"] = keep_if_finite(losses["loss"], learner, state.learner, state.diverged)
+        learner, losses, value, target = together(
+            state.learner, state.worlds, rollout, played.memory, shuffle_key
+        )
+        learner, losses["loss"] = keep_if_finite(
+            losses["loss"], learner, state.learner, state.diverged
+        )
         value, target = (leaf[..., learning] for leaf in (value, target))
         metrics = {
             **mean_episode(played.finished),
@@ -103,18 +134,31 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
             "learning_rate": learning_rate_schedule(config)(state.learner.step.ravel()[0]),
         }
         diverged = ~jnp.isfinite(losses["loss"])
-        return replace(state, key=key, learner=learner, updates=state.updates + 1, diverged=diverged), metrics
+        return replace(
+            state, key=key, learner=learner, updates=state.updates + 1, diverged=diverged
+        ), metrics
 
     def adopt(state: TrainState, parameters: Any) -> TrainState:
         return replace(state, learner=replace(state.learner, params=parameters))
 
-    return Train(init, collect, learn, lambda state: state.learner.params, adopt, partial(trained_policy, env, config))
+    return Train(
+        init,
+        collect,
+        learn,
+        lambda state: state.learner.params,
+        adopt,
+        partial(trained_policy, env, config),
+    )
 
 
 def start_learner(parameters: Any, config: PPOConfig) -> Learner:
     """Returns G learners in one: parameters `[G, ...]`, each with an optimiser."""
     optimiser = make_optimiser(config)
-    result: Learner = jax.vmap(lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser).replace(step=jnp.int32(0)))(parameters)
+    result: Learner = jax.vmap(
+        lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser).replace(
+            step=jnp.int32(0)
+        )
+    )(parameters)
     return result
 
 
@@ -122,11 +166,17 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
     """Returns how agents with these parameters act: each draws its action independently."""
 
     def act(worlds: Worlds, key: Array) -> tuple[Memory, Array, Acting]:
-        memory, logits, value = _read(networks, parameters, worlds.memory, worlds.observation, worlds.state, worlds.fresh)
+        memory, logits, value = _read(
+            networks, parameters, worlds.memory, worlds.observation, worlds.state, worlds.fresh
+        )
         allowed = allowed_in(env, networks.masks, worlds.state)
         likes = masked(logits, allowed)
         action = draw_actions(key, likes)
-        return memory, action, Acting(chosen_log_probability(likes, action), value, pack_mask(allowed))
+        return (
+            memory,
+            action,
+            Acting(chosen_log_probability(likes, action), value, pack_mask(allowed)),
+        )
 
     def follow(memory: Memory, observation: Array, info: dict[str, Any]) -> Array:
         del observation
@@ -134,13 +184,17 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         state = None
         if networks.state_vector is not None:
             if "terminal_state" not in info:
-                raise ConfigError(f'`{env.name}` gives no terminal_state in the info of a step; choose critic = "observations"')
+                raise ConfigError(
+                    f'`{env.name}` gives no terminal_state in the info of a step; choose critic = "observations"'
+                )
             state = info["terminal_state"]
 
         # Most steps end no episode, and then the second forward pass is skipped.
         result: Array = jax.lax.cond(
             truncated.any(),
-            lambda memory, last, state: _read(networks, parameters, memory, last, state, jnp.zeros_like(truncated))[2],
+            lambda memory, last, state: _read(
+                networks, parameters, memory, last, state, jnp.zeros_like(truncated)
+            )[2],
             lambda *_: jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32),
             memory,
             info["terminal_observation"],
@@ -166,11 +220,18 @@ def draw_actions(key: Array, logits: Array) -> Array:
 
 
 def _read(
-    networks: ActorCritics, parameters: Any, memory: Memory, observation: Array, state: Any, fresh: Array
+    networks: ActorCritics,
+    parameters: Any,
+    memory: Memory,
+    observation: Array,
+    state: Any,
+    fresh: Array,
 ) -> tuple[Memory, Array, Array]:
     """Returns the memory afterwards, logits `[B, N, A]` and values `[B, N]` of one step of B environments."""
     observation, state, fresh = jax.tree.map(lambda leaf: leaf[None], (observation, state, fresh))
-    memory, logits, value = networks.apply(parameters, memory, observation, networks.joint(observation, state), fresh)
+    memory, logits, value = networks.apply(
+        parameters, memory, observation, networks.joint(observation, state), fresh
+    )
     return memory, logits[0], value[0]
 
 
@@ -183,8 +244,17 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
       last_value: `[B, N]`, values of the observations after its last step.
     """
     acting: Acting = rollout.acting
-    successors = successor_values(acting.value, last_value, rollout.ending, rollout.done, rollout.truncated)
-    advantage = generalised_advantages(rollout.shaped_reward, acting.value, successors, rollout.done, config.gamma, config.gae_lambda)
+    successors = successor_values(
+        acting.value, last_value, rollout.ending, rollout.done, rollout.truncated
+    )
+    advantage = generalised_advantages(
+        rollout.shaped_reward,
+        acting.value,
+        successors,
+        rollout.done,
+        config.gamma,
+        config.gae_lambda,
+    )
     steps = {
         "observation": rollout.observation,
         "joint": rollout.state,
@@ -201,15 +271,27 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
     return Batch(memory=memory, **steps)
 
 
-def learn_teams(learner: Learner, batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig) -> tuple[Learner, Metrics]:
+def learn_teams(
+    learner: Learner, batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig
+) -> tuple[Learner, Metrics]:
     """Returns the learner `[G, ...]` after its epochs; teams learn side by side, and losses are means over teams."""
     memory = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), batch.memory)
     agents = networks.teams.indices
     number = len(agents)
     orders = draw_orders(key, number, config)
 
-    def learn_team(learner: Learner, orders: Array, agents: Array, memory: Memory) -> tuple[Learner, Metrics]:
-        return take_epochs(learner, replace(batch, memory=memory), orders, agents, cast(Apply, networks.network.apply), networks, config)
+    def learn_team(
+        learner: Learner, orders: Array, agents: Array, memory: Memory
+    ) -> tuple[Learner, Metrics]:
+        return take_epochs(
+            learner,
+            replace(batch, memory=memory),
+            orders,
+            agents,
+            cast(Apply, networks.network.apply),
+            networks,
+            config,
+        )
 
     if number == 1:  # vmap over a single network would turn its convolutions into a loop
         first = jax.tree.map(lambda leaf: leaf[0], (learner, memory))
@@ -220,7 +302,13 @@ def learn_teams(learner: Learner, batch: Batch, key: Array, networks: ActorCriti
 
 
 def take_epochs(
-    learner: Learner, batch: Batch, orders: Array, agents: Any, apply: Apply, networks: ActorCritics, config: PPOConfig
+    learner: Learner,
+    batch: Batch,
+    orders: Array,
+    agents: Any,
+    apply: Apply,
+    networks: ActorCritics,
+    config: PPOConfig,
 ) -> tuple[Learner, Metrics]:
     """Takes `num_epochs * num_minibatches` gradient steps of one team.
 
@@ -235,12 +323,18 @@ def take_epochs(
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
         minibatch = sample(batch, indices, agents, networks)
         loss = jax.value_and_grad(loss_of(config), has_aux=True)
-        (value, losses), gradients = mean_of_all(loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config))
+        (value, losses), gradients = mean_of_all(
+            loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
+        )
         losses = {**losses, "loss": value, **gradient_norms(gradients, config)}
         return learner.apply_gradients(grads=gradients), losses
 
     if config.normalise_values:
-        learner = learner.replace(params=follow_targets(learner.params, batch.target[..., agents], jnp.equal(learner.step, 0)))
+        learner = learner.replace(
+            params=follow_targets(
+                learner.params, batch.target[..., agents], jnp.equal(learner.step, 0)
+            )
+        )
     learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))
     return learner, jax.tree.map(jnp.mean, losses)
 
@@ -284,16 +378,22 @@ def loss_of(config: PPOConfig) -> Loss:
     def checked(*given: Any) -> tuple[Array, Metrics]:
         result = own(*given)
         match result:
-            case (value, dict() as parts) if all(jnp.ndim(number) == 0 for number in (value, *parts.values())):
+            case (value, dict() as parts) if all(
+                jnp.ndim(number) == 0 for number in (value, *parts.values())
+            ):
                 return value, parts
             case _:
                 shapes = jax.tree.map(jnp.shape, result)
-                raise ConfigError(f"the loss `{config.loss}` must return a number and a dict of numbers, its metrics, not {shapes}")
+                raise ConfigError(
+                    f"the loss `{config.loss}` must return a number and a dict of numbers, its metrics, not {shapes}"
+                )
 
     return checked
 
 
-def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> tuple[Array, Metrics]:
+def ppo_loss(
+    parameters: Any, apply: Apply, batch: Batch, config: PPOConfig
+) -> tuple[Array, Metrics]:
     """Returns the loss of one minibatch, and its parts.
 
     Source: Schulman et al. 2017, equations 7 and 9; value clipping and the KL estimate as in Huang et al. 2022.
@@ -303,11 +403,15 @@ def ppo_loss(parameters: Any, apply: Apply, batch: Batch, config: PPOConfig) -> 
 
     log_ratio = chosen_log_probability(logits, batch.action) - batch.log_probability
     ratio = jnp.exp(log_ratio)
-    policy_loss = -clipped_surrogate(ratio, normalised(batch.advantage, config), config.clip_epsilon).mean()
+    policy_loss = -clipped_surrogate(
+        ratio, normalised(batch.advantage, config), config.clip_epsilon
+    ).mean()
     unit = value_unit(parameters) if config.normalise_values else 1.0
     critic_loss = value_loss(value, batch.value, batch.target, unit, config)
     entropy = mean_entropy(logits)
-    loss = policy_loss + config.value_coefficient * critic_loss - config.entropy_coefficient * entropy
+    loss = (
+        policy_loss + config.value_coefficient * critic_loss - config.entropy_coefficient * entropy
+    )
     return loss, {
         "loss": loss,
         "policy_loss": policy_loss,

@@ -52,7 +52,13 @@ FOR_A_GAME = {**FOR_ANY, STAGES: list}
 SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_A_GAME}
 NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
 LARGEST = MEGABYTE  # bytes of a preset's file
-MEANS = {str: "text", int: "a whole number", bool: "true or false", dict: "a table", list: "a list of tables"}
+MEANS = {
+    str: "text",
+    int: "a whole number",
+    bool: "true or false",
+    dict: "a table",
+    list: "a list of tables",
+}
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,9 @@ class Preset:
     unread: frozenset[str] = frozenset()  # these, and changes that nothing reads
     earlier: tuple["Preset", ...] = ()  # the stages before this one
     place: str = ""  # of its stages: `mine.toml: games.coins.stages`
-    of_stages: frozenset[str] = frozenset()  # what stages set: keys of the configuration, `map`, `param.X` and so on
+    of_stages: frozenset[str] = (
+        frozenset()
+    )  # what stages set: keys of the configuration, `map`, `param.X` and so on
 
     def refuse_of_stages(self, names: Collection[str]) -> None:
         """Raises ConfigError if one of these keys, or arguments of the environment, is set by a stage."""
@@ -75,7 +83,10 @@ class Preset:
 
 
 def load_preset(
-    name: str | Path, changes: Mapping[str, Any] | None = None, game: str | None = None, asked: Collection[str] | None = None
+    name: str | Path,
+    changes: Mapping[str, Any] | None = None,
+    game: str | None = None,
+    asked: Collection[str] | None = None,
 ) -> Preset:
     """Returns a preset, with `changes` in place of values of its configuration.
 
@@ -94,8 +105,14 @@ def load_preset(
     stem = Path(chosen).stem if chosen else None
     own = content.get("games", {}).get(stem, {})
     if content.get("only_listed") and stem is not None and not own:
-        raise ConfigError(f"the preset `{name}` has no table for `{stem}`; it has {', '.join(content.get('games', {}))}")
-    kept = content.get("environment", {}) if content.get("game") is None or stem == Path(content["game"]).stem else {}
+        raise ConfigError(
+            f"the preset `{name}` has no table for `{stem}`; it has {', '.join(content.get('games', {}))}"
+        )
+    kept = (
+        content.get("environment", {})
+        if content.get("game") is None or stem == Path(content["game"]).stem
+        else {}
+    )
     tables = ({**content, "environment": kept}, own)
     place = f"{name}: games.{stem}.{STAGES}" if STAGES in own else f"{name}: {STAGES}"
     stages = own.get(STAGES, content.get(STAGES, ()))
@@ -105,7 +122,9 @@ def load_preset(
         return _resolved(chosen, tables, changes, asked)
     loaded: list[Preset] = []
     for number, stage in enumerate(stages, 1):
-        of_stage = {name: value for name, value in changes.items() if number == 1 or name != "init_from"}
+        of_stage = {
+            name: value for name, value in changes.items() if number == 1 or name != "init_from"
+        }
         try:
             loaded.append(_resolved(chosen, (*tables, stage), of_stage, ()))
         except ConfigError as error:
@@ -120,11 +139,19 @@ def load_preset(
     return whole
 
 
-def _resolved(game: str | None, tables: Sequence[Mapping[str, Any]], changes: Mapping[str, Any], asked: Collection[str]) -> Preset:
+def _resolved(
+    game: str | None,
+    tables: Sequence[Mapping[str, Any]],
+    changes: Mapping[str, Any],
+    asked: Collection[str],
+) -> Preset:
     """Returns a preset, or a stage of one. tables: later ones win."""
     values = _layered(tables, changes)
     config = make_config(values, asked=asked)
-    unread = {*config.unread, *(key for key in values if key.startswith(OWN) or only_of_others(key, type(config)))}
+    unread = {
+        *config.unread,
+        *(key for key in values if key.startswith(OWN) or only_of_others(key, type(config))),
+    }
     unread -= {f"{OWN}{name}" for name, _ in config.own}
     environment: Mapping[str, Any] = {}
     for table in tables:
@@ -138,15 +165,26 @@ def _names_in(stage: Mapping[str, Any]) -> Iterator[str]:
     environment = stage.get("environment", {})
     yield from environment.keys() - {"params"}
     yield from (f"param.{name}" for name in environment.get("params", {}))
-    by_reward = [table for values in stage.get("algorithm", {}).values() for table in _of_rewards(values).values()]
-    for table in (stage.get("config", {}), *stage.get("algorithm", {}).values(), *stage.get("reward", {}).values(), *by_reward):
+    by_reward = [
+        table
+        for values in stage.get("algorithm", {}).values()
+        for table in _of_rewards(values).values()
+    ]
+    for table in (
+        stage.get("config", {}),
+        *stage.get("algorithm", {}).values(),
+        *stage.get("reward", {}).values(),
+        *by_reward,
+    ):
         yield from (name for name, value in spread(table).items() if not isinstance(value, dict))
 
 
 def _content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict[str, Any]:
     """Returns the tables of a preset, merged with those of the presets that it extends."""
     if _identity(name) in map(_identity, extended_by):
-        raise ConfigError(f"{extended_by[0]}: presets extend each other in a circle: {' -> '.join(map(str, (*extended_by, name)))}")
+        raise ConfigError(
+            f"{extended_by[0]}: presets extend each other in a circle: {' -> '.join(map(str, (*extended_by, name)))}"
+        )
     try:
         content = tomllib.loads(_read(name))
     except ValueError as error:  # also an integer of too many digits
@@ -155,7 +193,9 @@ def _content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict
         raise ConfigError(f"{name}: it is nested too deep") from None
     _check(content, SECTIONS, str(name))
     _check_named(content, str(name))
-    _check(content.get("games", {}), dict.fromkeys(content.get("games", {}), dict), f"{name}: games")
+    _check(
+        content.get("games", {}), dict.fromkeys(content.get("games", {}), dict), f"{name}: games"
+    )
     _check_stages(content, f"{name}: ")
     for listed, tables in content.get("games", {}).items():
         _check(tables, FOR_A_GAME, f"{name}: games.{listed}")
@@ -175,7 +215,11 @@ def _identity(name: str | Path) -> str | Path:
 
 def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
     """Returns two trees of tables merged; values of `above` win."""
-    both = {name: _over(under[name], above[name]) for name in under.keys() & above.keys() if isinstance(above[name], dict)}
+    both = {
+        name: _over(under[name], above[name])
+        for name in under.keys() & above.keys()
+        if isinstance(above[name], dict)
+    }
     return {**under, **above, **both}
 
 
@@ -186,14 +230,18 @@ def _layered(layers: Sequence[Mapping[str, Any]], changes: Mapping[str, Any]) ->
         first |= tables.get("config", {})
     first |= changes
     algorithm = _name_in(first, "algorithm", "ippo")
-    algorithm = algorithm if algorithm in KEYS_OF else "ippo"  # a user's own has the settings of ippo
+    algorithm = (
+        algorithm if algorithm in KEYS_OF else "ippo"
+    )  # a user's own has the settings of ippo
     reward = _name_in(first, "reward", KEYS_OF[algorithm]["reward"].default)
     values: dict[str, Any] = {}
     for tables in layers:
         of_algorithm = tables.get("algorithm", {}).get(algorithm, {})
         of_rewards = _of_rewards(of_algorithm)
         values |= spread(tables.get("config", {}))
-        values |= spread({key: value for key, value in of_algorithm.items() if value is not of_rewards})
+        values |= spread(
+            {key: value for key, value in of_algorithm.items() if value is not of_rewards}
+        )
         values |= spread(tables.get("reward", {}).get(reward, {}))
         values |= spread(of_rewards.get(reward, {}))
     return values | dict(changes)
@@ -227,7 +275,11 @@ def _check_named(tables: Mapping[str, Any], where: str) -> None:
     for section, names in NAMES.items():
         _check(tables.get(section, {}), dict.fromkeys(names, dict), f"{where}: {section}")
     for algorithm, values in tables.get("algorithm", {}).items():
-        _check(_of_rewards(values), dict.fromkeys(NAMES["reward"], dict), f"{where}: algorithm.{algorithm}.reward")
+        _check(
+            _of_rewards(values),
+            dict.fromkeys(NAMES["reward"], dict),
+            f"{where}: algorithm.{algorithm}.reward",
+        )
 
 
 def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> None:
@@ -246,8 +298,12 @@ def _read(name: str | Path) -> str:
         except FileNotFoundError:
             raise ConfigError(f"{name} does not exist") from None
         except OSError as error:
-            raise ConfigError(f"{name} can't be read: {(error.strerror or 'unknown reason').lower()}") from None
-    packaged = {file.name.removesuffix(".toml"): file for file in (files(__package__) / "presets").iterdir()}
+            raise ConfigError(
+                f"{name} can't be read: {(error.strerror or 'unknown reason').lower()}"
+            ) from None
+    packaged = {
+        file.name.removesuffix(".toml"): file for file in (files(__package__) / "presets").iterdir()
+    }
     if name not in packaged:
         raise ConfigError(f"unknown preset `{name}`{meant(str(name), packaged, 'the presets are')}")
     return packaged[str(name)].read_text(encoding="utf-8")

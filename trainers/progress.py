@@ -7,7 +7,14 @@ from typing import Literal, Protocol
 
 from rich.console import Console, Group
 from rich.live import Live
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.text import Text
 
 from .learning_signs import FIGURES
@@ -26,7 +33,9 @@ class Show(Protocol):
 
 
 @contextmanager
-def show_progress(style: ProgressStyle, num_updates: int, title: str, seeds: int = 1, steps_before: int = 0) -> Iterator[Show]:
+def show_progress(
+    style: ProgressStyle, num_updates: int, title: str, seeds: int = 1, steps_before: int = 0
+) -> Iterator[Show]:
     """Yields a function that shows the row of each update and warnings; until the first update, shows that the run is being compiled.
 
     Args:
@@ -68,7 +77,9 @@ def _bar(num_updates: int, title: str, seeds: int, steps_before: int) -> Iterato
         for warning in warnings:
             progress.console.print(f"warning: {warning}", markup=False, highlight=False)
         outcome = _outcome(row) or outcome
-        progress.update(task, completed=row["update"], speed=f"{rate(row, seeds, steps_before):,.0f} steps/s")
+        progress.update(
+            task, completed=row["update"], speed=f"{rate(row, seeds, steps_before):,.0f} steps/s"
+        )
         below.plain = f"{outcome}{_learning(row)}, {_share(row)}"
 
     with Live(Group(progress, below), console=progress.console):
@@ -111,7 +122,11 @@ def _share(row: Row) -> str:
 
 def _outcome(row: Row) -> str:
     """Returns the return of the episodes that ended in an update and that before learning, or "" if none ended."""
-    return f"collective return {row['collective_return']:.1f} (before learning {row['before_learning']:.1f})" if row["episodes"] > 0 else ""
+    return (
+        f"collective return {row['collective_return']:.1f} (before learning {row['before_learning']:.1f})"
+        if row["episodes"] > 0
+        else ""
+    )
 
 
 def _learning(row: Row) -> str:

@@ -15,7 +15,16 @@ from .evaluation import Evaluation, evaluation_key, make_evaluator, summarise
 from .learning_curve import draw_learning_curve
 from .learning_signs import LearningWarning, Signs, is_due
 from .loggers import LoggerName, Loggers, open_loggers
-from .metrics_files import EVALUATIONS, Metrics, Row, append_line, cut_metrics, open_metrics, read_rows, thinned_rows
+from .metrics_files import (
+    EVALUATIONS,
+    Metrics,
+    Row,
+    append_line,
+    cut_metrics,
+    open_metrics,
+    read_rows,
+    thinned_rows,
+)
 from .policies import trained_policy
 from .policy_file import POLICIES, SUFFIX, remove_policies, write_policy
 from .processes import is_first
@@ -110,7 +119,10 @@ class Recorder:
 
     def moment(self, update: int) -> dict[str, int]:
         """Returns an update and the environment steps until its end, those of earlier stages included."""
-        return {"update": update, "env_steps": self.steps_before + update * self.config.steps_per_update}
+        return {
+            "update": update,
+            "env_steps": self.steps_before + update * self.config.steps_per_update,
+        }
 
     def store(self, parameters: Any, update: int, *names: str) -> None:
         """Stores the policy of an update under some names, after the metrics."""
@@ -124,7 +136,10 @@ class Recorder:
         figures = summarise(self.evaluator(evaluation_key(self.seed, update), parameters))
         start = self.moment(update)
         earned = figures["collective return"].mean
-        append_line(self.folder / EVALUATIONS, start | {name: asdict(figure) for name, figure in figures.items()})
+        append_line(
+            self.folder / EVALUATIONS,
+            start | {name: asdict(figure) for name, figure in figures.items()},
+        )
         self.loggers.log(start | {"evaluation_collective_return": earned})
         if earned > self.best_evaluated:
             self.best_evaluated = earned
@@ -145,7 +160,9 @@ def open_recorders(
 
     `steps_before`: environment steps of stages before this one. Only the first of several processes has recorders: the others don't write.
     """
-    evaluator = make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), config.evaluation_episodes)
+    evaluator = make_evaluator(
+        env, lambda parameters: trained_policy(env, config, parameters), config.evaluation_episodes
+    )
     with ExitStack() as stack:
         recorders: list[Recorder] = []
 
@@ -158,10 +175,28 @@ def open_recorders(
             for row in cut_metrics(folder, done, config.evaluate_every):
                 history.recall(row)
             steps = steps_before + done * config.steps_per_update
-            opened = stack.enter_context(open_loggers(loggers, folder, f"{title}, seed {seed}", config, steps))
+            opened = stack.enter_context(
+                open_loggers(loggers, folder, f"{title}, seed {seed}", config, steps)
+            )
             metrics = stack.enter_context(open_metrics(folder))
             about = {"game": describe_game(env), "config": config.record(), "seed": seed}
-            best = max((row["collective return"]["mean"] for row in read_rows(folder / EVALUATIONS)), default=-math.inf)
-            recorders.append(Recorder(folder, about, config, seed, metrics, history, opened, evaluator, best, steps_before))
+            best = max(
+                (row["collective return"]["mean"] for row in read_rows(folder / EVALUATIONS)),
+                default=-math.inf,
+            )
+            recorders.append(
+                Recorder(
+                    folder,
+                    about,
+                    config,
+                    seed,
+                    metrics,
+                    history,
+                    opened,
+                    evaluator,
+                    best,
+                    steps_before,
+                )
+            )
             stack.callback(draw, folder, seed)
         yield recorders

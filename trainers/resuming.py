@@ -29,19 +29,35 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
     params = then.get("params", {})
     if params != now["params"]:
         changed = [name for name in now["params"] if params.get(name) != now["params"][name]]
-        raise RunError(f"{run_dir} is a run with other numbers of the game: {', '.join(changed) or 'some are gone'}")
+        raise RunError(
+            f"{run_dir} is a run with other numbers of the game: {', '.join(changed) or 'some are gone'}"
+        )
     known = versions()
-    other = {name: version for name, version in manifest["versions"].items() if known.get(name) != version}
+    other = {
+        name: version
+        for name, version in manifest["versions"].items()
+        if known.get(name) != version
+    }
     if other:
-        listed = ", ".join(f"{name} {version} (here {known.get(name)})" for name, version in other.items())
-        raise RunError(f"{run_dir} was made with {listed}; its figures would come out differently: install those, or start a new run")
+        listed = ", ".join(
+            f"{name} {version} (here {known.get(name)})" for name, version in other.items()
+        )
+        raise RunError(
+            f"{run_dir} was made with {listed}; its figures would come out differently: install those, or start a new run"
+        )
     try:
         config = stored_config(manifest["config"], strict=True)
         require_code(config, str(run_dir / MANIFEST), to_act=False)
         files = own_files(config)
-        changed = [name for name, digest in manifest.get("own_files", {}).items() if files.get(name) != digest]
+        changed = [
+            name
+            for name, digest in manifest.get("own_files", {}).items()
+            if files.get(name) != digest
+        ]
         if changed:
-            raise RunError(f"{', '.join(changed)} has changed since {run_dir} was started: restore the file, or start a new run")
+            raise RunError(
+                f"{', '.join(changed)} has changed since {run_dir} was started: restore the file, or start a new run"
+            )
         for message in unread_own(config).values():
             raise ConfigError(message)
     except NotAllowed as error:

@@ -62,7 +62,9 @@ class Actor:
     keeps_state: bool = False
 
 
-def start_worlds(env: Environment, num_envs: int, memory: Any, key: Array, partners: Partners = NOBODY) -> Worlds:
+def start_worlds(
+    env: Environment, num_envs: int, memory: Any, key: Array, partners: Partners = NOBODY
+) -> Worlds:
     """Returns `num_envs` fresh environments; `memory` is the agents' before their first step."""
     observation, state = jax.vmap(env.reset)(jax.random.split(key, num_envs))
     return Worlds(
@@ -87,7 +89,13 @@ def rewarded_steps(reward: Array) -> Array:
 
 
 def collect_rollout(
-    env: Environment, actor: Actor, worlds: Worlds, key: Array, num_steps: int, shaping: Shaping, partners: Partners = NOBODY
+    env: Environment,
+    actor: Actor,
+    worlds: Worlds,
+    key: Array,
+    num_steps: int,
+    shaping: Shaping,
+    partners: Partners = NOBODY,
 ) -> tuple[Worlds, Rollout, FinishedEpisodes, dict[str, Array]]:
     """Plays `num_steps` steps in every environment.
 
@@ -104,12 +112,16 @@ def collect_rollout(
       averaged over all its steps.
     """
 
-    def advance(worlds: Worlds, key: Array) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
+    def advance(
+        worlds: Worlds, key: Array
+    ) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
         action_key, env_key, *others = jax.random.split(key, 3 if partners.agents else 2)
         memory, action, acting = actor.act(worlds, action_key)
         theirs = worlds.partners
         for partners_key in others:
-            theirs, taken = partners.act(env, theirs, partners_key, worlds.observation, worlds.state, worlds.fresh)
+            theirs, taken = partners.act(
+                env, theirs, partners_key, worlds.observation, worlds.state, worlds.fresh
+            )
             action = partners.in_place(action, taken)
         env_keys = own_keys(env_key, action.shape[0])
         observation, state, reward, done, info = jax.vmap(env.step)(env_keys, worlds.state, action)
@@ -143,9 +155,13 @@ def collect_rollout(
             acting=acting,
             ending=actor.follow(memory, observation, info),
         )
-        after = Worlds(state, observation, done, jnp.where(done[:, None], 0.0, trace), memory, running, theirs)
+        after = Worlds(
+            state, observation, done, jnp.where(done[:, None], 0.0, trace), memory, running, theirs
+        )
         return after, (played, finished, info["metrics"])
 
-    worlds, (rollout, finished, metrics) = jax.lax.scan(advance, worlds, jax.random.split(key, num_steps))
+    worlds, (rollout, finished, metrics) = jax.lax.scan(
+        advance, worlds, jax.random.split(key, num_steps)
+    )
     total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), finished)
     return worlds, rollout, sum_of_all(total), mean_of_all(jax.tree.map(jnp.mean, metrics))

@@ -52,7 +52,9 @@ from .updates import (
 )
 
 WAITING = "waiting"  # the status of a stage that hasn't begun
-NOT_EMPTY = "{} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it"
+NOT_EMPTY = (
+    "{} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it"
+)
 
 __all__ = ["Result", "RunError", "Stage", "check_stages", "resume", "train"]
 
@@ -81,7 +83,11 @@ class _Part:
     def steps_before(self) -> int:
         """Environment steps of the stages before, for each seed."""
         before = self.before
-        return 0 if before is None else before.steps_before + before.config.num_updates * before.config.steps_per_update
+        return (
+            0
+            if before is None
+            else before.steps_before + before.config.num_updates * before.config.steps_per_update
+        )
 
 
 @dataclass(frozen=True)
@@ -91,7 +97,9 @@ class Result:
     run_dir: Path
     parameters: Any  # of the networks, after the last update; those of several seeds are stacked
     updates: int
-    diverged: Mapping[int, int]  # seed -> the update in which its loss was not finite, while other seeds went on
+    diverged: Mapping[
+        int, int
+    ]  # seed -> the update in which its loss was not finite, while other seeds went on
     folders: tuple[Path, ...]  # of each seed
     compile_seconds: float
     seconds: float  # compiling included
@@ -144,7 +152,11 @@ def train(
         if is_first() and not is_unused(run_dir):  # another process was faster
             raise RunError(NOT_EMPTY.format(run_dir))
         more = {"loggers": list(several(loggers)), "asked": dict(asked or {})}
-        parts = _parts(run_dir, stages, [describe_run(one.env, one.config, one.provenance) | more for one in stages])
+        parts = _parts(
+            run_dir,
+            stages,
+            [describe_run(one.env, one.config, one.provenance) | more for one in stages],
+        )
         for part in parts:
             part.folder.mkdir(parents=True, exist_ok=True)
         if is_first():
@@ -152,13 +164,19 @@ def train(
         return _run(parts, progress, callback)
 
 
-def _parts(run_dir: Path, stages: Sequence[Stage], manifests: Sequence[dict[str, Any]]) -> list[_Part]:
+def _parts(
+    run_dir: Path, stages: Sequence[Stage], manifests: Sequence[dict[str, Any]]
+) -> list[_Part]:
     """Returns the stages of a run as parts, in order."""
     parts: list[_Part] = []
     for number, (stage, manifest) in enumerate(zip(stages, manifests, strict=True), 1):
         folder = run_dir if number == len(stages) else run_dir / STAGES / str(number)
         before = parts[-1] if parts else None
-        parts.append(_Part(stage.env, stage.config, folder, manifest, number if len(stages) > 1 else 0, before))
+        parts.append(
+            _Part(
+                stage.env, stage.config, folder, manifest, number if len(stages) > 1 else 0, before
+            )
+        )
     return parts
 
 
@@ -186,9 +204,13 @@ def check_stages(stages: Sequence[Stage], place: str = STAGES) -> None:
     programs = [make_train(stage.env, stage.config) for stage in stages]
     for number, (before, stage) in enumerate(pairwise(stages), 2):
         if programs[number - 1].adopt is None:
-            raise ConfigError(f"{place}[{number}]: this algorithm can't start from a policy: its `Train` has no `adopt`")
+            raise ConfigError(
+                f"{place}[{number}]: this algorithm can't start from a policy: its `Train` has no `adopt`"
+            )
         if _shapes(before) != _shapes(stage):
-            raise ConfigError(f"{place}[{number}]: its networks have other shapes than those of the stage before: {_unlike(before, stage)}")
+            raise ConfigError(
+                f"{place}[{number}]: its networks have other shapes than those of the stage before: {_unlike(before, stage)}"
+            )
 
 
 def _shapes(stage: Stage) -> Any:
@@ -199,7 +221,9 @@ def _unlike(before: Stage, stage: Stage) -> str:
     """Returns what may be why networks differ, in words."""
     reasons = []
     if before.env.num_agents != stage.env.num_agents:
-        reasons.append(f"there are {before.env.num_agents} agents before, and {stage.env.num_agents} here")
+        reasons.append(
+            f"there are {before.env.num_agents} agents before, and {stage.env.num_agents} here"
+        )
     if isinstance(stage.config, PPOConfig) and stage.config.sharing == "per_agent":
         reasons.append("each agent has a network of its own (`sharing=per_agent`)")
     if isinstance(stage.config, PPOConfig) and stage.config.algorithm == "mappo":
@@ -236,12 +260,18 @@ def resume(
     check_same_run(env, run_dir)
     environments, folders = [*earlier, env], stage_folders(run_dir)
     if len(environments) != len(folders):
-        raise RunError(f"{run_dir} has {len(folders)} stages: `earlier` must have the environments of the first {len(folders) - 1}")
+        raise RunError(
+            f"{run_dir} has {len(folders)} stages: `earlier` must have the environments of the first {len(folders) - 1}"
+        )
     with _lock(run_dir):
-        manifests = [check_same_run(one, folder) for one, folder in zip(environments, folders, strict=True)]  # no other process writes now
+        manifests = [
+            check_same_run(one, folder) for one, folder in zip(environments, folders, strict=True)
+        ]  # no other process writes now
         last = manifests[-1]
         if "stage" in last:
-            raise RunError(f"{run_dir} is stage {last['stage']} of a run: resume {run_dir.parents[1]}")
+            raise RunError(
+                f"{run_dir} is stage {last['stage']} of a run: resume {run_dir.parents[1]}"
+            )
         if total_timesteps is not None:
             last |= extended(last, run_dir, total_timesteps)
         if provenance is not None:
@@ -249,10 +279,18 @@ def resume(
         last["status"] = "running"
         for manifest in manifests:
             if manifest.get("status") != WAITING:
-                manifest["resumed"] = [*manifest.get("resumed", []), datetime.now(UTC).isoformat(timespec="seconds")]
-            manifest["loggers"] = list(manifest.get("loggers", ()) if loggers is None else several(loggers))
+                manifest["resumed"] = [
+                    *manifest.get("resumed", []),
+                    datetime.now(UTC).isoformat(timespec="seconds"),
+                ]
+            manifest["loggers"] = list(
+                manifest.get("loggers", ()) if loggers is None else several(loggers)
+            )
             manifest["asked"] = manifest.get("asked", {}) | dict(asked or {})
-        stages = [Stage(one, stored_config(manifest["config"])) for one, manifest in zip(environments, manifests, strict=True)]
+        stages = [
+            Stage(one, stored_config(manifest["config"]))
+            for one, manifest in zip(environments, manifests, strict=True)
+        ]
         return _run(_parts(run_dir, stages, manifests), progress, callback)
 
 
@@ -276,7 +314,9 @@ def _run(parts: Sequence[_Part], progress: ProgressStyle, callback: Callback | N
                     return replace(result, stage=part.number)
             if diverged := part.manifest.get("diverged"):
                 said = describe_divergence({entry["seed"]: entry["update"] for entry in diverged})
-                raise RunError(f"stage {part.number}: {said}. The next stage starts only if no seed diverged")
+                raise RunError(
+                    f"stage {part.number}: {said}. The next stage starts only if no seed diverged"
+                )
         return _run_part(last, progress, callback)
 
 
@@ -285,33 +325,58 @@ def _run_part(part: _Part, progress: ProgressStyle, callback: Callback | None) -
     began = time.perf_counter()
     env, config, manifest = part.env, part.config, part.manifest
     folders = seed_folders(part.folder, config)
-    title = f"{env.name}, {short_name(config.algorithm)}, {short_name(config.reward)} reward" + f", stage {part.number}" * (part.number > 0)
+    title = (
+        f"{env.name}, {short_name(config.algorithm)}, {short_name(config.reward)} reward"
+        + f", stage {part.number}" * (part.number > 0)
+    )
     # The policy it began with may be gone from its old place, so a run has a copy of its own.
     start = {"init_from": str(part.folder / START)} if (part.folder / START).is_file() else {}
     with ExitStack() as stack:
         style = progress if is_first() else "none"
-        show = stack.enter_context(show_progress(style, config.num_updates, title, config.seeds, part.steps_before))
-        compiled = compile_train(make_train(env, config.model_copy(update=start)), config, _parameters_before(part))
+        show = stack.enter_context(
+            show_progress(style, config.num_updates, title, config.seeds, part.steps_before)
+        )
+        compiled = compile_train(
+            make_train(env, config.model_copy(update=start)), config, _parameters_before(part)
+        )
         compiled = with_spread_starts(compiled, config, episode_length(env))
         checkpoints = Checkpoints(part.folder)
         stack.callback(checkpoints.close)
         state, done = checkpoints.restore_last(compiled.start())
         goes_on = done > 0 or part.before is None
-        if "resumed" in manifest and goes_on and done < config.num_updates and progress != "none" and is_first():
+        if (
+            "resumed" in manifest
+            and goes_on
+            and done < config.num_updates
+            and progress != "none"
+            and is_first()
+        ):
             print(f"{title}: {resumption(done)}", flush=True)
         manifest.update(compile_seconds=compiled.seconds, program_megabytes=compiled.megabytes)
-        recorders = stack.enter_context(open_recorders(folders, env, config, done, manifest["loggers"], title, part.steps_before))
+        recorders = stack.enter_context(
+            open_recorders(
+                folders, env, config, done, manifest["loggers"], title, part.steps_before
+            )
+        )
         so_far = Progress(done, diverged_before(state, recorders, config))
         try:
-            keeping = Keeping(recorders, checkpoints.save, show, steps_before=part.steps_before, stage=part.number)
+            keeping = Keeping(
+                recorders, checkpoints.save, show, steps_before=part.steps_before, stage=part.number
+            )
             if callback is not None and is_first():
-                keeping = replace(keeping, after_update=_call_after_update(callback, env, config, part.folder))
+                keeping = replace(
+                    keeping, after_update=_call_after_update(callback, env, config, part.folder)
+                )
             state = run_updates(compiled, state, so_far, config, keeping)
         finally:
             manifest.update(
                 updates=so_far.updates,
-                warnings=said_once({recorder.seed: recorder.history.warnings for recorder in recorders}),
-                diverged=[{"seed": seed, "update": update} for seed, update in so_far.diverged.items()],
+                warnings=said_once(
+                    {recorder.seed: recorder.history.warnings for recorder in recorders}
+                ),
+                diverged=[
+                    {"seed": seed, "update": update} for seed, update in so_far.diverged.items()
+                ],
                 seconds=time.perf_counter() - began,
                 peak_megabytes=peak_megabytes(),
             )
@@ -319,7 +384,16 @@ def _run_part(part: _Part, progress: ProgressStyle, callback: Callback | None) -
             manifest["status"] = f"stopped by its callback after update {so_far.updates}"
         parameters = jax.device_get(compiled.parameters(state))
     seconds = time.perf_counter() - began
-    return Result(part.folder, parameters, so_far.updates, so_far.diverged, folders, compiled.seconds, seconds, peak_megabytes())
+    return Result(
+        part.folder,
+        parameters,
+        so_far.updates,
+        so_far.diverged,
+        folders,
+        compiled.seconds,
+        seconds,
+        peak_megabytes(),
+    )
 
 
 def _parameters_before(part: _Part) -> Any:
@@ -329,20 +403,30 @@ def _parameters_before(part: _Part) -> Any:
     any_process(False)  # waits until the first process has written them
     seeds = []
     for folder in seed_folders(part.before.folder, part.before.config):
-        parameters, _ = read_policy(policy_path(folder, "last"), lambda config: parameter_shapes(part.env, config))
+        parameters, _ = read_policy(
+            policy_path(folder, "last"), lambda config: parameter_shapes(part.env, config)
+        )
         if parameters is None:
-            raise RunError(f"the last policy of {folder} has other networks than stage {part.number}")
+            raise RunError(
+                f"the last policy of {folder} has other networks than stage {part.number}"
+            )
         seeds.append(parameters)
     return jax.tree.map(lambda *leaves: np.stack(leaves), *seeds) if len(seeds) > 1 else seeds[0]
 
 
-def _call_after_update(callback: Callback, env: Environment, config: Config, run_dir: Path) -> AfterUpdate:
+def _call_after_update(
+    callback: Callback, env: Environment, config: Config, run_dir: Path
+) -> AfterUpdate:
     """Returns a function that calls the callback with an `Update`, and returns whether it ends the run."""
 
-    def after_update(number: int, rows: Sequence[Row], learning: Sequence[int], parameters: Any) -> bool:
+    def after_update(
+        number: int, rows: Sequence[Row], learning: Sequence[int], parameters: Any
+    ) -> bool:
         def policy_of(seed: int) -> Policy:
             own = of_seed(parameters, config.seed_numbers.index(seed), config)
-            return trained_policy(env, config, jax.tree.map(jnp.copy, own))  # the next update reuses their memory
+            return trained_policy(
+                env, config, jax.tree.map(jnp.copy, own)
+            )  # the next update reuses their memory
 
         known = {config.seed_numbers[index]: rows[index] for index in learning}
         row = mean_row([*known.values()])

@@ -34,13 +34,20 @@ def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]
         "own_files": own_files(config),
         "derived": derived_figures(config, env.num_agents),
         "versions": versions(),
-        "device": {"platform": device.platform, "kind": device_name(device), "count": jax.device_count()},
+        "device": {
+            "platform": device.platform,
+            "kind": device_name(device),
+            "count": jax.device_count(),
+        },
     }
 
 
 def derived_figures(config: Config, num_agents: int) -> dict[str, float]:
     """Returns figures derived from a configuration: updates, and the share that an agent keeps of an exchanged reward."""
-    figures: dict[str, float] = {"updates": config.num_updates, "steps_per_update": config.steps_per_update}
+    figures: dict[str, float] = {
+        "updates": config.num_updates,
+        "steps_per_update": config.steps_per_update,
+    }
     if config.reward == "exchange":
         figures["kept_share"] = kept_share(config.exchange_ratio, num_agents)
     return figures
@@ -50,7 +57,10 @@ def own_files(config: Config) -> dict[str, str | None]:
     """Returns the user's own files that a run uses, with their SHA-256; None for one that is gone."""
     names = (*config.hooks.values(), *(policy for _, policy in config.partners))
     files = {str(file): file for file in map(file_of, names) if file is not None}
-    return {name: sha256(file.read_bytes()).hexdigest() if file.is_file() else None for name, file in files.items()}
+    return {
+        name: sha256(file.read_bytes()).hexdigest() if file.is_file() else None
+        for name, file in files.items()
+    }
 
 
 def describe_game(env: Environment) -> dict[str, Any]:
@@ -59,7 +69,10 @@ def describe_game(env: Environment) -> dict[str, Any]:
     return {
         "name": env.name,
         "hash": env.hash,
-        "params": {keystr(path, simple=True): plain(leaf) for path, leaf in tree_leaves_with_path(env.params)},
+        "params": {
+            keystr(path, simple=True): plain(leaf)
+            for path, leaf in tree_leaves_with_path(env.params)
+        },
         "num_agents": env.num_agents,
         "action_names": list(env.action_names),
         "observation_shape": list(observation.shape),

@@ -17,7 +17,9 @@ LOCK = ".lock"  # stays in the folder: a lock is held by a process, not by the f
 
 def is_unused(run_dir: Path) -> bool:
     """Whether a run may start in a folder: it is missing, or empty but for the lock of a run that never started."""
-    return not run_dir.exists() or (run_dir.is_dir() and all(path.name == LOCK for path in run_dir.iterdir()))
+    return not run_dir.exists() or (
+        run_dir.is_dir() and all(path.name == LOCK for path in run_dir.iterdir())
+    )
 
 
 @contextmanager
@@ -34,9 +36,14 @@ def locked(folder: Path) -> Iterator[None]:
         except BlockingIOError:
             file.seek(0)
             holder = file.read().strip() or "another process"
-            raise RunError(f"{folder} is in use: {holder} trains there. Wait until it has ended, or name another folder") from None
+            raise RunError(
+                f"{folder} is in use: {holder} trains there. Wait until it has ended, or name another folder"
+            ) from None
         except OSError as error:
-            warnings.warn(f"{folder} can't be locked ({error.strerror}): make sure that no other process writes there", stacklevel=3)
+            warnings.warn(
+                f"{folder} can't be locked ({error.strerror}): make sure that no other process writes there",
+                stacklevel=3,
+            )
         with suppress(OSError):  # the holder only matters to the message above
             file.truncate(0)
             file.write(f"process {os.getpid()} on {socket.gethostname()}")

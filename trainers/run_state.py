@@ -41,7 +41,11 @@ def run_state(folder: Path) -> RunState | None:
         diverged = {entry["seed"]: entry["update"] for entry in manifest.get("diverged", [])}
         status = str(manifest.get("status", FINISHED))
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise PolicyError(f"{file} can't be read ({type(error).__name__}: {error}), so the run may not have ended") from None
+        raise PolicyError(
+            f"{file} can't be read ({type(error).__name__}: {error}), so the run may not have ended"
+        ) from None
     if file is own:
         return RunState(status, diverged)
-    return RunState(status, {number: update for number, update in diverged.items() if number == int(seed)})
+    return RunState(
+        status, {number: update for number, update in diverged.items() if number == int(seed)}
+    )

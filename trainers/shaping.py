@@ -44,27 +44,49 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
             case "individual":
                 return scale * reward
             case "common":
-                shared = common_mean(reward) if config.common_reward == "mean" else common_sum(reward)
-                return shared * (scale if config.algorithm == "vdn" else 1.0)  # there VDN adds up sums
+                shared = (
+                    common_mean(reward) if config.common_reward == "mean" else common_sum(reward)
+                )
+                return shared * (
+                    scale if config.algorithm == "vdn" else 1.0
+                )  # there VDN adds up sums
             case "exchange":
                 return scale * exchanged(reward, kept_share(config.exchange_ratio, num_agents))
             case "inequity":
-                return scale * inequity_averse(reward, trace, config.inequity_envy, config.inequity_guilt)
+                return scale * inequity_averse(
+                    reward, trace, config.inequity_envy, config.inequity_guilt
+                )
             case "svo":
                 # Counted from what an agent loses while nobody is rewarded: a constant loss in each step, pi / 2 at 90 degrees, teaches
                 # nothing in episodes of a fixed length, but the critic would learn little else, and the policy with it.
-                at_rest = svo_deviation(jnp.zeros_like(trace), angles, config.svo_at_rest, config.svo_quadrant)
-                penalty = svo_deviation(trace, angles, config.svo_at_rest, config.svo_quadrant) - at_rest
+                at_rest = svo_deviation(
+                    jnp.zeros_like(trace), angles, config.svo_at_rest, config.svo_quadrant
+                )
+                penalty = (
+                    svo_deviation(trace, angles, config.svo_at_rest, config.svo_quadrant) - at_rest
+                )
                 return scale * (reward - config.svo_weight * penalty)
             case _:
                 raise AssertionError(config.reward)  # a user's own reward isn't shaped
 
     degrees = config.svo_angle * num_agents if len(config.svo_angle) == 1 else config.svo_angle
     if len(degrees) != num_agents:
-        raise ConfigError(f"`svo_angle` must be one angle, or one for each of the {num_agents} agents, not {len(degrees)}")
-    angles = jnp.asarray([angle * (math.pi / 180) for angle in degrees], jnp.float32)  # not math.radians: angles may be traced
-    smoothing = config.gamma * config.inequity_smoothing if config.reward == "inequity" else config.reward_smoothing
-    own = None if config.reward in get_args(RewardMode) else filled("reward", config.reward, config.own)
+        raise ConfigError(
+            f"`svo_angle` must be one angle, or one for each of the {num_agents} agents, not {len(degrees)}"
+        )
+    angles = jnp.asarray(
+        [angle * (math.pi / 180) for angle in degrees], jnp.float32
+    )  # not math.radians: angles may be traced
+    smoothing = (
+        config.gamma * config.inequity_smoothing
+        if config.reward == "inequity"
+        else config.reward_smoothing
+    )
+    own = (
+        None
+        if config.reward in get_args(RewardMode)
+        else filled("reward", config.reward, config.own)
+    )
     return Shaping(shape, smoothing, own)
 
 
@@ -114,7 +136,11 @@ def inequity_averse(reward: Array, trace: Array, envy: float, guilt: float) -> A
     """
     others = max(reward.shape[-1] - 1, 1)
     ahead = trace[..., None, :] - trace[..., :, None]  # [..., i, j] by how much j is ahead of i
-    return reward - (envy * jnp.maximum(ahead, 0.0).sum(-1) + guilt * jnp.maximum(-ahead, 0.0).sum(-1)) / others
+    return (
+        reward
+        - (envy * jnp.maximum(ahead, 0.0).sum(-1) + guilt * jnp.maximum(-ahead, 0.0).sum(-1))
+        / others
+    )
 
 
 def svo_deviation(trace: Array, sought: Array, at_rest: str, quadrant: bool) -> Array:

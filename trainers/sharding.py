@@ -34,7 +34,9 @@ class Placement:
     def of_state(self, state: TrainState) -> TrainState:
         """Returns the placement of every leaf of a state."""
         placed = jax.tree.map(lambda _: self.everywhere, state)
-        result: TrainState = placed.replace(worlds=jax.tree.map(lambda _: self.spread, state.worlds))
+        result: TrainState = placed.replace(
+            worlds=jax.tree.map(lambda _: self.spread, state.worlds)
+        )
         return result
 
 
@@ -46,5 +48,7 @@ def make_placement(config: Config) -> Placement:
     """
     devices = jax.devices()
     if config.num_envs % len(devices):
-        raise ConfigError(f"num_envs = {config.num_envs} environments cannot be spread over {len(devices)} devices; choose a multiple")
+        raise ConfigError(
+            f"num_envs = {config.num_envs} environments cannot be spread over {len(devices)} devices; choose a multiple"
+        )
     return Placement(Mesh(np.asarray(devices), (ENVS,)), config.seeds)

@@ -25,7 +25,10 @@ SHAPING_NETWORKS = (
     "memory",
     "partners",
 )
-MAY_CHANGE = ("own", "partners")  # of these, what may change as long as the networks keep their shapes
+MAY_CHANGE = (
+    "own",
+    "partners",
+)  # of these, what may change as long as the networks keep their shapes
 KEPT = ("seed", "seeds", *(name for name in SHAPING_NETWORKS if name not in MAY_CHANGE))
 
 
@@ -41,9 +44,13 @@ def check_settings(configs: Sequence[Config], place: str = STAGES) -> None:
         for name in KEPT:
             old, new = getattr(before, name, None), getattr(config, name, None)
             if old != new:
-                raise ConfigError(f"{place}[{number}]: `{name}` can't change from stage to stage: it is {old} before, and {new} here")
+                raise ConfigError(
+                    f"{place}[{number}]: `{name}` can't change from stage to stage: it is {old} before, and {new} here"
+                )
         if config.init_from:
-            raise ConfigError(f"{place}[{number}]: leave `init_from` out: a stage starts from the policy of the one before")
+            raise ConfigError(
+                f"{place}[{number}]: leave `init_from` out: a stage starts from the policy of the one before"
+            )
 
 
 def reward_label(reward: str, from_stages: bool) -> str:
@@ -55,5 +62,8 @@ def stage_folders(folder: Path) -> list[Path]:
     """Returns the folders of all stages of a run, or of one of its seeds, in order; `folder` is that of the last."""
     of_seed = folder.name.startswith("seed_") and not (folder / STAGES).is_dir()
     run_dir = folder.parent if of_seed else folder
-    numbered = sorted((path for path in (run_dir / STAGES).glob("*") if path.name.isdecimal()), key=lambda path: int(path.name))
+    numbered = sorted(
+        (path for path in (run_dir / STAGES).glob("*") if path.name.isdecimal()),
+        key=lambda path: int(path.name),
+    )
     return [*(path / folder.relative_to(run_dir) for path in numbered), folder]

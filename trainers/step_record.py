@@ -45,7 +45,9 @@ def check_own_reward(env: Environment, config: Config) -> None:
         done=one,
         truncated=one,
     )
-    paid = jax.eval_shape(lambda step: jnp.asarray(filled("reward", config.reward, config.own)(step)), step)
+    paid = jax.eval_shape(
+        lambda step: jnp.asarray(filled("reward", config.reward, config.own)(step)), step
+    )
     if paid.shape != (env.num_agents,):
         raise ConfigError(
             f"the reward `{config.reward}` must give a number for each of the {env.num_agents} agents, an array of shape "

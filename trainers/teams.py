@@ -29,7 +29,9 @@ class Teams:
 def make_teams(env: Environment, config: PPOConfig) -> Teams:
     """Returns the teams that `sharing` makes of the agents that learn. Raises ConfigError if `partners` don't fit the agents."""
     learning = learning_agents(env.num_agents, config)
-    return Teams((learning,) if config.sharing == "shared" else tuple((agent,) for agent in learning))
+    return Teams(
+        (learning,) if config.sharing == "shared" else tuple((agent,) for agent in learning)
+    )
 
 
 def over_teams(teams: Teams, apply: Callable[..., Any], agents_axis: int) -> Callable[..., Any]:
@@ -44,13 +46,17 @@ def over_teams(teams: Teams, apply: Callable[..., Any], agents_axis: int) -> Cal
     """
     number = len(teams.agents)
 
-    def applied(parameters: Any, memory: Any, observation: Array, joint: Any, fresh: Array) -> tuple[Any, Array, Array]:
+    def applied(
+        parameters: Any, memory: Any, observation: Array, joint: Any, fresh: Array
+    ) -> tuple[Any, Array, Array]:
         own, agents = of_team(observation, teams.indices, agents_axis), jnp.asarray(teams.indices)
         if number == 1:  # a batch of one network would cost a loop over its convolutions
             first = jax.tree.map(lambda leaf: leaf[0], (parameters, memory))
             memory, logits, values = apply(*first, own[0], joint, fresh, agents[0])
             return jax.tree.map(lambda leaf: leaf[None], memory), logits, values
-        memory, logits, values = jax.vmap(apply, in_axes=(0, 0, 0, None, None, 0))(parameters, memory, own, joint, fresh, agents)
+        memory, logits, values = jax.vmap(apply, in_axes=(0, 0, 0, None, None, 0))(
+            parameters, memory, own, joint, fresh, agents
+        )
         return memory, _side_by_side(logits, agents_axis), _side_by_side(values, agents_axis)
 
     return applied

@@ -33,11 +33,19 @@ class Train:
     """A training run as pure functions, which can be jitted, and vmapped or mapped over seeds."""
 
     init: Callable[[Array], TrainState]  # key -> state before the first update
-    collect: Callable[[TrainState], tuple[TrainState, Any]]  # plays; what was played goes to `learn`
-    learn: Callable[[TrainState, Any], tuple[TrainState, Metrics]]  # gradient steps on what was played
+    collect: Callable[
+        [TrainState], tuple[TrainState, Any]
+    ]  # plays; what was played goes to `learn`
+    learn: Callable[
+        [TrainState, Any], tuple[TrainState, Metrics]
+    ]  # gradient steps on what was played
     parameters: Callable[[TrainState], Any]  # of the agents' networks, from a state
-    adopt: Callable[[TrainState, Any], TrainState] | None = None  # a state with other parameters, of a policy trained before
-    policy: Callable[[Any, bool | None], Policy] | None = None  # from parameters, and whether to act greedily: as `trained_policy`
+    adopt: Callable[[TrainState, Any], TrainState] | None = (
+        None  # a state with other parameters, of a policy trained before
+    )
+    policy: Callable[[Any, bool | None], Policy] | None = (
+        None  # from parameters, and whether to act greedily: as `trained_policy`
+    )
     loops: bool = True  # whether a loop over seeds may be faster than `vmap`; not if a state is large, as the loop would copy it
 
     def update(self, state: TrainState) -> tuple[TrainState, Metrics]:
@@ -52,5 +60,11 @@ def keep_if_finite(loss: Array, new: Any, old: Any, diverged: Array) -> tuple[An
     diverges, it keeps its parameters while the others continue.
     """
     numbers = [leaf for leaf in jax.tree.leaves(new) if jnp.issubdtype(leaf.dtype, jnp.floating)]
-    good = ~diverged & jnp.isfinite(loss) & jnp.stack([jnp.isfinite(leaf).all() for leaf in numbers]).all()
-    return jax.tree.map(lambda a, b: jnp.where(good, a, b), new, old), jnp.where(good, loss, jnp.nan)
+    good = (
+        ~diverged
+        & jnp.isfinite(loss)
+        & jnp.stack([jnp.isfinite(leaf).all() for leaf in numbers]).all()
+    )
+    return jax.tree.map(lambda a, b: jnp.where(good, a, b), new, old), jnp.where(
+        good, loss, jnp.nan
+    )

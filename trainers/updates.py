@@ -59,7 +59,9 @@ class Progress:
     """The progress of a run."""
 
     updates: int  # done
-    diverged: dict[int, int] = field(default_factory=dict)  # seed -> the update in which its loss was not finite
+    diverged: dict[int, int] = field(
+        default_factory=dict
+    )  # seed -> the update in which its loss was not finite
     stopped: bool = False  # by its callback
 
 
@@ -79,7 +81,9 @@ class Keeping:
         return [(index, self.recorders[index]) for index in seeds] if self.recorders else []
 
 
-def run_updates(compiled: Compiled, state: TrainState, progress: Progress, config: Config, keeping: Keeping) -> TrainState:
+def run_updates(
+    compiled: Compiled, state: TrainState, progress: Progress, config: Config, keeping: Keeping
+) -> TrainState:
     """Runs the remaining updates; whatever stops them, what was done before is kept.
 
     Args:
@@ -90,9 +94,13 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
     """
     before = max((recorder.history.seconds for recorder in keeping.recorders), default=0.0)
     began = last = time.perf_counter()
-    pace = CheckpointPace(config, sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state)), began)
+    pace = CheckpointPace(
+        config, sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state)), began
+    )
     saved = progress.updates
-    whole: int | None = saved  # the update after which `state` is; None while its memory is lent to a function
+    whole: int | None = (
+        saved  # the update after which `state` is; None while its memory is lent to a function
+    )
 
     def save(number: int, learning: Sequence[int]) -> None:
         """Writes the last policies and a checkpoint; the metrics first, so that none is missing when the run is resumed."""
@@ -119,14 +127,19 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                     "rollout_share": (acted - last) / (now - last),
                 }
                 start |= {"stage": keeping.stage} if keeping.stage else {}
-                rows = [start | flatten_metrics(of_seed(measured, index, config)) for index in range(config.seeds)]
+                rows = [
+                    start | flatten_metrics(of_seed(measured, index, config))
+                    for index in range(config.seeds)
+                ]
                 parameters = compiled.parameters(state)
                 learning = _record(rows, parameters, progress, config, keeping)
                 progress.updates = number
                 evaluates = config.evaluate_every and number % config.evaluate_every == 0
                 for index, recorder in keeping.recording(learning):
                     if evaluates:
-                        recorder.evaluate(of_seed(jax.device_get(parameters), index, config), number)
+                        recorder.evaluate(
+                            of_seed(jax.device_get(parameters), index, config), number
+                        )
                     if recorder.history.is_mark(number):
                         recorder.mark(of_seed(jax.device_get(parameters), index, config), number)
                 whole = number  # with its evaluation, which isn't repeated
@@ -141,13 +154,17 @@ def run_updates(compiled: Compiled, state: TrainState, progress: Progress, confi
                 if any_process(keeping.after_update(number, rows, learning, parameters)):
                     progress.stopped = True
                     break
-                last = time.perf_counter()  # evaluating, saving and callbacks don't count as part of an update
+                last = (
+                    time.perf_counter()
+                )  # evaluating, saving and callbacks don't count as part of an update
         except OSError:
             whole = None  # there is no room for another attempt
             raise
         except jax.errors.JaxRuntimeError as error:
             if "RESOURCE_EXHAUSTED" in str(error):
-                raise NoMemoryError(f"{str(error).splitlines()[0]}; make num_envs, num_steps or seeds smaller, and start again") from None
+                raise NoMemoryError(
+                    f"{str(error).splitlines()[0]}; make num_envs, num_steps or seeds smaller, and start again"
+                ) from None
             raise
         finally:
             if whole is not None and whole > saved:
@@ -160,19 +177,29 @@ def of_seed(tree: Any, index: int, config: Config) -> Any:
     return jax.tree.map(lambda leaf: leaf[index], tree) if config.seeds > 1 else tree
 
 
-def diverged_before(state: TrainState, recorders: Sequence[Recorder], config: Config) -> dict[int, int]:
+def diverged_before(
+    state: TrainState, recorders: Sequence[Recorder], config: Config
+) -> dict[int, int]:
     """Returns the seeds of a resumed state that have diverged, with the update in which they did: that of their last row."""
     stopped = np.atleast_1d(jax.device_get(state.diverged))
     numbers = [recorder.history.updates for recorder in recorders] or [0] * config.seeds
-    return {seed: number for seed, number, bad in zip(config.seed_numbers, numbers, stopped, strict=True) if bad}
+    return {
+        seed: number
+        for seed, number, bad in zip(config.seed_numbers, numbers, stopped, strict=True)
+        if bad
+    }
 
 
 def _learning(progress: Progress, config: Config) -> list[int]:
     """Returns the indices of the seeds that haven't diverged."""
-    return [index for index, seed in enumerate(config.seed_numbers) if seed not in progress.diverged]
+    return [
+        index for index, seed in enumerate(config.seed_numbers) if seed not in progress.diverged
+    ]
 
 
-def _record(rows: Sequence[Row], parameters: Any, progress: Progress, config: Config, keeping: Keeping) -> list[int]:
+def _record(
+    rows: Sequence[Row], parameters: Any, progress: Progress, config: Config, keeping: Keeping
+) -> list[int]:
     """Writes the rows of the seeds that are learning; returns the indices of those that still are.
 
     A seed whose loss isn't finite stops alone: its parameters are still those of the update before (`keep_if_finite`), and are stored.
@@ -186,23 +213,39 @@ def _record(rows: Sequence[Row], parameters: Any, progress: Progress, config: Co
         recorder.append(row)
         if not math.isfinite(row["loss"]):
             good = row["update"] - 1
-            recorder.store(of_seed(jax.device_get(parameters), index, config), good, f"{good:08d}", "last")
-    progress.diverged |= {config.seed_numbers[index]: rows[index]["update"] for index in before if not math.isfinite(rows[index]["loss"])}
+            recorder.store(
+                of_seed(jax.device_get(parameters), index, config), good, f"{good:08d}", "last"
+            )
+    progress.diverged |= {
+        config.seed_numbers[index]: rows[index]["update"]
+        for index in before
+        if not math.isfinite(rows[index]["loss"])
+    }
     learning = _learning(progress, config)
     if not learning:
-        raise RunError(f"{describe_divergence(progress.diverged)}. Try a smaller learning_rate than {config.learning_rate:g}")
+        raise RunError(
+            f"{describe_divergence(progress.diverged)}. Try a smaller learning_rate than {config.learning_rate:g}"
+        )
     return learning
 
 
-def _summary(rows: Sequence[Row], learning: Sequence[int], keeping: Keeping) -> tuple[Row, list[str]]:
+def _summary(
+    rows: Sequence[Row], learning: Sequence[int], keeping: Keeping
+) -> tuple[Row, list[str]]:
     """Returns the mean row of the seeds that learn, with `before_learning` of their returns, and the warnings that are due."""
     row = mean_row([rows[index] for index in learning])
     recorders = [recorder for _, recorder in keeping.recording(learning)]
     before = [recorder.history.signs.before_learning for recorder in recorders]
     known = [figure for figure in before if math.isfinite(figure)]
     row["before_learning"] = sum(known) / len(known) if known else math.nan
-    nothing: dict[int, Sequence[LearningWarning]] = {recorder.seed: () for recorder in keeping.recorders}
-    due = {recorder.seed: recorder.history.warnings for recorder in recorders if recorder.history.is_judged}
+    nothing: dict[int, Sequence[LearningWarning]] = {
+        recorder.seed: () for recorder in keeping.recorders
+    }
+    due = {
+        recorder.seed: recorder.history.warnings
+        for recorder in recorders
+        if recorder.history.is_judged
+    }
     return row, said_once(nothing | due)
 
 

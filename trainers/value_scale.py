@@ -14,9 +14,7 @@ from jax import Array
 from .data_parallel import mean_of_all
 
 RATE = 0.2  # how far the moments move towards those of each rollout
-LEAST_VARIANCE = (
-    1e-2  # of targets, so that errors alone aren't scaled up while nobody is rewarded. Source: MAPPO (Yu et al. 2022), its code
-)
+LEAST_VARIANCE = 1e-2  # of targets, so that errors alone aren't scaled up while nobody is rewarded. Source: MAPPO (Yu et al. 2022), its code
 
 
 def value_unit(parameters: Any) -> Array:
@@ -44,7 +42,9 @@ def follow_targets(parameters: Any, target: Array, first: Array) -> Any:
         "kernel": critic["out"]["kernel"] * deviation / new_deviation,
         "bias": (critic["out"]["bias"] * deviation + mean - new_mean) / new_deviation,
     }
-    return with_critic(parameters, {**critic, "out": out, "mean": new_mean, "deviation": new_deviation})
+    return with_critic(
+        parameters, {**critic, "out": out, "mean": new_mean, "deviation": new_deviation}
+    )
 
 
 def converted(parameters: Any, normalised: bool) -> Any:
@@ -55,10 +55,15 @@ def converted(parameters: Any, normalised: bool) -> Any:
     kernel, bias = critic["out"]["kernel"], critic["out"]["bias"]
     if normalised:
         moments = kernel.shape[:-2]
-        return with_critic(parameters, {**critic, "mean": jnp.zeros(moments), "deviation": jnp.ones(moments)})
+        return with_critic(
+            parameters, {**critic, "mean": jnp.zeros(moments), "deviation": jnp.ones(moments)}
+        )
     mean, deviation = critic["mean"][..., None], critic["deviation"][..., None]
     rest = {name: part for name, part in critic.items() if name not in ("mean", "deviation")}
-    return with_critic(parameters, {**rest, "out": {"kernel": kernel * deviation[..., None], "bias": bias * deviation + mean}})
+    return with_critic(
+        parameters,
+        {**rest, "out": {"kernel": kernel * deviation[..., None], "bias": bias * deviation + mean}},
+    )
 
 
 def with_critic(parameters: Any, critic: Any) -> Any:

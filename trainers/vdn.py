@@ -38,7 +38,9 @@ class Transition:
     reward: Array  # [] float32, the team's
     following: Array  # [N, bytes] uint8, packed, after the step, before a reset
     ended: Array  # [] bool, a termination, not a truncation
-    allowed: Array | None = None  # [N, bytes] uint8, actions allowed after the step, packed; in a batch [N, A] bool; None: all
+    allowed: Array | None = (
+        None  # [N, bytes] uint8, actions allowed after the step, packed; in a batch [N, A] bool; None: all
+    )
 
 
 @flax.struct.dataclass
@@ -71,29 +73,47 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, (), worlds_key, partners)
         parameters = network.init(network_key, worlds.observation[:1])
-        online = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(step=jnp.int32(0))
+        online = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(
+            step=jnp.int32(0)
+        )
         target = jax.tree.map(jnp.copy, parameters)
         replay = empty_replay(_entry_shapes(env, packing, masks), config.buffer_size)
-        return TrainState(key, ValueLearner(online, target, replay), worlds, jnp.int32(0), jnp.bool_(False))
+        return TrainState(
+            key, ValueLearner(online, target, replay), worlds, jnp.int32(0), jnp.bool_(False)
+        )
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
         actor = make_actor(env, network, packing, masks, state.learner.online.params, epsilon)
-        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
+        worlds, rollout, finished, measured = collect_rollout(
+            env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners
+        )
         replay = add_entries(state.learner.replay, _entries(rollout))
         learner = replace(state.learner, replay=replay)
-        rewards = {"reward_per_step": rollout.reward.sum(axis=-1).mean(), "rewarded_steps": rewarded_steps(rollout.reward)}
-        return replace(state, key=key, worlds=worlds, learner=learner), (finished, measured, rewards, epsilon)
+        rewards = {
+            "reward_per_step": rollout.reward.sum(axis=-1).mean(),
+            "rewarded_steps": rewarded_steps(rollout.reward),
+        }
+        return replace(state, key=key, worlds=worlds, learner=learner), (
+            finished,
+            measured,
+            rewards,
+            epsilon,
+        )
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
         finished, measured, rewards, epsilon = played
         key, learn_key = jax.random.split(state.key)
         before, target, replay = state.learner.online, state.learner.target, state.learner.replay
-        after, losses = take_gradient_steps(network, packing, before, target, replay, learn_key, config)
+        after, losses = take_gradient_steps(
+            network, packing, before, target, replay, learn_key, config
+        )
         begun = replay.filled >= config.learning_starts
         after, losses = jax.tree.map(
-            lambda new, old: jnp.where(begun, new, old), (after, losses), (before, jax.tree.map(jnp.zeros_like, losses))
+            lambda new, old: jnp.where(begun, new, old),
+            (after, losses),
+            (before, jax.tree.map(jnp.zeros_like, losses)),
         )
         after, losses["loss"] = keep_if_finite(losses["loss"], after, before, state.diverged)
         updates = state.updates + 1
@@ -111,13 +131,18 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         learner = ValueLearner(after, target, replay)
         return replace(state, key=key, learner=learner, updates=updates, diverged=diverged), metrics
 
-    return Train(init, collect, learn, lambda state: state.learner.online.params, adopt, loops=False)  # the replay buffer is large
+    return Train(
+        init, collect, learn, lambda state: state.learner.online.params, adopt, loops=False
+    )  # the replay buffer is large
 
 
 def adopt(state: TrainState, parameters: Any) -> TrainState:
     """Returns a state with other parameters, for the network and its target."""
     online = replace(state.learner.online, params=parameters)
-    return replace(state, learner=replace(state.learner, online=online, target=jax.tree.map(jnp.copy, parameters)))
+    return replace(
+        state,
+        learner=replace(state.learner, online=online, target=jax.tree.map(jnp.copy, parameters)),
+    )
 
 
 def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition:
@@ -128,7 +153,10 @@ def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition
         reward=array_shape((), jnp.float32),
         following=observation,
         ended=array_shape((), jnp.bool_),
-        allowed=jax.eval_shape(lambda state: pack_mask(cast(MaskedEnvironment, env).allowed_actions(state)), reset_shapes(env)[1])
+        allowed=jax.eval_shape(
+            lambda state: pack_mask(cast(MaskedEnvironment, env).allowed_actions(state)),
+            reset_shapes(env)[1],
+        )
         if masks
         else None,
     )
@@ -149,7 +177,14 @@ def _entries(rollout: Rollout) -> Transition:
     return result
 
 
-def make_actor(env: Environment, network: ActionValues, packing: Packing, masks: bool, parameters: Any, epsilon: Array) -> Actor:
+def make_actor(
+    env: Environment,
+    network: ActionValues,
+    packing: Packing,
+    masks: bool,
+    parameters: Any,
+    epsilon: Array,
+) -> Actor:
     """Returns agents that take their best action, or with probability `epsilon`, independently, a random one."""
 
     def act(worlds: Worlds, key: Array) -> tuple[Any, Array, None]:
@@ -159,13 +194,21 @@ def make_actor(env: Environment, network: ActionValues, packing: Packing, masks:
 
     def follow(memory: Any, observation: Array, info: dict[str, Any]) -> tuple[Array, Array | None]:
         del memory, observation
-        return packing.pack(info["terminal_observation"]), pack_mask(allowed_in(env, masks, info.get("terminal_state")))
+        return packing.pack(info["terminal_observation"]), pack_mask(
+            allowed_in(env, masks, info.get("terminal_state"))
+        )
 
     return Actor(act, packing.pack, follow)
 
 
 def take_gradient_steps(
-    network: ActionValues, packing: Packing, online: Learner, target: Any, replay: ReplayBuffer, key: Array, config: VDNConfig
+    network: ActionValues,
+    packing: Packing,
+    online: Learner,
+    target: Any,
+    replay: ReplayBuffer,
+    key: Array,
+    config: VDNConfig,
 ) -> tuple[Learner, Metrics]:
     """Takes `gradient_steps` steps, each on a new batch; losses are means over them."""
 
@@ -185,7 +228,9 @@ def take_gradient_steps(
     return online, jax.tree.map(jnp.mean, losses)
 
 
-def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transition, config: VDNConfig) -> tuple[Array, Metrics]:
+def vdn_loss(
+    parameters: Any, target: Any, network: ActionValues, batch: Transition, config: VDNConfig
+) -> tuple[Array, Metrics]:
     """Returns the mean squared error of the team's value, and its parts.
 
     y = r + gamma * sum over i of max_a Q'_i(s', a), with the target network Q', over the actions allowed in s'. After a termination y = r.
@@ -194,14 +239,18 @@ def vdn_loss(parameters: Any, target: Any, network: ActionValues, batch: Transit
     """
     values = cast(Array, network.apply(parameters, batch.observation))
     learning = jnp.asarray(learning_agents(values.shape[-2], config))
-    taken = jnp.take_along_axis(values, batch.action[..., None], axis=-1)[..., 0][..., learning].sum(axis=-1)
+    taken = jnp.take_along_axis(values, batch.action[..., None], axis=-1)[..., 0][
+        ..., learning
+    ].sum(axis=-1)
     next_values = cast(Array, network.apply(target, batch.following))
     if config.double_q:
         best = best_action(cast(Array, network.apply(parameters, batch.following)), batch.allowed)
         following = jnp.take_along_axis(next_values, best[..., None], axis=-1)[..., 0]
     else:
         following = masked(next_values, batch.allowed).max(axis=-1)
-    wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, following[..., learning].sum(axis=-1))
+    wanted = batch.reward + config.gamma * jnp.where(
+        batch.ended, 0.0, following[..., learning].sum(axis=-1)
+    )
     error = taken - jax.lax.stop_gradient(wanted)
     loss = jnp.square(error).mean()
     return loss, {"loss": loss, "team_value": taken.mean()}

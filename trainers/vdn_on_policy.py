@@ -63,7 +63,9 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, (), worlds_key, partners)
         parameters = network.init(network_key, worlds.observation[:1])
-        learner = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(step=jnp.int32(0))
+        learner = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(
+            step=jnp.int32(0)
+        )
         return TrainState(key, learner, worlds, jnp.int32(0), jnp.bool_(False))
 
     def make_actor(parameters: Any, epsilon: Array) -> Actor:
@@ -95,17 +97,25 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
         actor = make_actor(state.learner.params, epsilon)
-        worlds, rollout, finished, measured = collect_rollout(env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners)
+        worlds, rollout, finished, measured = collect_rollout(
+            env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners
+        )
         return replace(state, key=key, worlds=worlds), (rollout, finished, measured, epsilon)
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
         rollout, finished, measured, epsilon = played
         key, shuffle_key = jax.random.split(state.key)
         worlds = state.worlds
-        last = team_value(state.learner.params, worlds.observation, allowed_in(env, masks, worlds.state))
+        last = team_value(
+            state.learner.params, worlds.observation, allowed_in(env, masks, worlds.state)
+        )
         steps = with_targets(rollout, last, config)
-        learner, losses = take_gradient_steps(network, packing, learning, state.learner, steps, shuffle_key, config)
-        learner, losses["loss"] = keep_if_finite(losses["loss"], learner, state.learner, state.diverged)
+        learner, losses = take_gradient_steps(
+            network, packing, learning, state.learner, steps, shuffle_key, config
+        )
+        learner, losses["loss"] = keep_if_finite(
+            losses["loss"], learner, state.learner, state.diverged
+        )
         metrics = {
             **mean_episode(finished),
             "reward_per_step": rollout.reward.sum(axis=-1).mean(),
@@ -116,7 +126,9 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
             "learning_rate": learning_rate_schedule(config)(state.learner.step),
         }
         diverged = ~jnp.isfinite(losses["loss"])
-        return replace(state, key=key, learner=learner, updates=state.updates + 1, diverged=diverged), metrics
+        return replace(
+            state, key=key, learner=learner, updates=state.updates + 1, diverged=diverged
+        ), metrics
 
     def adopt(state: TrainState, parameters: Any) -> TrainState:
         return replace(state, learner=replace(state.learner, params=parameters))
@@ -135,24 +147,38 @@ def with_targets(rollout: Rollout, last_value: Array, config: VDNConfig) -> Step
       last_value: `[B]`, of the observations after the last step.
     """
     values = rollout.acting[..., None]
-    successors = successor_values(values, last_value[:, None], rollout.ending[..., None], rollout.done, rollout.truncated)
+    successors = successor_values(
+        values, last_value[:, None], rollout.ending[..., None], rollout.done, rollout.truncated
+    )
     reward = rollout.shaped_reward[..., :1]  # the same for all agents
-    advantage = generalised_advantages(reward, values, successors, rollout.done, config.gamma, config.q_lambda)
+    advantage = generalised_advantages(
+        reward, values, successors, rollout.done, config.gamma, config.q_lambda
+    )
     steps = Steps(rollout.observation, rollout.action, (values + advantage)[..., 0])
     result: Steps = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), steps)
     return result
 
 
 def take_gradient_steps(
-    network: ActionValues, packing: Packing, learning: Array, learner: Learner, steps: Steps, key: Array, config: VDNConfig
+    network: ActionValues,
+    packing: Packing,
+    learning: Array,
+    learner: Learner,
+    steps: Steps,
+    key: Array,
+    config: VDNConfig,
 ) -> tuple[Learner, Metrics]:
     """Takes `num_epochs * num_minibatches` gradient steps; losses are means over them."""
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
-        indices = jax.lax.platform_dependent(indices, cpu=jnp.sort, default=lambda unsorted: unsorted)
+        indices = jax.lax.platform_dependent(
+            indices, cpu=jnp.sort, default=lambda unsorted: unsorted
+        )
         minibatch = jax.tree.map(lambda leaf: leaf[indices], steps)
         minibatch = minibatch.replace(observation=packing.unpack(minibatch.observation))
-        (_, losses), gradients = jax.value_and_grad(team_loss, has_aux=True)(learner.params, network, learning, minibatch)
+        (_, losses), gradients = jax.value_and_grad(team_loss, has_aux=True)(
+            learner.params, network, learning, minibatch
+        )
         losses["gradient_norm"] = optax.tree.norm(gradients)
         return learner.apply_gradients(grads=gradients), losses
 
@@ -161,9 +187,13 @@ def take_gradient_steps(
     return learner, jax.tree.map(jnp.mean, losses)
 
 
-def team_loss(parameters: Any, network: ActionValues, learning: Array, steps: Steps) -> tuple[Array, Metrics]:
+def team_loss(
+    parameters: Any, network: ActionValues, learning: Array, steps: Steps
+) -> tuple[Array, Metrics]:
     """Returns half the mean squared error of the team's value, the sum over learning agents of Q_i(s, a_i), and its parts."""
     values = cast(Array, network.apply(parameters, steps.observation))
-    taken = jnp.take_along_axis(values, steps.action[..., None], axis=-1)[..., 0][..., learning].sum(axis=-1)
+    taken = jnp.take_along_axis(values, steps.action[..., None], axis=-1)[..., 0][
+        ..., learning
+    ].sum(axis=-1)
     loss = 0.5 * jnp.square(taken - steps.target).mean()
     return loss, {"loss": loss, "team_value": taken.mean()}

@@ -39,7 +39,9 @@ class WindowLayer(nn.Module):
         inputs = sum(len(plane.channels) for plane in self.planes) * math.prod(window[1:])
         kernel = self.param("kernel", orthogonal(self.gain), (inputs, self.width))
         bias = self.param("bias", nn.initializers.zeros, (self.width,), jnp.float32)
-        result = _weigh_once(kernel, tokens.reshape(-1, *window), self.planes, self.dtype) + bias.astype(self.dtype)
+        result = _weigh_once(
+            kernel, tokens.reshape(-1, *window), self.planes, self.dtype
+        ) + bias.astype(self.dtype)
         return result.reshape(*lead, self.width)
 
 
@@ -53,8 +55,16 @@ def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Arr
     rows = rows_by_plane(kernel.reshape(-1, math.prod(tokens.shape[2:]), width), planes)
     by_cell = jnp.concatenate([rows[place] for place in local]).reshape(-1, width).astype(dtype)
     summed = jnp.concatenate([rows[place].sum(axis=1) for place in uniform]).astype(dtype)
-    once = to_channels(_taken(tokens[:, :, :1, :1], uniform), tuple(planes[place] for place in uniform), dtype, scale_numbers=True)
-    return weigh(by_cell, _taken(tokens, local), tuple(planes[place] for place in local)) + once[:, :, 0, 0] @ summed
+    once = to_channels(
+        _taken(tokens[:, :, :1, :1], uniform),
+        tuple(planes[place] for place in uniform),
+        dtype,
+        scale_numbers=True,
+    )
+    return (
+        weigh(by_cell, _taken(tokens, local), tuple(planes[place] for place in local))
+        + once[:, :, 0, 0] @ summed
+    )
 
 
 def _taken(tokens: Array, places: list[int]) -> Array:
@@ -66,7 +76,10 @@ def _taken(tokens: Array, places: list[int]) -> Array:
 def weigh(kernel: Array, tokens: Array, planes: Planes) -> Array:
     """Returns the channels of windows `[M, P, V, V]` uint8 times a kernel `[C * V * V, K]`: `[M, K]` of the kernel's dtype."""
     result: Array = jax.lax.platform_dependent(
-        kernel, tokens, cpu=partial(look_up, planes=planes), default=partial(_multiply, planes=planes, multiple=ALIGNED)
+        kernel,
+        tokens,
+        cpu=partial(look_up, planes=planes),
+        default=partial(_multiply, planes=planes, multiple=ALIGNED),
     )
     return result
 
@@ -87,19 +100,27 @@ weigh.defvjp(_forward, _backward)
 def weigh_gradient(gradient: Array, tokens: Array, planes: Planes) -> Array:
     """Returns the kernel's gradient `[C * V * V, K]` float32 from the result's `[M, K]`: the transpose of `weigh`, and vice versa."""
     result: Array = jax.lax.platform_dependent(
-        tokens, gradient, cpu=partial(look_up_gradient, planes=planes), default=partial(_multiply_gradient, planes=planes, multiple=ALIGNED)
+        tokens,
+        gradient,
+        cpu=partial(look_up_gradient, planes=planes),
+        default=partial(_multiply_gradient, planes=planes, multiple=ALIGNED),
     )
     return result
 
 
 weigh_gradient.defvjp(
     lambda gradient, tokens, planes: (weigh_gradient(gradient, tokens, planes), (gradient, tokens)),
-    lambda planes, inputs, of_kernel: (weigh(of_kernel.astype(inputs[0].dtype), inputs[1], planes), None),
+    lambda planes, inputs, of_kernel: (
+        weigh(of_kernel.astype(inputs[0].dtype), inputs[1], planes),
+        None,
+    ),
 )
 
 
 def _multiply(kernel: Array, tokens: Array, planes: Planes, multiple: int = 1) -> Array:
-    return _channels(tokens, planes, kernel.dtype, multiple) @ jnp.pad(kernel, ((0, -kernel.shape[0] % multiple), (0, 0)))
+    return _channels(tokens, planes, kernel.dtype, multiple) @ jnp.pad(
+        kernel, ((0, -kernel.shape[0] % multiple), (0, 0))
+    )
 
 
 def _multiply_gradient(tokens: Array, gradient: Array, planes: Planes, multiple: int = 1) -> Array:
@@ -112,7 +133,9 @@ def _multiply_gradient(tokens: Array, gradient: Array, planes: Planes, multiple:
 def _channels(tokens: Array, planes: Planes, dtype: Any, multiple: int) -> Array:
     """Returns the channels of windows, flat, and zeros up to a multiple of a number of columns: `[M, C * V * V]`, or a little more."""
     channels = to_channels(tokens, planes, dtype, scale_numbers=True)
-    flat = channels.reshape(tokens.shape[0], math.prod(channels.shape[1:]))  # not -1: there may be no windows
+    flat = channels.reshape(
+        tokens.shape[0], math.prod(channels.shape[1:])
+    )  # not -1: there may be no windows
     return jnp.pad(flat, ((0, 0), (0, -flat.shape[1] % multiple)))
 
 
@@ -142,19 +165,32 @@ def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
         rows = rows_by_plane(_by_channel(kernels, cells.shape[-1]).astype(jnp.float32), planes)
         result = jnp.zeros((number * windows, width), jnp.float32)
         for group in groups_of(planes, windows):
-            result = _add_rows(result, make_tables(rows, group, planes), row_numbers(cells, group, planes))
+            result = _add_rows(
+                result, make_tables(rows, group, planes), row_numbers(cells, group, planes)
+            )
         result = result.reshape(number, windows, width)
         for place in _number_planes(planes):
             own = jnp.moveaxis(rows[place][0], 1, 0)
-            result = result + jax.vmap(partial(_multiply, planes=(planes[place],)))(own, tokens[:, :, place : place + 1])
+            result = result + jax.vmap(partial(_multiply, planes=(planes[place],)))(
+                own, tokens[:, :, place : place + 1]
+            )
         return result.astype(kernels.dtype)
 
     @look_up.def_vmap
-    def look_up_more(size: int, batched: list[bool], kernels: Array, tokens: Array) -> tuple[Array, bool]:
+    def look_up_more(
+        size: int, batched: list[bool], kernels: Array, tokens: Array
+    ) -> tuple[Array, bool]:
         if batched[0]:
-            return _split(look_up(*(_merge(*each, size) for each in zip((kernels, tokens), batched, strict=True))), size), True
+            return _split(
+                look_up(
+                    *(_merge(*each, size) for each in zip((kernels, tokens), batched, strict=True))
+                ),
+                size,
+            ), True
         windows = jnp.moveaxis(tokens, 0, 1)  # of the same networks
-        result = look_up(kernels, windows.reshape(windows.shape[0], size * windows.shape[2], *windows.shape[3:]))
+        result = look_up(
+            kernels, windows.reshape(windows.shape[0], size * windows.shape[2], *windows.shape[3:])
+        )
         return jnp.moveaxis(result.reshape(*windows.shape[:3], result.shape[-1]), 1, 0), True
 
     return look_up
@@ -171,23 +207,44 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
         groups = groups_of(planes, windows)
         flat = gradients.reshape(number * windows, width)
         # One array for each plane: the transpose of slices of a single array would be a sum of as many arrays of all channels.
-        of_cell = [jax.ShapeDtypeStruct((len(plane.channels), 1, number, width), jnp.float32) for plane in planes]
-        to_rows = jax.linear_transpose(lambda rows: [make_tables(rows, group, planes) for group in groups], of_cell)
+        of_cell = [
+            jax.ShapeDtypeStruct((len(plane.channels), 1, number, width), jnp.float32)
+            for plane in planes
+        ]
+        to_rows = jax.linear_transpose(
+            lambda rows: [make_tables(rows, group, planes) for group in groups], of_cell
+        )
 
         def add_cell(_: None, chosen: list[Array]) -> tuple[None, list[Array]]:
             sizes = [number * rows_of(group, planes) for group in groups]
-            tables = [jnp.zeros((size, width), jnp.float32).at[own].add(flat, mode="drop") for size, own in zip(sizes, chosen, strict=True)]
-            return None, [of_plane[:, 0] for of_plane in to_rows([table[None] for table in tables])[0]]
+            tables = [
+                jnp.zeros((size, width), jnp.float32).at[own].add(flat, mode="drop")
+                for size, own in zip(sizes, chosen, strict=True)
+            ]
+            return None, [
+                of_plane[:, 0] for of_plane in to_rows([table[None] for table in tables])[0]
+            ]
 
-        _, by_cell = jax.lax.scan(add_cell, None, [row_numbers(cells, group, planes) for group in groups], length=cells.shape[-1])
-        of_rows = [jnp.moveaxis(of_plane, 0, 1) for of_plane in by_cell]  # [L, cells, G, K] of each plane
+        _, by_cell = jax.lax.scan(
+            add_cell,
+            None,
+            [row_numbers(cells, group, planes) for group in groups],
+            length=cells.shape[-1],
+        )
+        of_rows = [
+            jnp.moveaxis(of_plane, 0, 1) for of_plane in by_cell
+        ]  # [L, cells, G, K] of each plane
         for place in _number_planes(planes):
-            own = jax.vmap(partial(_multiply_gradient, planes=(planes[place],)))(tokens[:, :, place : place + 1], gradients)
+            own = jax.vmap(partial(_multiply_gradient, planes=(planes[place],)))(
+                tokens[:, :, place : place + 1], gradients
+            )
             of_rows[place] = jnp.moveaxis(own, 1, 0)[None]
         return jnp.moveaxis(jnp.concatenate(of_rows), 2, 0).reshape(number, -1, width)
 
     @look_up_gradient.def_vmap
-    def look_up_more(size: int, batched: list[bool], tokens: Array, gradients: Array) -> tuple[Array, bool]:
+    def look_up_more(
+        size: int, batched: list[bool], tokens: Array, gradients: Array
+    ) -> tuple[Array, bool]:
         merged = (_merge(*each, size) for each in zip((tokens, gradients), batched, strict=True))
         return _split(look_up_gradient(*merged), size), True
 

@@ -11,7 +11,11 @@ from sjdsl.runtime.planes import TokenPlane
 
 ROW_WORK = 4  # cost of making a row of a table and summing its gradient, in lookups of a row; measured (docs/performance.md)
 LIMITS = tuple(2**power for power in range(9))  # the limits to try for the rows of a cell's table
-INTEGERS = ((2**8, jnp.uint8), (2**16, jnp.uint16), (2**31, jnp.int32))  # how many rows each type can number
+INTEGERS = (
+    (2**8, jnp.uint8),
+    (2**16, jnp.uint16),
+    (2**31, jnp.int32),
+)  # how many rows each type can number
 
 Planes = tuple[TokenPlane, ...]
 Group = tuple[int, ...]  # planes that are looked up together, by their positions among all
@@ -23,7 +27,10 @@ def groups_of(planes: Planes, windows: int) -> tuple[Group, ...]:
     A table for several planes has a row for each combination of their values, and saves lookups in every window.
     """
     found = [_groups_within(limit, planes) for limit in LIMITS]
-    return min(found, key=lambda groups: sum(ROW_WORK * rows_of(group, planes) + windows for group in groups))
+    return min(
+        found,
+        key=lambda groups: sum(ROW_WORK * rows_of(group, planes) + windows for group in groups),
+    )
 
 
 def _groups_within(limit: int, planes: Planes) -> tuple[Group, ...]:
@@ -32,7 +39,10 @@ def _groups_within(limit: int, planes: Planes) -> tuple[Group, ...]:
     for place, plane in enumerate(planes):
         if plane.encoding == "number":
             continue
-        at = next((at for at, group in enumerate(groups) if rows_of((*group, place), planes) <= limit), None)
+        at = next(
+            (at for at, group in enumerate(groups) if rows_of((*group, place), planes) <= limit),
+            None,
+        )
         if at is None:
             groups.append((place,))
         else:
@@ -52,7 +62,9 @@ def row_numbers(tokens: Array, group: Group, planes: Planes) -> Array:
     """
     number, windows, _, cells = tokens.shape
     rows = rows_of(group, planes)
-    numbers = jnp.broadcast_to(jnp.arange(number, dtype=jnp.int32)[:, None, None], (number, windows, cells))
+    numbers = jnp.broadcast_to(
+        jnp.arange(number, dtype=jnp.int32)[:, None, None], (number, windows, cells)
+    )
     for place in group:
         numbers = numbers * _values(planes[place]) + tokens[:, :, place].astype(jnp.int32)
     fitting = next(kind for most, kind in INTEGERS if number * rows <= most)
@@ -68,7 +80,9 @@ def make_tables(rows: Sequence[Array], group: Group, planes: Planes) -> Array:
     _, cells, number, width = rows[0].shape
     tables = jnp.zeros((cells, number, 1, width), rows[0].dtype)
     for place in group:
-        tables = (tables[:, :, :, None] + _table(rows[place], planes[place])[:, :, None]).reshape(cells, number, -1, width)
+        tables = (tables[:, :, :, None] + _table(rows[place], planes[place])[:, :, None]).reshape(
+            cells, number, -1, width
+        )
     return tables.reshape(cells, -1, width)
 
 

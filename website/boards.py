@@ -66,15 +66,23 @@ def side_by_side(game: ir.Game, seed: int) -> Chosen:
 
     def choose_all(number: int, world: object) -> list[int]:
         draws = Threefry(*keys.of_choices(number))
-        bits = [(draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1)) for agent in range(game.agents.number)]
-        return [choose(game.policies[agent % count], game, world, agent, two) for agent, two in enumerate(bits)]  # type: ignore[arg-type]
+        bits = [
+            (draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1))
+            for agent in range(game.agents.number)
+        ]
+        return [
+            choose(game.policies[agent % count], game, world, agent, two)
+            for agent, two in enumerate(bits)
+        ]  # type: ignore[arg-type]
 
     return choose_all
 
 
 def played(game: ir.Game, steps: int = STEPS, seed: int = SEED) -> Iterator[Moment]:
     """Returns the moments of one episode, at most so many steps long."""
-    return interpreted(game, default_params(game), seed, side_by_side(game, seed), repeat({}, steps))
+    return interpreted(
+        game, default_params(game), seed, side_by_side(game, seed), repeat({}, steps)
+    )
 
 
 def write(board: Board, folder: Path) -> None:
@@ -95,9 +103,17 @@ def _frames(game: ir.Game, moments: Sequence[Moment]) -> Iterator[Image.Image]:
     look = make_look(game)
     for before, moment in pairwise([None, *moments]):
         assert moment is not None
-        picture = Image.fromarray(draw_board(look, moment.snapshot, moment.actions, None if before is None else before.snapshot))
+        picture = Image.fromarray(
+            draw_board(
+                look, moment.snapshot, moment.actions, None if before is None else before.snapshot
+            )
+        )
         smaller = min(1.0, WIDTH / picture.width)
-        yield picture.resize((round(picture.width * smaller), round(picture.height * smaller)), Image.Resampling.LANCZOS, reducing_gap=2.0)
+        yield picture.resize(
+            (round(picture.width * smaller), round(picture.height * smaller)),
+            Image.Resampling.LANCZOS,
+            reducing_gap=2.0,
+        )
 
 
 @cache
@@ -106,7 +122,11 @@ def code_digest() -> str:
     digest = hashlib.sha256()
     for place in CODE:
         path = ROOT / place
-        files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file() and "__pycache__" not in p.parts)
+        files = (
+            [path]
+            if path.is_file()
+            else sorted(p for p in path.rglob("*") if p.is_file() and "__pycache__" not in p.parts)
+        )
         for file in files:
             digest.update(f"{file.relative_to(ROOT)}\n".encode() + file.read_bytes())
     return digest.hexdigest()[:16]

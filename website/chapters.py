@@ -59,7 +59,11 @@ def split(text: str) -> tuple[str, list[Chapter]]:
     starts = [found for found in HEADING.finditer(plain) if found.group(1) == "##"]
     ends = [*(found.start() for found in starts[1:]), len(text)]
     chapters = [
-        Chapter(re.sub(r"^\d+-", "", slug(found.group(2))), found.group(2), raised(text[found.start() : end], 1))
+        Chapter(
+            re.sub(r"^\d+-", "", slug(found.group(2))),
+            found.group(2),
+            raised(text[found.start() : end], 1),
+        )
         for found, end in zip(starts, ends)
     ]
     return text[: starts[0].start()], chapters

@@ -54,7 +54,11 @@ class Docstrings(griffe.Extension):
     def on_module_members(self, *, mod: griffe.Module, **_more: Any) -> None:
         """The public names of a package that imports lazily (`lazy_names`) are those that type checkers see it import."""
         if mod.exports is None and "lazy_names" in mod.members:
-            mod.exports = [name for name, member in mod.members.items() if member.is_alias and not member.runtime]
+            mod.exports = [
+                name
+                for name, member in mod.members.items()
+                if member.is_alias and not member.runtime
+            ]
 
     def on_class_members(self, *, cls: griffe.Class, **_more: Any) -> None:
         """Gives an attribute that is a compiled method the docstring of that method."""
@@ -64,4 +68,8 @@ class Docstrings(griffe.Extension):
             found = COMPILED.match(str(member.value))  # type: ignore[union-attr]
             method = cls.members.get(found.group(1)) if found else None
             if method is not None and method.docstring is not None:
-                member.docstring = griffe.Docstring(one_name_a_line(method.docstring.value), lineno=method.docstring.lineno, parent=member)  # type: ignore[arg-type]
+                member.docstring = griffe.Docstring(
+                    one_name_a_line(method.docstring.value),
+                    lineno=method.docstring.lineno,
+                    parent=member,
+                )  # type: ignore[arg-type]

@@ -56,7 +56,9 @@ def shown_games() -> tuple[Shown, ...]:
 
 def _shown(name: str) -> Shown:
     variants = dict.fromkeys(["", *(s.variant for s in written_substrates() if s.game == name)])
-    boards = tuple(Board(f"{name}__{variant}" if variant else name, name, variant) for variant in variants)
+    boards = tuple(
+        Board(f"{name}__{variant}" if variant else name, name, variant) for variant in variants
+    )
     return Shown(name, read_written(read_source(find_game(name)), ()), boards)
 
 
@@ -72,7 +74,14 @@ def gallery_page() -> str:
     for shown in shown_games():
         if shown.name in own:
             lines += _card(shown.title, shown.boards[0], shown.summary)
-    lines += ["</div>", "", POT.format(meltingpot="../meltingpot.md"), "", '<div class="grid cards small" markdown>', ""]
+    lines += [
+        "</div>",
+        "",
+        POT.format(meltingpot="../meltingpot.md"),
+        "",
+        '<div class="grid cards small" markdown>',
+        "",
+    ]
     for substrate in substrates:
         name = substrate.name.replace("_", "_<wbr>")  # where a narrow card may break it
         lines += _card(f"<code>{name}</code>", _board_of(substrate), "")
@@ -104,7 +113,10 @@ def picture(board: Board, up: str) -> str:
 
 def frame(board: Board) -> str:
     """Returns the live board, as HTML: a page of its own, which can run its scripts and reach nothing around it, and says how high it is."""
-    place, title = f"../{BOARDS}/{board.name}.html", f"An episode of {board.game} {board.variant}".strip()
+    place, title = (
+        f"../{BOARDS}/{board.name}.html",
+        f"An episode of {board.game} {board.variant}".strip(),
+    )
     return f'<iframe class="board" src="{place}" title="{title}" loading="lazy" sandbox="allow-scripts"></iframe>'
 
 
@@ -115,7 +127,11 @@ def game_page(shown: Shown, root: Path) -> str:
     first, *others = shown.boards
     lines = [f"# {shown.title}", "", shown.summary, "", frame(first), "", _below(first), ""]
     lines += _as_substrates(shown.name, first)
-    lines += [f'??? example "The file `{path.relative_to(root)}`, {len(text.splitlines())} lines"', "", "    ``` { .sj }"]
+    lines += [
+        f'??? example "The file `{path.relative_to(root)}`, {len(text.splitlines())} lines"',
+        "",
+        "    ``` { .sj }",
+    ]
     lines += [f"    {line}".rstrip() for line in text.splitlines()]
     lines += ["    ```", ""]
     for board in others:
@@ -139,5 +155,9 @@ def _below(board: Board) -> str:
 
 
 def _as_substrates(name: str, board: Board) -> Sequence[str]:
-    names = [f"`{s.name}`" for s in written_substrates() if s.game == name and s.variant == board.variant]
-    return [f"In [Melting Pot](../meltingpot.md) this is {' and '.join(names)}.", ""] if names else []
+    names = [
+        f"`{s.name}`" for s in written_substrates() if s.game == name and s.variant == board.variant
+    ]
+    return (
+        [f"In [Melting Pot](../meltingpot.md) this is {' and '.join(names)}.", ""] if names else []
+    )

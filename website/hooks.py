@@ -21,8 +21,17 @@ from website.source_pages import source_text
 ROOT = Path(__file__).resolve().parents[1]
 MANUAL = "docs/language.md"
 CACHE = ROOT / "build" / "site-boards"
-MODULES_FOLDER = ROOT / "build" / "site-modules"  # in which `sjdsl.trainers` is where it is when installed
-STRIP = ("clean_up", "harvest_open", "coins", "coop_mining", "mushrooms", "territory")  # on the front page
+MODULES_FOLDER = (
+    ROOT / "build" / "site-modules"
+)  # in which `sjdsl.trainers` is where it is when installed
+STRIP = (
+    "clean_up",
+    "harvest_open",
+    "coins",
+    "coop_mining",
+    "mushrooms",
+    "territory",
+)  # on the front page
 HOSTED = "https://sjdsl.github.io/sjdsl/"
 WITHOUT_NAVIGATION = "---\nhide: [navigation]\n---"  # a front page has no pages beside it
 OTHER_PAGES = "Other pages"
@@ -38,16 +47,26 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Completes the table of contents, and says what version this is. Commands come here that build nothing, too: no game is read."""
     config.mdx_configs.setdefault("toc", {})["slugify"] = slug
     config.copyright = f"sjdsl {sjdsl.__version__}, Apache-2.0"
-    if "MIKE_DOCS_VERSION" in os.environ:  # only a site of several versions has a list of them to choose from
+    if (
+        "MIKE_DOCS_VERSION" in os.environ
+    ):  # only a site of several versions has a list of them to choose from
         config.extra["version"] = {"provider": "mike", "default": "latest"}
     _, chapters = _manual()
     _extend(config.nav, "language.md", [f"language/{chapter.name}.md" for chapter in chapters])
-    _extend(config.nav, gallery.INDEX, [f"{gallery.FOLDER}/{name}.md" for name in gallery.shown_names()])
-    _extend(config.nav, "reference/messages.md", [{module: f"reference/{module}.md"} for module in MODULES])
+    _extend(
+        config.nav, gallery.INDEX, [f"{gallery.FOLDER}/{name}.md" for name in gallery.shown_names()]
+    )
+    _extend(
+        config.nav,
+        "reference/messages.md",
+        [{module: f"reference/{module}.md"} for module in MODULES],
+    )
     tour, *others = _notebooks()
     _extend(config.nav, tour, others)
     named = set(_pages_of(config.nav))
-    found = (path.relative_to(ROOT / DOCS).as_posix() for path in sorted((ROOT / DOCS).rglob("*.md")))
+    found = (
+        path.relative_to(ROOT / DOCS).as_posix() for path in sorted((ROOT / DOCS).rglob("*.md"))
+    )
     missing = [page for page in found if page not in named]
     config.nav += [{OTHER_PAGES: missing}] if missing else []
     return config
@@ -58,7 +77,9 @@ def _extend(nav: list[Any], page: str, pages: list[Any]) -> None:
     for entry in nav:
         for section in entry.values() if isinstance(entry, dict) else ():
             if isinstance(section, list):
-                if page in section or any(isinstance(e, dict) and page in e.values() for e in section):
+                if page in section or any(
+                    isinstance(e, dict) and page in e.values() for e in section
+                ):
                     section += pages
                     return
                 _extend(section, page, pages)
@@ -74,7 +95,9 @@ def _pages_of(nav: Any) -> Iterator[str]:
 
 def _notebooks() -> list[str]:
     """Returns the pages of the notebooks in examples/, the tour first."""
-    paths = sorted((ROOT / "examples").glob("*.ipynb"), key=lambda path: (path.stem != "tour", path.stem))
+    paths = sorted(
+        (ROOT / "examples").glob("*.ipynb"), key=lambda path: (path.stem != "tour", path.stem)
+    )
     return [source_page(path.relative_to(ROOT).as_posix()) for path in paths]
 
 
@@ -103,7 +126,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for board in shown:
         for ending in (".html", ".gif", ".png"):
             name = f"{board.name}{ending}"
-            files.append(File.generated(config, f"{gallery.BOARDS}/{name}", abs_src_path=str(CACHE / name)))
+            files.append(
+                File.generated(config, f"{gallery.BOARDS}/{name}", abs_src_path=str(CACHE / name))
+            )
     for still in _stills(config):
         files.append(still)
     return files
@@ -114,7 +139,13 @@ def _pages() -> dict[str, str]:
     introduction, chapters = _manual()
     places = Places(ROOT, MANUAL, chapters, gallery.game_pages(ROOT))
     texts = {MANUAL: introduction}
-    for path in [*PAGES, *(f"{DOCS}{page.relative_to(ROOT / DOCS).as_posix()}" for page in sorted((ROOT / DOCS).rglob("*.md")))]:
+    for path in [
+        *PAGES,
+        *(
+            f"{DOCS}{page.relative_to(ROOT / DOCS).as_posix()}"
+            for page in sorted((ROOT / DOCS).rglob("*.md"))
+        ),
+    ]:
         texts.setdefault(path, (ROOT / path).read_text("utf-8"))
     made = {
         page: plain_fences(places.relinked(text, path, page))
@@ -122,9 +153,16 @@ def _pages() -> dict[str, str]:
         for page in [PAGES.get(path, path.removeprefix(DOCS))]
     }
     made["index.md"] = front_page(made["index.md"])
-    made |= {page: plain_fences(places.relinked(c.text, MANUAL, page)) for c in chapters for page in [places.chapter_page(c)]}
+    made |= {
+        page: plain_fences(places.relinked(c.text, MANUAL, page))
+        for c in chapters
+        for page in [places.chapter_page(c)]
+    }
     made |= {gallery.INDEX: gallery.gallery_page(), **reference_pages(ROOT)}
-    made |= {f"{gallery.FOLDER}/{shown.name}.md": gallery.game_page(shown, ROOT) for shown in gallery.shown_games()}
+    made |= {
+        f"{gallery.FOLDER}/{shown.name}.md": gallery.game_page(shown, ROOT)
+        for shown in gallery.shown_games()
+    }
     places.wanted |= {page.removeprefix(f"{SOURCE}/").removesuffix(".md") for page in _notebooks()}
     done = set[str]()
     while todo := sorted(places.wanted - done):
@@ -138,12 +176,29 @@ def front_page(readme: str) -> str:
     head, mark, rest = readme.partition("\n## ")
     title, paragraph, *others = head.strip().split("\n\n")
     (buttons,) = (part for part in others if part.startswith("[**Playground**]"))
-    links = [line.strip().replace("**", "") for line in buttons.replace(f"{HOSTED}{gallery.FOLDER}/", gallery.INDEX).split("·")]
-    made = " ".join(f"{link}{{ .md-button{'' if number else ' .md-button--primary'} }}" for number, link in enumerate(links))
-    films = re.sub(r'<img src="(pictures/\w+)\.gif"[^>]*>', _still_if_asked, "\n\n".join(part for part in others if part != buttons))
-    cards = [f'<a href="{gallery.FOLDER}/{name}.html">{gallery.picture(boards.Board(name, name), ".")}</a>' for name in STRIP]
+    links = [
+        line.strip().replace("**", "")
+        for line in buttons.replace(f"{HOSTED}{gallery.FOLDER}/", gallery.INDEX).split("·")
+    ]
+    made = " ".join(
+        f"{link}{{ .md-button{'' if number else ' .md-button--primary'} }}"
+        for number, link in enumerate(links)
+    )
+    films = re.sub(
+        r'<img src="(pictures/\w+)\.gif"[^>]*>',
+        _still_if_asked,
+        "\n\n".join(part for part in others if part != buttons),
+    )
+    cards = [
+        f'<a href="{gallery.FOLDER}/{name}.html">{gallery.picture(boards.Board(name, name), ".")}</a>'
+        for name in STRIP
+    ]
     strip = "\n".join(['<div class="strip">', *cards, "</div>"])
-    return "\n\n".join([WITHOUT_NAVIGATION, title, paragraph, made, films, strip, ""]) + mark.lstrip("\n") + rest
+    return (
+        "\n\n".join([WITHOUT_NAVIGATION, title, paragraph, made, films, strip, ""])
+        + mark.lstrip("\n")
+        + rest
+    )
 
 
 def _still_if_asked(film: re.Match[str]) -> str:

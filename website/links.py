@@ -50,7 +50,10 @@ class Places:
     def page_of(self, path: str, anchor: str) -> str:
         """Returns the page of a file of the repository; of the manual, the page with that anchor. Raises DeadLink."""
         if path == self.manual:
-            return next((self.chapter_page(c) for c in self.chapters if anchor in anchors(c.text)), path.removeprefix(DOCS))
+            return next(
+                (self.chapter_page(c) for c in self.chapters if anchor in anchors(c.text)),
+                path.removeprefix(DOCS),
+            )
         if path in PAGES or path in self.games:
             return PAGES.get(path) or self.games[path]
         if path == "docs" or not (self.root / path).exists():
@@ -82,12 +85,18 @@ class Places:
             if target is None or ELSEWHERE.match(target):
                 return found.group()
             file, _, anchor = target.partition("#")
-            wanted = posixpath.normpath(posixpath.join(posixpath.dirname(path), file)) if file else path
+            wanted = (
+                posixpath.normpath(posixpath.join(posixpath.dirname(path), file)) if file else path
+            )
             try:
                 there = self.page_of(wanted, anchor)
             except DeadLink as dead:
                 raise DeadLink(f"{path}: link `{target}`: {dead}") from None
-            near = "" if there == page and anchor else posixpath.relpath(there, posixpath.dirname(page) or ".")
+            near = (
+                ""
+                if there == page and anchor
+                else posixpath.relpath(there, posixpath.dirname(page) or ".")
+            )
             link = f"{near}{'#' + anchor if anchor else ''}"
             return f"]({link})" if found.group("target") else f'<img src="{link}"'
 
@@ -100,7 +109,11 @@ def source_page(path: str) -> str:
 
 
 INFO = re.compile(r"^(?P<indent> *)(?P<fence>`{3,})(?P<language>\w+)(?P<rest>[^\n]*)$", re.M)
-SHOWN = {"result": "result", "error": "message", "warning": "message"}  # our blocks that are no language, by their style
+SHOWN = {
+    "result": "result",
+    "error": "message",
+    "warning": "message",
+}  # our blocks that are no language, by their style
 
 
 def plain_fences(text: str) -> str:

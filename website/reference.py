@@ -42,9 +42,16 @@ INDEX = """# Reference
 
 def reference_pages(root: Path) -> dict[str, str]:
     """Returns all pages of the reference, by their place on the site."""
-    listed = "".join(f"    * [`{module}`]({module}.md): {_first_line(root, module)}\n" for module in MODULES)
+    listed = "".join(
+        f"    * [`{module}`]({module}.md): {_first_line(root, module)}\n" for module in MODULES
+    )
     modules = {f"{FOLDER}/{module}.md": _module(module) for module in MODULES}
-    return {f"{FOLDER}/index.md": INDEX + listed, f"{FOLDER}/commands.md": commands(), f"{FOLDER}/messages.md": messages(root), **modules}
+    return {
+        f"{FOLDER}/index.md": INDEX + listed,
+        f"{FOLDER}/commands.md": commands(),
+        f"{FOLDER}/messages.md": messages(root),
+        **modules,
+    }
 
 
 def _module(module: str) -> str:
@@ -61,20 +68,36 @@ def _first_line(root: Path, module: str) -> str:
 def commands() -> str:
     """Returns the page of all commands: what `--help` prints."""
     parent = click.Context(group, info_name="sjdsl")
-    return "\n".join(["# Commands", "", *(line for name in COMMANDS for line in _command(parent, name))])
+    return "\n".join(
+        ["# Commands", "", *(line for name in COMMANDS for line in _command(parent, name))]
+    )
 
 
 def _command(parent: click.Context, name: str) -> Iterator[str]:
     command = group.get_command(parent, name)
     if command is None:
         raise LookupError(f"there is no command `{name}`")
-    context = click.Context(command, info_name=name, parent=parent, terminal_width=100, max_content_width=100)
-    yield from (f"## `sjdsl {name}`", "", COMMANDS[name], "", "``` { .text }", command.get_help(context), "```", "")
+    context = click.Context(
+        command, info_name=name, parent=parent, terminal_width=100, max_content_width=100
+    )
+    yield from (
+        f"## `sjdsl {name}`",
+        "",
+        COMMANDS[name],
+        "",
+        "``` { .text }",
+        command.get_help(context),
+        "```",
+        "",
+    )
 
 
 def messages(root: Path) -> str:
     """Returns the page of all messages: what `sjdsl explain` prints."""
     folder = root / "sjdsl" / "compiler" / "diagnostics" / "explain"
-    texts = (plain_fences(raised(path.read_text("utf-8"), -1)).rstrip() for path in sorted(folder.glob("*.md")))
+    texts = (
+        plain_fences(raised(path.read_text("utf-8"), -1)).rstrip()
+        for path in sorted(folder.glob("*.md"))
+    )
     head = "# Messages\n\nEvery error and warning has a code; `sjdsl explain SJ204` prints the same text.\n\n"
     return head + "\n\n".join(texts) + "\n"

@@ -7,7 +7,15 @@ from typing import Any
 
 from website.links import Places
 
-LANGUAGES = {".sj": "sj", ".py": "python", ".toml": "toml", ".json": "json", ".txt": "text", ".cff": "yaml", ".js": "javascript"}
+LANGUAGES = {
+    ".sj": "sj",
+    ".py": "python",
+    ".toml": "toml",
+    ".json": "json",
+    ".txt": "text",
+    ".cff": "yaml",
+    ".js": "javascript",
+}
 TEXTS = {*LANGUAGES, ".csv", ".md", ".lark"}
 LARGEST = 100_000  # bytes of a file that is shown
 HIDDEN = "---\nsearch:\n  exclude: true\nhide:\n  - navigation\n---\n"

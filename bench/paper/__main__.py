@@ -36,15 +36,31 @@ def main(arguments: Sequence[str]) -> int:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResultsWarning)
         data = read_data([Path(name) for name in arguments if name != "--check"])
-    _tell([f"note: {warning.message}" for warning in caught if issubclass(warning.category, ResultsWarning)])  # about the named folders
+    _tell(
+        [
+            f"note: {warning.message}"
+            for warning in caught
+            if issubclass(warning.category, ResultsWarning)
+        ]
+    )  # about the named folders
     sections = sections_of(data)
     made = tuple(sections.values())
     texts = {f"{PAGE.stem}/data/{name}": write_frame(frame) for name, frame in data.items()}
     texts |= {f"{PAGE.stem}/{name}": text for name, text in file_texts(made).items()}
     texts[PAGE.name] = made_page(PAGE.read_text(encoding="utf-8"), sections)
-    pictures = [f"{PAGE.stem}/{FIGURES}/{picture.name}.{ending}" for section in made for picture in section.pictures for ending in ENDINGS]
+    pictures = [
+        f"{PAGE.stem}/{FIGURES}/{picture.name}.{ending}"
+        for section in made
+        for picture in section.pictures
+        for ending in ENDINGS
+    ]
     if check:
-        return _tell([*_other(texts), *(f"{name}: missing" for name in pictures if not (PAGE.parent / name).is_file())])
+        return _tell(
+            [
+                *_other(texts),
+                *(f"{name}: missing" for name in pictures if not (PAGE.parent / name).is_file()),
+            ]
+        )
     for name, text in texts.items():
         write_whole(PAGE.parent / name, text)
     for name, content in drawn(made).items():
@@ -63,7 +79,11 @@ def read_data(sources: Sequence[Path]) -> dict[str, pd.DataFrame]:
     random = [row for path in catalogues for row in random_of(path)]
     results, curves = load_both([DATA, *(path for path in sources if path not in files)], random)
     speeds = read_speeds(DATA, [path for path in files if path not in catalogues])
-    return {RESULTS: results, CURVES: curves, **{FILES[name]: frame for name, frame in speeds.items()}}
+    return {
+        RESULTS: results,
+        CURVES: curves,
+        **{FILES[name]: frame for name, frame in speeds.items()},
+    }
 
 
 def random_of(catalogue: Path) -> list[dict[str, Any]]:
@@ -71,8 +91,15 @@ def random_of(catalogue: Path) -> list[dict[str, Any]]:
     rows = []
     for game, entry in read_json(catalogue).items():
         figure = entry["values"][RANDOM]
-        found = {"collective_return": figure["mean"], "low": figure["low"], "high": figure["high"], "episodes": entry["episodes"]}
-        rows.append({"record": "random", "game": game, "hash": current_hash(entry["hash"]), **found})
+        found = {
+            "collective_return": figure["mean"],
+            "low": figure["low"],
+            "high": figure["high"],
+            "episodes": entry["episodes"],
+        }
+        rows.append(
+            {"record": "random", "game": game, "hash": current_hash(entry["hash"]), **found}
+        )
     return rows
 
 

@@ -39,7 +39,13 @@ class Game:
     def published(self) -> str:
         """The name under which the paper has figures for it; empty unless it has the paper's rules, numbers and map."""
         plain = self.setting is None or not (self.setting.params or self.setting.map)
-        return self.name if plain and self.name in published.suite() and self.variant == published.variant(self.name) else ""
+        return (
+            self.name
+            if plain
+            and self.name in published.suite()
+            and self.variant == published.variant(self.name)
+            else ""
+        )
 
     def cell(self, way: Way, figure: str = "collective_return") -> Cell | None:
         """Returns the return of a way of training, or another figure; None if there is none."""
@@ -54,9 +60,15 @@ class Game:
         numbers = published.params(self.published, way, way)
         if not numbers:
             return self
-        same = [published.params(row.game, row.algorithm, row.reward) == numbers for row in self.rows.itertuples()]
+        same = [
+            published.params(row.game, row.algorithm, row.reward) == numbers
+            for row in self.rows.itertuples()
+        ]
         more = [_numbers(params) == numbers for params in self.others.params]
-        return replace(self, rows=pd.concat([self.rows[np.array(same, bool)], self.others[np.array(more, bool)]]))
+        return replace(
+            self,
+            rows=pd.concat([self.rows[np.array(same, bool)], self.others[np.array(more, bool)]]),
+        )
 
     @property
     def by_weight(self) -> dict[float, Cell]:
@@ -79,16 +91,27 @@ class Game:
     def at_chosen_weight(self) -> tuple[float, Cell | None]:
         """The SVO weight chosen at 90 degrees, and its cell: that of the second stage, or else the one that earns most."""
         rows = select(self.rows, **SVO, svo_angle=PROSOCIAL)
-        cells = _cells(rows[rows.stage == 2], "svo_weight") or _cells(rows[rows.stage != 1], "svo_weight")
-        earned = {weight: cell.estimate.mean for weight, cell in cells.items() if cell.estimate is not None}
+        cells = _cells(rows[rows.stage == 2], "svo_weight") or _cells(
+            rows[rows.stage != 1], "svo_weight"
+        )
+        earned = {
+            weight: cell.estimate.mean
+            for weight, cell in cells.items()
+            if cell.estimate is not None
+        }
         weight = max(earned, key=lambda weight: earned[weight], default=0.0)
         return weight, cells.get(weight)
 
     @property
     def by_ratio(self) -> dict[float, Cell]:
         """The cells of exchanged rewards by ratio, all with the same numbers."""
-        same, others = self.like("exchange"), self.rows[self.rows.reward == "exchange"].exchange_ratio.dropna()
-        cells = {ratio: same.cell(exchanged(ratio)) for ratio in sorted({*RATIOS, *map(float, others)})}
+        same, others = (
+            self.like("exchange"),
+            self.rows[self.rows.reward == "exchange"].exchange_ratio.dropna(),
+        )
+        cells = {
+            ratio: same.cell(exchanged(ratio)) for ratio in sorted({*RATIOS, *map(float, others)})
+        }
         return {ratio: cell for ratio, cell in cells.items() if cell is not None}
 
 
@@ -99,7 +122,9 @@ def _cells(rows: pd.DataFrame, column: str) -> dict[float, Cell]:
 
 def exchanged(ratio: float) -> Way:
     """Returns IPPO with exchanged rewards; 0 is individual and 1 common reward, as the protocol `exchange` has them."""
-    return {0.0: INDIVIDUAL, 1.0: COMMON}.get(ratio, {**IPPO, "reward": "exchange", "exchange_ratio": ratio})
+    return {0.0: INDIVIDUAL, 1.0: COMMON}.get(
+        ratio, {**IPPO, "reward": "exchange", "exchange_ratio": ratio}
+    )
 
 
 def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
@@ -117,8 +142,13 @@ def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
                 frame.loc[place, "params"] = ""
             elif not row.params:
                 now = numbers_now(row.game, theirs)
-                frame.loc[place, "params"] = " ".join(f"{name}={now[name]:g}" for name in sorted(wanted))
-        elif row.record in ("diagram", "mixture") and row.hash == (rules_now(row.game, theirs) or ("",))[0]:
+                frame.loc[place, "params"] = " ".join(
+                    f"{name}={now[name]:g}" for name in sorted(wanted)
+                )
+        elif (
+            row.record in ("diagram", "mixture")
+            and row.hash == (rules_now(row.game, theirs) or ("",))[0]
+        ):
             frame.loc[place, "variant"] = theirs
     return frame
 
@@ -126,7 +156,9 @@ def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
 def _numbers(params: str) -> dict[str, float] | None:
     """Returns the numbers of `a=1 b=2e-3` by name; None if a value isn't a number."""
     try:
-        return {name: float(value) for name, value in (entry.split("=", 1) for entry in params.split())}
+        return {
+            name: float(value) for name, value in (entry.split("=", 1) for entry in params.split())
+        }
     except ValueError:
         return None
 
@@ -137,11 +169,23 @@ def games_of(frame: pd.DataFrame) -> list[Game]:
     for setting, rows in games(frame):
         same = {name: value for name, value in setting._asdict().items() if name != "params"}
         others = select(seeds_of(frame), **same)
-        found.append(Game(setting.game, setting.label, setting.variant, setting, rows, others[others.params != setting.params]))
+        found.append(
+            Game(
+                setting.game,
+                setting.label,
+                setting.variant,
+                setting,
+                rows,
+                others[others.params != setting.params],
+            )
+        )
     there = {game.published for game in found}
     none = frame.iloc[:0]
     wanted = {name: published.variant(name) for name in published.suite() if name not in there}
-    found += [Game(name, f"{name}, variant {variant}", variant, None, none, none) for name, variant in wanted.items()]
+    found += [
+        Game(name, f"{name}, variant {variant}", variant, None, none, none)
+        for name, variant in wanted.items()
+    ]
     return sorted(found, key=lambda game: (in_order(game.name), game.label))
 
 

@@ -15,10 +15,16 @@ SEED = 0  # of the resamples: the same seeds have the same frequencies
 def chosen_ratio(means: Mapping[float, float]) -> float | None:
     """Returns the smallest ratio whose mean is at least 0.95 of the best; None if the best is not above 0, or nothing is given."""
     best = max(means.values(), default=0.0)
-    return min((ratio for ratio, mean in means.items() if mean >= SHARE * best), default=None) if best > 0 else None
+    return (
+        min((ratio for ratio, mean in means.items() if mean >= SHARE * best), default=None)
+        if best > 0
+        else None
+    )
 
 
-def choice_frequencies(samples: Mapping[float, Sequence[float]], resamples: int = RESAMPLES, seed: int = SEED) -> dict[float | None, float]:
+def choice_frequencies(
+    samples: Mapping[float, Sequence[float]], resamples: int = RESAMPLES, seed: int = SEED
+) -> dict[float | None, float]:
     """Returns how often each ratio is chosen where the seeds of each ratio are drawn again, with replacement.
 
     Args:
@@ -38,4 +44,7 @@ def choice_frequencies(samples: Mapping[float, Sequence[float]], resamples: int 
     best = table.max(axis=0)
     first = (table >= SHARE * best).argmax(axis=0)
     counts = np.bincount(np.where(best > 0, first, len(ratios)), minlength=len(ratios) + 1)
-    return {ratio: float(count / resamples) for ratio, count in zip([*ratios, None], counts, strict=True)}
+    return {
+        ratio: float(count / resamples)
+        for ratio, count in zip([*ratios, None], counts, strict=True)
+    }

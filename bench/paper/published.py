@@ -68,7 +68,14 @@ def exchange(game: str) -> dict[float, Printed]:
     """Returns the published returns by exchange ratio; empty for a game that is not of the paper."""
     table = _content()["exchange"]
     entry = table["games"].get(game)
-    return {} if entry is None else {ratio: Printed(*pair) for ratio, pair in zip(table["ratios"], entry["returns"], strict=True)}
+    return (
+        {}
+        if entry is None
+        else {
+            ratio: Printed(*pair)
+            for ratio, pair in zip(table["ratios"], entry["returns"], strict=True)
+        }
+    )
 
 
 def exchange_chosen(game: str) -> float | None:
@@ -83,7 +90,10 @@ def svo(game: str) -> dict[float, Printed]:
     entry = table["games"].get(game)
     if entry is None:
         return {}
-    return {angle: Printed(entry.get("scale", 1) * value) for angle, value in zip(table["angles"], entry["returns"], strict=True)}
+    return {
+        angle: Printed(entry.get("scale", 1) * value)
+        for angle, value in zip(table["angles"], entry["returns"], strict=True)
+    }
 
 
 def metric_columns() -> tuple[str, ...]:
@@ -96,8 +106,17 @@ def metric(game: str) -> PaperMetric | None:
     entry = _content()["metrics"]["games"].get(game)
     if entry is None:
         return None
-    printed = {column: Printed(value) for column, value in zip(metric_columns(), entry["values"], strict=True)}
-    return PaperMetric(entry["figure"], entry.get("scale", 1), entry.get("per_agent", False), entry["what"], printed)
+    printed = {
+        column: Printed(value)
+        for column, value in zip(metric_columns(), entry["values"], strict=True)
+    }
+    return PaperMetric(
+        entry["figure"],
+        entry.get("scale", 1),
+        entry.get("per_agent", False),
+        entry["what"],
+        printed,
+    )
 
 
 def difficulty(game: str) -> str:
@@ -128,7 +147,10 @@ def melting_pot_speed(game: str) -> float | None:
 def melting_pot_hours(game: str) -> dict[str, float]:
     """Returns the published hours to 1e9 environment steps of Melting Pot, which the paper has extrapolated, by what trained in it."""
     entry = _content()["training"]["games"].get(game, {})
-    names = {"melting_pot_stable_baselines3": "Melting Pot with Stable-Baselines3", "melting_pot_rllib": "Melting Pot with RLlib"}
+    names = {
+        "melting_pot_stable_baselines3": "Melting Pot with Stable-Baselines3",
+        "melting_pot_rllib": "Melting Pot with RLlib",
+    }
     return {said: float(entry[name]) for name, said in names.items() if name in entry}
 
 

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sjdsl.render.plot_style import BLACK, PUBLISHED, Label, begin_at_zero, line_colour, name_lines, note_below, plot_style
+from sjdsl.render.plot_style import (
+    BLACK,
+    PUBLISHED,
+    Label,
+    begin_at_zero,
+    line_colour,
+    name_lines,
+    note_below,
+    plot_style,
+)
 from sjdsl.trainers.estimates import Estimate
 
 if TYPE_CHECKING:
@@ -33,8 +42,17 @@ class Series:
         """Returns the series of estimates over x."""
         pairs = list(figures)
         x, mean = np.array([x for x, _ in pairs]), np.array([figure.mean for _, figure in pairs])
-        low, high = (np.array([getattr(figure, end) for _, figure in pairs], float) for end in ("low", "high"))
-        return cls(x, mean, np.where(np.isfinite(low), low, np.nan), np.where(np.isfinite(high), high, np.nan), label)
+        low, high = (
+            np.array([getattr(figure, end) for _, figure in pairs], float)
+            for end in ("low", "high")
+        )
+        return cls(
+            x,
+            mean,
+            np.where(np.isfinite(low), low, np.nan),
+            np.where(np.isfinite(high), high, np.nan),
+            label,
+        )
 
 
 @dataclass(frozen=True)
@@ -51,15 +69,28 @@ def panel_of(title: str, series: Series, printed: Sequence[tuple[float, float]])
     return Multiple(title, (series,), tuple(printed))
 
 
-def draw_series(plots: Sequence[Multiple], x_title: str, y_title: str, logarithmic: bool = False, bars: str = "95 % intervals") -> "Figure":
+def draw_series(
+    plots: Sequence[Multiple],
+    x_title: str,
+    y_title: str,
+    logarithmic: bool = False,
+    bars: str = "95 % intervals",
+) -> "Figure":
     """Returns a figure with a plot a game, three in a row, over the same x. bars: what they are, in words."""
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
     rows, columns = math.ceil(len(plots) / COLUMNS), min(COLUMNS, len(plots))
-    colours = {label: line_colour(number) for number, label in enumerate(dict.fromkeys(s.label for plot in plots for s in plot.series))}
+    colours = {
+        label: line_colour(number)
+        for number, label in enumerate(
+            dict.fromkeys(s.label for plot in plots for s in plot.series)
+        )
+    }
     drawn: list[Axes] = []
     with plot_style():
-        figure = Figure(figsize=(max(5.0, WIDTH * columns), HEIGHT * rows + 0.6), layout="constrained")
+        figure = Figure(
+            figsize=(max(5.0, WIDTH * columns), HEIGHT * rows + 0.6), layout="constrained"
+        )
         for number, plot in enumerate(plots, 1):
             axes = figure.add_subplot(rows, columns, number, sharex=drawn[0] if drawn else None)
             axes.tick_params(labelbottom=True)
@@ -67,8 +98,13 @@ def draw_series(plots: Sequence[Multiple], x_title: str, y_title: str, logarithm
             _draw(axes, plot, colours, logarithmic)
             drawn.append(axes)
         for axes, plot in zip(drawn, plots, strict=True):
-            labels = [Label(series.label, series.mean[-1], colours[series.label]) for series in plot.series]
-            name_lines(axes, [*labels, *(Label("published", y, BLACK) for _, y in plot.printed[-1:])])
+            labels = [
+                Label(series.label, series.mean[-1], colours[series.label])
+                for series in plot.series
+            ]
+            name_lines(
+                axes, [*labels, *(Label("published", y, BLACK) for _, y in plot.printed[-1:])]
+            )
         figure.supylabel(y_title, fontsize="medium")
         note_below(figure, f"Over {x_title}. Bars: {bars}.")
     return figure
@@ -80,7 +116,16 @@ def _draw(axes: "Axes", plot: Multiple, colours: Mapping[str, str], logarithmic:
         below, above = series.mean - series.low, series.high - series.mean
         known = np.isfinite(below) & np.isfinite(above)
         bars = np.stack([np.where(known, below, 0.0), np.where(known, above, 0.0)])
-        axes.errorbar(series.x, series.mean, bars, color=colours[series.label], marker="o", markersize=4, linewidth=1.5, capsize=3)
+        axes.errorbar(
+            series.x,
+            series.mean,
+            bars,
+            color=colours[series.label],
+            marker="o",
+            markersize=4,
+            linewidth=1.5,
+            capsize=3,
+        )
         ends += [*series.mean, *series.low, *series.high]
     if plot.printed:
         axes.plot(*zip(*plot.printed, strict=True), **PUBLISHED)

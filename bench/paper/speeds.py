@@ -27,7 +27,16 @@ from sjdsl.results.selecting import NAMES
 FILES = {"speeds": "speeds.csv", "updates": "updates.csv"}
 KEYS = {
     "speeds": ["game", "num_agents", "crowd", "observation", "num_envs", "hardware"],
-    "updates": ["game", "num_agents", "algorithm", "sharing", "network", "num_envs", "num_steps", "hardware"],
+    "updates": [
+        "game",
+        "num_agents",
+        "algorithm",
+        "sharing",
+        "network",
+        "num_envs",
+        "num_steps",
+        "hardware",
+    ],
 }
 ONE_LINE = ["num_agents", "observation", "hardware", "rounds"]
 NUMBERS = (1, 128, 1024, 4096)  # of environments
@@ -46,32 +55,62 @@ def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
         hardware = f"{machine['device']}{cores}{devices_said(dict(machine))}"
         match found:
             case Report():
-                name, rows = "speeds", [_speed(found, speed) for speed in found.speeds if speed.name != YARDSTICK]
+                name, rows = (
+                    "speeds",
+                    [_speed(found, speed) for speed in found.speeds if speed.name != YARDSTICK],
+                )
             case Training():
                 name, rows = "updates", [_update_row(split) for split in found.splits]
             case _:
-                raise ValueError(f"{file} holds a measurement that no table shows ({type(found).__name__.lower()})")
+                raise ValueError(
+                    f"{file} holds a measurement that no table shows ({type(found).__name__.lower()})"
+                )
         more = pd.DataFrame(rows).assign(hardware=hardware)
         frames[name] = pd.concat([frames[name], more]).drop_duplicates(KEYS[name], keep="last")
-    return {name: frame.sort_values(KEYS[name], ignore_index=True) for name, frame in frames.items()}
+    return {
+        name: frame.sort_values(KEYS[name], ignore_index=True) for name, frame in frames.items()
+    }
 
 
 def _speed(found: Report, speed: Any) -> dict[str, Any]:
-    rates = {"rate": speed.env_steps_per_s, "slowest": speed.slowest, "fastest": speed.fastest, "rounds": found.repeats}
+    rates = {
+        "rate": speed.env_steps_per_s,
+        "slowest": speed.slowest,
+        "fastest": speed.fastest,
+        "rounds": found.repeats,
+    }
     own = {name: getattr(speed, name) for name in ("num_agents", "observation", "num_envs")}
-    return {"game": speed.name.removesuffix(CROWD), "crowd": speed.crowd is not None, **own, **rates}
+    return {
+        "game": speed.name.removesuffix(CROWD),
+        "crowd": speed.crowd is not None,
+        **own,
+        **rates,
+    }
 
 
 def _update_row(split: Any) -> dict[str, Any]:
     steps, seconds = split.num_envs * split.num_steps, split.update
-    rates = dict(zip(("rate", "slowest", "fastest"), (steps / f(seconds) for f in (statistics.median, max, min)), strict=True))
+    rates = dict(
+        zip(
+            ("rate", "slowest", "fastest"),
+            (steps / f(seconds) for f in (statistics.median, max, min)),
+            strict=True,
+        )
+    )
     names = ("num_agents", "algorithm", "sharing", "network", "num_envs", "num_steps")
-    return {"game": split.name, **{name: getattr(split, name) for name in names}, **rates, "rounds": len(seconds)}
+    return {
+        "game": split.name,
+        **{name: getattr(split, name) for name in names},
+        **rates,
+        "rounds": len(seconds),
+    }
 
 
 def _rate(row: Any) -> Figure:
     numbers = {name: getattr(row, name) for name in ("rate", "slowest", "fastest")}
-    return Figure(f"{thousands(row.rate)} [{thousands(row.slowest)}, {thousands(row.fastest)}]", numbers)
+    return Figure(
+        f"{thousands(row.rate)} [{thousands(row.slowest)}, {thousands(row.fastest)}]", numbers
+    )
 
 
 def _ordered(names: Iterable[str]) -> list[str]:
@@ -82,7 +121,12 @@ def speed(frame: pd.DataFrame) -> Section:
     """Returns the section of random play at 1, 128, 1,024 and 4,096 environments, and with 20 agents."""
     numbers = sorted({*NUMBERS, *frame.num_envs})
     names = _ordered(frame.game)
-    lines = [line for name in names for crowd in (False, True) for line in _lines(frame, name, crowd, numbers)]
+    lines = [
+        line
+        for name in names
+        for crowd in (False, True)
+        for line in _lines(frame, name, crowd, numbers)
+    ]
     headings = ("game", "", *(f"{number:,}" for number in numbers), "rounds, hardware")
     plots = [plot for name in names if (plot := _plot(frame, name)) is not None]
     draw = partial(
@@ -94,51 +138,121 @@ def speed(frame: pd.DataFrame) -> Section:
         bars="from the slowest round to the fastest",
     )
     pictures = (Picture("speed", "speed over environments", draw),) if plots else ()
-    return Section("Speed", (), (Table("speed", "Environment steps a second", headings, lines, 2),), pictures)
+    return Section(
+        "Speed", (), (Table("speed", "Environment steps a second", headings, lines, 2),), pictures
+    )
 
 
-def _lines(frame: pd.DataFrame, game: str, crowd: bool, numbers: list[int]) -> Iterator[tuple[str | Figure, ...]]:
+def _lines(
+    frame: pd.DataFrame, game: str, crowd: bool, numbers: list[int]
+) -> Iterator[tuple[str | Figure, ...]]:
     """Yields the rows of a game with its own number of agents, or with a crowd."""
     printed = published.speed(game, crowd)
     found = frame[(frame.game == game) & (frame.crowd == crowd)]
-    kinds = [(names, {row.num_envs: row for row in rows.itertuples()}) for names, rows in found.groupby(ONE_LINE)]
+    kinds = [
+        (names, {row.num_envs: row for row in rows.itertuples()})
+        for names, rows in found.groupby(ONE_LINE)
+    ]
     if not kinds and printed:
-        yield (f"{game}, {'20 agents' if crowd else 'own agents'}", "ours", *("",) * (len(numbers) + 1))
+        yield (
+            f"{game}, {'20 agents' if crowd else 'own agents'}",
+            "ours",
+            *("",) * (len(numbers) + 1),
+        )
     for (agents, observation, hardware, rounds), rates in kinds:
         shown = (_rate(rates[n]) if n in rates else EMPTY for n in numbers)
-        yield (f"{game}, {agents} agents, {observation}", "ours", *shown, f"{counted(rounds, 'round')}, {hardware}")
+        yield (
+            f"{game}, {agents} agents, {observation}",
+            "ours",
+            *shown,
+            f"{counted(rounds, 'round')}, {hardware}",
+        )
     if printed:
-        yield ("", "published", *(Figure(thousands(printed[n]), {"": printed[n]}) if n in printed else EMPTY for n in numbers), "")
+        yield (
+            "",
+            "published",
+            *(
+                Figure(thousands(printed[n]), {"": printed[n]}) if n in printed else EMPTY
+                for n in numbers
+            ),
+            "",
+        )
     before = published.melting_pot_speed(game)
     if before is not None and not crowd:
-        yield ("", "published, Melting Pot", *(Figure(thousands(before), {"": before}) if n == 1 else EMPTY for n in numbers), "")
+        yield (
+            "",
+            "published, Melting Pot",
+            *(Figure(thousands(before), {"": before}) if n == 1 else EMPTY for n in numbers),
+            "",
+        )
     for (_, observation, *_), rates in kinds if printed else ():
-        ratios = (rates[n].rate / printed[n] if n in rates and n in printed else None for n in numbers)
-        shown = (EMPTY if ratio is None else Figure(number(float(f"{ratio:.2g}")), {"": ratio}) for ratio in ratios)
+        ratios = (
+            rates[n].rate / printed[n] if n in rates and n in printed else None for n in numbers
+        )
+        shown = (
+            EMPTY if ratio is None else Figure(number(float(f"{ratio:.2g}")), {"": ratio})
+            for ratio in ratios
+        )
         yield ("", f"ours / published, {observation}", *shown, "")
 
 
 def _plot(frame: pd.DataFrame, game: str) -> Multiple | None:
-    own = frame[(frame.game == game) & (frame.observation == OBSERVATION) & ~frame.crowd].sort_values("num_envs")
+    own = frame[
+        (frame.game == game) & (frame.observation == OBSERVATION) & ~frame.crowd
+    ].sort_values("num_envs")
     columns = ("num_envs", "rate", "slowest", "fastest")
-    series = [Series(*(rows[name].to_numpy(float) for name in columns), str(hardware)) for hardware, rows in own.groupby("hardware")]
-    return Multiple(game, tuple(series), tuple(published.speed(game, crowd=False).items())) if series else None
+    series = [
+        Series(*(rows[name].to_numpy(float) for name in columns), str(hardware))
+        for hardware, rows in own.groupby("hardware")
+    ]
+    return (
+        Multiple(game, tuple(series), tuple(published.speed(game, crowd=False).items()))
+        if series
+        else None
+    )
 
 
 def hours(frame: pd.DataFrame) -> Section:
     """Returns the section on hours of training for 1e9 environment steps, extrapolated from the speed of single updates."""
-    rows = [_hours(row) for name in _ordered(frame.game) for row in frame[frame.game == name].itertuples()]
+    rows = [
+        _hours(row)
+        for name in _ordered(frame.game)
+        for row in frame[frame.game == name].itertuples()
+    ]
     headings = (
-        *("game", "algorithm", "network", "parameters", "env-steps/s", "hours to 1e9 steps, extrapolated", "published"),
+        *(
+            "game",
+            "algorithm",
+            "network",
+            "parameters",
+            "env-steps/s",
+            "hours to 1e9 steps, extrapolated",
+            "published",
+        ),
         "environments x steps, rounds, hardware",
     )
-    return Section("Hours of training", (), (Table("hours", "Hours of training", headings, rows, 4),))
+    return Section(
+        "Hours of training", (), (Table("hours", "Hours of training", headings, rows, 4),)
+    )
 
 
 def _hours(row: Any) -> tuple[str | Figure, ...]:
     printed = published.hours(row.game)
-    before = [f"{name} {number(needed)}" for name, needed in published.melting_pot_hours(row.game).items()]
+    before = [
+        f"{name} {number(needed)}" for name, needed in published.melting_pot_hours(row.game).items()
+    ]
     said = "" if printed is None else ", ".join([number(printed), *before])
     shape = f"{row.num_envs} x {row.num_steps}, {counted(row.rounds, 'round')}, {row.hardware}"
-    way = (row.game, NAMES.get(row.algorithm, row.algorithm), row.network, row.sharing.replace("_", " "))
-    return (*way, _rate(row), interval(*(HOURS / rate for rate in (row.rate, row.fastest, row.slowest))), said, shape)
+    way = (
+        row.game,
+        NAMES.get(row.algorithm, row.algorithm),
+        row.network,
+        row.sharing.replace("_", " "),
+    )
+    return (
+        *way,
+        _rate(row),
+        interval(*(HOURS / rate for rate in (row.rate, row.fastest, row.slowest))),
+        said,
+        shape,
+    )

@@ -40,8 +40,12 @@ from sjdsl.runtime.env import Encoding
 
 CROWD = 20  # agents
 OBSERVATIONS: tuple[Encoding, ...] = ("tokens", "onehot")
-repeats_option = click.option("--repeats", type=LEAST, default=5, show_default=True, help="Rounds of timings.")
-json_option = click.option("--json", "file", type=click.Path(path_type=Path), help="Write the figures to a file as well.")
+repeats_option = click.option(
+    "--repeats", type=LEAST, default=5, show_default=True, help="Rounds of timings."
+)
+json_option = click.option(
+    "--json", "file", type=click.Path(path_type=Path), help="Write the figures to a file as well."
+)
 
 
 def words(*known: str) -> Listed:
@@ -82,7 +86,9 @@ def crowd_of(game: str, observation: Encoding) -> Task:
         return game_task(env, f"{env.name}+crowd", CROWD)
 
 
-def forms_of(games: Sequence[str], observations: Sequence[Encoding], crowd: bool) -> tuple[list[Task], list[str]]:
+def forms_of(
+    games: Sequence[str], observations: Sequence[Encoding], crowd: bool
+) -> tuple[list[Task], list[str]]:
     """Returns what is measured of games, also with many agents if wanted, and a line for each game that refuses so many."""
     tasks, refused = [], []
     for game in games:
@@ -104,22 +110,39 @@ def main() -> None:
 @main.command()
 @click.argument("games", nargs=-1)
 @click.option("--envs", type=COUNTS, default="1,128,1024,4096", show_default=True)
-@click.option("--observation", "observations", type=words(*OBSERVATIONS), default="tokens", show_default=True)
-@click.option("--crowd", is_flag=True, help=f"Also with {CROWD} agents, in games that can have so many.")
 @click.option(
-    "--devices", type=LEAST, default=1, show_default=True, help="Split the environments over devices; JAX_NUM_CPU_DEVICES divides a CPU."
+    "--observation", "observations", type=words(*OBSERVATIONS), default="tokens", show_default=True
+)
+@click.option(
+    "--crowd", is_flag=True, help=f"Also with {CROWD} agents, in games that can have so many."
+)
+@click.option(
+    "--devices",
+    type=LEAST,
+    default=1,
+    show_default=True,
+    help="Split the environments over devices; JAX_NUM_CPU_DEVICES divides a CPU.",
 )
 @click.option("--steps", type=LEAST, help="Steps of one timing.")
 @repeats_option
 @json_option
 def race(
-    games: Sequence[str], envs: Any, observations: Any, crowd: bool, devices: int, steps: int | None, repeats: int, file: Path | None
+    games: Sequence[str],
+    envs: Any,
+    observations: Any,
+    crowd: bool,
+    devices: int,
+    steps: int | None,
+    repeats: int,
+    file: Path | None,
 ) -> None:
     """Measures environment steps a second under random actions, as `sjdsl bench` does."""
     tasks, refused = forms_of(games or main_games(), observations, crowd)
 
     def timed(tell: Callable[[str], object]) -> Found:
-        found = measure(tasks, envs, repeats, lambda number: steps or steps_for(number), tell, devices=devices)
+        found = measure(
+            tasks, envs, repeats, lambda number: steps or steps_for(number), tell, devices=devices
+        )
         return replace(found, left_out=tuple(refused))
 
     measured(file, timed)
@@ -132,7 +155,11 @@ def race(
 @click.option("--sharings", type=words("shared", "per_agent"), default="shared", show_default=True)
 @click.option("--envs", type=LEAST, help="Environments: 16, of vdn 32.")
 @click.option("--steps", type=LEAST, help="Steps of a rollout: 128, of vdn 1.")
-@click.option("--hours", type=float, help="Also extrapolate the hours to this many environment steps, such as 1e9.")
+@click.option(
+    "--hours",
+    type=float,
+    help="Also extrapolate the hours to this many environment steps, such as 1e9.",
+)
 @repeats_option
 @json_option
 def training(
@@ -147,7 +174,9 @@ def training(
     file: Path | None,
 ) -> None:
     """Measures updates of training, and what part of them environments, networks and learning take."""
-    named = [(env.name, env) for game in games or main_games() if (env := task_of(game).env) is not None]
+    named = [
+        (env.name, env) for game in games or main_games() if (env := task_of(game).env) is not None
+    ]
     setups, refused = training_setups(named, networks, algorithms, sharings, envs, steps)
     if not setups:
         raise click.ClickException("; ".join(refused))
@@ -160,11 +189,21 @@ def training(
 @click.argument("game")
 @click.argument("param")
 @click.option("--values", type=click.IntRange(min=2), default=64, show_default=True)
-@click.option("--envs", type=LEAST, default=16, show_default=True, help="Environments of each value.")
+@click.option(
+    "--envs", type=LEAST, default=16, show_default=True, help="Environments of each value."
+)
 @click.option("--steps", type=LEAST, help="Steps of one timing.")
 @repeats_option
 @json_option
-def sweep(game: str, param: str, values: int, envs: int, steps: int | None, repeats: int, file: Path | None) -> None:
+def sweep(
+    game: str,
+    param: str,
+    values: int,
+    envs: int,
+    steps: int | None,
+    repeats: int,
+    file: Path | None,
+) -> None:
     """Measures a sweep over PARAM of GAME, in one program and in a program for each value."""
     task = task_of(game)
     assert task.env is not None
@@ -185,7 +224,9 @@ def substrates(names: Sequence[str], envs: Any, repeats: int, file: Path | None)
     known = {entry.name: entry for entry in written_substrates()}
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise click.ClickException(f"Melting Pot has no substrate {', '.join(unknown)}; it has {', '.join(known)}")
+        raise click.ClickException(
+            f"Melting Pot has no substrate {', '.join(unknown)}; it has {', '.join(known)}"
+        )
     tasks = substrate_tasks(known[name] for name in names or known)
     keep = partial(write_found, file) if file else lambda _: None
     measured(file, lambda tell: measure_substrates(tasks, envs, repeats, keep, tell=tell))
@@ -197,19 +238,28 @@ def substrates(names: Sequence[str], envs: Any, repeats: int, file: Path | None)
 def everything(folder: str, games: Sequence[str]) -> None:
     """Measures what a GPU is needed for, most important first, each part as a JSON file in FOLDER, a new one."""
     if Path(folder).exists():
-        raise click.ClickException(f"{folder} is there already; name a new folder, so that no earlier figures are mixed in")
+        raise click.ClickException(
+            f"{folder} is there already; name a new folder, so that no earlier figures are mixed in"
+        )
     names = games or main_games()
     tasks = [task_of(name, observation) for name in names for observation in OBSERVATIONS]
     parts = tuple(parts_of(tasks, names[0]))
     failed = measure_everything(parts, Path(folder), click.echo)
     if failed:
-        raise click.ClickException(f"{len(failed)} of {len(parts)} parts failed:\n" + "\n".join(failed))
+        raise click.ClickException(
+            f"{len(failed)} of {len(parts)} parts failed:\n" + "\n".join(failed)
+        )
     click.echo(f"{len(parts)} parts measured; tables: python -m bench.speed tables {folder}/*.json")
 
 
 @main.command()
 @click.argument("files", nargs=-1, required=True)
-@click.option("--markdown", "page", type=click.Path(exists=True, path_type=Path), help="Also write them to a page that has marks for them.")
+@click.option(
+    "--markdown",
+    "page",
+    type=click.Path(exists=True, path_type=Path),
+    help="Also write them to a page that has marks for them.",
+)
 def tables(files: Sequence[str], page: Path | None) -> None:
     """Makes the tables of figures that were measured before: files of --json, or those that `everything` left."""
     kept: dict[str, Found] = {}
@@ -224,7 +274,11 @@ def tables(files: Sequence[str], page: Path | None) -> None:
             print_tables(made, found.machine, notes)
             if page:
                 command = found.machine.get("command", called())
-                text = replace_section(text, section, markdown_section(command, machine_line(found.machine), notes, made))
+                text = replace_section(
+                    text,
+                    section,
+                    markdown_section(command, machine_line(found.machine), notes, made),
+                )
     except (OSError, ValueError) as error:
         raise click.ClickException(str(error)) from None
     if page:

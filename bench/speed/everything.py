@@ -27,7 +27,9 @@ class Part(NamedTuple):
     measure: Callable[[], Found]
 
 
-def parts_of(tasks: Sequence[Task], resumed: str, num_envs: Sequence[int] = ENVS, repeats: int = 5) -> Iterator[Part]:
+def parts_of(
+    tasks: Sequence[Task], resumed: str, num_envs: Sequence[int] = ENVS, repeats: int = 5
+) -> Iterator[Part]:
     """Yields speeds with tokens, kernels, resuming, updates with the small network, speeds with one-hot, updates with convolutions.
 
     Args:
@@ -38,11 +40,17 @@ def parts_of(tasks: Sequence[Task], resumed: str, num_envs: Sequence[int] = ENVS
     """
     tokens = [task for task in tasks if task.observation == "tokens"]
     others = [task for task in tasks if task.observation != "tokens"]
-    envs = sorted((task.env for task in tokens if task.env is not None), key=lambda env: math.prod(env.observation_shape))
+    envs = sorted(
+        (task.env for task in tokens if task.env is not None),
+        key=lambda env: math.prod(env.observation_shape),
+    )
 
     def speeds(observation: str, forms: Sequence[Task]) -> Iterator[Part]:
         for number in num_envs if forms else ():
-            yield Part(f"speed_{observation}_{number}", partial(measure, forms, [number], repeats, workers=WORKERS))
+            yield Part(
+                f"speed_{observation}_{number}",
+                partial(measure, forms, [number], repeats, workers=WORKERS),
+            )
 
     yield from speeds("tokens", tokens)
     yield Part("kernels", partial(measure_kernels, tokens, max(num_envs), repeats))
@@ -51,18 +59,24 @@ def parts_of(tasks: Sequence[Task], resumed: str, num_envs: Sequence[int] = ENVS
         yield Part(f"training_mlp_{env.name}", partial(measure_update, env, "mlp", repeats))
     yield from speeds("onehot", others)
     for index in sorted({0, len(envs) // 2, len(envs) - 1}) if envs else ():
-        yield Part(f"training_cnn_{envs[index].name}", partial(measure_update, envs[index], "cnn", repeats))
+        yield Part(
+            f"training_cnn_{envs[index].name}", partial(measure_update, envs[index], "cnn", repeats)
+        )
 
 
 def measure_update(env: Environment, network: Network, repeats: int) -> Training:
     """Returns the parts of one update of IPPO. Raises ValueError where the game refuses it."""
-    setups, refused = training_setups([(env.name, env)], [network], num_envs=TRAINED[0], num_steps=TRAINED[1])
+    setups, refused = training_setups(
+        [(env.name, env)], [network], num_envs=TRAINED[0], num_steps=TRAINED[1]
+    )
     if refused:
         raise ValueError("; ".join(refused))
     return measure_training(setups, repeats)
 
 
-def measure_everything(parts: Sequence[Part], folder: Path, tell: Callable[[str], object] = print) -> list[str]:
+def measure_everything(
+    parts: Sequence[Part], folder: Path, tell: Callable[[str], object] = print
+) -> list[str]:
     """Measures the parts in turn, each into `folder/NUMBER_NAME.json`: what is stopped, by a time limit for example, leaves the parts before.
 
     Args:

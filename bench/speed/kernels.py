@@ -14,7 +14,10 @@ from bench.gpu_cost import count_kernels
 from sjdsl.bench.loop import Task
 from sjdsl.bench.machine import describe_machine
 
-COPIED = {"cpu": 1 << 26, "gpu": 1 << 28}  # float32 numbers of the copy: well beyond the caches (256 MiB, 1 GiB)
+COPIED = {
+    "cpu": 1 << 26,
+    "gpu": 1 << 28,
+}  # float32 numbers of the copy: well beyond the caches (256 MiB, 1 GiB)
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,9 @@ class Kernels:
     steps: tuple[StepKernels, ...]
 
 
-def measure_kernels(tasks: Sequence[Task], num_envs: int, repeats: int = 5, steps: int = 20) -> Kernels:
+def measure_kernels(
+    tasks: Sequence[Task], num_envs: int, repeats: int = 5, steps: int = 20
+) -> Kernels:
     """Returns what one step of each task costs; `steps`: how many are timed together in a round."""
     found = tuple(_measure_step(task, num_envs, repeats, steps) for task in tasks)
     return Kernels(describe_machine(), copied_bytes_per_s(repeats), found)
@@ -54,7 +59,9 @@ def measure_kernels(tasks: Sequence[Task], num_envs: int, repeats: int = 5, step
 def _measure_step(task: Task, num_envs: int, repeats: int, steps: int) -> StepKernels:
     states = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), task.reset())
     keys = jax.random.split(jax.random.key(0), num_envs)
-    actions = jax.random.randint(jax.random.key(1), (num_envs, task.num_agents), 0, task.num_actions)
+    actions = jax.random.randint(
+        jax.random.key(1), (num_envs, task.num_agents), 0, task.num_actions
+    )
     compiled = jax.jit(jax.vmap(task.step)).lower(states, actions, keys).compile()
     found = jax.block_until_ready(compiled(states, actions, keys))
     seconds = []
@@ -66,8 +73,19 @@ def _measure_step(task: Task, num_envs: int, repeats: int, steps: int) -> StepKe
         seconds.append((time.perf_counter() - began) / steps)
     least = (_bytes_of((states, actions)) + _bytes_of(found)) / num_envs
     text = compiled.as_text()
-    accessed = float((compiled.cost_analysis() or {}).get("bytes accessed", math.nan)) / num_envs  # not a number if XLA doesn't know
-    return StepKernels(task.name, task.num_agents, task.observation, num_envs, count_kernels(text or ""), accessed, least, tuple(seconds))
+    accessed = (
+        float((compiled.cost_analysis() or {}).get("bytes accessed", math.nan)) / num_envs
+    )  # not a number if XLA doesn't know
+    return StepKernels(
+        task.name,
+        task.num_agents,
+        task.observation,
+        num_envs,
+        count_kernels(text or ""),
+        accessed,
+        least,
+        tuple(seconds),
+    )
 
 
 def copied_bytes_per_s(repeats: int, numbers: int | None = None) -> float:
@@ -87,4 +105,7 @@ def copied_bytes_per_s(repeats: int, numbers: int | None = None) -> float:
 def _bytes_of(tree: Any) -> int:
     """Returns the bytes of all arrays of a tree; a typed key counts as its two words."""
     keys = jax.dtypes.prng_key
-    return sum((jax.random.key_data(x) if jnp.issubdtype(x.dtype, keys) else x).nbytes for x in jax.tree.leaves(tree))
+    return sum(
+        (jax.random.key_data(x) if jnp.issubdtype(x.dtype, keys) else x).nbytes
+        for x in jax.tree.leaves(tree)
+    )

@@ -17,7 +17,8 @@ from sjdsl.files import read_json
 Found = Report | Substrates | Sweep | Training | Kernels | Resume
 
 _SORTS: dict[str, TypeAdapter[Any]] = {
-    sort.__name__.lower(): TypeAdapter(sort) for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)
+    sort.__name__.lower(): TypeAdapter(sort)
+    for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)
 }
 
 
@@ -28,15 +29,23 @@ def read_found(path: Path) -> Found:
         found: Found = _SORTS[stored.pop("sort")].validate_python(stored)
         return found
     except (KeyError, TypeError, AttributeError, ValueError) as error:
-        raise ValueError(f"{path} holds no figures that sjdsl bench wrote ({type(error).__name__}: {error})") from None
+        raise ValueError(
+            f"{path} holds no figures that sjdsl bench wrote ({type(error).__name__}: {error})"
+        ) from None
 
 
 def joined(before: Found, found: Found) -> Found:
     """Returns the figures of two files as one: speeds and updates one after the other. Raises ValueError where they aren't of that sort."""
     if isinstance(before, Report) and isinstance(found, Report):
-        peaks = [peak for peak in (before.device_peak_bytes, found.device_peak_bytes) if peak is not None]
+        peaks = [
+            peak for peak in (before.device_peak_bytes, found.device_peak_bytes) if peak is not None
+        ]
         rows = before.speeds + found.speeds, before.compilations + found.compilations
-        return replace(found, speeds=rows[0], compilations=rows[1], device_peak_bytes=max(peaks, default=None))
+        return replace(
+            found, speeds=rows[0], compilations=rows[1], device_peak_bytes=max(peaks, default=None)
+        )
     if isinstance(before, Training) and isinstance(found, Training):
-        return replace(found, splits=before.splits + found.splits, left_out=before.left_out + found.left_out)
+        return replace(
+            found, splits=before.splits + found.splits, left_out=before.left_out + found.left_out
+        )
     raise ValueError(f"two files hold figures of one {type(found).__name__.lower()}")

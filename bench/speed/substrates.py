@@ -45,6 +45,12 @@ def measure_substrates(
     for task in tasks:
         own = measure([task], num_envs, repeats, steps, tell)
         speeds = (*found.speeds, *(speed for speed in own.speeds if speed.name != YARDSTICK))
-        found = Substrates(own.machine, repeats, speeds, (*found.compilations, *own.compilations), own.device_peak_bytes)
+        found = Substrates(
+            own.machine,
+            repeats,
+            speeds,
+            (*found.compilations, *own.compilations),
+            own.device_peak_bytes,
+        )
         keep(found)
     return found

@@ -19,7 +19,10 @@ from sjdsl.library.parameters import build_params
 from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
 
-FACTORS = (0.75, 1.25)  # times the game's own value: narrow enough that the `require`s of most games still hold
+FACTORS = (
+    0.75,
+    1.25,
+)  # times the game's own value: narrow enough that the `require`s of most games still hold
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,10 @@ def measure_sweep(
     tell(f"compiling one program for {num_values} values")
     stacked = jax.tree.map(lambda *each: jnp.repeat(jnp.stack(each), num_envs, axis=0), *values)
     together, together_s = _compiled(make_sweep_loop(env, at_once, many_steps), stacked)
-    few = [values[index] for index in np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)]
+    few = [
+        values[index]
+        for index in np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)
+    ]
     programs, seconds = [], []
     for index, value in enumerate(few):
         tell(f"compiling program {index + 1} of {len(few)} for one value each")
@@ -81,11 +87,23 @@ def measure_sweep(
         seconds.append(took)
     tell("compiling one program for one value")
     constant, constant_s = _compiled(_constant(env, few[0], at_once, many_steps))
-    loops: list[Callable[[Array], Array]] = [lambda key: together(key, stacked), constant, *programs]
+    loops: list[Callable[[Array], Array]] = [
+        lambda key: together(key, stacked),
+        constant,
+        *programs,
+    ]
     env_steps = [at_once * many_steps] * 2 + [num_envs * few_steps] * len(programs)
     many, same, *each = race(loops, env_steps, repeats, lambda n: tell(f"round {n} of {repeats}"))
     in_turn = [len(rates) / sum(1 / rate for rate in rates) for rates in zip(*each, strict=True)]
-    measured = (together_s, tuple(many), memory_of(together), tuple(seconds), tuple(in_turn), constant_s, tuple(same))
+    measured = (
+        together_s,
+        tuple(many),
+        memory_of(together),
+        tuple(seconds),
+        tuple(in_turn),
+        constant_s,
+        tuple(same),
+    )
     return Sweep(describe_machine(), task.name, param, num_values, num_envs, *measured)
 
 
@@ -104,7 +122,9 @@ def swept_params(env: Environment, name: str, number: int) -> list[Any]:
     factors = np.linspace(*FACTORS, number)
     values = [_times(param.value, factor, param.type) for factor in factors.tolist()]
     if len(set(values)) < number:
-        raise ValueError(f"`{name}` has only {len(set(values))} different values near {param.value}, not {number}")
+        raise ValueError(
+            f"`{name}` has only {len(set(values))} different values near {param.value}, not {number}"
+        )
     return [build_params(env.game, env.module, {name: value}) for value in values]
 
 
@@ -115,7 +135,9 @@ def _times(value: Any, factor: float, type_: ir.Type) -> Any:
     return round(scaled) if type_.kind == "int" else scaled
 
 
-def make_sweep_loop(env: Environment, num_envs: int, num_steps: int) -> Callable[[Array, Any], Array]:
+def make_sweep_loop(
+    env: Environment, num_envs: int, num_steps: int
+) -> Callable[[Array, Any], Array]:
     """Returns the loop over environments with a value each, as a function of a key and the values."""
 
     def run(key: Array, params: Any) -> Array:
@@ -129,9 +151,13 @@ def make_sweep_loop(env: Environment, num_envs: int, num_steps: int) -> Callable
     return run
 
 
-def _constant(env: Environment, params: Any, num_envs: int, num_steps: int) -> Callable[[Array], Array]:
+def _constant(
+    env: Environment, params: Any, num_envs: int, num_steps: int
+) -> Callable[[Array], Array]:
     """Returns the loop over environments with one value, a constant of the program; nothing traced for another is found again."""
-    return make_loop(game_task(Environment(env.module, params, env.observation, env.game)), num_envs, num_steps)
+    return make_loop(
+        game_task(Environment(env.module, params, env.observation, env.game)), num_envs, num_steps
+    )
 
 
 def _compiled(loop: Callable[..., Array], *arguments: Any) -> tuple[Compiled, float]:

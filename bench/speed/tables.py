@@ -22,7 +22,9 @@ def tables_of(found: Found) -> tuple[Table, ...]:
         case Sweep():
             return (sweep_table(found),)
         case Training():
-            return tuple(table for table in (training_table(found), hours_table(found)) if table.rows)
+            return tuple(
+                table for table in (training_table(found), hours_table(found)) if table.rows
+            )
         case Kernels():
             return (kernel_table(found),)
         case Resume():
@@ -57,9 +59,14 @@ def section_of(found: Found) -> str:
             what = f"sweep {found.name} {found.param}"
         case Training():
             networks, *learnt = (
-                ",".join(dict.fromkeys(getattr(split, name) for split in found.splits)) for name in ("network", "algorithm", "sharing")
+                ",".join(dict.fromkeys(getattr(split, name) for split in found.splits))
+                for name in ("network", "algorithm", "sharing")
             )
-            what = f"training {networks}" if learnt == ["ippo", "shared"] else f"training {networks} {' '.join(learnt)}"
+            what = (
+                f"training {networks}"
+                if learnt == ["ippo", "shared"]
+                else f"training {networks} {' '.join(learnt)}"
+            )
         case Report() if type(found) is Report:
             devices = found.machine.get("devices", 1)
             what = "speed" if devices == 1 else f"speed {devices} devices"
@@ -75,11 +82,31 @@ def sweep_table(sweep: Sweep) -> Table:
     measured = len(sweep.apart_compile_s)
     seconds = f"{apart_s * sweep.num_values:.1f} s"
     if measured < sweep.num_values:
-        seconds = f"{seconds} extrapolated: {sweep.num_values} x {apart_s:.2f} s, the mean of {measured}"
+        seconds = (
+            f"{seconds} extrapolated: {sweep.num_values} x {apart_s:.2f} s, the mean of {measured}"
+        )
     rows = (
-        ("one program, values as arguments", "1", f"{sweep.together_compile_s:.2f} s", f"{at_once:,}", _rate(sweep.together)),
-        ("a program for each value, in turn", f"{sweep.num_values}", seconds, f"{sweep.num_envs:,}", _rate(sweep.apart)),
-        ("one program, one constant value", "1", f"{sweep.constant_compile_s:.2f} s", f"{at_once:,}", _rate(sweep.constant)),
+        (
+            "one program, values as arguments",
+            "1",
+            f"{sweep.together_compile_s:.2f} s",
+            f"{at_once:,}",
+            _rate(sweep.together),
+        ),
+        (
+            "a program for each value, in turn",
+            f"{sweep.num_values}",
+            seconds,
+            f"{sweep.num_envs:,}",
+            _rate(sweep.apart),
+        ),
+        (
+            "one program, one constant value",
+            "1",
+            f"{sweep.constant_compile_s:.2f} s",
+            f"{at_once:,}",
+            _rate(sweep.constant),
+        ),
     )
     title = f"{sweep.num_values} values of {sweep.param} of {sweep.name}, {sweep.num_envs:,} environments each"
     headings = ("how", "programs", "compile", "envs at once", "env-steps/s")
@@ -94,9 +121,26 @@ def training_table(training: Training) -> Table:
         played, acted, learnt, whole = (statistics.median(seconds) for seconds in parts)
         shares = (f"{part / whole:.0%}" for part in (played, acted - played, learnt))
         floor = split.flops / training.flops_per_s
-        times = (f"{split.compile_s:.1f} s", thousands(split.env_steps_per_s), _seconds(whole), *shares)
-        rows.append((*_training_labels(split), *times, f"{split.flops / 1e9:.3g}", f"{floor / whole:.0%}"))
-    headings = (*TRAINED, "compile", "env-steps/s", "update", "environments", "acting", "learning", "GFLOP", "floor")
+        times = (
+            f"{split.compile_s:.1f} s",
+            thousands(split.env_steps_per_s),
+            _seconds(whole),
+            *shares,
+        )
+        rows.append(
+            (*_training_labels(split), *times, f"{split.flops / 1e9:.3g}", f"{floor / whole:.0%}")
+        )
+    headings = (
+        *TRAINED,
+        "compile",
+        "env-steps/s",
+        "update",
+        "environments",
+        "acting",
+        "learning",
+        "GFLOP",
+        "floor",
+    )
     return Table(f"one update of {_sizes(training.splits)}", headings, tuple(rows), len(TRAINED))
 
 
@@ -104,7 +148,10 @@ def hours_table(training: Training) -> Table:
     """Returns the hours of a long run at the speed of the updates; without rows unless `hours_to` is set."""
     rows = []
     for split in training.splits if training.hours_to else ():
-        hours = (f"{value:,.0f}" if value >= 100 else f"{value:.3g}" for value in split.hours_to(training.hours_to or 0))
+        hours = (
+            f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+            for value in split.hours_to(training.hours_to or 0)
+        )
         rows.append((*_training_labels(split), thousands(split.env_steps_per_s), *hours))
     headings = (*TRAINED, "env-steps/s", "hours, median round", "fastest round", "slowest round")
     title = f"hours of training for {training.hours_to or 0:,} environment steps of one seed, extrapolated from these updates"
@@ -121,7 +168,8 @@ def _sizes(splits: Iterable[Split]) -> str:
     for split in splits:
         algorithms.setdefault((split.num_envs, split.num_steps), {})[split.algorithm.upper()] = None
     return "; ".join(
-        f"{', '.join(names)}: {envs} environments, {steps} step{'s' if steps > 1 else ''}" for (envs, steps), names in algorithms.items()
+        f"{', '.join(names)}: {envs} environments, {steps} step{'s' if steps > 1 else ''}"
+        for (envs, steps), names in algorithms.items()
     )
 
 
@@ -137,10 +185,36 @@ def kernel_table(kernels: Kernels) -> Table:
         seconds = statistics.median(step.seconds)
         share = step.least_bytes * step.num_envs / kernels.copied_bytes_per_s / seconds
         labels = (step.name, str(step.num_agents), step.observation, f"{step.num_envs:,}")
-        moved = ("" if math.isnan(step.accessed_bytes) else f"{step.accessed_bytes:,.0f}", f"{step.least_bytes:,.0f}")
-        rows.append((*labels, str(step.kernels), *moved, f"{seconds * 1e6:,.0f} µs", thousands(step.num_envs / seconds), f"{share:.1%}"))
-    headings = (*FORM, "envs", "kernels", "bytes accessed", "least bytes", "step", "env-steps/s", "share of copy bandwidth")
-    return Table("one step: kernels launched, bytes an environment moves, and the share of the copy bandwidth", headings, tuple(rows), 3)
+        moved = (
+            "" if math.isnan(step.accessed_bytes) else f"{step.accessed_bytes:,.0f}",
+            f"{step.least_bytes:,.0f}",
+        )
+        rows.append(
+            (
+                *labels,
+                str(step.kernels),
+                *moved,
+                f"{seconds * 1e6:,.0f} µs",
+                thousands(step.num_envs / seconds),
+                f"{share:.1%}",
+            )
+        )
+    headings = (
+        *FORM,
+        "envs",
+        "kernels",
+        "bytes accessed",
+        "least bytes",
+        "step",
+        "env-steps/s",
+        "share of copy bandwidth",
+    )
+    return Table(
+        "one step: kernels launched, bytes an environment moves, and the share of the copy bandwidth",
+        headings,
+        tuple(rows),
+        3,
+    )
 
 
 def resume_table(resume: Resume) -> Table:
@@ -148,7 +222,12 @@ def resume_table(resume: Resume) -> Table:
     same = "yes" if not resume.different else f"no: {', '.join(resume.different)}"
     row = (resume.name, str(resume.updates), str(resume.stopped_after), resume.flags, same)
     headings = ("game", "updates", "stopped after", "flags", "same end, bit for bit")
-    return Table("a training run stopped and resumed, beside one that was never stopped", headings, (row,), len(headings))
+    return Table(
+        "a training run stopped and resumed, beside one that was never stopped",
+        headings,
+        (row,),
+        len(headings),
+    )
 
 
 def _rate(rates: tuple[float, ...]) -> str:

@@ -31,7 +31,11 @@ Sharing = Literal["shared", "per_agent"]
 SIDE = 2048  # of the square matrices whose product shows what the machine can do
 TIMED = 2048  # environment steps of one timing, at least: an update of one short rollout is too short to time alone
 UPDATES = 1000  # of the run whose update is measured: schedules of learning rates and of exploration need a length
-ROLLOUT = {"ippo": (16, 128), "mappo": (16, 128), "vdn": (VDNConfig().num_envs, VDNConfig().num_steps)}  # environments and steps by default
+ROLLOUT = {
+    "ippo": (16, 128),
+    "mappo": (16, 128),
+    "vdn": (VDNConfig().num_envs, VDNConfig().num_steps),
+}  # environments and steps by default
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,9 @@ class Split:
         """Returns the hours to so many environment steps of one seed, without compiling and evaluating: at the speed of the median, the
         fastest and the slowest round."""
         updates = env_steps / (self.num_envs * self.num_steps)
-        median, fastest, slowest = (updates * f(self.update) / 3600 for f in (statistics.median, min, max))
+        median, fastest, slowest = (
+            updates * f(self.update) / 3600 for f in (statistics.median, min, max)
+        )
         return median, fastest, slowest
 
 
@@ -159,7 +165,9 @@ def measure_training(
       left_out: what can't be measured, a line each.
       keep: called with all figures so far whenever there are new ones.
     """
-    found = Training(describe_machine(), matrix_flops_per_s(repeats), (), env_steps, tuple(left_out))
+    found = Training(
+        describe_machine(), matrix_flops_per_s(repeats), (), env_steps, tuple(left_out)
+    )
     for setup in setups:
         tell(f"compiling {setup}")
         try:
@@ -176,7 +184,10 @@ def measure_split(setup: Setup, repeats: int) -> Split:
     compiled = compile_train(make_train(env, config), config)
     idle = jax.jit(idle_rollout(env, config))
     first = compiled.start()
-    flops, worlds = flops_of(env, config, compiled.parameters(first)), jax.tree.map(jnp.copy, first.worlds)
+    flops, worlds = (
+        flops_of(env, config, compiled.parameters(first)),
+        jax.tree.map(jnp.copy, first.worlds),
+    )
     state, played = compiled.collect(first)
 
     def collect() -> Any:
@@ -201,11 +212,27 @@ def measure_split(setup: Setup, repeats: int) -> Split:
 
         return run
 
-    parts = (lambda _: learn(collect()), lambda key: idle(worlds, key), lambda _: collect(), lambda _: learn(played))
+    parts = (
+        lambda _: learn(collect()),
+        lambda key: idle(worlds, key),
+        lambda _: collect(),
+        lambda _: learn(played),
+    )
     rates = race(list(map(repeated, parts)), [updates] * len(parts), repeats, lambda _: None)
     whole, idle_s, collect_s, learn_s = (tuple(1 / rate for rate in rounds) for rounds in rates)
     sizes = (setup.network, config.num_envs, config.num_steps)
-    return Split(setup.name, env.num_agents, *sizes, compiled.seconds, whole, idle_s, collect_s, learn_s, flops, *setup.learning)
+    return Split(
+        setup.name,
+        env.num_agents,
+        *sizes,
+        compiled.seconds,
+        whole,
+        idle_s,
+        collect_s,
+        learn_s,
+        flops,
+        *setup.learning,
+    )
 
 
 def matrix_flops_per_s(repeats: int) -> float:
@@ -226,7 +253,9 @@ def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], 
     shape = (config.num_envs, env.num_agents)
     packing = packing_of(env)
     masks = wants_masks(env, config)
-    keeps: Any = Acting(jnp.zeros(shape), jnp.zeros(shape)) if isinstance(config, PPOConfig) else None
+    keeps: Any = (
+        Acting(jnp.zeros(shape), jnp.zeros(shape)) if isinstance(config, PPOConfig) else None
+    )
 
     def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Any]:
         return worlds.memory, jax.random.randint(key, shape, 0, env.num_actions, jnp.int32), keeps
@@ -235,11 +264,15 @@ def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], 
         del memory, observation
         if isinstance(config, PPOConfig):
             return jnp.zeros(shape)
-        return packing.pack(info["terminal_observation"]), pack_mask(allowed_in(env, masks, info.get("terminal_state")))
+        return packing.pack(info["terminal_observation"]), pack_mask(
+            allowed_in(env, masks, info.get("terminal_state"))
+        )
 
     actor = Actor(act, packing.pack, follow)
     shaping = make_shaping(config, env.num_agents)
-    return lambda worlds, key: collect_rollout(env, actor, worlds, key, config.num_steps, shaping)[1]
+    return lambda worlds, key: collect_rollout(env, actor, worlds, key, config.num_steps, shaping)[
+        1
+    ]
 
 
 def flops_of(env: Environment, config: Any, parameters: Any) -> float:
@@ -254,18 +287,24 @@ def flops_of(env: Environment, config: Any, parameters: Any) -> float:
             return result
         networks = make_actor_critics(env, config)
         memory, joint = networks.start_memory(steps), networks.joint(seen[None], None)
-        _, logits, values = networks.apply(parameters, memory, seen[None], joint, jnp.zeros((1, steps), bool))
+        _, logits, values = networks.apply(
+            parameters, memory, seen[None], joint, jnp.zeros((1, steps), bool)
+        )
         return logits.sum() + values.sum()
 
     def count(steps: int, gradient: bool = False) -> float:
         """Returns XLA's count for a GPU's program, whatever the device: a CPU's has loops, which count as one turn."""
         function = (jax.grad if gradient else lambda same: same)(lambda own: forward(own, steps))
-        analysis: Any = jax.jit(function).trace(parameters).lower(lowering_platforms=("cuda",)).cost_analysis()
+        analysis: Any = (
+            jax.jit(function).trace(parameters).lower(lowering_platforms=("cuda",)).cost_analysis()
+        )
         return float(analysis["flops"])
 
     if isinstance(config, VDNConfig):
         # a forward pass each step; in each gradient step one with its gradient, and one of the target network; with `double_q` another
-        learning = count(config.batch_size, gradient=True) + count(config.batch_size) * (1 + config.double_q)
+        learning = count(config.batch_size, gradient=True) + count(config.batch_size) * (
+            1 + config.double_q
+        )
         return count(config.num_envs) * config.num_steps + learning * config.gradient_steps
     # a forward pass each step and one at the end, then the gradient steps
     minibatches = config.num_epochs * config.num_minibatches

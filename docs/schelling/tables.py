@@ -19,7 +19,9 @@ from sjdsl.library.games_folder import find_game
 
 HERE = Path(__file__).parent
 PAGE = HERE.with_suffix(".md")
-PUBLISHED = tomllib.loads((HERE.parents[1] / "games/published.toml").read_text(encoding="utf-8"))["schelling"]["games"]
+PUBLISHED = tomllib.loads((HERE.parents[1] / "games/published.toml").read_text(encoding="utf-8"))[
+    "schelling"
+]["games"]
 
 
 def main(check: bool) -> int:
@@ -35,15 +37,23 @@ def draw_again() -> None:
     """Draws the picture of each diagram from its stored returns."""
     for path in HERE.glob("*/schelling.json"):
         stored = json.loads(path.read_text(encoding="utf-8"))
-        returns = (np.array(stored["returns"][who], float) for who in ("cooperators", "defectors", "everybody"))
+        returns = (
+            np.array(stored["returns"][who], float)
+            for who in ("cooperators", "defectors", "everybody")
+        )
         title = build(read_source(find_game(stored["game"]["name"]))).game.title
         of = SimpleNamespace(title=title, replicates=stored["units"], episodes=stored["units"])
-        path.with_suffix(".svg").write_bytes(picture_bytes(draw_diagram(Diagram(of, Returns(*returns))), "svg"))
+        path.with_suffix(".svg").write_bytes(
+            picture_bytes(draw_diagram(Diagram(of, Returns(*returns))), "svg")
+        )
 
 
 def written(page: str) -> str:
     """Returns the page with the tables of all diagrams."""
-    diagrams = {path.parent.name: json.loads(path.read_text(encoding="utf-8")) for path in sorted(HERE.glob("*/schelling.json"))}
+    diagrams = {
+        path.parent.name: json.loads(path.read_text(encoding="utf-8"))
+        for path in sorted(HERE.glob("*/schelling.json"))
+    }
     for name, diagram in diagrams.items():
         page = replace_section(page, f"diagram {name}", lines_table(name, diagram))
     trained = [name for name in diagrams if name.endswith("_trained")]
@@ -56,13 +66,25 @@ def written(page: str) -> str:
 
 def verdicts_table(diagrams: list[dict[str, Any]]) -> str:
     """Returns a row for each diagram: the published shape, the verdict, the contrasts."""
-    rows = [("game", "published", "here", "A", "B", "fear", "greed"), ("---", "---", "---", "--:", "--:", "--:", "--:")]
+    rows = [
+        ("game", "published", "here", "A", "B", "fear", "greed"),
+        ("---", "---", "---", "--:", "--:", "--:", "--:"),
+    ]
     for diagram in diagrams:
         published, verdict = PUBLISHED.get(diagram["game"]["name"], {}), diagram["verdict"]
         contrasts = (bounds(diagram["contrasts"][name]) for name in ("A", "B", "fear", "greed"))
-        shape = f"dilemma, {verdict['shape']}" if verdict["outcome"] == "dilemma" else verdict["outcome"]
+        shape = (
+            f"dilemma, {verdict['shape']}"
+            if verdict["outcome"] == "dilemma"
+            else verdict["outcome"]
+        )
         rows.append(
-            (diagram["game"]["name"], ", ".join(published[key] for key in ("shape", "type") if key in published), shape, *contrasts)
+            (
+                diagram["game"]["name"],
+                ", ".join(published[key] for key in ("shape", "type") if key in published),
+                shape,
+                *contrasts,
+            )
         )
     return table(rows)
 

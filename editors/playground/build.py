@@ -24,16 +24,59 @@ from sjdsl.editor.highlighting import patterns
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
-PYODIDE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json")
-CDN = "https://cdn.jsdelivr.net/npm/pyodide@{version}/"  # has the files of npm's package as they are
+PYODIDE = (
+    "pyodide.mjs",
+    "pyodide.asm.mjs",
+    "pyodide.asm.wasm",
+    "python_stdlib.zip",
+    "pyodide-lock.json",
+)
+CDN = (
+    "https://cdn.jsdelivr.net/npm/pyodide@{version}/"  # has the files of npm's package as they are
+)
 PAGE = ("studio.css", "studio.js", "studio.licences.txt")
-PLATFORM = ("--platform", "pyemscripten_2026_0_wasm32", "--python-version", "3.14", "--abi", "cp314", "--only-binary", ":all:", "--no-deps")
+PLATFORM = (
+    "--platform",
+    "pyemscripten_2026_0_wasm32",
+    "--python-version",
+    "3.14",
+    "--abi",
+    "cp314",
+    "--only-binary",
+    ":all:",
+    "--no-deps",
+)
 # Of the language server, the compiler and what draws: all of pure Python, as this environment has them.
-PACKAGES = ("lark", "interegular", "pydantic", "typing_inspection", "annotated_types", "jinja2", "markupsafe", "typing_extensions")
+PACKAGES = (
+    "lark",
+    "interegular",
+    "pydantic",
+    "typing_inspection",
+    "annotated_types",
+    "jinja2",
+    "markupsafe",
+    "typing_extensions",
+)
 PACKAGES += ("pygls", "lsprotocol", "cattrs", "attr", "attrs")
-DISTRIBUTIONS = ("lark", "interegular", "pydantic", "pydantic_core", "typing-inspection", "annotated-types", "jinja2", "markupsafe")
+DISTRIBUTIONS = (
+    "lark",
+    "interegular",
+    "pydantic",
+    "pydantic_core",
+    "typing-inspection",
+    "annotated-types",
+    "jinja2",
+    "markupsafe",
+)
 DISTRIBUTIONS += ("typing_extensions", "pygls", "lsprotocol", "cattrs", "attrs")
-LEFT_OUT = ("bench", "cli", "experiments", "interop", "report", "sweeps")  # folders of sjdsl that the studio does not use
+LEFT_OUT = (
+    "bench",
+    "cli",
+    "experiments",
+    "interop",
+    "report",
+    "sweeps",
+)  # folders of sjdsl that the studio does not use
 DATA = (".j2", ".json", ".lark", ".md", ".sj", ".svg", ".toml", ".txt", ".html", ".css", ".js")
 
 
@@ -42,7 +85,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument(
-        "--pyodide", metavar="URL", default="", help="a folder on a server with npm's files of Pyodide, or cdn: visitors load it there"
+        "--pyodide",
+        metavar="URL",
+        default="",
+        help="a folder on a server with npm's files of Pyodide, or cdn: visitors load it there",
     )
     given = parser.parse_args()
     out = given.out
@@ -54,7 +100,13 @@ def main() -> None:
     with zipfile.ZipFile(sources, "w") as packed:
         for path, name in _sources():
             packed.write(path, name)
-    compiling = ["node", str(HERE / "compile.mjs"), str(sources), str(out / "pydantic_core.whl"), str(out / "packages.zip")]
+    compiling = [
+        "node",
+        str(HERE / "compile.mjs"),
+        str(sources),
+        str(out / "pydantic_core.whl"),
+        str(out / "packages.zip"),
+    ]
     subprocess.run(compiling, check=True)
     sources.unlink()
     for name in PAGE:
@@ -64,7 +116,11 @@ def main() -> None:
         shutil.copy(HERE / name, out)
     (out / "index.html").write_text(_page(), encoding="utf-8")
     (out / "licences.txt").write_text("\n----\n\n".join(_licences()), encoding="utf-8")
-    sizes = {path.relative_to(out).as_posix(): path.stat().st_size for path in sorted(out.rglob("*")) if path.is_file()}
+    sizes = {
+        path.relative_to(out).as_posix(): path.stat().st_size
+        for path in sorted(out.rglob("*"))
+        if path.is_file()
+    }
     print(json.dumps(sizes, indent=2))
     print(f"{sum(sizes.values()) / 1e6:.1f} MB in {out}")
     print(where)
@@ -81,15 +137,18 @@ def put_pyodide(out: Path, package: Path, place: str = "") -> str:
     if place:
         place = CDN.format(version=version) if place == "cdn" else place.rstrip("/") + "/"
         if not place.startswith(("https://", "http://127.0.0.1:", "http://localhost:")):
-            sys.exit(f"{place} is no place for Pyodide: name a URL that begins with https://, or cdn")
-        said = (
-            f"Pyodide {version} is not part of it: visitors load it from {place}, and their browsers check it. {_compared(place, digests)}"
-        )
+            sys.exit(
+                f"{place} is no place for Pyodide: name a URL that begins with https://, or cdn"
+            )
+        said = f"Pyodide {version} is not part of it: visitors load it from {place}, and their browsers check it. {_compared(place, digests)}"
     else:
         (out / "pyodide").mkdir()
         for name in PYODIDE:
             shutil.copy(package / name, out / "pyodide")
-        place, said = "./pyodide/", f"Pyodide {version} is part of it: visitors load nothing from elsewhere."
+        place, said = (
+            "./pyodide/",
+            f"Pyodide {version} is part of it: visitors load nothing from elsewhere.",
+        )
     text = f"export const PLACE = {json.dumps(place)};\nexport const INTEGRITY = {json.dumps(digests, indent=2)};\n"
     (out / "pyodide.js").write_text(text, encoding="utf-8")
     return said
@@ -109,14 +168,29 @@ def _compared(place: str, digests: dict[str, str]) -> str:
         except OSError as error:
             return f"NOT TESTED: {place}{name} cannot be loaded from here ({error}), so nobody has compared it to the file on npm."
         if _integrity(content) != digest:
-            sys.exit(f"{place}{name} is not the file that npm has: visitors' browsers would refuse it")
+            sys.exit(
+                f"{place}{name} is not the file that npm has: visitors' browsers would refuse it"
+            )
     return f"Its {len(digests)} files there are those of npm."
 
 
 def _wheel(to: Path) -> None:
     """Fetches the one package that is no pure Python, in the version that pydantic wants."""
     wanted = f"pydantic_core=={version('pydantic_core')}"
-    subprocess.run([sys.executable, "-m", "pip", "download", "--quiet", *PLATFORM, "--dest", str(to.parent), wanted], check=True)
+    subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "pip",
+            "download",
+            "--quiet",
+            *PLATFORM,
+            "--dest",
+            str(to.parent),
+            wanted,
+        ],
+        check=True,
+    )
     (fetched,) = to.parent.glob("pydantic_core-*.whl")
     fetched.rename(to)
 
@@ -148,18 +222,26 @@ def _licences() -> Iterator[str]:
     yield f"pyodide {pyodide['version']} ({pyodide['license']}), with CPython (PSF-2.0) and its standard library\n"
     yield f"sjdsl {version('sjdsl')}\n\n{(ROOT / 'LICENSE').read_text(encoding='utf-8')}"
     for name in DISTRIBUTIONS:
-        texts = [path for path in files(name) or () if path.name.upper().startswith(("LICEN", "COPYING"))]
+        texts = [
+            path for path in files(name) or () if path.name.upper().startswith(("LICEN", "COPYING"))
+        ]
         assert texts, f"{name} has no licence file"
-        yield f"{name} {version(name)}\n\n" + "\n".join(path.read_text(encoding="utf-8") for path in texts)
+        yield f"{name} {version(name)}\n\n" + "\n".join(
+            path.read_text(encoding="utf-8") for path in texts
+        )
 
 
 def _page() -> str:
     """Returns the studio's page with what answers it before its script, and with all addresses beside it."""
     page = (ROOT / "sjdsl/studio/page/studio.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
-    text = environment.from_string(page).render(token="", opened="example:clean_up.sj", patterns=json.dumps(patterns()))
+    text = environment.from_string(page).render(
+        token="", opened="example:clean_up.sj", patterns=json.dumps(patterns())
+    )
     script = '<script type="module" src="./studio.js">'
-    text = text.replace("/assets/", "./").replace("<title>sjdsl studio</title>", "<title>sjdsl playground</title>")
+    text = text.replace("/assets/", "./").replace(
+        "<title>sjdsl studio</title>", "<title>sjdsl playground</title>"
+    )
     assert script in text, "the studio's page has changed"
     return text.replace(script, '<script type="module" src="./transport.js"></script>\n' + script)
 

@@ -13,7 +13,9 @@ FILES = ("grammar.js", "src/grammar.json", "src/node-types.json", "src/parser.c"
 
 def digests() -> str:
     """Returns a line for each file, as `sha256sum` writes it."""
-    return "".join(f"{hashlib.sha256((FOLDER / name).read_bytes()).hexdigest()}  {name}\n" for name in FILES)
+    return "".join(
+        f"{hashlib.sha256((FOLDER / name).read_bytes()).hexdigest()}  {name}\n" for name in FILES
+    )
 
 
 if __name__ == "__main__":

@@ -13,7 +13,14 @@ from jax.stages import Lowered
 
 from sjdsl.runtime.env import Environment
 
-COUNTED = ("scatter", "gather", "dynamic_slice", "sort", "while", "case")  # what XLA cannot fuse with its surroundings
+COUNTED = (
+    "scatter",
+    "gather",
+    "dynamic_slice",
+    "sort",
+    "while",
+    "case",
+)  # what XLA cannot fuse with its surroundings
 REPEATS = 3  # compilations whose median is reported
 
 
@@ -33,13 +40,22 @@ def compile_step(env: Environment, name: str = "", repeats: int = REPEATS) -> Co
     """Returns the cost of compiling one step of a single environment (the median of some), and the size of what XLA is given."""
     seconds = median(_seconds_to_compile(env) for _ in range(repeats))
     text = lower_step(env).as_text()
-    return Compilation(name or env.name, env.num_agents, env.observation, seconds, len(text.splitlines()), count_operations(text))
+    return Compilation(
+        name or env.name,
+        env.num_agents,
+        env.observation,
+        seconds,
+        len(text.splitlines()),
+        count_operations(text),
+    )
 
 
 def _seconds_to_compile(env: Environment) -> float:
     """Returns XLA's time for a step that it has not seen before: a new function, and none of this process's programs."""
     jax.clear_caches()
-    lowered = jax.jit(lambda key, state, actions: env._step(key, state, actions)).lower(*_described(env))
+    lowered = jax.jit(lambda key, state, actions: env._step(key, state, actions)).lower(
+        *_described(env)
+    )
     began = time.perf_counter()
     lowered.compile()
     return time.perf_counter() - began
@@ -60,5 +76,7 @@ def _described(env: Environment) -> tuple[Any, Any, Any]:
 
 def count_operations(text: str, names: Iterable[str] = COUNTED) -> dict[str, int]:
     """Returns how often each operation is written in StableHLO text; one in a function counts once, however often it is called."""
-    written = Counter(re.findall(r'(?<!#)\bstablehlo\.(\w+)"?[ (]', text))  # `#stablehlo.gather<...>` is an attribute
+    written = Counter(
+        re.findall(r'(?<!#)\bstablehlo\.(\w+)"?[ (]', text)
+    )  # `#stablehlo.gather<...>` is an attribute
     return {name: written[name] for name in names}

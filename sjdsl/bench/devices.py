@@ -23,7 +23,9 @@ def on_devices(loop: Callable[[Array], Array], devices: int) -> Callable[[Array]
     def own(key: Array) -> Array:
         return loop(jax.random.fold_in(key, lax.axis_index(AXIS)))[None]
 
-    every = jax.shard_map(own, mesh=mesh, in_specs=PartitionSpec(), out_specs=PartitionSpec(AXIS), check_vma=False)
+    every = jax.shard_map(
+        own, mesh=mesh, in_specs=PartitionSpec(), out_specs=PartitionSpec(AXIS), check_vma=False
+    )
 
     def run(key: Array) -> Array:
         result: Array = every(key).sum()

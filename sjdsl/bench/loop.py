@@ -37,7 +37,9 @@ class Task:
 
 def yardstick_task() -> Task:
     """Returns the step written by hand."""
-    return Task(YARDSTICK, yardstick.NUM_AGENTS, yardstick.NUM_ACTIONS, yardstick.reset, yardstick.step)
+    return Task(
+        YARDSTICK, yardstick.NUM_AGENTS, yardstick.NUM_ACTIONS, yardstick.reset, yardstick.step
+    )
 
 
 def game_task(env: Environment, name: str = "", crowd: int | None = None) -> Task:
@@ -53,7 +55,9 @@ def game_task(env: Environment, name: str = "", crowd: int | None = None) -> Tas
     return Task(name or env.name, env.num_agents, env.num_actions, reset, step, env, crowd)
 
 
-def make_loop(task: Task, num_envs: int, num_steps: int, devices: int = 1) -> Callable[[Array], Array]:
+def make_loop(
+    task: Task, num_envs: int, num_steps: int, devices: int = 1
+) -> Callable[[Array], Array]:
     """Returns a function of a key that plays and returns the sum of all rewards and of the last observations.
 
     Args:
@@ -66,12 +70,21 @@ def make_loop(task: Task, num_envs: int, num_steps: int, devices: int = 1) -> Ca
 
     def run(key: Array) -> Array:
         start = jax.tree.map(lambda x: jnp.broadcast_to(x, (each, *x.shape)), task.reset())
-        return play(jax.vmap(task.step), start, (each, task.num_agents), task.num_actions, num_steps, key)
+        return play(
+            jax.vmap(task.step), start, (each, task.num_agents), task.num_actions, num_steps, key
+        )
 
     return run if devices == 1 else on_devices(run, devices)
 
 
-def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actions: int, num_steps: int, key: Array) -> Array:
+def play(
+    step: Callable[..., Any],
+    start: Any,
+    shape: tuple[int, int],
+    num_actions: int,
+    num_steps: int,
+    key: Array,
+) -> Array:
     """Returns the sum of all rewards and of the last observations of random play.
 
     Each step's observations are written to memory and carried to the next, as a rollout would keep them. To sum them up in
@@ -83,7 +96,9 @@ def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actio
       shape: how many environments, how many agents.
     """
 
-    def body(carry: tuple[Any, Array, Array, Array], nothing: None) -> tuple[tuple[Any, Array, Array, Array], None]:
+    def body(
+        carry: tuple[Any, Array, Array, Array], nothing: None
+    ) -> tuple[tuple[Any, Array, Array, Array], None]:
         state, _, total, key = carry
         state, observation, reward, key = one(state, key)
         return (state, observation, total + reward.sum(), key), nothing
@@ -96,7 +111,9 @@ def play(step: Callable[..., Any], start: Any, shape: tuple[int, int], num_actio
 
     seen = jax.eval_shape(one, start, key)[1]
     nothing = jnp.zeros(seen.shape, seen.dtype)
-    _, observation, total, _ = jax.lax.scan(body, (start, nothing, jnp.float32(0), key), None, num_steps)[0]
+    _, observation, total, _ = jax.lax.scan(
+        body, (start, nothing, jnp.float32(0), key), None, num_steps
+    )[0]
     result: Array = total + observation.astype(jnp.float32).sum()
     return result
 

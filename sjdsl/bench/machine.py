@@ -25,7 +25,10 @@ def describe_machine(devices: int = 1) -> dict[str, Any]:
         "python": platform.python_version(),
         "jax": jax.__version__,
         "sjdsl": __version__,
-        "compilation_cache": bool(jax.config.values["jax_compilation_cache_dir"] and jax.config.values["jax_enable_compilation_cache"]),
+        "compilation_cache": bool(
+            jax.config.values["jax_compilation_cache_dir"]
+            and jax.config.values["jax_enable_compilation_cache"]
+        ),
     }
 
 
@@ -33,7 +36,11 @@ def machine_line(machine: dict[str, Any]) -> str:
     """Returns the machine in one line."""
     cores = f"{machine['cpu_cores']} CPU cores{devices_said(machine)}"
     line = f"{machine['device']}, {cores}, JAX {machine['jax']}, Python {machine['python']}"
-    return f"{line}; compile seconds with JAX's cache of compiled programs" if machine["compilation_cache"] else line
+    return (
+        f"{line}; compile seconds with JAX's cache of compiled programs"
+        if machine["compilation_cache"]
+        else line
+    )
 
 
 def devices_said(machine: dict[str, Any]) -> str:

@@ -8,7 +8,9 @@ from sjdsl.bench.tables import Table
 from sjdsl.files import write_whole
 
 
-def markdown_section(command: str, machine: str, notes: Iterable[str], tables: Iterable[Table]) -> str:
+def markdown_section(
+    command: str, machine: str, notes: Iterable[str], tables: Iterable[Table]
+) -> str:
     """Returns the figures of one run as Markdown: the command, the machine, notes, tables."""
     parts = [f"`{command}`, on {machine}.", *(f"{note}." for note in notes)]
     for table in tables:
@@ -31,7 +33,9 @@ def replace_section(page: str, name: str, text: str) -> str:
     opened, closed = f"<!-- {name} -->\n", f"<!-- end {name} -->"
     marks = re.compile(f"({re.escape(opened)}).*?({re.escape(closed)})", re.DOTALL)
     if not marks.search(page):
-        raise ValueError(f"the page has no lines `{opened.strip()}` and `{closed}` to write between")
+        raise ValueError(
+            f"the page has no lines `{opened.strip()}` and `{closed}` to write between"
+        )
     return marks.sub(lambda found: f"{found[1]}{text}{found[2]}", page, count=1)
 
 

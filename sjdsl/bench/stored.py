@@ -14,4 +14,8 @@ if TYPE_CHECKING:
 def write_found(path: Path, found: "DataclassInstance") -> None:
     """Writes all figures to a file, and which sort of measurement they are of; a half-written file never stands there."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, json.dumps({"sort": type(found).__name__.lower(), **dataclasses.asdict(found)}, indent=2) + "\n")
+    write_whole(
+        path,
+        json.dumps({"sort": type(found).__name__.lower(), **dataclasses.asdict(found)}, indent=2)
+        + "\n",
+    )

@@ -30,14 +30,25 @@ FORM = ("game", "agents", "observation")
 def speed_tables(report: Report) -> tuple[Table, ...]:
     """Returns the tables of speeds; comparisons only where there are two things to compare."""
     return tuple(
-        table for table in (speed_table(report), processor_table(report), cost_table(report), relation_table(report)) if table.rows
+        table
+        for table in (
+            speed_table(report),
+            processor_table(report),
+            cost_table(report),
+            relation_table(report),
+        )
+        if table.rows
     )
 
 
 def notes_of_speeds(report: Report) -> tuple[str, ...]:
     """Returns what was left out, and how much memory the device held, where it counts."""
     peak = report.device_peak_bytes
-    memory = () if peak is None else (f"the device held at most {peak / 1e9:.3g} GB while all this was measured",)
+    memory = (
+        ()
+        if peak is None
+        else (f"the device held at most {peak / 1e9:.3g} GB while all this was measured",)
+    )
     return (*report.left_out, *memory)
 
 
@@ -58,7 +69,12 @@ def processor_table(report: Report) -> Table:
     for form, speeds in grouped(report.speeds).items():
         rates = {number: speed.env_steps_per_processor_s for number, speed in speeds.items()}
         if any(rates.values()):
-            rows.append((*_labels(form), *(thousands(rate) if (rate := rates.get(number)) else "" for number in numbers)))
+            rows.append(
+                (
+                    *_labels(form),
+                    *(thousands(rate) if (rate := rates.get(number)) else "" for number in numbers),
+                )
+            )
     title = f"environment steps a second of processor time, of all cores together: median of {report.repeats} rounds"
     return Table(title, (*FORM, *columns(numbers)), tuple(rows), len(FORM))
 
@@ -66,14 +82,21 @@ def processor_table(report: Report) -> Table:
 def cost_table(report: Report) -> Table:
     """Returns one row a form: what compiling takes, how large one step is, and the memory the loop needs."""
     numbers = env_numbers(report)
-    steps = {Form(step.name, step.num_agents, step.observation): step for step in report.compilations}
+    steps = {
+        Form(step.name, step.num_agents, step.observation): step for step in report.compilations
+    }
     rows = []
     for form, speeds in grouped(report.speeds).items():
         memory = (f"{speeds[n].memory_bytes / 1e6:.3g} MB" if n in speeds else "" for n in numbers)
         slowest = max(speed.loop_compile_s for speed in speeds.values())
         rows.append((*_labels(form), *_step_cells(steps.get(form)), f"{slowest:.1f} s", *memory))
     headings = (*FORM, "step compile", "StableHLO lines", "loop compile", *columns(numbers))
-    return Table("compile time and size of one step; compile time of the loop, and the memory it needs", headings, tuple(rows), len(FORM))
+    return Table(
+        "compile time and size of one step; compile time of the loop, and the memory it needs",
+        headings,
+        tuple(rows),
+        len(FORM),
+    )
 
 
 def relation_table(report: Report) -> Table:
@@ -87,13 +110,20 @@ def relation_table(report: Report) -> Table:
         tokens = form._replace(observation="tokens")
         if form.observation != "tokens" and tokens in by_form:
             rows.append(
-                (f"{form.name}, {form.num_agents} agents: {form.observation} to tokens", *_longer(speeds, by_form[tokens], numbers))
+                (
+                    f"{form.name}, {form.num_agents} agents: {form.observation} to tokens",
+                    *_longer(speeds, by_form[tokens], numbers),
+                )
             )
         fewer = own.get((form.name.removesuffix("+crowd"), form.observation))
         if crowds[form] is not None and fewer is not None:
-            said = f"{fewer.name}, {form.observation}: {form.num_agents} agents to {fewer.num_agents}"
+            said = (
+                f"{fewer.name}, {form.observation}: {form.num_agents} agents to {fewer.num_agents}"
+            )
             rows.append((said, *_longer(speeds, by_form[fewer], numbers)))
-    return Table("how many times as long a step takes", ("of what to what", *columns(numbers)), tuple(rows))
+    return Table(
+        "how many times as long a step takes", ("of what to what", *columns(numbers)), tuple(rows)
+    )
 
 
 def thousands(rate: float) -> str:
@@ -109,7 +139,9 @@ def grouped(speeds: Iterable[Speed]) -> dict[Form, dict[int, Speed]]:
     """Returns the speeds by form, then by number of environments."""
     found: dict[Form, dict[int, Speed]] = {}
     for speed in speeds:
-        found.setdefault(Form(speed.name, speed.num_agents, speed.observation), {})[speed.num_envs] = speed
+        found.setdefault(Form(speed.name, speed.num_agents, speed.observation), {})[
+            speed.num_envs
+        ] = speed
     return found
 
 
@@ -123,7 +155,11 @@ def _labels(form: Form) -> tuple[str, str, str]:
 
 def speed_cell(speed: Speed | None) -> str:
     """Returns a speed, its spread and its ratio; empty if there was no time to measure it."""
-    return "" if speed is None else f"{thousands(speed.env_steps_per_s)} ±{speed.spread:.0%} x{speed.ratio:.2f}"
+    return (
+        ""
+        if speed is None
+        else f"{thousands(speed.env_steps_per_s)} ±{speed.spread:.0%} x{speed.ratio:.2f}"
+    )
 
 
 def _step_cells(step: Compilation | None) -> tuple[str, str]:
@@ -132,4 +168,7 @@ def _step_cells(step: Compilation | None) -> tuple[str, str]:
 
 def _longer(speeds: dict[int, Speed], base: dict[int, Speed], numbers: list[int]) -> Iterable[str]:
     both = base.keys() & speeds.keys()
-    return (f"{base[n].env_steps_per_s / speeds[n].env_steps_per_s:.2f}" if n in both else "" for n in numbers)
+    return (
+        f"{base[n].env_steps_per_s / speeds[n].env_steps_per_s:.2f}" if n in both else ""
+        for n in numbers
+    )

@@ -60,7 +60,9 @@ class Round(NamedTuple):
     @property
     def rate_of_processor(self) -> float:
         """Environment steps a second of processor time, which has ticks of its own."""
-        return self.env_steps / max(self.processor_seconds, time.get_clock_info("process_time").resolution)
+        return self.env_steps / max(
+            self.processor_seconds, time.get_clock_info("process_time").resolution
+        )
 
 
 @dataclass(frozen=True)
@@ -115,12 +117,24 @@ def measure(
 
         with ThreadPoolExecutor(workers) as pool:
             compiled = list(pool.map(compile_one, everyone))
-        rounds = timed_rounds([loop for loop, _ in compiled], [number * steps(number)] * len(compiled), repeats, announce)
-        speeds += [speed_of(task, number, own, rounds[0], made) for task, own, made in zip(everyone, rounds, compiled, strict=True)]
-    return Report(describe_machine(devices), repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
+        rounds = timed_rounds(
+            [loop for loop, _ in compiled],
+            [number * steps(number)] * len(compiled),
+            repeats,
+            announce,
+        )
+        speeds += [
+            speed_of(task, number, own, rounds[0], made)
+            for task, own, made in zip(everyone, rounds, compiled, strict=True)
+        ]
+    return Report(
+        describe_machine(devices), repeats, tuple(speeds), tuple(compilations), device_peak_bytes()
+    )
 
 
-def compile_loop(task: Task, num_envs: int, num_steps: int, devices: int = 1) -> tuple[Compiled, float]:
+def compile_loop(
+    task: Task, num_envs: int, num_steps: int, devices: int = 1
+) -> tuple[Compiled, float]:
     """Returns the measured loop and the seconds it took to compile."""
     began = time.perf_counter()
     loop = jax.jit(make_loop(task, num_envs, num_steps, devices)).lower(jax.random.key(0)).compile()
@@ -137,21 +151,33 @@ def speed_of(
     """Returns the speed of a task from its rounds and those of the yardstick."""
     loop, seconds = compiled
     rates = [one.rate for one in rounds]
-    ratio = statistics.median(own.rate / its.rate for own, its in zip(rounds, yardstick, strict=True))
+    ratio = statistics.median(
+        own.rate / its.rate for own, its in zip(rounds, yardstick, strict=True)
+    )
     figures = (statistics.median(rates), min(rates), max(rates), ratio, seconds, memory_of(loop))
     of_processor = statistics.median(one.rate_of_processor for one in rounds)
-    return Speed(task.name, task.num_agents, task.observation, task.crowd, num_envs, *figures, of_processor)
+    return Speed(
+        task.name, task.num_agents, task.observation, task.crowd, num_envs, *figures, of_processor
+    )
 
 
 def race(
-    loops: Sequence[Callable[[Array], Array]], env_steps: Sequence[int], repeats: int, tell: Callable[[int], object]
+    loops: Sequence[Callable[[Array], Array]],
+    env_steps: Sequence[int],
+    repeats: int,
+    tell: Callable[[int], object],
 ) -> list[list[float]]:
     """Returns environment steps a second by loop and round, as `timed_rounds`."""
-    return [[one.rate for one in rounds] for rounds in timed_rounds(loops, env_steps, repeats, tell)]
+    return [
+        [one.rate for one in rounds] for rounds in timed_rounds(loops, env_steps, repeats, tell)
+    ]
 
 
 def timed_rounds(
-    loops: Sequence[Callable[[Array], Array]], env_steps: Sequence[int], repeats: int, tell: Callable[[int], object]
+    loops: Sequence[Callable[[Array], Array]],
+    env_steps: Sequence[int],
+    repeats: int,
+    tell: Callable[[int], object],
 ) -> list[list[Round]]:
     """Returns the times by loop and round: in each round every loop runs once, for `env_steps` steps."""
     for loop in loops:
@@ -164,7 +190,13 @@ def timed_rounds(
             began = time.perf_counter()
             began_on_processor = time.process_time()
             loop(key).block_until_ready()
-            own.append(Round(number_of_steps, time.perf_counter() - began, time.process_time() - began_on_processor))
+            own.append(
+                Round(
+                    number_of_steps,
+                    time.perf_counter() - began,
+                    time.process_time() - began_on_processor,
+                )
+            )
     return rounds
 
 
@@ -173,5 +205,10 @@ def memory_of(compiled: Compiled) -> int:
     stats = compiled.memory_analysis()
     if stats is None:
         return 0
-    result: int = stats.temp_size_in_bytes + stats.argument_size_in_bytes + stats.output_size_in_bytes - stats.alias_size_in_bytes
+    result: int = (
+        stats.temp_size_in_bytes
+        + stats.argument_size_in_bytes
+        + stats.output_size_in_bytes
+        - stats.alias_size_in_bytes
+    )
     return result

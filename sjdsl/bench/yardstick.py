@@ -17,9 +17,13 @@ HEIGHT, WIDTH, PAD = 16, 22, 10
 ROWS, COLS = HEIGHT + 2 * PAD, WIDTH + 2 * PAD
 HEADINGS = np.array([[-1, 0], [0, 1], [1, 0], [0, -1]])
 PATCHES = ((2, 7), (2, 14), (7, 2), (7, 19))
-SPAWN_CELLS = [(13, c) for c in range(2, 20)] + [(14, c) for c in range(1, 21)] + [(15, c) for c in range(22)]
+SPAWN_CELLS = (
+    [(13, c) for c in range(2, 20)] + [(14, c) for c in range(1, 21)] + [(15, c) for c in range(22)]
+)
 
-State = tuple[Array, Array, Array]  # position [7] int32, cell of the padded frame; heading [7] int32; ripe [64] bool
+State = tuple[
+    Array, Array, Array
+]  # position [7] int32, cell of the padded frame; heading [7] int32; ripe [64] bool
 
 
 def _apple_cells() -> list[tuple[int, int]]:
@@ -46,7 +50,9 @@ def _near(cells: list[tuple[int, int]]) -> np.ndarray:
 
 APPLES = _apple_cells()
 SITES, SPAWNS = jnp.asarray(_in_frame(APPLES)), jnp.asarray(_in_frame(SPAWN_CELLS))
-OUTSIDE = jnp.asarray(np.pad(np.zeros((HEIGHT, WIDTH), np.uint8), PAD, constant_values=1).reshape(-1))
+OUTSIDE = jnp.asarray(
+    np.pad(np.zeros((HEIGHT, WIDTH), np.uint8), PAD, constant_values=1).reshape(-1)
+)
 NEAR = jnp.asarray(_near(APPLES))
 _SITE_NUMBERS = np.full(ROWS * COLS, len(APPLES), np.int32)
 _SITE_NUMBERS[_in_frame(APPLES)] = np.arange(len(APPLES))
@@ -78,7 +84,9 @@ def step(state: State, action: Array, key: Array) -> tuple[State, Array, Array]:
 def _regrow(position: Array, ripe: Array, key: Array) -> Array:
     on_site = SITE_OF[position][:, None] == jnp.arange(len(APPLES))
     near = NEAR @ ripe.astype(jnp.float32)
-    chance = jnp.where(near >= 3, 0.025, jnp.where(near >= 2, 0.005, jnp.where(near >= 1, 0.001, 0.0)))
+    chance = jnp.where(
+        near >= 3, 0.025, jnp.where(near >= 2, 0.005, jnp.where(near >= 1, 0.001, 0.0))
+    )
     return ripe | ((jax.random.uniform(key, (len(APPLES),)) < chance) & ~jnp.any(on_site, 0))
 
 
@@ -87,7 +95,9 @@ def _move(position: Array, heading: Array, action: Array, key: Array) -> Array:
     moving = (action >= 2) & (action <= 5)
     target = jnp.where(moving, position + STEP[(heading + offset) & 3], position)
     target = jnp.where(OUTSIDE[target] > 0, position, target)
-    order = jax.random.bits(key, (NUM_AGENTS,)) & jnp.uint32(0xFFFFFFF8) | jnp.arange(NUM_AGENTS, dtype=jnp.uint32)
+    order = jax.random.bits(key, (NUM_AGENTS,)) & jnp.uint32(0xFFFFFFF8) | jnp.arange(
+        NUM_AGENTS, dtype=jnp.uint32
+    )
     into = (target[:, None] == position[None]) & NOT_SELF
     same = (target[:, None] == target[None]) & NOT_SELF
     moves = (target != position) & ~jnp.any(into & into.T, 1)
@@ -100,13 +110,26 @@ def _move(position: Array, heading: Array, action: Array, key: Array) -> Array:
 def _zap(position: Array, heading: Array, action: Array, key: Array) -> tuple[Array, Array, Array]:
     """Returns the positions after those hit were sent to spawn cells, the cells of the beams, and who zapped."""
     ahead, right = STEP[heading], STEP[(heading + 1) & 3]
-    beam = jnp.stack([position + ahead, position + 2 * ahead, position + ahead + right, position + ahead - right], 1)
+    beam = jnp.stack(
+        [
+            position + ahead,
+            position + 2 * ahead,
+            position + ahead + right,
+            position + ahead - right,
+        ],
+        1,
+    )
     zap = action == 7
-    hit = jnp.any((beam[:, :, None] == position[None, None]) & zap[:, None, None] & NOT_SELF[:, None, :], (0, 1))
+    hit = jnp.any(
+        (beam[:, :, None] == position[None, None]) & zap[:, None, None] & NOT_SELF[:, None, :],
+        (0, 1),
+    )
     taken = jnp.any((SPAWNS[:, None] == position[None]) & ~hit[None], 1)
     rank = jnp.where(taken, jnp.uint32(0xFFFFFFFF), jax.random.bits(key, (len(SPAWN_CELLS),)) >> 1)
     homes = []
-    for _ in range(NUM_AGENTS):  # the smallest ranks one after another: much faster than a sort on a CPU
+    for _ in range(
+        NUM_AGENTS
+    ):  # the smallest ranks one after another: much faster than a sort on a CPU
         best = jnp.argmin(rank)
         homes.append(SPAWNS[best])
         rank = rank.at[best].set(jnp.uint32(0xFFFFFFFF))
@@ -115,14 +138,22 @@ def _zap(position: Array, heading: Array, action: Array, key: Array) -> tuple[Ar
 
 def _observe(position: Array, heading: Array, ripe: Array, beam: Array, zap: Array) -> Array:
     """Returns what each agent sees: 0 floor, 1 outside, 2 apple, 3 beam, 4 and more agents."""
-    grid = OUTSIDE.at[SITES].set(ripe.astype(jnp.uint8) * 2, mode="promise_in_bounds", unique_indices=True)
+    grid = OUTSIDE.at[SITES].set(
+        ripe.astype(jnp.uint8) * 2, mode="promise_in_bounds", unique_indices=True
+    )
     grid = grid.at[jnp.where(zap[:, None], beam, 0).reshape(-1)].set(3, mode="promise_in_bounds")
-    grid = grid.at[position].set((jnp.arange(NUM_AGENTS) + 4).astype(jnp.uint8), mode="promise_in_bounds")
+    grid = grid.at[position].set(
+        (jnp.arange(NUM_AGENTS) + 4).astype(jnp.uint8), mode="promise_in_bounds"
+    )
     grid = grid.reshape(ROWS, COLS)
 
     def window(row: Array, col: Array, facing: Array) -> Array:
         around = jax.lax.dynamic_slice(grid, (row - 9, col - 9), (19, 19))
         turned = [jnp.rot90(around, k)[0:11, 4:15] for k in range(4)]
-        return jnp.where(facing == 0, turned[0], jnp.where(facing == 1, turned[1], jnp.where(facing == 2, turned[2], turned[3])))
+        return jnp.where(
+            facing == 0,
+            turned[0],
+            jnp.where(facing == 1, turned[1], jnp.where(facing == 2, turned[2], turned[3])),
+        )
 
     return jax.vmap(window)(position // COLS, position % COLS, heading)

@@ -91,15 +91,21 @@ class Commands(click.Group):
             with formatter.section(title):
                 formatter.write_dl([*group.items()])
 
-    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            raise click.UsageError(f"there is no command `{args[0]}`{meant(args[0], COMMANDS, 'the commands are')}")
+            raise click.UsageError(
+                f"there is no command `{args[0]}`{meant(args[0], COMMANDS, 'the commands are')}"
+            )
         return super().resolve_command(ctx, args)
 
 
 def _docstring_in_source(module: ModuleType) -> str | None:
     tree = ast.parse(inspect.getsource(module))
-    functions = (node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "command")
+    functions = (
+        node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "command"
+    )
     return next(map(ast.get_docstring, functions), None)
 
 
@@ -126,15 +132,21 @@ def run(arguments: Sequence[str] | None = None) -> int:
             return exit_.exit_code
         except Exception as error:
             words = sys.argv[1:] if arguments is None else arguments
-            return report_fault(error, " ".join(["sjdsl", *[word for word in words if word in COMMANDS][:1]]))
+            return report_fault(
+                error, " ".join(["sjdsl", *[word for word in words if word in COMMANDS][:1]])
+            )
     return result if isinstance(result, int) else 0
 
 
 def main() -> NoReturn:
     """Runs the command line of this process; programs that JAX compiles are cached for the next."""
     gc.set_threshold(FEW_COLLECTIONS)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy would start threads that no command uses, in a tenth of a second
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins reads the metadata of every installed package
+    os.environ.setdefault(
+        "OPENBLAS_NUM_THREADS", "1"
+    )  # NumPy would start threads that no command uses, in a tenth of a second
+    os.environ.setdefault(
+        "PYDANTIC_DISABLE_PLUGINS", "__all__"
+    )  # looking for plugins reads the metadata of every installed package
     accept_any_text()
     keep_programs()
     try:
@@ -149,7 +161,10 @@ def main() -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 1
     gc.freeze()
-    if status in (INTERRUPTED, TERMINATED):  # XLA may still be compiling: it can't be stopped, and would crash when Python exits
+    if status in (
+        INTERRUPTED,
+        TERMINATED,
+    ):  # XLA may still be compiling: it can't be stopped, and would crash when Python exits
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)

@@ -28,8 +28,12 @@ class Listed(click.ParamType["tuple[Any, ...]"]):
     def __init__(self, each: click.ParamType[Any]) -> None:
         self.each = each
 
-    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> tuple[Any, ...]:
-        return tuple(dict.fromkeys(self.each.convert(part.strip(), param, ctx) for part in value.split(",")))
+    def convert(
+        self, value: str, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[Any, ...]:
+        return tuple(
+            dict.fromkeys(self.each.convert(part.strip(), param, ctx) for part in value.split(","))
+        )
 
 
 LEAST = click.IntRange(min=1)
@@ -38,10 +42,30 @@ COUNTS = Listed(LEAST)
 
 @click.command("bench")
 @click.argument("games", nargs=-1, metavar="[GAME...]")
-@click.option("--envs", type=COUNTS, metavar="N,N", default="1,128,1024,4096", show_default=True, help="Numbers of environments at once.")
-@click.option("--observation", type=click.Choice(["tokens", "onehot"]), default="tokens", show_default=True, help="Form of observations.")
-@click.option("--repeats", type=LEAST, metavar="N", default=5, show_default=True, help="Rounds of timings.")
-@click.option("--steps", type=LEAST, metavar="N", help="Steps of one timing; by default about 40,000 environment steps in all.")
+@click.option(
+    "--envs",
+    type=COUNTS,
+    metavar="N,N",
+    default="1,128,1024,4096",
+    show_default=True,
+    help="Numbers of environments at once.",
+)
+@click.option(
+    "--observation",
+    type=click.Choice(["tokens", "onehot"]),
+    default="tokens",
+    show_default=True,
+    help="Form of observations.",
+)
+@click.option(
+    "--repeats", type=LEAST, metavar="N", default=5, show_default=True, help="Rounds of timings."
+)
+@click.option(
+    "--steps",
+    type=LEAST,
+    metavar="N",
+    help="Steps of one timing; by default about 40,000 environment steps in all.",
+)
 @click.option("--json", "json_file", metavar="FILE", help="Write the figures to a file as well.")
 @variant_option
 def command(
@@ -61,7 +85,10 @@ def command(
     if json_file:
         require_writable(Path(json_file).parent)
     disable_compilation_cache()
-    made = [make_environment(EnvironmentOptions(variant).describe(game), observation) for game in games or main_games()]
+    made = [
+        make_environment(EnvironmentOptions(variant).describe(game), observation)
+        for game in games or main_games()
+    ]
     from sjdsl.bench import game_task, measure
     from sjdsl.bench.loop import steps_for
     from sjdsl.bench.stored import write_found
@@ -93,7 +120,9 @@ def print_tables(tables: "Sequence[Table]", machine: dict[str, Any], notes: Sequ
     for table in tables:
         shown = RichTable(box=box.SIMPLE, title_justify="left", title=table.title)
         for index, heading in enumerate(table.headings):
-            shown.add_column(heading, justify="left" if index < table.labels else "right", no_wrap=index == 0)
+            shown.add_column(
+                heading, justify="left" if index < table.labels else "right", no_wrap=index == 0
+            )
         for row in table.rows:
             shown.add_row(*row)
         console.print(shown)

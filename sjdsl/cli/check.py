@@ -61,5 +61,9 @@ def _print_problems(file: str, found: Found) -> None:
         print_diagnostics(problems)
     if not any(found.values()):
         variants = ["+".join(name) for name in found if name]
-        beside = f", with variant{'s' if len(variants) > 1 else ''} {', '.join(variants)}" if variants else ""
+        beside = (
+            f", with variant{'s' if len(variants) > 1 else ''} {', '.join(variants)}"
+            if variants
+            else ""
+        )
         click.echo(f"{file}: no problems{beside}")

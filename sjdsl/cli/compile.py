@@ -36,9 +36,24 @@ class Module:
 
 @click.command("compile")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("-o", "output", metavar="PATH", help="Where to write: a .py file, or a folder instead of generated/.")
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a file is not up to date.")
-@click.option("--standalone", "alone", is_flag=True, help="Write NAME_standalone.py, which needs only jax and numpy.")
+@click.option(
+    "-o",
+    "output",
+    metavar="PATH",
+    help="Where to write: a .py file, or a folder instead of generated/.",
+)
+@click.option(
+    "--check",
+    "only_check",
+    is_flag=True,
+    help="Write nothing; exit with 1 if a file is not up to date.",
+)
+@click.option(
+    "--standalone",
+    "alone",
+    is_flag=True,
+    help="Write NAME_standalone.py, which needs only jax and numpy.",
+)
 @variant_option
 @map_option
 def command(
@@ -56,7 +71,9 @@ def command(
     if output and only_check:
         raise click.UsageError("--check writes nothing: leave out -o")
     if alone and only_check:
-        raise click.UsageError("--check looks only at the modules in generated/: leave out --standalone")
+        raise click.UsageError(
+            "--check looks only at the modules in generated/: leave out --standalone"
+        )
     modules = compile_games(files, variant, map_file, output, alone)
     paths = [module.path for module in modules]
     if clash := next((path for path in paths if paths.count(path) > 1), None):
@@ -72,7 +89,13 @@ def command(
     return 0
 
 
-def compile_games(names: Iterable[str], variant: str | None, map_file: str | None, output: str | None, alone: bool = False) -> list[Module]:
+def compile_games(
+    names: Iterable[str],
+    variant: str | None,
+    map_file: str | None,
+    output: str | None,
+    alone: bool = False,
+) -> list[Module]:
     """Returns the modules of games. Raises CompileError with the faults of all of them."""
     modules: list[Module] = []
     problems: list[Diagnostic] = []
@@ -86,7 +109,9 @@ def compile_games(names: Iterable[str], variant: str | None, map_file: str | Non
     return modules
 
 
-def compile_game(name: str, variant: str | None, map_file: str | None, output: str | None, alone: bool = False) -> Module:
+def compile_game(
+    name: str, variant: str | None, map_file: str | None, output: str | None, alone: bool = False
+) -> Module:
     """Returns the module of a game; its warnings go to the terminal. Raises CompileError."""
     source = read_source(game_path(name))
     variants = split_variants(variant)
@@ -111,5 +136,9 @@ def _report_differences(modules: list[Module]) -> int:
             problems.append(f"{module.path} differs from what its game compiles to now")
     for problem in problems:
         click.echo(problem)
-    click.echo("compile again to update them" if problems else f"{len(modules)} generated files are up to date")
+    click.echo(
+        "compile again to update them"
+        if problems
+        else f"{len(modules)} generated files are up to date"
+    )
     return int(bool(problems))

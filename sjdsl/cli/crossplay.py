@@ -33,8 +33,15 @@ class SeveralPolicies(click.Command):
 
 @click.command("crossplay", cls=SeveralPolicies)
 @click.argument("game")
-@click.option("--slots", metavar="P,P,...", help="A policy for each slot, in order: one fixed line-up.")
-@click.option("--policies", multiple=True, metavar="P P ...", help=f"Play the mixtures of these policies: {NAMES}")
+@click.option(
+    "--slots", metavar="P,P,...", help="A policy for each slot, in order: one fixed line-up."
+)
+@click.option(
+    "--policies",
+    multiple=True,
+    metavar="P P ...",
+    help=f"Play the mixtures of these policies: {NAMES}",
+)
 @click.option(
     "--mix",
     type=click.Choice(["all", "pairs"]),
@@ -57,12 +64,16 @@ def command(
     others, and the intervals are over seeds.
     """
     if (slots is None) == (not policies):
-        raise click.UsageError("give either --slots, a policy for each slot, or --policies, whose mixtures are played")
+        raise click.UsageError(
+            "give either --slots, a policy for each slot, or --policies, whose mixtures are played"
+        )
     if slots is not None and mix is not None:
         raise click.UsageError("--mix is for --policies; --slots is one line-up")
     in_slots = None if slots is None else [name.strip() for name in slots.split(",")]
     if "" in (in_slots or policies):
-        raise click.UsageError("a policy has no name; write one between commas, as in --slots cooperator,random")
+        raise click.UsageError(
+            "a policy has no name; write one between commas, as in --slots cooperator,random"
+        )
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_crossplay")
     with experiment(game, in_slots or policies, folder, options) as (env, say):

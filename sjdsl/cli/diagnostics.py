@@ -14,7 +14,9 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
 
 
-def print_diagnostics(found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False) -> None:
+def print_diagnostics(
+    found: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None, err: bool = False
+) -> None:
     """Prints diagnostics for people; texts that `sources` lacks are read from their files."""
     if not found:
         return

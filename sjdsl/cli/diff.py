@@ -13,7 +13,12 @@ DEFAULT = "default"
 
 @click.command("diff")
 @click.argument("games", nargs=-1, required=True, metavar="GAME [OTHER]")
-@click.option("--variants", nargs=2, metavar="A B", help="The variants to compare; `default` is the game without one.")
+@click.option(
+    "--variants",
+    nargs=2,
+    metavar="A B",
+    help="The variants to compare; `default` is the game without one.",
+)
 def command(games: tuple[str, ...], variants: tuple[str, str] | None) -> None:
     """Prints the numbers and declarations that differ between two variants of GAME, or between GAME and OTHER.
 
@@ -23,7 +28,10 @@ def command(games: tuple[str, ...], variants: tuple[str, str] | None) -> None:
     if len(games) > 2 or (len(games) == 1 and variants is None):
         raise click.UsageError("name two games, or one game and two variants (--variants A B)")
     sources = [open_game(name) for name in (games[0], games[-1])]
-    old, new = (read_variant(source, name) for source, name in zip(sources, variants or (DEFAULT, DEFAULT), strict=True))
+    old, new = (
+        read_variant(source, name)
+        for source, name in zip(sources, variants or (DEFAULT, DEFAULT), strict=True)
+    )
     click.echo(report(old, new), nl=False)
 
 
@@ -35,5 +43,7 @@ def read_variant(source: Source, name: str) -> Written:
     for part in chosen:
         if part not in known:
             near = meant(part, [*known, DEFAULT], "")
-            raise click.ClickException(f"`{plain.file}` has no variant `{part}`{near}; its variants are {', '.join([DEFAULT, *known])}")
+            raise click.ClickException(
+                f"`{plain.file}` has no variant `{part}`{near}; its variants are {', '.join([DEFAULT, *known])}"
+            )
     return read_written(source, chosen) if chosen else plain

@@ -18,7 +18,9 @@ STAGES = ("ast", "ir", "program", "python")
 
 @click.command("dump")
 @click.argument("file")
-@click.option("--after", "stage", type=click.Choice(STAGES), required=True, help="The last stage to run.")
+@click.option(
+    "--after", "stage", type=click.Choice(STAGES), required=True, help="The last stage to run."
+)
 @variant_option
 @click.option("--no-positions", is_flag=True, help="Leave out the source positions.")
 def command(file: str, stage: str, variant: str | None, no_positions: bool) -> None:
@@ -27,7 +29,9 @@ def command(file: str, stage: str, variant: str | None, no_positions: bool) -> N
         click.echo(line)
 
 
-def dump(source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True) -> Iterator[str]:
+def dump(
+    source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True
+) -> Iterator[str]:
     """Yields a stage of the compiler as stable text, line by line; `positions` only matters to `ir`."""
     if stage == "ast":
         yield from ast_printer.lines(parse(source))

@@ -52,7 +52,12 @@ class _Ascii(io.TextIOWrapper):
 
     def __init__(self, stream: io.TextIOWrapper) -> None:
         self._replaced = stream  # which closes the buffer when nothing refers to it
-        super().__init__(stream.buffer, "latin-1", line_buffering=stream.line_buffering, write_through=stream.write_through)
+        super().__init__(
+            stream.buffer,
+            "latin-1",
+            line_buffering=stream.line_buffering,
+            write_through=stream.write_through,
+        )
 
     def write(self, text: str) -> int:
         return super().write(text.encode("ascii", SPELL_OUT).decode("ascii"))

@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Encoding, Environment
 
 Command = Callable[..., Any]
-SEED = click.IntRange(0, 2**32 - 1)  # JAX makes keys from the lower 32 bits, so a larger seed would repeat one of these
+SEED = click.IntRange(
+    0, 2**32 - 1
+)  # JAX makes keys from the lower 32 bits, so a larger seed would repeat one of these
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,9 @@ class EnvironmentOptions:
     @property
     def names(self) -> list[str]:
         """The options that were given, by the names of their arguments; numbers of the game as `param.X`."""
-        given = [name for name in ("variant", "map", "num_agents") if getattr(self, name) is not None]
+        given = [
+            name for name in ("variant", "map", "num_agents") if getattr(self, name) is not None
+        ]
         return [*given, *(f"param.{name}" for name in self.params)]
 
     def describe(self, game: str) -> dict[str, Any]:
@@ -59,11 +63,16 @@ class EnvironmentOptions:
         Raises CompileError, and ValueError for numbers that don't fit the game.
         """
         try:
-            made, given = build_game(game_path(game), self.variant, self.num_agents, self.params, self.map)
+            made, given = build_game(
+                game_path(game), self.variant, self.num_agents, self.params, self.map
+            )
         except FileNotFoundError as error:
             raise click.ClickException(str(error)) from None
         types = {p.name: p.type for p in made.game.params}
-        return made, {name: real(value) if types[name].kind == "real" else value for name, value in param_values(made.game, given).items()}
+        return made, {
+            name: real(value) if types[name].kind == "real" else value
+            for name, value in param_values(made.game, given).items()
+        }
 
     def build(self, game: str) -> tuple[Build, dict[str, Any]]:
         """Returns what `read` does. Raises CompileError, and ClickException for numbers that don't fit the game."""
@@ -83,18 +92,38 @@ class EnvironmentOptions:
     def or_else(self, preset: Mapping[str, Any]) -> "EnvironmentOptions":
         """Returns these options, with a preset's in place of those that weren't given; the game's numbers are merged one by one."""
         given = {name: value for name, value in vars(self).items() if value is not None}
-        return EnvironmentOptions(**{**preset, **given, "params": {**preset.get("params", {}), **self.params}})
+        return EnvironmentOptions(
+            **{**preset, **given, "params": {**preset.get("params", {}), **self.params}}
+        )
 
 
 def environment_options(command: Command) -> Command:
     """Adds --variant, --map, --agents and --param; the command gets them together as `options`."""
 
     @functools.wraps(command)
-    def with_options(*, variant: str | None, map_file: str | None, agents: int | None, params: tuple[str, ...], **others: Any) -> Any:
-        return command(options=EnvironmentOptions(variant, map_file, agents, read_assignments(params)), **others)
+    def with_options(
+        *,
+        variant: str | None,
+        map_file: str | None,
+        agents: int | None,
+        params: tuple[str, ...],
+        **others: Any,
+    ) -> Any:
+        return command(
+            options=EnvironmentOptions(variant, map_file, agents, read_assignments(params)),
+            **others,
+        )
 
-    number = click.option("--agents", type=click.IntRange(min=1), metavar="N", help="The number of agents.")
-    params = click.option("--param", "params", multiple=True, metavar="NAME=VALUE", help="A number of the game: apple=2, regrow[red]=0.1.")
+    number = click.option(
+        "--agents", type=click.IntRange(min=1), metavar="N", help="The number of agents."
+    )
+    params = click.option(
+        "--param",
+        "params",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="A number of the game: apple=2, regrow[red]=0.1.",
+    )
     return variant_option(map_option(number(params(with_options))))
 
 
@@ -102,9 +131,13 @@ def written_options(*but: str) -> list[str]:
     """Returns the options and arguments given on the command line, as they are written there, without the parameters in `but`."""
     context = click.get_current_context()
     return [
-        max(parameter.opts, key=len) if isinstance(parameter, click.Option) else parameter.make_metavar(context).strip("[]")
+        max(parameter.opts, key=len)
+        if isinstance(parameter, click.Option)
+        else parameter.make_metavar(context).strip("[]")
         for parameter in context.command.params
-        if parameter.name not in but and context.get_parameter_source(parameter.name or "") is click.core.ParameterSource.COMMANDLINE
+        if parameter.name not in but
+        and context.get_parameter_source(parameter.name or "")
+        is click.core.ParameterSource.COMMANDLINE
     ]
 
 
@@ -131,7 +164,9 @@ def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
         for name in outer:
             inner = inner.setdefault(name, {})
             if not isinstance(inner, dict):
-                raise click.UsageError(f"`{name}` is given both as one number and word by word; give it one way")
+                raise click.UsageError(
+                    f"`{name}` is given both as one number and word by word; give it one way"
+                )
         if last in inner:
             _refuse_second(path)
         try:
@@ -146,7 +181,9 @@ def _refuse_second(name: str) -> NoReturn:
     raise click.UsageError(f"`{name}` is given twice; give it once")
 
 
-def make_environment(described: Mapping[str, Any], observation: "Encoding" = "tokens") -> "Environment":
+def make_environment(
+    described: Mapping[str, Any], observation: "Encoding" = "tokens"
+) -> "Environment":
     """Returns the environment. Raises CompileError, and ClickException for arguments that don't fit the game."""
     try:
         return sjdsl.make(**described, observation=observation)
@@ -165,7 +202,9 @@ def named_in(file: Path | str) -> Iterator[None]:
             f"{file} names a game, or a map for it, with errors: {', '.join(found)}; run `sjdsl check` on them to see where"
         ) from None
     except (ValueError, TypeError, KeyError, OverflowError, OSError) as error:
-        raise click.ClickException(f"{file} names a game that can't be built with its settings: {error}") from None
+        raise click.ClickException(
+            f"{file} names a game that can't be built with its settings: {error}"
+        ) from None
 
 
 def _without_text(fault: Diagnostic) -> str:

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment, named_in, written_options
+from sjdsl.cli.environment_options import (
+    SEED,
+    EnvironmentOptions,
+    environment_options,
+    make_environment,
+    named_in,
+    written_options,
+)
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of, require_writable
 from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
@@ -23,19 +30,51 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.trainers import Estimate, Evaluation
 
-WITHOUT_GAME = ("run", "episodes", "seed", "greedy", "film", "scenario", "allow_code")  # parameters allowed without --game
+WITHOUT_GAME = (
+    "run",
+    "episodes",
+    "seed",
+    "greedy",
+    "film",
+    "scenario",
+    "allow_code",
+)  # parameters allowed without --game
 STORED = ".safetensors"
 
 
 @click.command("evaluate")
 @click.argument("run", metavar="RUN|POLICY")
-@click.option("--game", metavar="GAME", help="The game in which all agents play POLICY, or where the game of RUN is now.")
-@click.option("--scenario", metavar="NAME|all", help="Play RUN in a scenario of the game, or in several: A,B.")
-@click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes to play.")
-@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
-@click.option("--greedy/--drawn", default=None, help="Take the best action, or draw one.  [default: drawn; greedy with vdn]")
+@click.option(
+    "--game",
+    metavar="GAME",
+    help="The game in which all agents play POLICY, or where the game of RUN is now.",
+)
+@click.option(
+    "--scenario", metavar="NAME|all", help="Play RUN in a scenario of the game, or in several: A,B."
+)
+@click.option(
+    "--episodes",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=30,
+    show_default=True,
+    help="Episodes to play.",
+)
+@click.option(
+    "--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes."
+)
+@click.option(
+    "--greedy/--drawn",
+    default=None,
+    help="Take the best action, or draw one.  [default: drawn; greedy with vdn]",
+)
 @click.option("--film", metavar="FILE", help="Also draw an episode: a .gif, .mp4 or .html.")
-@click.option("-o", "output", metavar="FILE|DIR", help="Where results go: a .json with --game, a folder with --scenario.")
+@click.option(
+    "-o",
+    "output",
+    metavar="FILE|DIR",
+    help="Where results go: a .json with --game, a folder with --scenario.",
+)
 @code_option
 @environment_options
 def command(
@@ -59,13 +98,19 @@ def command(
     if game is None:
         given = written_options(*WITHOUT_GAME)
         if "-o" in given and scenario is None:
-            raise click.UsageError("-o is for --scenario and --game; without them, the results of a run go to its folder")
+            raise click.UsageError(
+                "-o is for --scenario and --game; without them, the results of a run go to its folder"
+            )
         for option in given:
             if option != "-o":
-                raise click.UsageError(f"{option} is for --game; without it, a run plays in the game it was trained in")
+                raise click.UsageError(
+                    f"{option} is for --game; without it, a run plays in the game it was trained in"
+                )
     if scenario is not None:
         if film is not None or greedy is not None:
-            raise click.UsageError(f"{'--film' if film is not None else '--greedy' if greedy else '--drawn'} is not for --scenario")
+            raise click.UsageError(
+                f"{'--film' if film is not None else '--greedy' if greedy else '--drawn'} is not for --scenario"
+            )
         evaluate_in_scenarios(run, scenario, game, episodes, seed, output, options)
         return
     if film is not None:
@@ -95,7 +140,10 @@ def command(
 def _is_run(policy: str, game: str) -> bool:
     """Whether a text names a run, which is evaluated in its own game. Raises UsageError for an option that none has."""
     path, _ = split_name(policy)
-    if not path.is_dir() or policy in (*UNTRAINED, *(declared.name for declared in EnvironmentOptions().check(game).policies)):
+    if not path.is_dir() or policy in (
+        *UNTRAINED,
+        *(declared.name for declared in EnvironmentOptions().check(game).policies),
+    ):
         return False
     for option in written_options(*WITHOUT_GAME, "game", "map_file"):
         raise click.UsageError(
@@ -105,7 +153,14 @@ def _is_run(policy: str, game: str) -> bool:
     return True
 
 
-def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greedy: bool | None = None, which: str | int = "last") -> None:
+def evaluate_run(
+    path: Path,
+    env: "Environment",
+    episodes: int,
+    seed: int,
+    greedy: bool | None = None,
+    which: str | int = "last",
+) -> None:
     """Prints the returns of a trained and of a random policy with their intervals; stores the trained one's in the run's folder.
 
     An evaluation of the same policy in more episodes stays as it is.
@@ -113,13 +168,19 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
     from sjdsl.trainers import save_evaluation
     from sjdsl.trainers.policy_file import policy_path, update_of
 
-    file = path / ("evaluation.json" if which == "last" else f"evaluation_{which}.json")  # so that none overwrites another
+    file = path / (
+        "evaluation.json" if which == "last" else f"evaluation_{which}.json"
+    )  # so that none overwrites another
 
     def save(played: "Evaluation") -> None:
         stored = policy_path(path, which)
         update = update_of(stored)
         before = read_evaluation(file)
-        if before is not None and before.update is None and stored.stat().st_mtime <= file.stat().st_mtime:  # of an earlier version
+        if (
+            before is not None
+            and before.update is None
+            and stored.stat().st_mtime <= file.stat().st_mtime
+        ):  # of an earlier version
             before = before.model_copy(update={"update": update})
         if before is not None and before.episodes > episodes and before.update == update:
             click.echo(
@@ -127,14 +188,24 @@ def evaluate_run(path: Path, env: "Environment", episodes: int, seed: int, greed
                 err=True,
             )
             return
-        save_evaluation(played, file, {"policy": which, "update": update, "seed": seed, "greedy": greedy})
+        save_evaluation(
+            played, file, {"policy": which, "update": update, "seed": seed, "greedy": greedy}
+        )
 
-    what = {"last": "", "best": ", the best policy"}.get(str(which), f", the policy of update {which}")
+    what = {"last": "", "best": ", the best policy"}.get(
+        str(which), f", the policy of update {which}"
+    )
     _compare(env, "trained", stored_policy(path, env, greedy, which), episodes, seed, save, what)
 
 
 def _evaluate_policy(
-    policy: str, game: str, episodes: int, seed: int, greedy: bool | None, output: str | None, options: EnvironmentOptions
+    policy: str,
+    game: str,
+    episodes: int,
+    seed: int,
+    greedy: bool | None,
+    output: str | None,
+    options: EnvironmentOptions,
 ) -> tuple["Environment", Any]:
     """Prints what a policy that isn't a run earns, and writes it to `output`, if given. Returns the environment and the policy."""
     _check_policy(policy, options.check(game), greedy, output)
@@ -146,11 +217,21 @@ def _evaluate_policy(
 
         with warnings_as_notes():
             (player,) = find_pool(policy, env).players  # refuses a policy of another game
-            found = player.policy_of(player.parameters) if greedy is None else find_policy(policy, env, greedy)
+            found = (
+                player.policy_of(player.parameters)
+                if greedy is None
+                else find_policy(policy, env, greedy)
+            )
 
     def save(played: "Evaluation") -> None:
         if output is not None:
-            about = {"policy": policy, "digest": player.digest, "game": describe_game(env), "seed": seed, "greedy": greedy}
+            about = {
+                "policy": policy,
+                "digest": player.digest,
+                "game": describe_game(env),
+                "seed": seed,
+                "greedy": greedy,
+            }
             save_evaluation(played, output, about)
 
     _compare(env, policy, found, episodes, seed, save)
@@ -165,38 +246,66 @@ def _check_policy(policy: str, game: "ir.Game", greedy: bool | None, output: str
     named = policy in (*UNTRAINED, *(declared.name for declared in game.policies))
     check_policy(policy, game)
     if greedy is not None and (named or path.suffix != STORED):
-        raise click.UsageError(f"{'--greedy' if greedy else '--drawn'} is for trained policies, and `{policy}` isn't one")
+        raise click.UsageError(
+            f"{'--greedy' if greedy else '--drawn'} is for trained policies, and `{policy}` isn't one"
+        )
     if output is not None:
         if Path(output).suffix != ".json":
-            raise click.UsageError(f"-o names the file for the results, which must end in .json; `{output}` doesn't")
+            raise click.UsageError(
+                f"-o names the file for the results, which must end in .json; `{output}` doesn't"
+            )
         require_folder_of(Path(output))
 
 
 def _compare(
-    env: "Environment", name: str, policy: Any, episodes: int, seed: int, save: Callable[["Evaluation"], None], what: str = ""
+    env: "Environment",
+    name: str,
+    policy: Any,
+    episodes: int,
+    seed: int,
+    save: Callable[["Evaluation"], None],
+    what: str = "",
 ) -> None:
     """Plays episodes with a policy and the same episodes with a random one; prints a table of both. `what`: a part of its title."""
     from sjdsl.trainers import evaluate, random_policy, summarise
     from sjdsl.trainers.evaluation import evaluation_key
 
     key = evaluation_key(seed)
-    with stages(f"compiling and playing {episodes} episodes of {'the trained policy' if name == 'trained' else name}") as say:
+    with stages(
+        f"compiling and playing {episodes} episodes of {'the trained policy' if name == 'trained' else name}"
+    ) as say:
         played = evaluate(env, policy, key, episodes)
         save(played)
         columns = {name: summarise(played)}
         if name != "random":
             say(f"compiling and playing {episodes} episodes of a random policy")
             columns["random"] = summarise(evaluate(env, random_policy(env), key, episodes))
-    undeclared = {f"{'final' if measure.mean else 'mean'} {measure.name}" for measure in env.game.measures}
-    names = [name for name in columns[name] if name.startswith("return of") or " of agent " not in name]
-    rows = [(name, *(_interval(figures[name]) for figures in columns.values())) for name in names if name not in undeclared]
+    undeclared = {
+        f"{'final' if measure.mean else 'mean'} {measure.name}" for measure in env.game.measures
+    }
+    names = [
+        name for name in columns[name] if name.startswith("return of") or " of agent " not in name
+    ]
+    rows = [
+        (name, *(_interval(figures[name]) for figures in columns.values()))
+        for name in names
+        if name not in undeclared
+    ]
     rows = [("", *columns), *rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    click.echo(f"\n{env.title or env.name}{what}: means of {episodes} episodes with their 95 % confidence intervals")
+    click.echo(
+        f"\n{env.title or env.name}{what}: means of {episodes} episodes with their 95 % confidence intervals"
+    )
     for row in rows:
-        click.echo("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+        click.echo(
+            "  "
+            + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        )
     earned = [_interval(figures["collective return"]) for figures in columns.values()]
-    click.echo(f"return {earned[0]}" + (f" against {earned[1]} of a random policy" if len(earned) > 1 else ""))
+    click.echo(
+        f"return {earned[0]}"
+        + (f" against {earned[1]} of a random policy" if len(earned) > 1 else "")
+    )
 
 
 def _interval(figure: "Estimate") -> str:
@@ -206,7 +315,9 @@ def _interval(figure: "Estimate") -> str:
     return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
 
 
-def stored_policy(source: Path, env: "Environment", greedy: bool | None = None, which: str | int = "last") -> Any:
+def stored_policy(
+    source: Path, env: "Environment", greedy: bool | None = None, which: str | int = "last"
+) -> Any:
     """Returns the policy in the folder of a run or in a file; warnings about it are printed as notes."""
     from sjdsl.trainers import load_policy
 
@@ -218,7 +329,9 @@ def notes_on_training(run_dir: Path, which: str | int) -> Iterator[str]:
     """Yields what a reader of its evaluation should know of a run's training: that it hasn't ended, or which seeds diverged."""
     from sjdsl.trainers.run_state import run_state
 
-    state = None if isinstance(which, int) else run_state(run_dir)  # a policy by its number may be from before
+    state = (
+        None if isinstance(which, int) else run_state(run_dir)
+    )  # a policy by its number may be from before
     if state is None:
         return
     for update, seeds in seeds_of_each(state.diverged.items()).items():

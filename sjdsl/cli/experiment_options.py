@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment
+from sjdsl.cli.environment_options import (
+    SEED,
+    EnvironmentOptions,
+    environment_options,
+    make_environment,
+)
 from sjdsl.cli.folders import require_writable
 from sjdsl.cli.policies import check_policy, code_option
 from sjdsl.cli.stages import LOADING, Say, stages
@@ -20,16 +25,30 @@ Command = Callable[..., Any]
 
 def experiment_options(command: Command) -> Command:
     """Adds --episodes, --seed, -o (as `output`) and --allow-code, and the options of an environment."""
-    output = click.option("-o", "output", metavar="DIR", help="Folder of the results; by default GAME_ and the command's name.")
-    seed = click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes.")
+    output = click.option(
+        "-o",
+        "output",
+        metavar="DIR",
+        help="Folder of the results; by default GAME_ and the command's name.",
+    )
+    seed = click.option(
+        "--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes."
+    )
     episodes = click.option(
-        "--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each line-up."
+        "--episodes",
+        type=click.IntRange(min=1),
+        metavar="N",
+        default=30,
+        show_default=True,
+        help="Episodes of each line-up.",
     )
     return episodes(seed(output(code_option(environment_options(command)))))
 
 
 @contextmanager
-def experiment(game: str, policies: Sequence[str], folder: Path, options: EnvironmentOptions) -> Iterator[tuple["Environment", Say]]:
+def experiment(
+    game: str, policies: Sequence[str], folder: Path, options: EnvironmentOptions
+) -> Iterator[tuple["Environment", Say]]:
     """Yields the environment of a command and a function that announces stages; checks what it can before JAX loads."""
     checked = options.check(game)
     for policy in policies:

@@ -57,5 +57,8 @@ def report_fault(error: Exception, called: str) -> int:
 
 def _echo(message: str) -> None:
     """Prints a message; of what it quotes from a file, a character that would control the terminal is shown by its code."""
-    shown = "".join(character if character.isprintable() or character == "\n" else ascii(character)[1:-1] for character in message)
+    shown = "".join(
+        character if character.isprintable() or character == "\n" else ascii(character)[1:-1]
+        for character in message
+    )
     click.echo(f"error: {shown}", err=True)

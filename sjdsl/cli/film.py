@@ -21,18 +21,30 @@ FILMS = (".gif", ".mp4", PAGE)
 def check_film(path: Path) -> None:
     """Checks that a file is a film or a page. Raises UsageError, or MissingExtra if it needs packages that aren't installed."""
     if path.suffix not in FILMS:
-        raise click.UsageError(f"`{path}` must end in .gif, .mp4 or .html (or .png, for a single picture)")
+        raise click.UsageError(
+            f"`{path}` must end in .gif, .mp4 or .html (or .png, for a single picture)"
+        )
     if path.suffix == ".mp4":
         require("video", "av")
     if path.suffix != PAGE:
         require("pictures", "PIL", "resvg_py")
 
 
-def save_film(env: "Environment", policy: Any, path: Path, steps: int, seed: int, speed: float = SPEED, say: Say = lambda _: None) -> str:
+def save_film(
+    env: "Environment",
+    policy: Any,
+    path: Path,
+    steps: int,
+    seed: int,
+    speed: float = SPEED,
+    say: Say = lambda _: None,
+) -> str:
     """Plays an episode and writes it as a film or a page; returns a line about the file. `say` announces the stages."""
     from sjdsl.render import play_moments
 
-    return write_film(env, announced(play_moments(env, policy, steps, seed), env, say), path, speed, say)
+    return write_film(
+        env, announced(play_moments(env, policy, steps, seed), env, say), path, speed, say
+    )
 
 
 def announced(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator[Moment]":
@@ -44,7 +56,13 @@ def announced(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Ite
         yield moment
 
 
-def write_film(env: "Environment", moments: "Iterable[Moment]", path: Path, speed: float = SPEED, say: Say = lambda _: None) -> str:
+def write_film(
+    env: "Environment",
+    moments: "Iterable[Moment]",
+    path: Path,
+    speed: float = SPEED,
+    say: Say = lambda _: None,
+) -> str:
     """Writes moments as a film or a page; returns a line about the file."""
     whole = list(moments)
     if path.suffix == PAGE:

@@ -19,7 +19,12 @@ STDIN_NAME = "standard input"
 
 @click.command("fmt")
 @click.argument("paths", nargs=-1, required=True, metavar="FILE|FOLDER|-...")
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit with 1 and name the files that would be reformatted.")
+@click.option(
+    "--check",
+    "only_check",
+    is_flag=True,
+    help="Write nothing; exit with 1 and name the files that would be reformatted.",
+)
 def command(paths: tuple[str, ...], only_check: bool) -> int:
     """Formats `.sj` files: spaces, line breaks and columns. Comments stay, and so do line breaks between statements.
 
@@ -47,9 +52,15 @@ def command(paths: tuple[str, ...], only_check: bool) -> int:
         else:
             write_whole(path.resolve(), text)  # a link to the file stays
             click.echo(f"{path} was reformatted")
-    counts = {"to be reformatted" if only_check else "reformatted": changed, "unchanged": unchanged, "with errors": problems}
+    counts = {
+        "to be reformatted" if only_check else "reformatted": changed,
+        "unchanged": unchanged,
+        "with errors": problems,
+    }
     number = changed + unchanged + problems
-    click.echo(f"{number} file{'s' * (number != 1)}: {', '.join(f'{count} {what}' for what, count in counts.items() if count)}")
+    click.echo(
+        f"{number} file{'s' * (number != 1)}: {', '.join(f'{count} {what}' for what, count in counts.items() if count)}"
+    )
     return int(problems > 0 or (only_check and changed > 0))
 
 
@@ -59,7 +70,11 @@ def files_of(paths: Iterable[str]) -> list[Path]:
     for name in paths:
         path = Path(name)
         if path.is_dir():
-            visible = (p for p in path.rglob("*.sj") if not any(part.startswith(".") for part in p.relative_to(path).parts))
+            visible = (
+                p
+                for p in path.rglob("*.sj")
+                if not any(part.startswith(".") for part in p.relative_to(path).parts)
+            )
             inside = sorted(p for p in visible if p.is_file())
             if not inside:
                 raise click.ClickException(f"there are no `.sj` files in the folder {name}")
@@ -81,7 +96,9 @@ def _format_stdin(only_check: bool) -> int:
         print_diagnostics(error.diagnostics, {STDIN_NAME: source}, err=True)
         return 1
     if not only_check:
-        click.echo(text.encode(), nl=False)  # as a file has it, whatever the encoding of the terminal
+        click.echo(
+            text.encode(), nl=False
+        )  # as a file has it, whatever the encoding of the terminal
         return 0
     is_same = data == text.encode()
     click.echo(f"{STDIN_NAME} {'is formatted' if is_same else 'would be reformatted'}")

@@ -34,7 +34,9 @@ def require_writable(folder: Path) -> None:
 def require_unused(file: Path, what: str) -> None:
     """Raises ClickException if a file exists already, so that earlier work isn't lost."""
     if file.exists():
-        raise click.ClickException(f"`{file}` exists already; name another file with -o, or move it away, so that no {what} are lost")
+        raise click.ClickException(
+            f"`{file}` exists already; name another file with -o, or move it away, so that no {what} are lost"
+        )
 
 
 def require_folder(folder: Path, purpose: str = "") -> None:
@@ -46,9 +48,13 @@ def require_folder(folder: Path, purpose: str = "") -> None:
         return
     missing = f"there is no folder `{folder}`{purpose}"
     if folder.exists():
-        raise click.ClickException(f"`{folder}` is a file, not a folder{purpose}; name another place")
+        raise click.ClickException(
+            f"`{folder}` is a file, not a folder{purpose}; name another place"
+        )
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
-        raise click.ClickException(f"{missing}; make it first (mkdir -p {shlex.quote(str(folder))}), or name another place")
+        raise click.ClickException(
+            f"{missing}; make it first (mkdir -p {shlex.quote(str(folder))}), or name another place"
+        )
     if not click.confirm(f"{missing[0].upper()}{missing[1:]}. Make it?", default=True, err=True):
         raise click.ClickException("nothing was written")
     folder.mkdir(parents=True)

@@ -20,8 +20,16 @@ def game_path(name: str) -> Path:
         path = find_game(name)
     except FileNotFoundError as error:
         raise click.ClickException(str(error)) from None
-    return path.relative_to(Path.cwd()) if path.is_absolute() and path.is_relative_to(Path.cwd()) else path
+    return (
+        path.relative_to(Path.cwd())
+        if path.is_absolute() and path.is_relative_to(Path.cwd())
+        else path
+    )
 
 
-variant_option = click.option("--variant", metavar="V", help="A variant of the game; several as a+b.")
-map_option = click.option("--map", "map_file", metavar="FILE", help="Another map, drawn with the game's glyphs.")
+variant_option = click.option(
+    "--variant", metavar="V", help="A variant of the game; several as a+b."
+)
+map_option = click.option(
+    "--map", "map_file", metavar="FILE", help="Another map, drawn with the game's glyphs."
+)

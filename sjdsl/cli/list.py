@@ -21,9 +21,18 @@ def command() -> None:
     for name in (*main_games(), *melting_pot_games()):
         composed = compose(open_game(name))
         game = build_composition(composed).game
-        rows.append((name, str(game.agents.number), f"{len(game.rows)} x {len(game.rows[0])}", str(len(game.agents.actions))))
+        rows.append(
+            (
+                name,
+                str(game.agents.number),
+                f"{len(game.rows)} x {len(game.rows[0])}",
+                str(len(game.agents.actions)),
+            )
+        )
         named = ", ".join(composed.variants)
-        variants.append(wrap(named, WIDTH, initial_indent="    variants ", subsequent_indent=" " * 13))
+        variants.append(
+            wrap(named, WIDTH, initial_indent="    variants ", subsequent_indent=" " * 13)
+        )
     head, *lines = align([("game", "agents", "map", "actions"), *rows])
     click.echo(head)
     for number, (line, own_variants) in enumerate(zip(lines, variants, strict=True)):
@@ -36,4 +45,7 @@ def command() -> None:
 def align(rows: Sequence[tuple[str, ...]]) -> list[str]:
     """Returns rows as lines with aligned columns; a very wide cell doesn't push the next column away."""
     widest = [min(48, max(len(cell) for cell in column)) for column in zip(*rows, strict=True)]
-    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widest, strict=True)).rstrip() for row in rows]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widest, strict=True)).rstrip()
+        for row in rows
+    ]

@@ -15,8 +15,15 @@ from sjdsl.library.starter import copied_files, starting_files
 
 @click.command("new")
 @click.argument("name", required=False)
-@click.option("--from", "copied", metavar="GAME", help="Copy a game with its maps and the games that it extends, as NAME.")
-@click.option("-o", "folder", metavar="FOLDER", default=".", help="Where to write; by default this folder.")
+@click.option(
+    "--from",
+    "copied",
+    metavar="GAME",
+    help="Copy a game with its maps and the games that it extends, as NAME.",
+)
+@click.option(
+    "-o", "folder", metavar="FOLDER", default=".", help="Where to write; by default this folder."
+)
 def command(name: str | None, copied: str | None, folder: str) -> None:
     """Writes NAME.sj, a small commented game, with its map and tests that pass.
 
@@ -26,7 +33,11 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
         raise click.UsageError("Missing argument 'NAME'.")
     origin = None if copied is None else game_path(copied)
     try:
-        texts = starting_files(str(name)) if origin is None else copied_files(origin, name or origin.stem)
+        texts = (
+            starting_files(str(name))
+            if origin is None
+            else copied_files(origin, name or origin.stem)
+        )
     except ValueError as error:
         raise click.ClickException(str(error)) from None
     game, *_, last = _write(Path(folder), texts)
@@ -40,8 +51,14 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
             (f"  sjdsl play {game}", "control an agent"),
             (f"  sjdsl check {game}", "after each change: what is wrong with it"),
             (f"  sjdsl test {game}", "test its checks"),
-            (f"  pytest {last}", "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl"),
-            (f"  sjdsl train {game} --preset two_cores", "agents that learn in it; takes minutes on two cores"),
+            (
+                f"  pytest {last}",
+                "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl",
+            ),
+            (
+                f"  sjdsl train {game} --preset two_cores",
+                "agents that learn in it; takes minutes on two cores",
+            ),
             (
                 f"  sjdsl schelling {game} --cooperators cooperator --defectors defector -o schelling",
                 "is it a dilemma for the file's own policies?",
@@ -51,7 +68,10 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
         steps = [
             (f"  sjdsl check {game}", "after each change: what is wrong with it"),
             (f"  sjdsl play {game}", "control an agent"),
-            (f'  game mine extends "{game.name}" {{ … }}', "or, in a file beside it: only what you change"),
+            (
+                f'  game mine extends "{game.name}" {{ … }}',
+                "or, in a file beside it: only what you change",
+            ),
         ]
     click.echo("\n".join(align([("next:", ""), *steps])))
 

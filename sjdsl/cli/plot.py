@@ -11,7 +11,14 @@ from sjdsl.short_paths import short_names
 
 @click.command("plot")
 @click.argument("runs", nargs=-1, required=True, metavar="RUN...")
-@click.option("-o", "output", default="curves.png", show_default=True, metavar="FILE", help="The picture to write: a .png, .svg or .pdf.")
+@click.option(
+    "-o",
+    "output",
+    default="curves.png",
+    show_default=True,
+    metavar="FILE",
+    help="The picture to write: a .png, .svg or .pdf.",
+)
 @click.option(
     "--metric",
     default="collective_return",
@@ -26,7 +33,10 @@ def command(runs: tuple[str, ...], output: str, metric: str) -> None:
     """
     pairs = [text.partition("=") for text in runs]
     short = short_names(folder for folder, equals, _ in pairs if not equals)
-    named = [(name, Path(folder)) if equals else (short[name], Path(name)) for name, equals, folder in pairs]
+    named = [
+        (name, Path(folder)) if equals else (short[name], Path(name))
+        for name, equals, folder in pairs
+    ]
     path = Path(output)
     if path.suffix not in (".png", ".svg", ".pdf"):
         raise click.UsageError(f"`{path}` must end in .png, .svg or .pdf")

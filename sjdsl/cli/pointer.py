@@ -22,4 +22,7 @@ def pointed() -> Iterator[None]:
     finally:
         if _printed:
             code, err = _printed[0]
-            click.echo(f"`sjdsl explain {code}` says more about {'this' if len(_printed) == 1 else 'the first'} message.", err=err)
+            click.echo(
+                f"`sjdsl explain {code}` says more about {'this' if len(_printed) == 1 else 'the first'} message.",
+                err=err,
+            )

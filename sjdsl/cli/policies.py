@@ -56,7 +56,9 @@ def choose_policy(name: str, env: "Environment") -> Any:
 
     if name == SIDE_BY_SIDE:
         parts = [choose_policy(policy.name, env) for policy in env.game.policies]
-        turns = [(range(first, env.num_agents, len(parts)), part) for first, part in enumerate(parts)]
+        turns = [
+            (range(first, env.num_agents, len(parts)), part) for first, part in enumerate(parts)
+        ]
         return mixed_policy(env.num_agents, turns) if parts else UNTRAINED["random"](env)
     if name in UNTRAINED:  # they need no trainers, whose packages take a second to load
         return UNTRAINED[name](env)

@@ -12,7 +12,9 @@ from sjdsl.files import read_json
 from sjdsl.library.stored_game import GameMoved, locate_game
 
 
-def provenance_of(run_dir: Path, otherwise: str = "", game: str | None = None, map_file: str | None = None) -> dict[str, Any]:
+def provenance_of(
+    run_dir: Path, otherwise: str = "", game: str | None = None, map_file: str | None = None
+) -> dict[str, Any]:
     """Returns the arguments of `make_environment` for a run, or for one of its seeds.
 
     Args:
@@ -25,26 +27,40 @@ def provenance_of(run_dir: Path, otherwise: str = "", game: str | None = None, m
     if not path.is_file() and run_dir.is_dir() and (run_dir.parent / "manifest.json").is_file():
         path = run_dir.parent / "manifest.json"  # one seed of several
     if not run_dir.exists():
-        raise click.ClickException(f"there is no folder `{run_dir}`; name the folder of a run that `sjdsl train` wrote{otherwise}")
+        raise click.ClickException(
+            f"there is no folder `{run_dir}`; name the folder of a run that `sjdsl train` wrote{otherwise}"
+        )
     if not path.is_file():
         raise click.ClickException(
             f"{run_dir} is not the folder of a training run: there is no manifest.json in it. Name the folder that `sjdsl train` wrote{otherwise}"
         )
     try:
         manifest = read_json(path)
-        provenance, rules = manifest.get("provenance") or {}, manifest.get("game", {}).get("hash", "")
+        provenance, rules = (
+            manifest.get("provenance") or {},
+            manifest.get("game", {}).get("hash", ""),
+        )
     except (OSError, ValueError, AttributeError):
-        raise click.ClickException(f"{path} can't be read: it isn't a manifest that `sjdsl train` wrote{otherwise}") from None
+        raise click.ClickException(
+            f"{path} can't be read: it isn't a manifest that `sjdsl train` wrote{otherwise}"
+        ) from None
     if not isinstance(provenance, dict) or "game" not in provenance:
         raise click.ClickException(
             f"the manifest of {run_dir} doesn't say which game was trained, because the run was started from Python; "
             f"evaluate it from Python too{otherwise}"
         )
-    return located(provenance, rules, run_dir, f"sjdsl evaluate {run_dir} --game GAME", game, map_file)
+    return located(
+        provenance, rules, run_dir, f"sjdsl evaluate {run_dir} --game GAME", game, map_file
+    )
 
 
 def located(
-    stored: Mapping[str, Any], rules: str, place: Path, command: str, game: str | None = None, map_file: str | None = None
+    stored: Mapping[str, Any],
+    rules: str,
+    place: Path,
+    command: str,
+    game: str | None = None,
+    map_file: str | None = None,
 ) -> dict[str, Any]:
     """Returns the arguments of `make_environment` that `place` stores, with the paths that its files have now.
 
@@ -57,7 +73,9 @@ def located(
         with named_in(place) if game is None else nullcontext():
             found = locate_game(stored, rules, place, game, map_file)
     except GameMoved as error:
-        remedy = f"name the game with these rules: {command}, and --map FILE if it had a map of its own"
+        remedy = (
+            f"name the game with these rules: {command}, and --map FILE if it had a map of its own"
+        )
         raise click.ClickException(f"{error}; {remedy}") from None
     except (ValueError, FileNotFoundError) as error:
         raise click.ClickException(str(error)) from None

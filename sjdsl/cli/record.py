@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options, make_environment
+from sjdsl.cli.environment_options import (
+    SEED,
+    EnvironmentOptions,
+    environment_options,
+    make_environment,
+)
 from sjdsl.cli.folders import require_folder_of, require_unused
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
@@ -23,13 +28,33 @@ REPORTED = 100  # episodes between two lines of progress
 
 @click.command("record")
 @click.argument("game")
-@click.option("-o", "output", metavar="FILE", help="The new .npz file to write; by default GAME.npz.")
+@click.option(
+    "-o", "output", metavar="FILE", help="The new .npz file to write; by default GAME.npz."
+)
 @policy_option
 @code_option
-@click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=10, show_default=True, help="Episodes to play.")
-@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; then N + 1, N + 2, ….")
 @click.option(
-    "--observation", type=click.Choice(["tokens", "onehot", "none"]), default="tokens", show_default=True, help="How to store observations."
+    "--episodes",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=10,
+    show_default=True,
+    help="Episodes to play.",
+)
+@click.option(
+    "--seed",
+    type=SEED,
+    metavar="N",
+    default=0,
+    show_default=True,
+    help="Seed of the first episode; then N + 1, N + 2, ….",
+)
+@click.option(
+    "--observation",
+    type=click.Choice(["tokens", "onehot", "none"]),
+    default="tokens",
+    show_default=True,
+    help="How to store observations.",
 )
 @environment_options
 def command(
@@ -46,7 +71,9 @@ def command(
     if path.suffix != ".npz":
         raise click.UsageError(f"`{path}` must end in .npz")
     if seed + episodes > 2**32:
-        raise click.UsageError(f"the seeds go up to {seed + episodes - 1}, and the largest seed is {2**32 - 1}")
+        raise click.UsageError(
+            f"the seeds go up to {seed + episodes - 1}, and the largest seed is {2**32 - 1}"
+        )
     check_policy(policy, options.check(game))
     require_unused(path, "recorded episodes")
     require_folder_of(path)
@@ -64,7 +91,10 @@ def command(
             seed=seed,
             episodes=episodes,
             observation=observation,  # type: ignore[arg-type]
-            planes={"onehot": list(env.channel_names), "tokens": [plane.name for plane in env.token_planes]}.get(observation, []),
+            planes={
+                "onehot": list(env.channel_names),
+                "tokens": [plane.name for plane in env.token_planes],
+            }.get(observation, []),
             action_names=list(env.action_names),
             versions={name: version(name) for name in PACKAGES},
         )
@@ -80,13 +110,17 @@ def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path
     try:
         with writer:
             say(f"playing {header.episodes} episodes of {env.title or env.name}")
-            for number, episode in enumerate(play_episodes(env, policy, header.seed, header.episodes, header.observation), 1):
+            for number, episode in enumerate(
+                play_episodes(env, policy, header.seed, header.episodes, header.observation), 1
+            ):
                 writer.add(episode)
                 if number % REPORTED == 0 and number < header.episodes:
                     say(f"{number} of {header.episodes} episodes written")
     except KeyboardInterrupt:
         if writer.returns:
-            click.echo(f"interrupted; the episodes so far are stored\n{_summary(env, path, writer)}")
+            click.echo(
+                f"interrupted; the episodes so far are stored\n{_summary(env, path, writer)}"
+            )
         raise
     return _summary(env, path, writer)
 
@@ -110,4 +144,6 @@ def _digest(policy: str) -> str | None:
     from sjdsl.trainers.policy_file import policy_path
 
     path, which = split_name(policy)
-    return hashlib.sha256(policy_path(path, which).read_bytes()).hexdigest() if path.exists() else None
+    return (
+        hashlib.sha256(policy_path(path, which).read_bytes()).hexdigest() if path.exists() else None
+    )

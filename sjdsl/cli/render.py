@@ -15,14 +15,48 @@ from sjdsl.extras import require
 
 @click.command("render")
 @click.argument("game")
-@click.option("-o", "output", metavar="FILE", help="A .gif, .mp4 or .html, or a .png of the last step; by default GAME.gif.")
-@click.option("--steps", type=click.IntRange(min=0), metavar="N", default=100, show_default=True, help="Steps to play.")
+@click.option(
+    "-o",
+    "output",
+    metavar="FILE",
+    help="A .gif, .mp4 or .html, or a .png of the last step; by default GAME.gif.",
+)
+@click.option(
+    "--steps",
+    type=click.IntRange(min=0),
+    metavar="N",
+    default=100,
+    show_default=True,
+    help="Steps to play.",
+)
 @policy_option
 @code_option
-@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; then N + 1, N + 2, ….")
-@click.option("--speed", type=click.FloatRange(min=0.5, max=50), metavar="N", default=8.0, show_default=True, help="Frames a second.")
+@click.option(
+    "--seed",
+    type=SEED,
+    metavar="N",
+    default=0,
+    show_default=True,
+    help="Seed of the first episode; then N + 1, N + 2, ….",
+)
+@click.option(
+    "--speed",
+    type=click.FloatRange(min=0.5, max=50),
+    metavar="N",
+    default=8.0,
+    show_default=True,
+    help="Frames a second.",
+)
 @environment_options
-def command(game: str, output: str | None, steps: int, policy: str, seed: int, speed: float, options: EnvironmentOptions) -> None:
+def command(
+    game: str,
+    output: str | None,
+    steps: int,
+    policy: str,
+    seed: int,
+    speed: float,
+    options: EnvironmentOptions,
+) -> None:
     """Plays GAME, a bundled one or a `.sj` file, and draws what happens: by default cooperators beside defectors."""
     path = Path(output or f"{Path(game).stem}.gif")
     if path.suffix == ".png":
@@ -37,9 +71,14 @@ def command(game: str, output: str | None, steps: int, policy: str, seed: int, s
 
         chosen = choose_policy(policy, env)
         if path.suffix == ".png":
-            *before, last = deque(announced(play_moments(env, chosen, steps, seed), env, say), maxlen=2)
+            *before, last = deque(
+                announced(play_moments(env, chosen, steps, seed), env, say), maxlen=2
+            )
             painter = make_painter(env, [last.snapshot])
-            save_png(painter.draw(last.snapshot, last.actions, *(moment.snapshot for moment in before)), path)
+            save_png(
+                painter.draw(last.snapshot, last.actions, *(moment.snapshot for moment in before)),
+                path,
+            )
             done = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
         else:
             done = save_film(env, chosen, path, steps, seed, speed, say)

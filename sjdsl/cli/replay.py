@@ -21,13 +21,37 @@ from sjdsl.replay import RecordingError, load_recording
 @click.command("replay")
 @click.argument("file")
 @click.option(
-    "--episode", type=int, metavar="N", default=0, show_default=True, help="Which episode of a file of many to show; -1 is the last."
+    "--episode",
+    type=int,
+    metavar="N",
+    default=0,
+    show_default=True,
+    help="Which episode of a file of many to show; -1 is the last.",
 )
-@click.option("-o", "output", metavar="FILE", help="Write a .gif, .mp4 or .html instead of printing the boards.")
+@click.option(
+    "-o",
+    "output",
+    metavar="FILE",
+    help="Write a .gif, .mp4 or .html instead of printing the boards.",
+)
 @click.option("--game", metavar="GAME", help="Where the episode's game is now.")
 @map_option
-@click.option("--speed", type=click.FloatRange(min=0.5, max=1000), metavar="N", default=SPEED, show_default=True, help="Steps a second.")
-def command(file: str, episode: int, output: str | None, game: str | None, map_file: str | None, speed: float) -> None:
+@click.option(
+    "--speed",
+    type=click.FloatRange(min=0.5, max=1000),
+    metavar="N",
+    default=SPEED,
+    show_default=True,
+    help="Steps a second.",
+)
+def command(
+    file: str,
+    episode: int,
+    output: str | None,
+    game: str | None,
+    map_file: str | None,
+    speed: float,
+) -> None:
     """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if the rules are still the same."""
     if output is not None:
         check_film(Path(output))
@@ -38,7 +62,14 @@ def command(file: str, episode: int, output: str | None, game: str | None, map_f
         from sjdsl.replay import replayed
 
         with stages(LOADING) as say:
-            arguments = located(recording.environment, recording.hash, Path(file), f"sjdsl replay {file} --game GAME", game, map_file)
+            arguments = located(
+                recording.environment,
+                recording.hash,
+                Path(file),
+                f"sjdsl replay {file} --game GAME",
+                game,
+                map_file,
+            )
             with named_in(file):
                 env = sjdsl.make(**arguments)
             moments = announced(replayed(recording, env), env, say)
@@ -46,7 +77,12 @@ def command(file: str, episode: int, output: str | None, game: str | None, map_f
                 shown = write_film(env, moments, Path(output), speed, say)
             else:
                 letters, board = make_letters(env.game), board_of(env.game)
-                shown = "\n\n".join([letters.legend_line(), *("\n".join(moment_lines(moment, letters, board)) for moment in moments)])
+                shown = "\n\n".join(
+                    [
+                        letters.legend_line(),
+                        *("\n".join(moment_lines(moment, letters, board)) for moment in moments),
+                    ]
+                )
     except RecordingError as error:
         raise click.ClickException(str(error)) from None
     click.echo(shown)

@@ -12,7 +12,14 @@ from sjdsl.extras import require
 
 @click.command("report")
 @click.argument("sources", nargs=-1, required=True, metavar="DIR...")
-@click.option("-o", "output", default="report", show_default=True, metavar="OUT", help="The new folder to write to.")
+@click.option(
+    "-o",
+    "output",
+    default="report",
+    show_default=True,
+    metavar="OUT",
+    help="The new folder to write to.",
+)
 def command(sources: tuple[str, ...], output: str) -> None:
     """Makes a report of DIRs: a page, a CSV for each table, pictures as PNG and SVG, and the results as CSV.
 
@@ -30,4 +37,6 @@ def command(sources: tuple[str, ...], output: str) -> None:
         report = write_report([Path(source) for source in sources], folder, call)
     for note in report.notes:
         click.echo(f"note: {note}", err=True)
-    click.echo(f"{folder / 'report.md'}  {report.runs} runs, {report.seeds} seeds, {report.tables} tables, {report.pictures} pictures")
+    click.echo(
+        f"{folder / 'report.md'}  {report.runs} runs, {report.seeds} seeds, {report.tables} tables, {report.pictures} pictures"
+    )

@@ -43,28 +43,63 @@ def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
             metavar="P",
             help="Settings to start from: two_cores (minutes on a CPU), paper, released, overnight or FILE.toml.",
         ),
-        click.option("--algorithm", metavar="A", help=f"Learn by {', '.join(ALGORITHMS)} or FILE.py:NAME."),
-        click.option("--reward", metavar="R", help=f"Learn from {', '.join(REWARDS)} or FILE.py:NAME."),
-        click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help="A setting; `sjdsl train --keys` lists them all."),
+        click.option(
+            "--algorithm", metavar="A", help=f"Learn by {', '.join(ALGORITHMS)} or FILE.py:NAME."
+        ),
+        click.option(
+            "--reward", metavar="R", help=f"Learn from {', '.join(REWARDS)} or FILE.py:NAME."
+        ),
+        click.option(
+            "--set",
+            "changes",
+            multiple=True,
+            metavar="NAME=VALUE",
+            help="A setting; `sjdsl train --keys` lists them all.",
+        ),
         click.option("--seed", type=SEED, metavar="N", help="The first seed.  [default: 0]"),
         click.option(
-            "--seeds", type=click.IntRange(min=1), default=seeds, show_default=True, metavar="K", help="Train K seeds side by side."
+            "--seeds",
+            type=click.IntRange(min=1),
+            default=seeds,
+            show_default=True,
+            metavar="K",
+            help="Train K seeds side by side.",
         ),
-        click.option("--init-from", metavar="POLICY", help="Start with RUN, RUN@best or FILE.safetensors."),
-        click.option("--partners", multiple=True, metavar="AGENT=POLICY", help="Agents that don't learn: 1=random, 1,2=RUN@best."),
+        click.option(
+            "--init-from", metavar="POLICY", help="Start with RUN, RUN@best or FILE.safetensors."
+        ),
+        click.option(
+            "--partners",
+            multiple=True,
+            metavar="AGENT=POLICY",
+            help="Agents that don't learn: 1=random, 1,2=RUN@best.",
+        ),
         code_option,
-        click.option("--log", "loggers", multiple=True, type=click.Choice(["tensorboard", "wandb"]), help="Log metrics there too."),
+        click.option(
+            "--log",
+            "loggers",
+            multiple=True,
+            type=click.Choice(["tensorboard", "wandb"]),
+            help="Log metrics there too.",
+        ),
     )
 
     def add(command: Command) -> Command:
         @functools.wraps(command)
-        def with_run(*, preset: str | None, changes: tuple[str, ...], loggers: Any, **others: Any) -> Any:
-            given = {name: others.pop(name) for name in ("algorithm", "reward", "seed", "seeds", "init_from", "partners")}
+        def with_run(
+            *, preset: str | None, changes: tuple[str, ...], loggers: Any, **others: Any
+        ) -> Any:
+            given = {
+                name: others.pop(name)
+                for name in ("algorithm", "reward", "seed", "seeds", "init_from", "partners")
+            }
             given["partners"] = ",".join(given["partners"]) or None
             named = {name: value for name, value in given.items() if value is not None}
             return command(run=RunOptions(preset, read_texts(changes), named, loggers), **others)
 
-        return functools.reduce(lambda decorated, option: option(decorated), reversed(options), with_run)
+        return functools.reduce(
+            lambda decorated, option: option(decorated), reversed(options), with_run
+        )
 
     return add
 

@@ -17,7 +17,15 @@ FILES = ("schelling.json", "schelling.png", "schelling.svg")
 @click.option("--cooperators", required=True, metavar="P", help=f"The cooperators' policy: {NAMES}")
 @click.option("--defectors", required=True, metavar="P", help="The defectors' policy.")
 @experiment_options
-def command(game: str, cooperators: str, defectors: str, episodes: int, seed: int, output: str | None, options: EnvironmentOptions) -> None:
+def command(
+    game: str,
+    cooperators: str,
+    defectors: str,
+    episodes: int,
+    seed: int,
+    output: str | None,
+    options: EnvironmentOptions,
+) -> None:
     """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a dilemma for them, at 95 %.
 
     A RUN of several seeds is a pool: seed i of one plays with seed i of the other, and the intervals are over seeds.

@@ -24,7 +24,11 @@ def stages(first: str) -> Iterator[Say]:
         say(first)
         yield say
         return
-    columns = (SpinnerColumn("line"), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    columns = (
+        SpinnerColumn("line"),
+        TextColumn("{task.description}", markup=False),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=console, transient=True) as display:
         task = display.add_task(first, total=None)
         yield lambda what: display.reset(task, description=what, total=None)
@@ -63,6 +67,12 @@ def status_line(about: str) -> Iterator[StatusLine]:
         console.print(about, highlight=False, markup=False, soft_wrap=True)
         yield StatusLine(None, TaskID(0), about)
         return
-    columns = (SpinnerColumn("line"), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False) as display:
+    columns = (
+        SpinnerColumn("line"),
+        TextColumn("{task.description}", markup=False),
+        TimeElapsedColumn(),
+    )
+    with Progress(
+        *columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False
+    ) as display:
         yield StatusLine(display, display.add_task(about, total=None), about)

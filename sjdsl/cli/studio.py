@@ -17,8 +17,15 @@ PORT = 8421
 
 @click.command("studio")
 @click.argument("game", required=False)
-@click.option("--port", type=click.IntRange(0, 65535), metavar="N", help=f"The port; by default {PORT}, or any if that is taken.")
-@click.option("--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]")
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    metavar="N",
+    help=f"The port; by default {PORT}, or any if that is taken.",
+)
+@click.option(
+    "--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]"
+)
 def command(game: str | None, port: int | None, browser: bool) -> None:
     """Opens the games of this folder in the browser: text, board, rules on a page, generated code.
 
@@ -37,7 +44,12 @@ def command(game: str | None, port: int | None, browser: bool) -> None:
     click.echo(f"the studio is at {access.address}\nCtrl-C ends it")
     if browser:
         webbrowser.open(access.address)
-    settings = uvicorn.Config(make_app(folder, access, opened), log_level="warning", ws="websockets-sansio", ws_max_size=2**21)
+    settings = uvicorn.Config(
+        make_app(folder, access, opened),
+        log_level="warning",
+        ws="websockets-sansio",
+        ws_max_size=2**21,
+    )
     uvicorn.Server(settings).run(sockets=[listening])
 
 
@@ -50,10 +62,14 @@ def _inside(game: str, folder: Path) -> str:
     if not path.is_file():
         raise click.ClickException(f"there is no file `{game}`; `sjdsl new NAME` makes a game")
     if not path.is_relative_to(folder):
-        raise click.ClickException(f"`{game}` is outside this folder: start the studio in the game's own folder, {path.parent}")
+        raise click.ClickException(
+            f"`{game}` is outside this folder: start the studio in the game's own folder, {path.parent}"
+        )
     inside = path.relative_to(folder).as_posix()
     if any("\ud800" <= character <= "\udfff" for character in inside):
-        raise click.ClickException(f"the name `{ascii(inside)[1:-1]}` is not UTF-8, so no page can show it: rename the file")
+        raise click.ClickException(
+            f"the name `{ascii(inside)[1:-1]}` is not UTF-8, so no page can show it: rename the file"
+        )
     return inside
 
 
@@ -69,4 +85,6 @@ def _listen(port: int | None) -> socket.socket:
         except OSError as error:
             listening.close()
             reason = error.strerror
-    raise click.ClickException(f"port {port} can't be used: {reason}; leave out --port to use any that is free")
+    raise click.ClickException(
+        f"port {port} can't be used: {reason}; leave out --port to use any that is free"
+    )

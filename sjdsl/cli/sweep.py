@@ -24,10 +24,23 @@ if TYPE_CHECKING:
 
 @click.command("sweep")
 @click.argument("games", nargs=-1, required=True, metavar="GAME...")
-@click.option("--axis", "axes", multiple=True, metavar="NAME=v,v,...", help="What varies: a setting, own.X, variant or param.X.")
+@click.option(
+    "--axis",
+    "axes",
+    multiple=True,
+    metavar="NAME=v,v,...",
+    help="What varies: a setting, own.X, variant or param.X.",
+)
 @click.option("--run", "run_dir", required=True, metavar="DIR", help="Folder of the sweep.")
 @run_options(seeds=3)
-@click.option("--episodes", type=click.IntRange(min=1), metavar="N", default=30, show_default=True, help="Episodes of each evaluation.")
+@click.option(
+    "--episodes",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=30,
+    show_default=True,
+    help="Episodes of each evaluation.",
+)
 @click.option(
     "--workers",
     type=click.IntRange(min=1),
@@ -57,7 +70,17 @@ def command(
     """
     listed = [read_axis(text) for text in axes]
     of_game = options.variant, options.params
-    spec = SweepSpec(games, listed, run.settings, run.preset, *of_game, episodes, run.loggers, options.map, options.num_agents)
+    spec = SweepSpec(
+        games,
+        listed,
+        run.settings,
+        run.preset,
+        *of_game,
+        episodes,
+        run.loggers,
+        options.map,
+        options.num_agents,
+    )
     read: dict[str, ir.Game] = {}
     describe = _describer(read)
     cells = plan_sweep(spec, describe)  # what doesn't fit is refused before JAX loads
@@ -92,7 +115,11 @@ def _describer(read: dict[str, ir.Game]) -> "Describe":
     known: dict[str, tuple[str, str]] = {}
 
     def describe(
-        game: str, variant: str | None, params: Mapping[str, Any], map: str | None = None, num_agents: int | None = None
+        game: str,
+        variant: str | None,
+        params: Mapping[str, Any],
+        map: str | None = None,
+        num_agents: int | None = None,
     ) -> tuple[dict[str, Any], str, str]:
         asked = EnvironmentOptions(variant, map, num_agents, params)
         provenance = asked.describe(game)
@@ -113,10 +140,22 @@ def _list(cells: Sequence[Cell], folder: Path, episodes: int) -> None:
     states = [progress_of(folder, cell, episodes) for cell in cells]
     width = max(len(cell.name) for cell in cells)
     for cell, found in zip(cells, states, strict=True):
-        seeds = f"seeds {cell.seeds[0]} to {cell.seeds[-1]}" if len(cell.seeds) > 1 else f"seed {cell.seeds[0]}"
-        click.echo(f"{cell.name:{width}}  {seeds}  {steps_of(cell):>13,} steps each  {found.summary}")
-    steps = sum(steps_of(cell) * len(cell.seeds) for cell, found in zip(cells, states, strict=True) if found.state != "done")
-    by_state = ", ".join(f"{number} {state}" for state, number in Counter(found.state for found in states).items())
+        seeds = (
+            f"seeds {cell.seeds[0]} to {cell.seeds[-1]}"
+            if len(cell.seeds) > 1
+            else f"seed {cell.seeds[0]}"
+        )
+        click.echo(
+            f"{cell.name:{width}}  {seeds}  {steps_of(cell):>13,} steps each  {found.summary}"
+        )
+    steps = sum(
+        steps_of(cell) * len(cell.seeds)
+        for cell, found in zip(cells, states, strict=True)
+        if found.state != "done"
+    )
+    by_state = ", ".join(
+        f"{number} {state}" for state, number in Counter(found.state for found in states).items()
+    )
     click.echo(f"\n{_counted(len(cells))}: {by_state}; at most {steps:,} environment steps left")
 
 
@@ -135,5 +174,8 @@ def _report(outcome: "Outcome", folder: Path) -> int:
     if outcome.failed:
         click.echo("the same command with --retry tries these again", err=True)
     for name in outcome.stopped:
-        click.echo(f"stopped: {name}: its process ended early, perhaps for lack of memory; the same command resumes it", err=True)
+        click.echo(
+            f"stopped: {name}: its process ended early, perhaps for lack of memory; the same command resumes it",
+            err=True,
+        )
     return 1 if outcome.failed or outcome.stopped else 0

@@ -14,7 +14,12 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.library.checked_game import split_variants
 from sjdsl.properties import Effort, GameFamily, Report, Verdict, Verification
 
-STATUS = {"passed": "passed", "untested": "untested", "failed": "FAILED", "not decided": "not decided"}
+STATUS = {
+    "passed": "passed",
+    "untested": "untested",
+    "failed": "FAILED",
+    "not decided": "not decided",
+}
 INDENT = " " * 14
 
 
@@ -29,13 +34,30 @@ INDENT = " " * 14
     help="How much random play, in units of 655,360 cell updates (steps x cells of the map); without JAX, of 10 steps.",
 )
 @click.option(
-    "--seed", type=click.IntRange(min=0, max=2**32 - 1), metavar="N", default=0, show_default=True, help="Seed of the random play."
+    "--seed",
+    type=click.IntRange(min=0, max=2**32 - 1),
+    metavar="N",
+    default=0,
+    show_default=True,
+    help="Seed of the random play.",
 )
 @variant_option
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
-@click.option("--full", is_flag=True, help="Tell every change of a counterexample's last step, not only a few of those that are alike.")
+@click.option(
+    "--full",
+    is_flag=True,
+    help="Tell every change of a counterexample's last step, not only a few of those that are alike.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
-def command(files: tuple[str, ...], examples: int, seed: int, variant: str | None, strict: bool, full: bool, as_json: bool) -> int:
+def command(
+    files: tuple[str, ...],
+    examples: int,
+    seed: int,
+    variant: str | None,
+    strict: bool,
+    full: bool,
+    as_json: bool,
+) -> int:
     """Tests the checks of games: FILE is a `.sj` file or the name of a bundled game.
 
     A check is proved if possible. Otherwise the game is played with random actions and parameters on its own map, in thousands of worlds at
@@ -57,7 +79,9 @@ def command(files: tuple[str, ...], examples: int, seed: int, variant: str | Non
                 click.echo(json.dumps([*documents, tested.document()], indent=2))
             raise
         documents.append(tested.document())
-        failed |= bool(tested.report.faults) or not all(verdict.passed for verdict in tested.report.verdicts)
+        failed |= bool(tested.report.faults) or not all(
+            verdict.passed for verdict in tested.report.verdicts
+        )
         failed |= strict and any(verdict.untested for verdict in tested.report.verdicts)
     if as_json:
         click.echo(json.dumps(documents, indent=2))
@@ -107,7 +131,9 @@ class FileTest:
         for check in undecided:
             yield f"  not yet   {PurePath(check['file']).name}:{check['line']}  {check['check']}"
         missed = sum(not verdict.passed for verdict in self.decided.values())
-        parts = [f"{len(self.decided)} of {len(self.decided) + len(undecided)} checks decided"] + [f"{missed} not passed"] * bool(missed)
+        parts = [f"{len(self.decided)} of {len(self.decided) + len(undecided)} checks decided"] + [
+            f"{missed} not passed"
+        ] * bool(missed)
         yield f"{name}: interrupted: {', '.join(parts)}"
 
     def _undecided(self) -> list[dict[str, Any]]:
@@ -118,7 +144,13 @@ class FileTest:
         for number in self.verification.numbers:
             check = family.own.checks[number]
             if number not in self.decided and check.origin is not None:
-                found.append({"check": family.text_of(check), "file": check.origin.file, "line": check.origin.line})
+                found.append(
+                    {
+                        "check": family.text_of(check),
+                        "file": check.origin.file,
+                        "line": check.origin.line,
+                    }
+                )
         return found
 
     def document(self) -> dict[str, Any]:
@@ -156,7 +188,10 @@ def summary(report: Report) -> str:
     """Returns how many checks there are, and how many of them did not pass or are untested."""
     verdicts = report.verdicts
     count = f"{len(verdicts)} check{'s' * (len(verdicts) != 1)}"
-    missed, untested = sum(not v.passed for v in verdicts), sum(v.status == "untested" for v in verdicts)
+    missed, untested = (
+        sum(not v.passed for v in verdicts),
+        sum(v.status == "untested" for v in verdicts),
+    )
     parts = [f"{missed} not passed"] * bool(missed) + [f"{untested} untested"] * bool(untested)
     parts += ["a real number leaves float32"] * bool(report.faults)
     if not verdicts and not report.faults:
@@ -166,7 +201,11 @@ def summary(report: Report) -> str:
 
 def how(verdict: Verdict) -> str:
     """Returns how a verdict was found."""
-    return f"{verdict.how}: {verdict.reason}" if verdict.how in ("proved", "decided") else verdict.reason
+    return (
+        f"{verdict.how}: {verdict.reason}"
+        if verdict.how in ("proved", "decided")
+        else verdict.reason
+    )
 
 
 def as_document(verdict: Verdict) -> dict[str, Any]:

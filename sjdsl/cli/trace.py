@@ -22,10 +22,28 @@ STEPS = 10
 
 @click.command("trace")
 @click.argument("game")
-@click.option("--steps", type=click.IntRange(min=0), metavar="N", help=f"Steps to play; by default {STEPS}, or as many as --actions has.")
-@click.option("--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the first episode; then N + 1, N + 2, ….")
-@click.option("--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`.")
-@click.option("--actions", metavar="A", help="What agents do: random (the default), or 'forward, stay; zap, stay'.")
+@click.option(
+    "--steps",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help=f"Steps to play; by default {STEPS}, or as many as --actions has.",
+)
+@click.option(
+    "--seed",
+    type=SEED,
+    metavar="N",
+    default=0,
+    show_default=True,
+    help="Seed of the first episode; then N + 1, N + 2, ….",
+)
+@click.option(
+    "--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`."
+)
+@click.option(
+    "--actions",
+    metavar="A",
+    help="What agents do: random (the default), or 'forward, stay; zap, stay'.",
+)
 @click.option("--policy", metavar="P", help="All agents follow this policy of the game's file.")
 @environment_options
 def command(
@@ -43,7 +61,9 @@ def command(
     change, and the values that they read. In --actions, each part up to `;` is a step, with an action for each agent or one for all.
     """
     if actions is not None and policy is not None:
-        raise click.UsageError("--actions and --policy both choose what the agents do: give only one of them")
+        raise click.UsageError(
+            "--actions and --policy both choose what the agents do: give only one of them"
+        )
     try:
         made, values = options.build(game)
         moments = played(made.game, values, seed, steps, actions or RANDOM, policy)
@@ -60,10 +80,19 @@ def command(
         raise click.ClickException(Rules(made.sources).overflow(left)) from None
 
 
-def played(game: "ir.Game", values: dict[str, Any], seed: int, steps: int | None, actions: str, policy: str | None = None) -> Iterator[Any]:
+def played(
+    game: "ir.Game",
+    values: dict[str, Any],
+    seed: int,
+    steps: int | None,
+    actions: str,
+    policy: str | None = None,
+) -> Iterator[Any]:
     """Returns the start and the steps of a trace. Raises ValueError for actions or a policy that don't fit the game."""
     if policy is not None:
-        return play(game, values, seed, STEPS if steps is None else steps, policy_actions(policy, game))
+        return play(
+            game, values, seed, STEPS if steps is None else steps, policy_actions(policy, game)
+        )
     choices, written = read_actions(actions, game, steps)
     return play(game, values, seed, steps if steps is not None else written or STEPS, choices)
 
@@ -74,5 +103,7 @@ def known_phases(phases: tuple[str, ...], game: "ir.Game") -> tuple[str, ...]:
     names = list(dict.fromkeys([*labels, *(label.partition("(")[0] for label in labels)]))
     for phase in phases:
         if phase not in names:
-            raise click.ClickException(f"the schedule has no phase `{phase}`{meant(phase, names, 'its phases are')}")
+            raise click.ClickException(
+                f"the schedule has no phase `{phase}`{meant(phase, names, 'its phases are')}"
+            )
     return phases

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import EnvironmentOptions, environment_options, make_environment, named_in, written_options
+from sjdsl.cli.environment_options import (
+    EnvironmentOptions,
+    environment_options,
+    make_environment,
+    named_in,
+    written_options,
+)
 from sjdsl.cli.evaluate import evaluate_run, list_files
 from sjdsl.cli.provenance import located
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
@@ -30,22 +36,43 @@ if TYPE_CHECKING:
     from sjdsl.trainers.loggers import LoggerName
 
 EPISODES = 30  # of the evaluation at the end
-BESIDE_RESUME = ("resumed", "game", "map_file", "episodes", "loggers", "callback", "distributed", "keys", "allow_code")
+BESIDE_RESUME = (
+    "resumed",
+    "game",
+    "map_file",
+    "episodes",
+    "loggers",
+    "callback",
+    "distributed",
+    "keys",
+    "allow_code",
+)
 
 
 @click.command("train")
 @click.argument("game", required=False)
 @run_options()
-@click.option("--run", "run_dir", metavar="DIR", help="Folder of the run; by default a new one in runs/.")
+@click.option(
+    "--run", "run_dir", metavar="DIR", help="Folder of the run; by default a new one in runs/."
+)
 @click.option(
     "--resume",
     "resumed",
     metavar="DIR",
     help="Continue a stopped run; --set total_timesteps=… extends it, GAME says where its game is now.",
 )
-@click.option("--episodes", type=click.IntRange(min=0), metavar="N", help=f"Episodes of evaluation.  [default: {EPISODES}]")
-@click.option("--callback", metavar="FILE.py:NAME", help="Call your own function after each update.")
-@click.option("--distributed", is_flag=True, help="Run as one of several processes: docs/training.md.")
+@click.option(
+    "--episodes",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help=f"Episodes of evaluation.  [default: {EPISODES}]",
+)
+@click.option(
+    "--callback", metavar="FILE.py:NAME", help="Call your own function after each update."
+)
+@click.option(
+    "--distributed", is_flag=True, help="Run as one of several processes: docs/training.md."
+)
 @click.option("--keys", is_flag=True, help="List all settings with their values, and stop.")
 @environment_options
 def command(
@@ -69,8 +96,18 @@ def command(
         only_longer = [*run.changes] == ["total_timesteps"]
         wrong = written_options(*BESIDE_RESUME, *(["changes"] if only_longer else []))
         if wrong:
-            raise click.UsageError(f"a resumed run keeps its settings, except total_timesteps: leave out {', '.join(wrong)}")
-        _resume(Path(resumed), game, options.map, episodes, run.loggers or None, callback, run.changes.get("total_timesteps"))
+            raise click.UsageError(
+                f"a resumed run keeps its settings, except total_timesteps: leave out {', '.join(wrong)}"
+            )
+        _resume(
+            Path(resumed),
+            game,
+            options.map,
+            episodes,
+            run.loggers or None,
+            callback,
+            run.changes.get("total_timesteps"),
+        )
         return
     preset = _choose(game, run, needed=not keys)
     if keys:
@@ -86,7 +123,9 @@ def command(
             if preset.earlier:
                 click.echo(f"{preset.place}[{number}]:", err=True)
             raise
-    if run_dir and not distributed and not is_unused(Path(run_dir)):  # of several processes, another may have begun to write there
+    if (
+        run_dir and not distributed and not is_unused(Path(run_dir))
+    ):  # of several processes, another may have begun to write there
         raise click.ClickException(
             f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it: "
             f"sjdsl train --resume {shlex.quote(run_dir)}"
@@ -106,10 +145,14 @@ def command(
         check_stages([*earlier, last], preset.place)
         found, asked = find_callback(callback)
     env = environments[-1]
-    kind = f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}"
+    kind = (
+        f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}"
+    )
     path = Path(run_dir) if run_dir else new_folder(kind)
     asked_for = {"episodes": episodes, **asked}
-    result = train(env, config, path, "auto", last.provenance, run.loggers, asked_for, found, earlier)
+    result = train(
+        env, config, path, "auto", last.provenance, run.loggers, asked_for, found, earlier
+    )
     _finish(result, env, config, episodes)
 
 
@@ -117,10 +160,15 @@ def _list_keys(config: "Config") -> None:
     """Prints the settings of a configuration with their values; of those that nothing reads, also when they would be read."""
     for name, value in config.model_dump(mode="json", exclude={"own"}).items():
         mark = config.unread.get(name)
-        click.echo(f"{name} = {json.dumps(value)}" + (f"  # read where {mark.setting} is {mark.values}" if mark else ""))
+        click.echo(
+            f"{name} = {json.dumps(value)}"
+            + (f"  # read where {mark.setting} is {mark.values}" if mark else "")
+        )
     given = dict(config.own)
     for name, default, hook in taken_settings(config):
-        click.echo(f"{OWN}{name} = {json.dumps(given.get(name, default), default=str)}  # of {hook}")
+        click.echo(
+            f"{OWN}{name} = {json.dumps(given.get(name, default), default=str)}  # of {hook}"
+        )
 
 
 def extent_of(config: "Config") -> str:
@@ -164,7 +212,9 @@ def _resume(
     if callback is None and kept is not None:
         require_allowed("callback", kept, str(path / "manifest.json"))
     command = f"sjdsl train GAME --resume {shlex.quote(str(path))}"
-    provenance = located(manifest["provenance"], manifest["game"].get("hash", ""), path, command, game, map_file)
+    provenance = located(
+        manifest["provenance"], manifest["game"].get("hash", ""), path, command, game, map_file
+    )
     earlier = [
         located(known["provenance"], known["game"].get("hash", ""), folder, command, game)
         for folder in stage_folders(path)[:-1]
@@ -190,7 +240,11 @@ def _resume(
 
 def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
     """Returns the callback of a name, and the name for the manifest."""
-    return (None, {}) if name is None else (find("callback", name), {"callback": lasting("callback", name)})
+    return (
+        (None, {})
+        if name is None
+        else (find("callback", name), {"callback": lasting("callback", name)})
+    )
 
 
 def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
@@ -205,12 +259,18 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
         return
     if result.stage:
         path = shlex.quote(str(result.run_dir.parents[1]))
-        click.echo(f"\nthe callback ended the run in stage {result.stage}; sjdsl train --resume {path} continues it")
+        click.echo(
+            f"\nthe callback ended the run in stage {result.stage}; sjdsl train --resume {path} continues it"
+        )
         return
     for folder, seed in zip(result.folders, config.seed_numbers, strict=True):
         if episodes:
             evaluate_run(folder, env, episodes, seed)
-    went_on = next(folder for folder, seed in zip(result.folders, config.seed_numbers, strict=True) if seed not in result.diverged)
+    went_on = next(
+        folder
+        for folder, seed in zip(result.folders, config.seed_numbers, strict=True)
+        if seed not in result.diverged
+    )
     (last,) = deque(read_rows(went_on / METRICS_JSONL), maxlen=1)
     steps = result.updates * config.steps_per_update * config.seeds
     steps_before = last["env_steps"] - result.updates * config.steps_per_update
@@ -227,7 +287,9 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
             f"no learning curve was drawn, as no episode ended within the {config.num_steps * result.updates:,} steps of each environment"
         )
     for update, seeds in seeds_of_each(result.diverged.items()).items():
-        click.echo(f"{seeds_in_words(seeds)} diverged (non-finite loss) in update {update}; the policy of update {update - 1} is kept")
+        click.echo(
+            f"{seeds_in_words(seeds)} diverged (non-finite loss) in update {update}; the policy of update {update - 1} is kept"
+        )
     list_files(result.run_dir)
 
 
@@ -237,21 +299,34 @@ def join_processes() -> None:
 
     import jax
 
-    given = {"coordinator_address": "JAX_COORDINATOR_ADDRESS", "num_processes": "JAX_NUM_PROCESSES", "process_id": "JAX_PROCESS_ID"}
-    found = {name: os.environ[variable] for name, variable in given.items() if variable in os.environ}
-    numbers: dict[str, Any] = {name: value if name == "coordinator_address" else int(value) for name, value in found.items()}
+    given = {
+        "coordinator_address": "JAX_COORDINATOR_ADDRESS",
+        "num_processes": "JAX_NUM_PROCESSES",
+        "process_id": "JAX_PROCESS_ID",
+    }
+    found = {
+        name: os.environ[variable] for name, variable in given.items() if variable in os.environ
+    }
+    numbers: dict[str, Any] = {
+        name: value if name == "coordinator_address" else int(value)
+        for name, value in found.items()
+    }
     try:
         jax.distributed.initialize(**numbers)
     except (ValueError, RuntimeError) as error:
         wanted = ", ".join(given.values())
-        raise click.ClickException(f"can't join the other processes: {error}; outside a cluster, set {wanted}") from None
+        raise click.ClickException(
+            f"can't join the other processes: {error}; outside a cluster, set {wanted}"
+        ) from None
 
 
 def _choose(game: str | None, run: RunOptions, needed: bool) -> Preset:
     """Returns the preset with the changes of the command line; without a preset, the game and the configuration as one."""
     if run.preset is None:
         if game is None and needed:
-            raise click.UsageError("name the game to train in, as in `sjdsl train clean_up`, or a preset that names one")
+            raise click.UsageError(
+                "name the game to train in, as in `sjdsl train clean_up`, or a preset that names one"
+            )
         return Preset(game, {}, make_config(run.settings))
     loaded = load_preset(run.preset, run.settings, game)
     if loaded.game is None and needed:
@@ -261,7 +336,11 @@ def _choose(game: str | None, run: RunOptions, needed: bool) -> Preset:
     for name in loaded.left_out:
         mark = loaded.config.unread.get(name)
         setting = mark.setting if mark else "algorithm"
-        where = ": no hook takes it" if name.startswith(OWN) else f" while `{setting}` is {getattr(loaded.config, setting)}"
+        where = (
+            ": no hook takes it"
+            if name.startswith(OWN)
+            else f" while `{setting}` is {getattr(loaded.config, setting)}"
+        )
         click.echo(f"the preset's `{name}` has no effect{where}", err=True)
     return loaded
 

@@ -35,12 +35,16 @@ class Build(Record):
     sources: dict[str, Source]
 
 
-def compile_source(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> str:
+def compile_source(
+    source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
+) -> str:
     """Returns the Python module for one `.sj` file. Raises CompileError with every problem of the failing stage."""
     return compile_build(build(source, variants, overrides), source)
 
 
-def build(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> Build:
+def build(
+    source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
+) -> Build:
     """Returns the typed rules of a game in a variant. Raises CompileError with every problem of the failing stage."""
     return build_composition(compose(source, variants), overrides)
 
@@ -87,12 +91,17 @@ def compile_rules(made: Build) -> str:
     from sjdsl.compiler.emit.module import render
 
     program = lower_build(replace(made, sources={}), Source(f"the rules of {made.game.name}", ""))
-    functions = tuple(replace(f, body=tuple(replace(statement, origin=None) for statement in f.body)) for f in program.functions)
+    functions = tuple(
+        replace(f, body=tuple(replace(statement, origin=None) for statement in f.body))
+        for f in program.functions
+    )
     numbers = tuple(replace(n, comment="") if n.group == "stream" else n for n in program.numbers)
     return render(replace(program, functions=functions, numbers=numbers))
 
 
-def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
+def check(
+    source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
+) -> tuple[Diagnostic, ...]:
     """Returns every error and warning of a file, in file order; what compiles has no errors."""
     try:
         composition = compose(source, variants)
@@ -101,7 +110,9 @@ def check(source: Source, variants: Sequence[str] = (), overrides: Overrides | N
     return check_composition(composition, overrides)
 
 
-def check_composition(composition: Composition, overrides: Overrides | None = None) -> tuple[Diagnostic, ...]:
+def check_composition(
+    composition: Composition, overrides: Overrides | None = None
+) -> tuple[Diagnostic, ...]:
     """Returns every error and warning of a game that is put together, in file order; its `references` are then known."""
     try:
         made = build_composition(composition, overrides)
@@ -124,7 +135,9 @@ class _Rules:
         return hash(self._digest)
 
 
-@lru_cache(maxsize=16)  # an edit of a remark, a scene or one variant leaves most rules as they were; those refused are not kept
+@lru_cache(
+    maxsize=16
+)  # an edit of a remark, a scene or one variant leaves most rules as they were; those refused are not kept
 def _lowered(rules: _Rules) -> None:
     """Lowers a game, to see whether that can be done. Raises CompileError."""
     lower_build(rules.made, rules.source)

@@ -70,11 +70,15 @@ class Composition:
     observables: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
     looks: dict[str, tuple[ast.Look, ...]] = field(default_factory=dict)  # by what they are of
     metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
-    checks: dict[str, tuple[ast.Check, ...]] = field(default_factory=dict)  # by the name of their block, "" without one
+    checks: dict[str, tuple[ast.Check, ...]] = field(
+        default_factory=dict
+    )  # by the name of their block, "" without one
     policies: dict[str, ast.ScriptedPolicy] = field(default_factory=dict)
     scenarios: dict[str, ast.Scenario] = field(default_factory=dict)
     variants: dict[str, ast.Variant] = field(default_factory=dict)
-    references: list[tuple[Span, Symbol]] = field(default_factory=list)  # the names that were resolved, and what each stands for
+    references: list[tuple[Span, Symbol]] = field(
+        default_factory=list
+    )  # the names that were resolved, and what each stands for
     sources: dict[str, Source] = field(default_factory=dict)
     file: str = ""
     chosen: tuple[str, ...] = ()
@@ -87,11 +91,17 @@ class Composition:
 
     def names(self) -> list[str]:
         """Returns every name a variant may change."""
-        return [name for table in self.TABLES for name in getattr(self, table) if name] + [*self.agent_fields, *self.about, *self.variants]
+        return [name for table in self.TABLES for name in getattr(self, table) if name] + [
+            *self.agent_fields,
+            *self.about,
+            *self.variants,
+        ]
 
     def number_names(self) -> tuple[list[str], list[str]]:
         """Returns the names of the sizes and of the parameters."""
-        return [n for n, c in self.constants.items() if c.is_size], [n for n, c in self.constants.items() if not c.is_size]
+        return [n for n, c in self.constants.items() if c.is_size], [
+            n for n, c in self.constants.items() if not c.is_size
+        ]
 
 
 def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
@@ -106,7 +116,13 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     for name in variants:
         variant = game.variants.get(name)
         if variant is None:
-            raise CompileError([errors.NoVariant(game.span, name=name, near=near(name, game.variants, "its variants"))])
+            raise CompileError(
+                [
+                    errors.NoVariant(
+                        game.span, name=name, near=near(name, game.variants, "its variants")
+                    )
+                ]
+            )
         _check_duplicates(game, variant.changes)
         _check_clashes(game, name, variant, touched)
         _apply(game, variant.changes)
@@ -169,7 +185,9 @@ def _base_of(name: ast.String, source: Source) -> Source:
         beside = [p.name for p in path.parent.glob("*.sj")] if path.parent.is_dir() else []
         how = f"`extends` takes a file beside this one: copy a bundled game with its maps, `sjdsl new --from {name.text}`"
         how = f'{how}, and write `extends "{name.text}.sj"`' if name.text.isidentifier() else ""
-        raise CompileError([errors.NoFile(name.span, name=name.text, near=near(path.name, beside), help=how)])
+        raise CompileError(
+            [errors.NoFile(name.span, name=name.text, near=near(path.name, beside), help=how)]
+        )
     return replace(read_source(path), name=name_here, over=source.over)
 
 
@@ -179,13 +197,19 @@ def named_entries(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
         case ast.About():
             return [(f"about {section.name.text}", section.name.span, section)]
         case ast.Checks():
-            return [] if section.name is None else [(f"checks {section.name.text}", section.name.span, section)]
+            return (
+                []
+                if section.name is None
+                else [(f"checks {section.name.text}", section.name.span, section)]
+            )
         case ast.Map() | ast.Episode() | ast.Schedule():
             return [(type(section).__name__.lower(), section.span, section)]
         case ast.Agents():
             return [(f"agents {_agent_key(node)}", node.span, node) for node in section.attributes]
         case ast.Observe():
-            return [(f"observe {key}", node.span, node) for key, node in _observable_entries(section)]
+            return [
+                (f"observe {key}", node.span, node) for key, node in _observable_entries(section)
+            ]
         case ast.Look():
             return [(f"look {section.what.text}", section.span, section)]
         case ast.Metrics():
@@ -211,18 +235,26 @@ def _check_duplicates(game: Composition, sections: Sections) -> None:
                 if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
                     game.problems.append(errors.WrittenTwice(span, what=f"`{key}`"))
                 else:
-                    game.problems.append(errors.NameTaken(span, name=key, what=f"something declared in line {seen[key].line}"))
+                    game.problems.append(
+                        errors.NameTaken(
+                            span, name=key, what=f"something declared in line {seen[key].line}"
+                        )
+                    )
             seen.setdefault(key, span)
 
 
-def _check_clashes(game: Composition, name: str, variant: ast.Variant, touched: dict[str, tuple[str, str]]) -> None:
+def _check_clashes(
+    game: Composition, name: str, variant: ast.Variant, touched: dict[str, tuple[str, str]]
+) -> None:
     """Reports what a variant and one before it change differently. touched: key -> (variant, text of its change)."""
     for section in variant.changes:
         for key, span, node in named_entries(section):
             text = _content(game, node)
             for other, (first, before) in touched.items():
                 if first != name and _touches(other, key) and (other, before) != (key, text):
-                    game.problems.append(errors.ChangeClash(span, first=first, second=name, name=key))
+                    game.problems.append(
+                        errors.ChangeClash(span, first=first, second=name, name=key)
+                    )
                     break
             touched.setdefault(key, (name, text))
 
@@ -258,15 +290,24 @@ def _apply(game: Composition, sections: Sections) -> None:
                     else:
                         getattr(game, TABLE_OF_AGENTS[type(node)])[_agent_key(node)] = node
             case ast.Observe():
-                game.windows = tuple(s for s in section.observables if isinstance(s, ast.Window)) or game.windows
-                game.observables |= {_observable_key(s): s for s in section.observables if not isinstance(s, ast.Window)}
+                game.windows = (
+                    tuple(s for s in section.observables if isinstance(s, ast.Window))
+                    or game.windows
+                )
+                game.observables |= {
+                    _observable_key(s): s
+                    for s in section.observables
+                    if not isinstance(s, ast.Window)
+                }
             case ast.Look():
                 pass
             case ast.Metrics():
                 game.metrics |= {m.name.text: m for m in section.metrics}
             case ast.Checks():
                 name = "" if section.name is None else section.name.text
-                game.checks[name] = section.checks if name else game.checks.get(name, ()) + section.checks
+                game.checks[name] = (
+                    section.checks if name else game.checks.get(name, ()) + section.checks
+                )
             case ast.Override():
                 _override_constant(game, section)
             case ast.Drop():
@@ -275,7 +316,9 @@ def _apply(game: Composition, sections: Sections) -> None:
                 getattr(game, TABLE_OF[type(section)][0])[section.name.text] = section
 
 
-def _agent_key(attribute: ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks) -> str:
+def _agent_key(
+    attribute: ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks,
+) -> str:
     match attribute:
         case ast.Acts():
             return "acts"
@@ -293,7 +336,14 @@ def _chosen_text(action: ast.Chosen) -> str:
     """Returns an action as it is spoken of, without layout; arguments other than names and numbers show as `..`."""
     if action.arguments is None:
         return action.name.text
-    arguments = (path_text(a) if isinstance(a, ast.Path) else str(a.value) if isinstance(a, ast.Int) else ".." for a in action.arguments)
+    arguments = (
+        path_text(a)
+        if isinstance(a, ast.Path)
+        else str(a.value)
+        if isinstance(a, ast.Int)
+        else ".."
+        for a in action.arguments
+    )
     return f"{action.name.text}({', '.join(arguments)})"
 
 
@@ -306,12 +356,21 @@ def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | as
         together = plain[0].span
         if len(windows) > len(plain):
             together = replace(together, start=windows[0].span.start, end=windows[-1].span.end)
-        entries += [("window", replace(plain[0], span=together)), *(("window", w) for w in plain[1:])]
-    return entries + [(_observable_key(s), s) for s in observe.observables if not isinstance(s, ast.Window)]
+        entries += [
+            ("window", replace(plain[0], span=together)),
+            *(("window", w) for w in plain[1:]),
+        ]
+    return entries + [
+        (_observable_key(s), s) for s in observe.observables if not isinstance(s, ast.Window)
+    ]
 
 
 def _observable_key(observable: ast.Show | ast.Hide) -> str:
-    on = f" on {observable.on.text}" if isinstance(observable, ast.Hide) and observable.on is not None else ""
+    on = (
+        f" on {observable.on.text}"
+        if isinstance(observable, ast.Hide) and observable.on is not None
+        else ""
+    )
     return path_text(observable.what) + on
 
 
@@ -344,28 +403,46 @@ def _replace_entry(
             key = ast.Name(written.span, str(number))
     if key is not None and by is not None:
         value = _with_entry(value, key, by)
-    if key is None or not isinstance(value, ast.Table) or key.text not in {e.key.text for e in value.entries}:
+    if (
+        key is None
+        or not isinstance(value, ast.Table)
+        or key.text not in {e.key.text for e in value.entries}
+    ):
         _unknown(game, ast.Name(change.path.span, path_text(change.path)))
         return value
     game.references.append((key.span, Symbol("word", key.text)))
-    changed = (replace(e, value=_replace_entry(game, e.value, steps[1:], change)) if e.key.text == key.text else e for e in value.entries)
+    changed = (
+        replace(e, value=_replace_entry(game, e.value, steps[1:], change))
+        if e.key.text == key.text
+        else e
+        for e in value.entries
+    )
     return replace(value, entries=tuple(changed))
 
 
 def _drop(game: Composition, name: ast.Name) -> None:
-    others: dict[str, Space | None] = {"agent_fields": "field", "observables": None, "about": None, "variants": "variant"}
+    others: dict[str, Space | None] = {
+        "agent_fields": "field",
+        "observables": None,
+        "about": None,
+        "variants": "variant",
+    }
     for table, space in (*Composition.TABLES.items(), *others.items()):
         entries: dict[str, object] = getattr(game, table)
         if name.text in entries:
             del entries[name.text]
             if space is not None:
-                game.references.append((name.span, Symbol(space, name.text, "agent" if space == "field" else "")))
+                game.references.append(
+                    (name.span, Symbol(space, name.text, "agent" if space == "field" else ""))
+                )
             return
     _unknown(game, name)
 
 
 def _unknown(game: Composition, name: ast.Name) -> None:
-    game.problems.append(errors.ChangeUnknown(name.span, name=name.text, near=near(name.text, game.names())))
+    game.problems.append(
+        errors.ChangeUnknown(name.span, name=name.text, near=near(name.text, game.names()))
+    )
 
 
 def path_text(path: ast.Path) -> str:
@@ -390,7 +467,9 @@ def _with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.E
     if not known and not (not isinstance(by, ast.Words) and key.text.isdigit()):
         return value
     rest = ast.Name(value.span, "otherwise")
-    entries = value.entries if isinstance(value, ast.Table) else (ast.Entry(value.span, rest, value),)
+    entries = (
+        value.entries if isinstance(value, ast.Table) else (ast.Entry(value.span, rest, value),)
+    )
     others = next((entry for entry in entries if entry.key.text == "otherwise"), None)
     if others is None or key.text in {entry.key.text for entry in entries}:
         return value

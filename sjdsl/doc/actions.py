@@ -27,7 +27,13 @@ def action_rows(game: ir.Game) -> list[tuple[str, str, str]]:
     for at, name in enumerate(game.agents.actions):
         if at in first:
             action, last = first[at], first[at].numbers[-1]
-            found.append((str(at) if last == at else f"{at} to {last}", code(declared(action)), _meaning(action.name, action.name, game)))
+            found.append(
+                (
+                    str(at) if last == at else f"{at} to {last}",
+                    code(declared(action)),
+                    _meaning(action.name, action.name, game),
+                )
+            )
         elif at not in inside:
             found.append((str(at), code(name), _meaning(name, at, game)))
     return found
@@ -52,10 +58,16 @@ def _argument(argument: ir.ActionArgument) -> str:
 def _meaning(name: str, action: int | str, game: ir.Game) -> str:
     """Returns what an action does, by its number, or by its name if it takes arguments: the move it is, and the phases that ask for it."""
     said = []
-    if name in RELATIVE and any(isinstance(node, ir.Move) and node.course is None for node in ir.walk(game)):
+    if name in RELATIVE and any(
+        isinstance(node, ir.Move) and node.course is None for node in ir.walk(game)
+    ):
         said.append((RELATIVE if game.agents.relative else COMPASS)[name])
     phases = (turn for turn in game.schedule if isinstance(turn, ir.Phase))
-    asks = (p for p in phases if any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in ir.walk(p)))
+    asks = (
+        p
+        for p in phases
+        if any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in ir.walk(p))
+    )
     asking = dict.fromkeys(code(phase.label.partition("(")[0]) for phase in asks)
     if asking:
         said.append(f"what {joined(asking)} {'says' if len(asking) == 1 else 'say'}")

@@ -25,11 +25,21 @@ def differences(old: Written, new: Written) -> dict[str, list[str]]:
     A number that differs is a line (`apple: 1 -> 2`). A declaration is its name, and below it the lines that are gone and new, with
     their neighbours.
     """
-    found = {"Description": _description(old.game, new.game), "Numbers": _numbers(old, new), "Map": _map(old.game, new.game)}
+    found = {
+        "Description": _description(old.game, new.game),
+        "Numbers": _numbers(old, new),
+        "Map": _map(old.game, new.game),
+    }
     theirs = _declarations(new.composition)
     for title, (block, declared) in _declarations(old.composition).items():
-        counted = by_name({"number of agents": w.game.agents.number} for w in (old, new)) if title == "Agents" else []
-        found[title] = counted + _texts(block, (old.composition, declared), (new.composition, theirs[title][1]))
+        counted = (
+            by_name({"number of agents": w.game.agents.number} for w in (old, new))
+            if title == "Agents"
+            else []
+        )
+        found[title] = counted + _texts(
+            block, (old.composition, declared), (new.composition, theirs[title][1])
+        )
     return {title: lines for title, lines in found.items() if lines}
 
 
@@ -39,7 +49,10 @@ def by_name(sides: Iterable[Mapping[str, Any]], unit: str = "") -> list[str]:
     behind = f" ({unit})" if unit else ""
     found = []
     for name in dict.fromkeys([*old, *new]):
-        before, after = (number(value) if isinstance(value, int | float) else value for value in (old.get(name), new.get(name)))
+        before, after = (
+            number(value) if isinstance(value, int | float) else value
+            for value in (old.get(name), new.get(name))
+        )
         if before is None and after is not None:
             found.append(f"{name}: added, {after}{behind}")
         elif after is None and before is not None:
@@ -63,17 +76,23 @@ def _numbers(old: Written, new: Written) -> list[str]:
         sides = [(side.get(name), w) for side, w in ((mine, old), (theirs, new))]
         both = [(declared, w) for declared, w in sides if declared is not None]
         if len(both) == 2:
-            found += by_name((dict(_entries(name, n.value, n.type.by)) for n, _ in both), unit_of(both[1][0]))
+            found += by_name(
+                (dict(_entries(name, n.value, n.type.by)) for n, _ in both), unit_of(both[1][0])
+            )
             found += by_name(
                 {
                     f"{name}, unit": unit_of(n),
                     f"{name}, may be": limits_of(n, w),
-                    f"{name}, can be changed": "before compiling" if isinstance(n, ir.Size) else "at any time",
+                    f"{name}, can be changed": "before compiling"
+                    if isinstance(n, ir.Size)
+                    else "at any time",
                 }
                 for n, w in both
             )
         else:
-            compared = [(w.composition, {name: (w.composition.constants.get(name),)}) for w in (old, new)]
+            compared = [
+                (w.composition, {name: (w.composition.constants.get(name),)}) for w in (old, new)
+            ]
             found += _texts("", *compared)
     return found
 
@@ -86,7 +105,11 @@ def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> list[tuple[str,
     """Returns a number by its name, the entries of a table each by its own: `spores[red][green]`."""
     if not by:
         return [(name, value)]
-    return [pair for key, v in zip(by[0].keys, value, strict=True) for pair in _entries(f"{name}[{key}]", v, by[1:])]
+    return [
+        pair
+        for key, v in zip(by[0].keys, value, strict=True)
+        for pair in _entries(f"{name}[{key}]", v, by[1:])
+    ]
 
 
 def _map(old: ir.Game, new: ir.Game) -> list[str]:
@@ -95,16 +118,22 @@ def _map(old: ir.Game, new: ir.Game) -> list[str]:
     found = by_name({"size": size} for size in sizes)
     found += by_name({"edges": "joined" if g.wraps else "walls nobody passes"} for g in (old, new))
     counts = [Counter(kind for row in rows for kind in row) for rows in cells]
-    found += by_name({f"cells of {what}": number for what, number in count.items()} for count in counts)
+    found += by_name(
+        {f"cells of {what}": number for what, number in count.items()} for count in counts
+    )
     if sizes[0] == sizes[1]:
         same = sum(a == b for rows in zip(*cells, strict=True) for a, b in zip(*rows, strict=True))
-        found += by_name({"cells of the same kind and state": n} for n in (sum(map(len, cells[0])), same))
+        found += by_name(
+            {"cells of the same kind and state": n} for n in (sum(map(len, cells[0])), same)
+        )
     return found
 
 
 def _cells(game: ir.Game) -> list[list[str]]:
     """Returns what stands in each cell of the map: its kind, with the state at the start."""
-    meaning = {g.glyph: f"{g.kind} ({starts(g, game)})" if starts(g, game) else g.kind for g in game.glyphs}
+    meaning = {
+        g.glyph: f"{g.kind} ({starts(g, game)})" if starts(g, game) else g.kind for g in game.glyphs
+    }
     return [[meaning[glyph] for glyph in row] for row in game.rows]
 
 
@@ -129,19 +158,35 @@ def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
         "Pictures": ("", c.looks),
     }
     return {
-        title: (block, {name: of if isinstance(of, tuple) else (of,) for name, of in declared.items()})
+        title: (
+            block,
+            {name: of if isinstance(of, tuple) else (of,) for name, of in declared.items()},
+        )
         for title, (block, declared) in found.items()
     }
 
 
-def _texts(block: str, old: tuple[Composition, Declared], new: tuple[Composition, Declared]) -> list[str]:
+def _texts(
+    block: str, old: tuple[Composition, Declared], new: tuple[Composition, Declared]
+) -> list[str]:
     """Returns the declarations whose words differ: the name, and the lines that do as `sjdsl fmt` lays them out, marked `-` and `+`."""
     found: list[str] = []
     for name in {**old[1], **new[1]}:
-        before, after = (written_text(composition, declared.get(name, ())) for composition, declared in (old, new))
+        before, after = (
+            written_text(composition, declared.get(name, ()))
+            for composition, declared in (old, new)
+        )
         if WORD.findall(before) != WORD.findall(after):
-            _, _, _, *lines = unified_diff(laid_out(before, block), laid_out(after, block), n=1, lineterm="")
-            found += [name, *("    …" if line.startswith("@@") else f"  {line[0]} {line[1:]}" for line in lines)]
+            _, _, _, *lines = unified_diff(
+                laid_out(before, block), laid_out(after, block), n=1, lineterm=""
+            )
+            found += [
+                name,
+                *(
+                    "    …" if line.startswith("@@") else f"  {line[0]} {line[1:]}"
+                    for line in lines
+                ),
+            ]
     return found
 
 

@@ -10,15 +10,27 @@ HEAD = ("name", "default", "unit", "may be", "can be changed", "source")
 
 def parameters(w: Written) -> list[str]:
     """Returns the section on the numbers of a game."""
-    rows = [_row(size, w, "before compiling") for size in w.game.sizes] + [_row(param, w, "at any time") for param in w.game.params]
+    rows = [_row(size, w, "before compiling") for size in w.game.sizes] + [
+        _row(param, w, "at any time") for param in w.game.params
+    ]
     return [*table(HEAD, rows), ""] if rows else ["The game has no named numbers.", ""]
 
 
 def _row(declared: ir.Size | ir.Param, w: Written, when: str) -> tuple[str, ...]:
     written = w.numbers[declared.name]
     default = table_value(declared.value, declared.type.by)
-    default += "".join(f"; {' '.join([*map(code, path), 'computed as'])} {code(text)}" for path, text in written.formulas)
-    return code(declared.name), default, unit_of(declared), limits_of(declared, w), when, plain(written.source)
+    default += "".join(
+        f"; {' '.join([*map(code, path), 'computed as'])} {code(text)}"
+        for path, text in written.formulas
+    )
+    return (
+        code(declared.name),
+        default,
+        unit_of(declared),
+        limits_of(declared, w),
+        when,
+        plain(written.source),
+    )
 
 
 def unit_of(declared: ir.Size | ir.Param) -> str:

@@ -35,8 +35,15 @@ def rule_sheet(w: Written) -> str:
         ("Pictures", quoted(c, (look for looks in c.looks.values() for look in looks))),
         ("Variants", variants(w)),
     )
-    name = f"{code(w.game.name)}, from {code(w.file)}" + (f", variant {code('+'.join(w.chosen))}" if w.chosen else "")
-    found = [f"# {plain(w.game.title or w.game.name)}", "", f"The rules of the game {name}. {READING}", ""]
+    name = f"{code(w.game.name)}, from {code(w.file)}" + (
+        f", variant {code('+'.join(w.chosen))}" if w.chosen else ""
+    )
+    found = [
+        f"# {plain(w.game.title or w.game.name)}",
+        "",
+        f"The rules of the game {name}. {READING}",
+        "",
+    ]
     for title, lines in sections:
         found += [f"## {title}", "", *lines] if lines else []
     return "\n".join(found).rstrip("\n") + "\n"
@@ -57,15 +64,33 @@ def entities(w: Written) -> list[str]:
     c, game = w.composition, w.game
     own = [*c.agent_fields.values(), *c.agent_blocks.values(), *c.forbids.values()]
     text = "".join(game.rows)
-    glyphs = [(code(g.glyph), g.kind, str(text.count(g.glyph)), starts(g, game)) for g in game.glyphs]
-    kinds = [kind for kind in c.kinds.values() if kind.attributes or comment_behind(c, kind)]  # of the others the table says all
+    glyphs = [
+        (code(g.glyph), g.kind, str(text.count(g.glyph)), starts(g, game)) for g in game.glyphs
+    ]
+    kinds = [
+        kind for kind in c.kinds.values() if kind.attributes or comment_behind(c, kind)
+    ]  # of the others the table says all
     size = f"{counted(len(game.rows), 'row')} of {counted(len(game.rows[0]), 'cell')}; the first row is north."
-    edges = " Its edges are joined: what leaves it on one side comes in at the opposite side." if game.wraps else ""
+    edges = (
+        " Its edges are joined: what leaves it on one side comes in at the opposite side."
+        if game.wraps
+        else ""
+    )
     sections = (
         ("Agents", [f"{counted(game.agents.number, 'agent')}.", ""]),
-        ("", [*table(("number", "action", "what it does"), action_rows(game)), "", *quoted(c, own, "agents")]),
+        (
+            "",
+            [
+                *table(("number", "action", "what it does"), action_rows(game)),
+                "",
+                *quoted(c, own, "agents"),
+            ],
+        ),
         ("Movers", quoted(c, c.movers.values())),
-        ("Kinds of cell", [*table(("glyph", "kind", "cells on the map", "their state at the start"), glyphs), ""]),
+        (
+            "Kinds of cell",
+            [*table(("glyph", "kind", "cells on the map", "their state at the start"), glyphs), ""],
+        ),
         ("", quoted(c, [*kinds, *c.groups.values()])),
         ("Map", [size + edges, "", *fenced(game.rows), ""]),
         ("State of the world", quoted(c, c.fields.values())),
@@ -80,7 +105,9 @@ def entities(w: Written) -> list[str]:
 def starts(glyph: ir.GlyphMeaning, game: ir.Game) -> str:
     """Returns the fields that a glyph of the map stands for, each with its value at the start."""
     own = starts_of(game, glyph)
-    return ", ".join(f"{code(f.name)} = {_start(own[f.name], f)}" for f in kind_named(game, glyph.kind).fields)
+    return ", ".join(
+        f"{code(f.name)} = {_start(own[f.name], f)}" for f in kind_named(game, glyph.kind).fields
+    )
 
 
 def _start(start: int | float | str | None, field: ir.VarField) -> str:
@@ -92,28 +119,40 @@ def _start(start: int | float | str | None, field: ir.VarField) -> str:
 def overview(w: Written) -> list[str]:
     """Returns the schedule and the length of an episode, and which phases draw at random."""
     c = w.composition
-    drawing = {p.label.partition("(")[0]: None for p in phases_of(w.game) if any(map(is_random, ir.walk(p)))}
-    drawn = f"Random draws are made in {joined(map(code, drawing))}." if drawing else "Nothing is drawn at random."
+    drawing = {
+        p.label.partition("(")[0]: None
+        for p in phases_of(w.game)
+        if any(map(is_random, ir.walk(p)))
+    }
+    drawn = (
+        f"Random draws are made in {joined(map(code, drawing))}."
+        if drawing
+        else "Nothing is drawn at random."
+    )
     return [*quoted(c, (c.schedule, c.episode)), drawn, ""]
 
 
 def is_random(node: ir.Node) -> bool:
-    return isinstance(node, ir.Chance | ir.Draw | ir.Match | ir.Move | ir.Pick | ir.Send | ir.Shift) or (
-        isinstance(node, ir.Set) and node.lot is not None
-    )
+    return isinstance(
+        node, ir.Chance | ir.Draw | ir.Match | ir.Move | ir.Pick | ir.Send | ir.Shift
+    ) or (isinstance(node, ir.Set) and node.lot is not None)
 
 
 def names(w: Written) -> list[ast.Define]:
     """Returns the defines of the game's own file, and those of its bases that are read."""
     read = {node.name for node in ir.walk(w.game) if isinstance(node, ir.Named)}
     c = w.composition
-    return [define for name, define in c.defines.items() if name in read or define.span.file == c.file]
+    return [
+        define for name, define in c.defines.items() if name in read or define.span.file == c.file
+    ]
 
 
 def phases(c: Composition) -> dict[str, ast.Phase]:
     """Returns the phases of the schedule, each once, in the order of their first turns."""
     turns = () if c.schedule is None else c.schedule.turns
-    return {turn.name.text: c.phases[turn.name.text] for turn in turns if turn.name.text in c.phases}
+    return {
+        turn.name.text: c.phases[turn.name.text] for turn in turns if turn.name.text in c.phases
+    }
 
 
 def observation(w: Written) -> list[str]:
@@ -121,7 +160,10 @@ def observation(w: Written) -> list[str]:
     c = w.composition
     found = quoted(c, [*c.windows, *c.observables.values()], "observe")
     try:
-        rows = [(str(i), code(plane.name), _values(plane)) for i, plane in enumerate(token_planes(w.game))]
+        rows = [
+            (str(i), code(plane.name), _values(plane))
+            for i, plane in enumerate(token_planes(w.game))
+        ]
     except NotSupported as refused:
         return [*found, f"The compiler cannot make observations: {refused.what}.", ""]
     return [*found, *table(("plane", "name", "values"), rows), ""]
@@ -134,7 +176,10 @@ def _values(plane: TokenPlane) -> str:
         case "bits":
             return ", ".join(f"bit {bit} {code(label)}" for bit, label in enumerate(plane.labels))
         case "word":
-            alike = groupby(enumerate(plane.labels), lambda entry: entry[1].partition(" ")[0] if "=" in entry[1] else entry)
+            alike = groupby(
+                enumerate(plane.labels),
+                lambda entry: entry[1].partition(" ")[0] if "=" in entry[1] else entry,
+            )
             return ", ".join(_labels(list(entries)) for _, entries in alike)
 
 
@@ -144,22 +189,26 @@ def _labels(entries: list[tuple[int, str]]) -> str:
     if first == last:
         return f"{first} {plain(label)}"
     states = [[word.split("=") for word in state.split()[1:]] for _, state in entries]
-    fields = [f"{field[0][0]} {'/'.join(dict.fromkeys(value for _, value in field))}" for field in zip(*states, strict=True)]
+    fields = [
+        f"{field[0][0]} {'/'.join(dict.fromkeys(value for _, value in field))}"
+        for field in zip(*states, strict=True)
+    ]
     order = " (the last fastest)" if len(fields) > 1 else ""
     return f"{first} to {last} {label.partition(' ')[0]}: {plain(' × '.join(fields))}{order}"
 
 
 def initialisation(w: Written) -> list[str]:
     """Returns how an episode begins."""
-    first = (
-        "At first, fields have the values behind their `=`, and cells the state that their glyph stands for. Then comes the phase `start`:"
-    )
+    first = "At first, fields have the values behind their `=`, and cells the state that their glyph stands for. Then comes the phase `start`:"
     return [first, "", *quoted(w.composition, [w.composition.phases["start"]])]
 
 
 def metrics(w: Written) -> list[str]:
     """Returns what is counted and measured."""
-    found = table(("metric", "what it is", "of", "source"), (_metric(m, w) for m in w.composition.metrics.values()))
+    found = table(
+        ("metric", "what it is", "of", "source"),
+        (_metric(m, w) for m in w.composition.metrics.values()),
+    )
     return [*found, ""] if found else []
 
 
@@ -167,7 +216,11 @@ def _metric(metric: ast.Event | ast.Measure, w: Written) -> tuple[str, ...]:
     name, text = metric.name, w.composition.sources[metric.span.file].text
     after = text[name.span.end : metric.span.end].strip(" =\n")
     if isinstance(metric, ast.Measure):
-        what = "mean over the steps of an episode" if metric.is_mean else "at the last step of an episode"
+        what = (
+            "mean over the steps of an episode"
+            if metric.is_mean
+            else "at the last step of an episode"
+        )
     else:
         what = f"counted for {'each agent' if event_named(w.game, name.text).per_agent else 'the whole game'}"
     source = comment_behind(w.composition, metric).lstrip("# ")
@@ -189,5 +242,7 @@ def variants(w: Written) -> list[str]:
     if not w.variants:
         return []
     rows = [(code(name), plain(title)) for name, title in w.variants]
-    hint = f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes."
+    hint = (
+        f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes."
+    )
     return [*table(("variant", "what it is"), rows), "", hint, ""]

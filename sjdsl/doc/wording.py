@@ -35,7 +35,9 @@ def number(value: float) -> str:
     """Returns a number as short as it can be read back; endless ones in words."""
     if math.isinf(value):
         return "any number"
-    return format(Decimal(number_text(value)), "f") if abs(value) >= SMALLEST else number_text(value)
+    return (
+        format(Decimal(number_text(value)), "f") if abs(value) >= SMALLEST else number_text(value)
+    )
 
 
 def counted(value: float, noun: str) -> str:
@@ -65,8 +67,12 @@ def fenced(lines: Sequence[str], language: str = "text") -> list[str]:
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Returns a Markdown table, without the columns that say nothing of any row; nothing without rows."""
-    cells = [[cell.replace("|", "\\|") if "\\|" not in cell else cell for cell in row] for row in rows]
+    cells = [
+        [cell.replace("|", "\\|") if "\\|" not in cell else cell for cell in row] for row in rows
+    ]
     if not cells:
         return []
     said = [any(column) for column in zip(*cells, strict=True)]
-    return ["| " + " | ".join(compress(row, said)) + " |" for row in (head, ["---"] * len(head), *cells)]
+    return [
+        "| " + " | ".join(compress(row, said)) + " |" for row in (head, ["---"] * len(head), *cells)
+    ]

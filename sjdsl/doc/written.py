@@ -48,23 +48,33 @@ def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
         game=game,
         file=PurePath(source.name).name,
         chosen=tuple(variants),
-        variants=tuple((v.name.text, v.title.text if v.title else "") for v in composed.variants.values()),
-        numbers={name: _number(constant, composed) for name, constant in composed.constants.items()},
+        variants=tuple(
+            (v.name.text, v.title.text if v.title else "") for v in composed.variants.values()
+        ),
+        numbers={
+            name: _number(constant, composed) for name, constant in composed.constants.items()
+        },
     )
 
 
 def _number(constant: ast.Constant, game: Composition) -> WrittenNumber:
     leaves = list(_leaves(constant.value))
     computed = [(path, leaf) for path, leaf in leaves if not _is_literal(leaf, constant)]
-    low, high = ("" if bound is None else _text(bound, game) for bound in (constant.low, constant.high))
+    low, high = (
+        "" if bound is None else _text(bound, game) for bound in (constant.low, constant.high)
+    )
     here = [leaf.span for _, leaf in leaves if _is_inside(leaf.span, constant.span)]
     elsewhere = [leaf.span for _, leaf in leaves if not _is_inside(leaf.span, constant.span)]
     found = [comments(span, game.sources) for span in ([constant.span] if here else []) + elsewhere]
     source = "; ".join(dict.fromkeys(text for text in found if text))
-    return WrittenNumber(tuple((path, _text(leaf, game)) for path, leaf in computed), low, high, source)
+    return WrittenNumber(
+        tuple((path, _text(leaf, game)) for path, leaf in computed), low, high, source
+    )
 
 
-def _leaves(value: ast.Expr | ast.Table, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], ast.Expr]]:
+def _leaves(
+    value: ast.Expr | ast.Table, path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], ast.Expr]]:
     """Yields the expressions of a number or table, each with its words."""
     if isinstance(value, ast.Table):
         for entry in value.entries:
@@ -76,7 +86,9 @@ def _leaves(value: ast.Expr | ast.Table, path: tuple[str, ...] = ()) -> Iterator
 def _is_literal(value: ast.Expr, constant: ast.Constant) -> bool:
     if isinstance(value, ast.Unary):
         return _is_literal(value.operand, constant)
-    return isinstance(value, ast.Int | ast.Decimal) or (constant.unit.text == "word" and isinstance(value, ast.Path))
+    return isinstance(value, ast.Int | ast.Decimal) or (
+        constant.unit.text == "word" and isinstance(value, ast.Path)
+    )
 
 
 def _is_inside(inner: Span, outer: Span) -> bool:

@@ -31,7 +31,9 @@ class Analysis:
         self._documents = documents
         self._seen: dict[Path, Stamp] = {}
         self._variants: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
-        self.source = Source(document.name, document.text, document.folder, self._over, document.path)
+        self.source = Source(
+            document.name, document.text, document.folder, self._over, document.path
+        )
 
     def _over(self, path: Path) -> str | None:
         self._seen[path] = _stamp(path, self._documents)
@@ -92,7 +94,10 @@ class Analysis:
 
     def all_problems(self) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
         """Yields the problems of the game as it is, then of each variant alone."""
-        for variants in ((), *((name,) for name in (() if self.composition is None else self.composition.variants))):
+        for variants in (
+            (),
+            *((name,) for name in (() if self.composition is None else self.composition.variants)),
+        ):
             yield variants, self.problems(variants)
 
     @cached_property
@@ -103,7 +108,11 @@ class Analysis:
     @cached_property
     def resolved(self) -> Mapping[Span, set[Symbol]]:
         """What elaboration found names to stand for, of the text and of its bases, in the game as it is and in the variants of the text."""
-        own = () if self.file is None else tuple(s.name.text for s in self.file.game.sections if isinstance(s, ast.Variant))
+        own = (
+            ()
+            if self.file is None
+            else tuple(s.name.text for s in self.file.game.sections if isinstance(s, ast.Variant))
+        )
         found = defaultdict[Span, set[Symbol]](set)
         for variants in ((), *((name,) for name in own)):
             with suppress(CompileError):

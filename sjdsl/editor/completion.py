@@ -13,7 +13,12 @@ from sjdsl.compiler.ast.names import AGENT, Names, Owners, Symbol
 from sjdsl.compiler.diagnostics.limits import check_text
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate.constants import UNITS
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, MOVER_ATTRIBUTES, NOWHERE
+from sjdsl.compiler.elaborate.lookup import (
+    AGENT_ATTRIBUTES,
+    CELL_ATTRIBUTES,
+    MOVER_ATTRIBUTES,
+    NOWHERE,
+)
 from sjdsl.compiler.elaborate.shapes import BUILT_IN as FORMS
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton, parser
@@ -35,11 +40,28 @@ KINDS = {
 }  # fmt: skip
 TRIGGERS = (".", "[", '"')
 LONGEST = 80  # characters of a declaration shown beside a name
-BEGINNING = (SECTIONS | ENTRIES | STATEMENTS) - {"WHERE"}  # kinds of tokens that end what is unfinished before them
-ABOUT_AGENTS = ("FORBID", "BLOCKS", "WINDOW", "SHOW", "HIDE", "POLICY")  # declarations in which `agent` has a name
+BEGINNING = (SECTIONS | ENTRIES | STATEMENTS) - {
+    "WHERE"
+}  # kinds of tokens that end what is unfinished before them
+ABOUT_AGENTS = (
+    "FORBID",
+    "BLOCKS",
+    "WINDOW",
+    "SHOW",
+    "HIDE",
+    "POLICY",
+)  # declarations in which `agent` has a name
 QUOTED = re.compile(r'"(?:\\.|[^"\\\n])*"')
 WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*$")
-SHARED = ("kind", "group", "sort of movers", "parameter", "size", "define", "field of the world")  # the sorts of the shared name space
+SHARED = (
+    "kind",
+    "group",
+    "sort of movers",
+    "parameter",
+    "size",
+    "define",
+    "field of the world",
+)  # the sorts of the shared name space
 WHO = "agent kind group sort-of-movers"
 SEEN = f"{WHO} other field-of-the-world marks content"
 # What comes behind a token, or at a place that `_asked` calls so: sorts of names, and words that stand for themselves.
@@ -64,7 +86,9 @@ class Offer(NamedTuple):
     symbol: Symbol | None = None
 
 
-def completion(uri: str, position: types.Position, analyses: Analyses) -> list[types.CompletionItem]:
+def completion(
+    uri: str, position: types.Position, analyses: Analyses
+) -> list[types.CompletionItem]:
     """Returns what may be written at a position. Names are those of the text as it could be read last."""
     document, readable = analyses.documents.get(uri), analyses.readable(uri)
     if document is None:
@@ -82,8 +106,14 @@ def completion(uri: str, position: types.Position, analyses: Analyses) -> list[t
     else:
         kinds = following(tokens)
         words = automaton().words
-        offers = [Offer(words[kind], "keyword") for kind in sorted(kinds) if words.get(kind, "").isalpha()]
-        offers += fitting(tokens, kinds, Names() if readable is None else readable.names) if "NAME" in kinds else []
+        offers = [
+            Offer(words[kind], "keyword") for kind in sorted(kinds) if words.get(kind, "").isalpha()
+        ]
+        offers += (
+            fitting(tokens, kinds, Names() if readable is None else readable.names)
+            if "NAME" in kinds
+            else []
+        )
     first: dict[str, Offer] = {}
     for offer in sorted(offers, key=lambda o: o.rank):
         first.setdefault(offer.word, offer)
@@ -118,14 +148,28 @@ def following(tokens: Sequence[Token]) -> Collection[str]:
 
 def _files(tokens: Sequence[Token], document: Document) -> list[Offer]:
     """Returns the files that a text in quotes can name: games after `extends`, maps after `map`."""
-    suffix = {"EXTENDS": ".sj", "MAP": ".txt", "WRAPS": ".txt"}.get(tokens[-1].type) if tokens else None
+    suffix = (
+        {"EXTENDS": ".sj", "MAP": ".txt", "WRAPS": ".txt"}.get(tokens[-1].type) if tokens else None
+    )
     top = document.folder
     if suffix is None or top is None or not top.is_dir():
         return []
-    homes = [top.resolve(), *([] if document.path is None else [document.path.parent])]  # links that lead elsewhere are refused
-    inside = [sub for sub in sorted(top.iterdir()) if any(sub.resolve().is_relative_to(home) for home in homes)]
+    homes = [
+        top.resolve(),
+        *([] if document.path is None else [document.path.parent]),
+    ]  # links that lead elsewhere are refused
+    inside = [
+        sub
+        for sub in sorted(top.iterdir())
+        if any(sub.resolve().is_relative_to(home) for home in homes)
+    ]
     folders = [top, *(sub for sub in inside if sub.is_dir() and not sub.name.startswith("."))]
-    files = [file for folder in folders for file in sorted(folder.glob(f"*{suffix}")) if file.resolve() != document.path]
+    files = [
+        file
+        for folder in folders
+        for file in sorted(folder.glob(f"*{suffix}"))
+        if file.resolve() != document.path
+    ]
     return [Offer(file.relative_to(top).as_posix(), "file") for file in files[:200]]
 
 
@@ -133,8 +177,17 @@ def _detail(offer: Offer, analysis: Analysis | None) -> str:
     """Returns the declaration of a name on one line, of a function what it gives."""
     if offer.sort == "function":
         return "; ".join(f"{written}: {gives}" for written, gives in FUNCTIONS[offer.word].uses)
-    node = None if analysis is None or offer.symbol is None else analysis.names.nodes.get(offer.symbol)
-    text = next((source.text for source, _ in analysis.chain if node and source.name == node.span.file), "") if analysis else ""
+    node = (
+        None if analysis is None or offer.symbol is None else analysis.names.nodes.get(offer.symbol)
+    )
+    text = (
+        next(
+            (source.text for source, _ in analysis.chain if node and source.name == node.span.file),
+            "",
+        )
+        if analysis
+        else ""
+    )
     if node is None:
         return "" if offer.sort in ("keyword", "file") else offer.sort
     line = " ".join(text[node.span.start : node.span.end].split())
@@ -159,7 +212,10 @@ def fitting(tokens: Sequence[Token], kinds: Collection[str], names: Names) -> It
     for sort in ("local", "parameter", "size", "define", "field of the world"):
         yield from _of(sort, names, around, 1)
     yield from () if words else _of("word", names, around, 4)
-    section, check = (next((t.type for t in reversed(tokens) if t.type in group), "") for group in (SECTIONS, ENTRIES))
+    section, check = (
+        next((t.type for t in reversed(tokens) if t.type in group), "")
+        for group in (SECTIONS, ENTRIES)
+    )
     in_checks = section == "CHECKS"
     yield from _of("metric", names, around, 3) if in_checks else ()
     yield from (
@@ -167,13 +223,18 @@ def fitting(tokens: Sequence[Token], kinds: Collection[str], names: Names) -> It
         for f in FUNCTIONS.values()
         if not f.word and (not f.checks or (in_checks and check.lower() in f.checks))
     )
-    yield from (Offer(word, "value", 4) for word in ("step", NOWHERE, *(HEADINGS if asked in ("IS", "NOT", "EQUAL") else ())))
+    yield from (
+        Offer(word, "value", 4)
+        for word in ("step", NOWHERE, *(HEADINGS if asked in ("IS", "NOT", "EQUAL") else ()))
+    )
 
 
 def _asked(tokens: Sequence[Token], kinds: Collection[str]) -> str:
     """Returns a key of EXPECTED, or the kind of the last token where a value or a new name stands."""
     at = len(tokens) - 1
-    while at >= 0 and tokens[-1].type == "COMMA" and tokens[at].type in ("NAME", "INT", "COMMA"):  # a list: what stands before it asks
+    while (
+        at >= 0 and tokens[-1].type == "COMMA" and tokens[at].type in ("NAME", "INT", "COMMA")
+    ):  # a list: what stands before it asks
         at -= 1
     before = [token.type for token in reversed(tokens[: at + 1])] + 4 * [""]
     match last := before.pop(0):
@@ -184,15 +245,28 @@ def _asked(tokens: Sequence[Token], kinds: Collection[str]) -> str:
         case "COLON" if "SET" in kinds:
             return "type"
         case "OF":
-            return "members" if tokens[at - 1] == "cell" else "set of" if before[0] == "SET" else "SEND"
+            return (
+                "members"
+                if tokens[at - 1] == "cell"
+                else "set of"
+                if before[0] == "SET"
+                else "SEND"
+            )
         case "WITH" if "STRING" not in kinds:
             return "players" if "SEEK" in kinds else "glyph" if before[0] == "STRING" else "who"
-        case "POLICY" if "SLOTS" in [t.type for t in takewhile(lambda t: t.type not in ("LBRACE", "RBRACE"), reversed(tokens))]:
+        case "POLICY" if "SLOTS" in [
+            t.type
+            for t in takewhile(lambda t: t.type not in ("LBRACE", "RBRACE"), reversed(tokens))
+        ]:
             return "slots"
         case "SET":
             return "target" if "GIVE" in following(tokens[:-1]) else "change"
         case "TO":
-            return "who" if next((t.type for t in reversed(tokens) if t.type in STATEMENTS), "") == "SEND" else "target"
+            return (
+                "who"
+                if next((t.type for t in reversed(tokens) if t.type in STATEMENTS), "") == "SEND"
+                else "target"
+            )
         case "FROM" if before[0] == "AWAY":
             return "who"
         case "LPAR" if before[0] in ("COUNT", "ANY", "ALL"):
@@ -211,20 +285,34 @@ def _of(sort: str, names: Names, around: dict[str, Owners], rank: int) -> Iterat
     """Yields the names of a sort; a word that is no sort stands for itself."""
     match sort:
         case "local" | "free local":  # free: it may be an action
-            yield from (Offer(name, "local", rank) for name, owners in around.items() if sort == "local" or owners is None)
+            yield from (
+                Offer(name, "local", rank)
+                for name, owners in around.items()
+                if sort == "local" or owners is None
+            )
         case "form":
             yield from (Offer(form, "shape", rank + 2) for form in FORMS)
         case "word":
             yield from (Offer(word, "word", rank) for word in sorted(names.words))
         case "event":
             yield from (
-                offer for offer in _of("metric", names, around, rank) if offer.symbol and isinstance(names.nodes[offer.symbol], ast.Event)
+                offer
+                for offer in _of("metric", names, around, rank)
+                if offer.symbol and isinstance(names.nodes[offer.symbol], ast.Event)
             )
         case _ if sort in SHARED:
-            yield from (Offer(s.name, sort, rank, s) for s in names.nodes if s.space == "name" and names.sort(s) == sort)
+            yield from (
+                Offer(s.name, sort, rank, s)
+                for s in names.nodes
+                if s.space == "name" and names.sort(s) == sort
+            )
         case _ if sort in KINDS:
             hidden = ("start",) if sort == "phase" else ()
-            yield from (Offer(s.name, sort, rank, s) for s in names.nodes if s.space == sort and s.name not in hidden)
+            yield from (
+                Offer(s.name, sort, rank, s)
+                for s in names.nodes
+                if s.space == sort and s.name not in hidden
+            )
         case _:
             yield Offer(sort, "value", rank)
 
@@ -232,7 +320,11 @@ def _of(sort: str, names: Names, around: dict[str, Owners], rank: int) -> Iterat
 def _members(tokens: Sequence[Token], names: Names, around: dict[str, Owners]) -> Iterator[Offer]:
     """Yields what may stand after a dot: fields, attributes, actions that have arguments, and behind one of these its arguments."""
     arguments = [s for s in names.nodes if s.space == "argument"]
-    own = [s for s in arguments if [t.type for t in tokens[-3:]] == ["DOT", "NAME", "DOT"] and s.owner == tokens[-2]]
+    own = [
+        s
+        for s in arguments
+        if [t.type for t in tokens[-3:]] == ["DOT", "NAME", "DOT"] and s.owner == tokens[-2]
+    ]
     if own:
         yield from (Offer(s.name, "argument", 0, s) for s in own)
         return
@@ -242,7 +334,13 @@ def _members(tokens: Sequence[Token], names: Names, around: dict[str, Owners]) -
         yield from (Offer(s.owner, "action", 1, Symbol("action", s.owner)) for s in arguments)
     for owner in owners or ("agent",):
         is_mover = isinstance(names.nodes.get(Symbol("name", owner)), ast.Movers)
-        attributes = AGENT_ATTRIBUTES if owner == "agent" else MOVER_ATTRIBUTES if is_mover else CELL_ATTRIBUTES
+        attributes = (
+            AGENT_ATTRIBUTES
+            if owner == "agent"
+            else MOVER_ATTRIBUTES
+            if is_mover
+            else CELL_ATTRIBUTES
+        )
         yield from (Offer(attribute, "field", 1) for attribute in attributes)
 
 
@@ -250,15 +348,28 @@ def _words_compared(tokens: Sequence[Token], names: Names, around: dict[str, Own
     """Returns the words of the field that stands before `is`, `is not` or `=`."""
     if not tokens or tokens[-1].type not in ("IS", "NOT", "EQUAL"):
         return []
-    fields, _ = _path([t for t in tokens[:-1] if t.type != "IS"] if tokens[-1].type == "NOT" else tokens[:-1], names, around)
+    fields, _ = _path(
+        [t for t in tokens[:-1] if t.type != "IS"] if tokens[-1].type == "NOT" else tokens[:-1],
+        names,
+        around,
+    )
     nodes = [names.nodes[field] for field in fields]
-    return [w.text for node in nodes if isinstance(node, ast.Field) and isinstance(node.type, ast.Words) for w in node.type.names]
+    return [
+        w.text
+        for node in nodes
+        if isinstance(node, ast.Field) and isinstance(node.type, ast.Words)
+        for w in node.type.names
+    ]
 
 
-def _path(tokens: Sequence[Token], names: Names, around: dict[str, Owners]) -> tuple[list[Symbol], Owners]:
+def _path(
+    tokens: Sequence[Token], names: Names, around: dict[str, Owners]
+) -> tuple[list[Symbol], Owners]:
     """Returns the fields that the path at the end of tokens can be, and what its value can be, None if that is not known."""
     if tokens and tokens[-1].type == "RSQB":
-        tokens = tokens[: max(at for at, token in enumerate(tokens) if token.type == "LSQB" or not at)]
+        tokens = tokens[
+            : max(at for at, token in enumerate(tokens) if token.type == "LSQB" or not at)
+        ]
     if not tokens or tokens[-1].type != "NAME":
         return [], None
     name = str(tokens[-1])
@@ -268,7 +379,9 @@ def _path(tokens: Sequence[Token], names: Names, around: dict[str, Owners]) -> t
         return [], around.get(name) or names.owners(name)
     else:
         world = Symbol("name", name)
-        fields = [world] if world in names.nodes else [s for s in names.fields(None) if s.name == name]
+        fields = (
+            [world] if world in names.nodes else [s for s in names.fields(None) if s.name == name]
+        )
     held = [names.held(field) for field in fields]
     return fields, frozenset[str]().union(*(h for h in held if h)) or None
 
@@ -280,7 +393,11 @@ def local_names(tokens: Sequence[Token], names: Names) -> dict[str, Owners]:
     begun = ""
     for at, token in enumerate(tokens):
         before = tokens[at - 1].type if at else ""
-        if token.type in BEGINNING and before != "WITH" and not (token.type == "WHEN" and begun in ABOUT_AGENTS):
+        if (
+            token.type in BEGINNING
+            and before != "WITH"
+            and not (token.type == "WHEN" and begun in ABOUT_AGENTS)
+        ):
             begun, pending = token.type, {"agent": AGENT} if token.type in ABOUT_AGENTS else {}
         if token.type in ("LBRACE", "LPAR"):
             blocks.append({**blocks[-1], **pending})

@@ -37,14 +37,26 @@ def diagnostics(analysis: Analysis, documents: Documents, found: Found) -> list[
     """Returns what is wrong with a text, in its order. `found`: as far as it has been looked for."""
     told = by_variant(found)
     own = analysis.document.name
-    if analysis.document.path is None:  # not saved, or an earlier version: which files belong to it isn't known
-        told = [(d, variants) for d, variants in told if d.span.file == own and not isinstance(d, errors.NoFile)]
-    shown = [_diagnostic(d, variants, analysis, documents) for d, variants in told if d.span.file == own]
-    shown += [_elsewhere(d, variants, analysis, documents) for d, variants in told if d.span.file != own]
+    if (
+        analysis.document.path is None
+    ):  # not saved, or an earlier version: which files belong to it isn't known
+        told = [
+            (d, variants)
+            for d, variants in told
+            if d.span.file == own and not isinstance(d, errors.NoFile)
+        ]
+    shown = [
+        _diagnostic(d, variants, analysis, documents) for d, variants in told if d.span.file == own
+    ]
+    shown += [
+        _elsewhere(d, variants, analysis, documents) for d, variants in told if d.span.file != own
+    ]
     return sorted(shown, key=lambda d: (d.range.start.line, d.range.start.character, str(d.code)))
 
 
-def _diagnostic(d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents) -> types.Diagnostic:
+def _diagnostic(
+    d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents
+) -> types.Diagnostic:
     many = "s" if len(variants) > 1 else ""
     among = f"in variant{many} {', '.join(f'`{name}`' for name in variants)}: " if variants else ""
     return types.Diagnostic(
@@ -55,11 +67,16 @@ def _diagnostic(d: Diagnostic, variants: Sequence[str], analysis: Analysis, docu
         code_description=types.CodeDescription(href=(FOLDER / f"{d.code}.md").resolve().as_uri()),
         source=SOURCE,
         tags=[types.DiagnosticTag.Unnecessary] if isinstance(d, WITHOUT_EFFECT) else None,
-        related_information=_related([(label.span, label.text) for label in d.labels], analysis, documents) or None,
+        related_information=_related(
+            [(label.span, label.text) for label in d.labels], analysis, documents
+        )
+        or None,
     )
 
 
-def _elsewhere(d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents) -> types.Diagnostic:
+def _elsewhere(
+    d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents
+) -> types.Diagnostic:
     """A mistake in a base or a map stands where this text names the file, and points there."""
     shown = _diagnostic(d, variants, analysis, documents)
     shown.range = analysis.document.lines.range(*naming(d.span.file, analysis))
@@ -83,10 +100,16 @@ def naming(file: str, analysis: Analysis) -> tuple[int, int]:
     return (span.start, span.end)
 
 
-def _related(places: Iterable[tuple[Span, str]], analysis: Analysis, documents: Documents) -> list[types.DiagnosticRelatedInformation]:
+def _related(
+    places: Iterable[tuple[Span, str]], analysis: Analysis, documents: Documents
+) -> list[types.DiagnosticRelatedInformation]:
     """Returns other places with what there is to say about them, in this text and in other files."""
     found = [(location(span, analysis, documents), text) for span, text in places]
-    return [types.DiagnosticRelatedInformation(location=where, message=text) for where, text in found if where is not None]
+    return [
+        types.DiagnosticRelatedInformation(location=where, message=text)
+        for where, text in found
+        if where is not None
+    ]
 
 
 def location(span: Span, analysis: Analysis, documents: Documents) -> types.Location | None:
@@ -99,4 +122,6 @@ def location(span: Span, analysis: Analysis, documents: Documents) -> types.Loca
     uri = documents.uri(path)
     document = documents.get(uri)
     line = types.Position(span.line - 1, 0)
-    return types.Location(uri, types.Range(line, line) if document is None else document.lines.span(span))
+    return types.Location(
+        uri, types.Range(line, line) if document is None else document.lines.span(span)
+    )

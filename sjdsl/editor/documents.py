@@ -74,7 +74,9 @@ class Documents:
         self.encoding = encoding
         self._inside = None if inside is None else [folder.resolve() for folder in inside]
         self._open: dict[str, Document] = {}
-        self._uris: dict[Path, str] = {}  # as the client writes them: it may escape more than others
+        self._uris: dict[
+            Path, str
+        ] = {}  # as the client writes them: it may escape more than others
 
     def put(self, uri: str, text: str, version: int | None = None) -> Document:
         """Opens a text, or replaces it."""

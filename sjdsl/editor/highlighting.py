@@ -22,13 +22,28 @@ SPACE = "punctuation.whitespace.sj"
 
 def word_groups() -> dict[str, list[str]]:
     """Returns the words of the language by how they are coloured; each is in one group."""
-    kinds = {word: kind for kind, word in sorted(automaton().words.items()) if word.isalpha() and word not in VALUES}
+    kinds = {
+        word: kind
+        for kind, word in sorted(automaton().words.items())
+        if word.isalpha() and word not in VALUES
+    }
     control = set(CONTROL) & kinds.keys()
-    declaring = {word for word, kind in kinds.items() if kind in SECTIONS | ENTRIES or word in ("game", "sj", "extends", *FIELDS)} - control
+    declaring = {
+        word
+        for word, kind in kinds.items()
+        if kind in SECTIONS | ENTRIES or word in ("game", "sj", "extends", *FIELDS)
+    } - control
     statements = {word for word, kind in kinds.items() if kind in STATEMENTS} - control - declaring
-    groups = {"keyword.control.sj": control, "storage.type.sj": declaring, "keyword.other.statement.sj": statements}
+    groups = {
+        "keyword.control.sj": control,
+        "storage.type.sj": declaring,
+        "keyword.other.statement.sj": statements,
+    }
     others = kinds.keys() - control - declaring - statements
-    return {scope: sorted(words) for scope, words in {**groups, "keyword.operator.word.sj": others}.items()}
+    return {
+        scope: sorted(words)
+        for scope, words in {**groups, "keyword.operator.word.sj": others}.items()
+    }
 
 
 def any_of(words: Iterable[str]) -> str:
@@ -37,7 +52,10 @@ def any_of(words: Iterable[str]) -> str:
 
 def captured(match: str, *scopes: str) -> dict[str, Any]:
     """Returns a pattern whose groups have these scopes, in order; it matches nothing outside them."""
-    return {"match": match, "captures": {str(number): {"name": scope} for number, scope in enumerate(scopes, 1)}}
+    return {
+        "match": match,
+        "captures": {str(number): {"name": scope} for number, scope in enumerate(scopes, 1)},
+    }
 
 
 def patterns() -> list[dict[str, Any]]:
@@ -55,14 +73,33 @@ def patterns() -> list[dict[str, Any]]:
             "patterns": [{"name": "constant.character.escape.sj", "match": r"\\."}],
         },
         {"name": "constant.numeric.sj", "match": r"\b[0-9]+(\.[0-9]+)?\b"},
-        captured(rf"\b({any_of(NAMED)})(\s+)({NAME})", "storage.type.sj", SPACE, "entity.name.type.sj"),
-        captured(rf"\b({any_of(FIELDS)})(\s+)({NAME})", "storage.type.sj", SPACE, "variable.other.property.sj"),
-        captured(rf"\b(as|let|draw)(\s+)({NAME})", "keyword.operator.word.sj", SPACE, "variable.other.local.sj"),
-        captured(rf"(\.)(\s*)({NAME})", "punctuation.accessor.sj", SPACE, "variable.other.property.sj"),
-        captured(rf"(:)(\s*)({any_of(UNITS)})\b", "punctuation.separator.sj", SPACE, "support.type.sj"),
+        captured(
+            rf"\b({any_of(NAMED)})(\s+)({NAME})", "storage.type.sj", SPACE, "entity.name.type.sj"
+        ),
+        captured(
+            rf"\b({any_of(FIELDS)})(\s+)({NAME})",
+            "storage.type.sj",
+            SPACE,
+            "variable.other.property.sj",
+        ),
+        captured(
+            rf"\b(as|let|draw)(\s+)({NAME})",
+            "keyword.operator.word.sj",
+            SPACE,
+            "variable.other.local.sj",
+        ),
+        captured(
+            rf"(\.)(\s*)({NAME})", "punctuation.accessor.sj", SPACE, "variable.other.property.sj"
+        ),
+        captured(
+            rf"(:)(\s*)({any_of(UNITS)})\b", "punctuation.separator.sj", SPACE, "support.type.sj"
+        ),
         {"name": "constant.language.sj", "match": rf"\b({any_of(VALUES)})\b"},
         {"name": "variable.language.sj", "match": rf"\b({any_of(LANGUAGE)})\b"},
         captured(rf"\b({any_of(FUNCTIONS)})(?=\s*\()", "support.function.sj"),
-        *({"name": scope, "match": rf"\b({any_of(words)})\b"} for scope, words in word_groups().items()),
+        *(
+            {"name": scope, "match": rf"\b({any_of(words)})\b"}
+            for scope, words in word_groups().items()
+        ),
         {"name": "keyword.operator.sj", "match": r"->|\.\.|<=|>=|==|!=|[-+*/%<>=]"},
     ]

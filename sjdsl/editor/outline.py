@@ -21,12 +21,19 @@ SORTS: dict[type[object], tuple[types.SymbolKind, str]] = {  # the word is what 
     ast.Checks: (Kind.Object, "checks"), ast.ScriptedPolicy: (Kind.Function, "policy"), ast.Scenario: (Kind.Object, "scenario"),
     ast.Variant: (Kind.Namespace, "variant"), ast.About: (Kind.String, "about"),
 }  # fmt: skip
-INSIDE = ("sections", "attributes", "metrics", "changes")  # what nodes call the declarations in them
+INSIDE = (
+    "sections",
+    "attributes",
+    "metrics",
+    "changes",
+)  # what nodes call the declarations in them
 
 
 def document_symbols(analysis: Analysis | None, lines: Lines) -> list[types.DocumentSymbol]:
     """Returns the declarations of a text, those inside others below them. `lines`: of the text that is shown, which may be newer."""
-    return [] if analysis is None or analysis.file is None else _symbols([analysis.file.game], lines)
+    return (
+        [] if analysis is None or analysis.file is None else _symbols([analysis.file.game], lines)
+    )
 
 
 def _symbols(nodes: Iterable[Any], lines: Lines) -> list[types.DocumentSymbol]:
@@ -39,13 +46,28 @@ def _symbols(nodes: Iterable[Any], lines: Lines) -> list[types.DocumentSymbol]:
             kind, sort = SORTS[type(node)]
             if isinstance(node, ast.Constant) and node.is_size:
                 kind, sort = Kind.Constant, "size"
-            name, title, whole = getattr(node, "name", None), getattr(node, "title", None), node.span
-            own = Span(whole.file, whole.start, whole.start + len(sort), whole.line, whole.column) if name is None else name.span
+            name, title, whole = (
+                getattr(node, "name", None),
+                getattr(node, "title", None),
+                node.span,
+            )
+            own = (
+                Span(whole.file, whole.start, whole.start + len(sort), whole.line, whole.column)
+                if name is None
+                else name.span
+            )
             detail = (sort if title is None else title.text) if name is not None else None
-            inside = _symbols((child for part in INSIDE for child in getattr(node, part, ())), lines)
+            inside = _symbols(
+                (child for part in INSIDE for child in getattr(node, part, ())), lines
+            )
             around = lines.range(min(whole.start, own.start), max(whole.end, own.end))
             symbol = types.DocumentSymbol(
-                name.text if name else sort, kind, around, lines.span(own), detail=detail, children=inside or None
+                name.text if name else sort,
+                kind,
+                around,
+                lines.span(own),
+                detail=detail,
+                children=inside or None,
             )
             found.append(symbol)
     return found

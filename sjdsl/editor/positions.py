@@ -9,7 +9,11 @@ from lsprotocol import types
 from sjdsl.compiler.diagnostics.source import Span
 
 LINE_END = re.compile(r"\r\n|\n|\r")
-WIDTHS = {"utf-8": (1, 2, 3, 4), "utf-16": (1, 1, 1, 2), "utf-32": (1, 1, 1, 1)}  # code units of a character below each of LIMITS
+WIDTHS = {
+    "utf-8": (1, 2, 3, 4),
+    "utf-16": (1, 1, 1, 2),
+    "utf-32": (1, 1, 1, 1),
+}  # code units of a character below each of LIMITS
 LIMITS = (0x80, 0x800, 0x10000)
 UTF16 = "utf-16"
 
@@ -64,7 +68,9 @@ class Moved:
     def __init__(self, before: str, after: str):
         most = min(len(before), len(after))
         self._front = _alike(before, after)
-        self._behind = len(before) - min(_alike(reversed(before), reversed(after)), most - self._front)
+        self._behind = len(before) - min(
+            _alike(reversed(before), reversed(after)), most - self._front
+        )
         self._by = len(after) - len(before)
 
     def start(self, at: int) -> int:

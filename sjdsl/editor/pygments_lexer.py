@@ -38,7 +38,9 @@ TOKENS = {  # TextMate's scopes as Pygments has them
     "punctuation.separator.sj": Punctuation,
     "punctuation.whitespace.sj": Whitespace,
 }
-Rule: TypeAlias = tuple[Any, ...]  # a pattern, its token or what makes tokens, and perhaps the state that follows; Pygments has no types
+Rule: TypeAlias = tuple[
+    Any, ...
+]  # a pattern, its token or what makes tokens, and perhaps the state that follows; Pygments has no types
 
 
 def rules(found: list[dict[str, Any]]) -> dict[str, list[Rule]]:
@@ -52,12 +54,19 @@ def rules(found: list[dict[str, Any]]) -> dict[str, list[Rule]]:
             token, inner = TOKENS[pattern["name"]], pattern["name"]
             states["root"].append((pattern["begin"], token, inner))
             states[inner] = [(pattern["end"], token, "#pop")]
-            states[inner] += [(within["match"], TOKENS[within["name"]]) for within in pattern["patterns"]]
+            states[inner] += [
+                (within["match"], TOKENS[within["name"]]) for within in pattern["patterns"]
+            ]
             states[inner].append((r"[\s\S]", token))
         elif "name" in pattern:
             states["root"].append((pattern["match"], TOKENS[pattern["name"]]))
         else:
-            states["root"].append((pattern["match"], bygroups(*(TOKENS[scope["name"]] for scope in pattern["captures"].values()))))
+            states["root"].append(
+                (
+                    pattern["match"],
+                    bygroups(*(TOKENS[scope["name"]] for scope in pattern["captures"].values())),
+                )
+            )
     states["root"] += [(NAME, Name), (r"[A-Za-z_]\w*", Text), (r".", Punctuation)]
     return states
 

@@ -24,20 +24,31 @@ class Server(LanguageServer):
     """A session and the tasks that look at its texts."""
 
     def __init__(self, inside: Sequence[Path] | None) -> None:
-        super().__init__("sjdsl", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full)
+        super().__init__(
+            "sjdsl", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full
+        )
         self.inside = inside
         self.session = Session(inside=inside)
         self.shut_down = False  # the client has asked for the end
         self.ended_early = False  # it says `exit` without that
-        self._waiting: dict[str, float] = {}  # URI -> when it changed first since it was last looked at
+        self._waiting: dict[
+            str, float
+        ] = {}  # URI -> when it changed first since it was last looked at
         self._changed: dict[str, float] = {}  # and when it changed last
         self._tasks: dict[str, asyncio.Task[None]] = {}
 
     def begin(self, params: types.InitializeParams) -> None:
         """Takes over what the client says of itself."""
-        uris = [folder.uri for folder in params.workspace_folders or []] or [uri for uri in [params.root_uri] if uri]
-        encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
-        self.session = Session(encoding, [p for p in map(path_of, uris) if p is not None], self.inside)
+        uris = [folder.uri for folder in params.workspace_folders or []] or [
+            uri for uri in [params.root_uri] if uri
+        ]
+        encoding = str(
+            getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding)
+            or "utf-16"
+        )
+        self.session = Session(
+            encoding, [p for p in map(path_of, uris) if p is not None], self.inside
+        )
 
     def watch_files(self) -> None:
         """Has the client tell of changes of games and maps on the disk, if it can."""
@@ -51,11 +62,16 @@ class Server(LanguageServer):
 
     def change_folders(self, change: types.WorkspaceFoldersChangeEvent) -> None:
         """Takes over which folders the client has open now."""
-        gone, come = ([path_of(folder.uri) for folder in folders] for folders in (change.removed, change.added))
+        gone, come = (
+            [path_of(folder.uri) for folder in folders]
+            for folders in (change.removed, change.added)
+        )
         kept = [folder for folder in self.session.folders if folder not in gone]
         self.session.folders = [*kept, *(path for path in come if path is not None)]
 
-    def opened(self, document: types.TextDocumentItem | types.VersionedTextDocumentIdentifier, text: str) -> None:
+    def opened(
+        self, document: types.TextDocumentItem | types.VersionedTextDocumentIdentifier, text: str
+    ) -> None:
         """Takes over a text that is opened or changed: the client sends the whole of it each time."""
         self.session.open(document.uri, text, document.version)
         self.look_at_those_on(document.uri)
@@ -128,7 +144,9 @@ def make_server(inside: Sequence[Path] | None = None) -> Server:
     def at(params: Any) -> tuple[str, types.Position]:
         return params.text_document.uri, params.position
 
-    def rename(ls: Server, uri: str, position: types.Position, new_name: str) -> types.WorkspaceEdit:
+    def rename(
+        ls: Server, uri: str, position: types.Position, new_name: str
+    ) -> types.WorkspaceEdit:
         try:
             return ls.session.rename(uri, position, new_name)
         except Refused as reason:  # the client shows the message of an error
@@ -137,23 +155,45 @@ def make_server(inside: Sequence[Path] | None = None) -> Server:
     answers: dict[str, Callable[[Server, Any], Any]] = {
         types.INITIALIZE: lambda ls, params: ls.begin(params),
         types.INITIALIZED: lambda ls, _params: ls.watch_files(),
-        types.TEXT_DOCUMENT_DID_OPEN: lambda ls, params: ls.opened(params.text_document, params.text_document.text),
-        types.TEXT_DOCUMENT_DID_CHANGE: lambda ls, params: ls.opened(params.text_document, params.content_changes[-1].text),
-        types.TEXT_DOCUMENT_DID_SAVE: lambda ls, params: ls.look_at_those_on(params.text_document.uri),
+        types.TEXT_DOCUMENT_DID_OPEN: lambda ls, params: ls.opened(
+            params.text_document, params.text_document.text
+        ),
+        types.TEXT_DOCUMENT_DID_CHANGE: lambda ls, params: ls.opened(
+            params.text_document, params.content_changes[-1].text
+        ),
+        types.TEXT_DOCUMENT_DID_SAVE: lambda ls, params: ls.look_at_those_on(
+            params.text_document.uri
+        ),
         types.TEXT_DOCUMENT_DID_CLOSE: lambda ls, params: ls.closed(params.text_document.uri),
-        types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS: lambda ls, params: ls.change_folders(params.event),
-        types.TEXT_DOCUMENT_COMPLETION: lambda ls, params: types.CompletionList(False, ls.session.completion(*at(params))),
+        types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS: lambda ls, params: ls.change_folders(
+            params.event
+        ),
+        types.TEXT_DOCUMENT_COMPLETION: lambda ls, params: types.CompletionList(
+            False, ls.session.completion(*at(params))
+        ),
         types.TEXT_DOCUMENT_HOVER: lambda ls, params: ls.session.hover(*at(params)),
         types.TEXT_DOCUMENT_DEFINITION: lambda ls, params: ls.session.definition(*at(params)),
-        types.TEXT_DOCUMENT_REFERENCES: lambda ls, params: ls.session.references(*at(params), params.context.include_declaration),
-        types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: lambda ls, params: ls.session.symbols(params.text_document.uri),
-        types.TEXT_DOCUMENT_CODE_ACTION: lambda ls, params: ls.session.quick_fixes(params.text_document.uri, params.range),
-        types.TEXT_DOCUMENT_FORMATTING: lambda ls, params: ls.session.formatting(params.text_document.uri),
+        types.TEXT_DOCUMENT_REFERENCES: lambda ls, params: ls.session.references(
+            *at(params), params.context.include_declaration
+        ),
+        types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: lambda ls, params: ls.session.symbols(
+            params.text_document.uri
+        ),
+        types.TEXT_DOCUMENT_CODE_ACTION: lambda ls, params: ls.session.quick_fixes(
+            params.text_document.uri, params.range
+        ),
+        types.TEXT_DOCUMENT_FORMATTING: lambda ls, params: ls.session.formatting(
+            params.text_document.uri
+        ),
         types.TEXT_DOCUMENT_RENAME: lambda ls, params: rename(ls, *at(params), params.new_name),
     }
     options: dict[str, Any] = {
-        types.TEXT_DOCUMENT_COMPLETION: types.CompletionOptions(trigger_characters=list(completion.TRIGGERS)),
-        types.TEXT_DOCUMENT_CODE_ACTION: types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
+        types.TEXT_DOCUMENT_COMPLETION: types.CompletionOptions(
+            trigger_characters=list(completion.TRIGGERS)
+        ),
+        types.TEXT_DOCUMENT_CODE_ACTION: types.CodeActionOptions(
+            code_action_kinds=[types.CodeActionKind.QuickFix]
+        ),
     }
     for message, answer in answers.items():
         server.feature(message, options.get(message))(answer)

@@ -26,7 +26,12 @@ class Session:
     inside: the folders in which files are read, None for all.
     """
 
-    def __init__(self, encoding: str = UTF16, folders: Iterable[Path] = (), inside: Sequence[Path] | None = None):
+    def __init__(
+        self,
+        encoding: str = UTF16,
+        folders: Iterable[Path] = (),
+        inside: Sequence[Path] | None = None,
+    ):
         self.documents = Documents(encoding, inside)
         self.analyses = Analyses(self.documents)
         self.folders = list(folders)
@@ -75,7 +80,9 @@ class Session:
     def definition(self, uri: str, position: types.Position) -> list[types.Location]:
         return definition(uri, position, self.analyses)
 
-    def references(self, uri: str, position: types.Position, declared: bool = True) -> list[types.Location]:
+    def references(
+        self, uri: str, position: types.Position, declared: bool = True
+    ) -> list[types.Location]:
         return references(uri, position, self.analyses, self.folders, declared)
 
     def rename(self, uri: str, position: types.Position, new: str) -> types.WorkspaceEdit:
@@ -83,7 +90,11 @@ class Session:
         return rename(uri, position, new, self.analyses, self.folders)
 
     def quick_fixes(self, uri: str, range_: types.Range) -> list[types.CodeAction]:
-        return [fix for analysis in self._known(uri) for fix in quick_fixes(analysis, range_, self.documents)]
+        return [
+            fix
+            for analysis in self._known(uri)
+            for fix in quick_fixes(analysis, range_, self.documents)
+        ]
 
     def formatting(self, uri: str) -> list[types.TextEdit]:
         return [edit for analysis in self._known(uri) for edit in formatting(analysis)]

@@ -19,7 +19,9 @@ IN_WORDS = {
     "greed": "D(N-1) - C(N-1): defecting against cooperating where the others cooperate",
 }
 CONFIDENCE = 0.95
-JOINT_CONFIDENCE = 1 - (1 - CONFIDENCE) / len(CONTRASTS)  # of each contrast, so that all four hold at 95 % together (Bonferroni)
+JOINT_CONFIDENCE = 1 - (1 - CONFIDENCE) / len(
+    CONTRASTS
+)  # of each contrast, so that all four hold at 95 % together (Bonferroni)
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,11 @@ def samples_of(returns: Returns, values: np.ndarray) -> np.ndarray:
 
     Episodes of one replicate share its policies, so they say nothing about other training seeds.
     """
-    return values[..., 0, :] if returns.unit == "episode" else np.stack([_mean(values[..., r, :]) for r in range(values.shape[-2])], -1)
+    return (
+        values[..., 0, :]
+        if returns.unit == "episode"
+        else np.stack([_mean(values[..., r, :]) for r in range(values.shape[-2])], -1)
+    )
 
 
 def _mean(values: np.ndarray) -> np.ndarray:

@@ -44,12 +44,24 @@ def cross_play(
     """
     in_slots = None if slots is None else several(slots)
     mixed = None if policies is None else several(policies)
-    return play_mixtures(plan_cross_play(env, in_slots, mixed, mix, episodes, seed), mix if slots is None else None, folder, tell)
+    return play_mixtures(
+        plan_cross_play(env, in_slots, mixed, mix, episodes, seed),
+        mix if slots is None else None,
+        folder,
+        tell,
+    )
 
 
-def play_mixtures(experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell) -> CrossPlay:
+def play_mixtures(
+    experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell
+) -> CrossPlay:
     """Plays a plan of `plan_cross_play`; see `cross_play`. `mix`: None for a given line-up."""
-    asked = {"experiment": "crossplay", "mix": mix, "lineups": experiment.lineups, **experiment.describe()}
+    asked = {
+        "experiment": "crossplay",
+        "mix": mix,
+        "lineups": experiment.lineups,
+        **experiment.describe(),
+    }
     if folder is not None:
         require_same(Path(folder), asked)
     found = CrossPlay(experiment, tuple(play_experiment(experiment, tell)), mix)
@@ -69,7 +81,9 @@ def plan_cross_play(
     """Plans `cross_play`, and raises the same errors."""
     check_episodes(episodes)
     if (slots is None) == (policies is None):
-        raise ExperimentError("give either slots, a policy for each agent, or policies, whose mixtures are played")
+        raise ExperimentError(
+            "give either slots, a policy for each agent, or policies, whose mixtures are played"
+        )
     number = env.num_agents
     if number < 2:
         raise ExperimentError(
@@ -78,7 +92,9 @@ def plan_cross_play(
         )
     if slots is not None:
         if len(slots) != number:
-            raise ExperimentError(f"{env.name} has {number} slots, but {len(slots)} policies are given; name one for each slot")
+            raise ExperimentError(
+                f"{env.name} has {number} slots, but {len(slots)} policies are given; name one for each slot"
+            )
         found = find_pools(slots, env)
         pools = tuple(dict.fromkeys(found))
         lineups: tuple[Lineup, ...] = (tuple(pools.index(pool) for pool in found),)
@@ -86,11 +102,17 @@ def plan_cross_play(
         assert policies is not None
         if not policies:
             raise ExperimentError("name at least one policy")
-        lineups = all_mixtures(len(policies), number) if mix == "all" else paired_mixtures(len(policies), number)
+        lineups = (
+            all_mixtures(len(policies), number)
+            if mix == "all"
+            else paired_mixtures(len(policies), number)
+        )
         pools = find_pools(policies, env)
         if len(set(pools)) < len(pools):
             twice = next(pool.name for pool, count in Counter(pools).items() if count > 1)
-            raise ExperimentError(f"`{twice}` is named twice; name it once, as its mixtures with itself are played anyway")
+            raise ExperimentError(
+                f"`{twice}` is named twice; name it once, as its mixtures with itself are played anyway"
+            )
     return Experiment(env, pools, lineups, episodes, seed, permuted=slots is None)
 
 

@@ -64,12 +64,20 @@ class Diagram:
     @property
     def units(self) -> int:
         """The number of samples of each interval."""
-        return self.experiment.replicates if self.returns.unit == "training seed" else self.experiment.episodes
+        return (
+            self.experiment.replicates
+            if self.returns.unit == "training seed"
+            else self.experiment.episodes
+        )
 
     @property
     def population(self) -> str:
         """The samples of the intervals, in words."""
-        return f"{self.units} training seeds" if self.returns.unit == "training seed" else f"{self.units} episodes, of these policies only"
+        return (
+            f"{self.units} training seeds"
+            if self.returns.unit == "training seed"
+            else f"{self.units} episodes, of these policies only"
+        )
 
     @property
     def caution(self) -> str | None:
@@ -91,7 +99,9 @@ class Diagram:
 
 def returns_of(parts: Sequence[Part], slots: int, replicates: int) -> Returns:
     """Returns the mean returns of both kinds of agents in the line-ups k = 0 .. N."""
-    by_member = np.stack([part.returns for part in parts]).reshape(slots + 1, replicates, -1, slots)  # [K, R, E, N]
+    by_member = np.stack([part.returns for part in parts]).reshape(
+        slots + 1, replicates, -1, slots
+    )  # [K, R, E, N]
 
     def mean(own: np.ndarray) -> np.ndarray:
         return own.mean(axis=-1) if own.shape[-1] else np.full(own.shape[:-1], np.nan)
@@ -121,9 +131,13 @@ def report_of(found: Diagram) -> dict[str, Any]:
         "C": _columns(found.cooperating),
         "D": _columns(found.defecting),
         "everybody": _columns(found.everybody),
-        "D-C": _columns(tuple(figure for figure, _ in found.preferences)) | {"preferred": [sign for _, sign in found.preferences]},
+        "D-C": _columns(tuple(figure for figure, _ in found.preferences))
+        | {"preferred": [sign for _, sign in found.preferences]},
         "joint_confidence": JOINT_CONFIDENCE,
-        "contrasts": {contrast: {"what": IN_WORDS[contrast], **asdict(figure)} for contrast, figure in found.contrasts.items()},
+        "contrasts": {
+            contrast: {"what": IN_WORDS[contrast], **asdict(figure)}
+            for contrast, figure in found.contrasts.items()
+        },
         "verdict": {**asdict(verdict), "shape": verdict.shape, "caution": found.caution},
     }
 

@@ -29,19 +29,32 @@ def require_same(path: Path, asked: Mapping[str, Any]) -> None:
         raise ExperimentError(f"{path} is a file, but the results need a folder; name another")
     before, wanted = read_json(path / ASKED), plain(asked)
     if before is not None and before != wanted and _has_results(path):
-        raise ExperimentError(f"{path} holds another experiment: {first_difference(before, wanted)}. Name another folder")
-    inside = sorted(found.name for found in path.iterdir() if not found.name.endswith(UNFINISHED)) if path.is_dir() else []
+        raise ExperimentError(
+            f"{path} holds another experiment: {first_difference(before, wanted)}. Name another folder"
+        )
+    inside = (
+        sorted(found.name for found in path.iterdir() if not found.name.endswith(UNFINISHED))
+        if path.is_dir()
+        else []
+    )
     if inside == [ASKED] and not _has_results(path):
         return
     if before is None and (path / ASKED).exists():
-        raise ExperimentError(f"{path / ASKED} is damaged and can't be read. Name another folder, or remove this one")
+        raise ExperimentError(
+            f"{path / ASKED} is damaged and can't be read. Name another folder, or remove this one"
+        )
     if before is None and inside:
-        raise ExperimentError(f"{path} is not empty and holds no experiment ({', '.join(inside[:3])}); name another folder")
+        raise ExperimentError(
+            f"{path} is not empty and holds no experiment ({', '.join(inside[:3])}); name another folder"
+        )
 
 
 def _has_results(path: Path) -> bool:
     """Whether an experiment has written its last file to a folder, or, for scenarios, beside it; one that was killed hasn't."""
-    return any(file.exists() for file in (*(path / name for name in RESULTS), path.with_name(f"{path.name}.json")))
+    return any(
+        file.exists()
+        for file in (*(path / name for name in RESULTS), path.with_name(f"{path.name}.json"))
+    )
 
 
 def record_experiment(path: Path, asked: Mapping[str, Any]) -> None:
@@ -61,7 +74,10 @@ def read_json(path: Path) -> dict[str, Any] | None:
 
 def first_difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """Returns the first key that differs, with both values unless they are lists, which come last; empty if none does."""
-    for key in sorted(before.keys() | now.keys(), key=lambda key: (isinstance(before.get(key, now.get(key)), list), key)):
+    for key in sorted(
+        before.keys() | now.keys(),
+        key=lambda key: (isinstance(before.get(key, now.get(key)), list), key),
+    ):
         there, here = before.get(key), now.get(key)
         if isinstance(there, Mapping) and isinstance(here, Mapping):
             if found := first_difference(there, here):

@@ -44,7 +44,9 @@ def paired_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
     """
     found = {visiting(one, many, slots) for one in range(policies) for many in range(policies)}
     if len(found) > MOST:
-        raise ExperimentError(f"{policies} policies make {len(found):,} pairs, and at most {MOST} are played; name fewer policies")
+        raise ExperimentError(
+            f"{policies} policies make {len(found):,} pairs, and at most {MOST} are played; name fewer policies"
+        )
     return tuple(sorted(found))
 
 
@@ -69,7 +71,9 @@ def orders_of(seed: int, replicate: int, episodes: int, slots: int) -> np.ndarra
     It is the same in every mixture, and the order of an episode does not depend on the number of episodes.
     """
     key = jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), ORDERS), replicate)
-    permutations = jax.jit(jax.vmap(partial(jax.random.permutation, x=slots)))(jax.random.split(key, episodes))
+    permutations = jax.jit(jax.vmap(partial(jax.random.permutation, x=slots)))(
+        jax.random.split(key, episodes)
+    )
     return np.asarray(permutations, np.int32)
 
 

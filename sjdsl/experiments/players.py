@@ -73,7 +73,10 @@ class Pool:
 
     def describe(self) -> dict[str, Any]:
         """Returns its players as JSON values."""
-        return {"name": self.name, "players": [{"seed": player.seed, "digest": player.digest} for player in self.players]}
+        return {
+            "name": self.name,
+            "players": [{"seed": player.seed, "digest": player.digest} for player in self.players],
+        }
 
 
 def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
@@ -96,26 +99,45 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     path, which = split_name(name)
     if path.suffix != SUFFIX and not path.is_dir():
         found, file = find_policy(name, env), file_of(name)
-        return _untrained(name, found, sha256(file.read_bytes()).hexdigest() if file is not None and file.is_file() else None)
+        return _untrained(
+            name,
+            found,
+            sha256(file.read_bytes()).hexdigest() if file is not None and file.is_file() else None,
+        )
     folders, diverged, notes = _seed_folders(path, which)
     for update, seeds in seeds_of_each(diverged.items()).items():
-        notes.append(f"left out of {path}: {seeds_in_words(seeds)}, which diverged (non-finite loss) in update {update}")
+        notes.append(
+            f"left out of {path}: {seeds_in_words(seeds)}, which diverged (non-finite loss) in update {update}"
+        )
     players = []
     warned: list[tuple[int, str]] = []  # seed, and a warning about its policy
     for file in (policy_path(folder, which) for folder in folders):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             parameters, described = read_parameters(file, env)
-        warned += [(described.seed, str(warning.message).replace(str(file), str(path))) for warning in caught]
+        warned += [
+            (described.seed, str(warning.message).replace(str(file), str(path)))
+            for warning in caught
+        ]
         here = describe_game(env)
-        for key, what in (("name", "another game"), ("action_names", "other actions"), ("observation_shape", "other observations")):
+        for key, what in (
+            ("name", "another game"),
+            ("action_names", "other actions"),
+            ("observation_shape", "other observations"),
+        ):
             there, now = (
-                ", ".join(map(str, value)) if isinstance(value, list) else value for value in (described.game.get(key), here[key])
+                ", ".join(map(str, value)) if isinstance(value, list) else value
+                for value in (described.game.get(key), here[key])
             )
             if there != now:
                 raise ExperimentError(f"{file} was trained on {what}: {there} there, {now} here")
-        digest, acting = sha256(file.read_bytes()).hexdigest(), partial(trained_policy, env, described.config)
-        players.append(Player(name, described.seed, digest, acting_kind(described.config), acting, parameters))
+        digest, acting = (
+            sha256(file.read_bytes()).hexdigest(),
+            partial(trained_policy, env, described.config),
+        )
+        players.append(
+            Player(name, described.seed, digest, acting_kind(described.config), acting, parameters)
+        )
     for text, seeds in seeds_of_each(warned).items():
         notes.append(f"{seeds_in_words(seeds)}: {text}" if len(folders) > 1 else text)
     for note in notes:
@@ -139,7 +161,9 @@ def program_digest(policy: Policy, env: Environment) -> str:
         return take_actions(env, remembering, memory, key, observation, state)
 
     program = jax.jit(act).lower(remembering.start, abstract_key(), *reset_shapes(env)).as_text()
-    start = digest_of({str(number): leaf for number, leaf in enumerate(jax.tree.leaves(remembering.start))})
+    start = digest_of(
+        {str(number): leaf for number, leaf in enumerate(jax.tree.leaves(remembering.start))}
+    )
     return sha256(f"{start}\n{program}".encode()).hexdigest()
 
 
@@ -148,16 +172,28 @@ def _seed_folders(path: Path, which: str | int) -> tuple[list[Path], dict[int, i
     state = run_state(path) if path.is_dir() else None
     diverged = {} if state is None else dict(state.diverged)
     named = isinstance(which, int)  # that policy may be from before the divergence
-    notes = [] if named or state is None or not state.unfinished else [f"{path} may not have finished its training: {state.unfinished}"]
-    folders = sorted((folder for folder in path.glob("seed_*") if folder.is_dir()), key=_number) if path.is_dir() else []
+    notes = (
+        []
+        if named or state is None or not state.unfinished
+        else [f"{path} may not have finished its training: {state.unfinished}"]
+    )
+    folders = (
+        sorted((folder for folder in path.glob("seed_*") if folder.is_dir()), key=_number)
+        if path.is_dir()
+        else []
+    )
     if not folders or (path / POLICIES).is_dir():
         if diverged and not named:
             (update,) = diverged.values()
-            raise ExperimentError(f"{path} diverged (non-finite loss) in update {update}; name an earlier policy as {path}@UPDATE")
+            raise ExperimentError(
+                f"{path} diverged (non-finite loss) in update {update}; name an earlier policy as {path}@UPDATE"
+            )
         return [path], {}, notes
     left = [folder for folder in folders if _number(folder) not in diverged]
     if not left:
-        raise ExperimentError(f"every seed of {path} diverged (non-finite loss), so there is no policy to play")
+        raise ExperimentError(
+            f"every seed of {path} diverged (non-finite loss), so there is no policy to play"
+        )
     return left, diverged, notes
 
 
@@ -169,7 +205,9 @@ def _number(folder: Path) -> int:
 
 def acting_kind(config: Config) -> str:
     """Returns a key that is equal for policies that differ only in their parameters."""
-    acting = {key: value for key, value in config.model_dump(mode="json").items() if key not in LEARNING}
+    acting = {
+        key: value for key, value in config.model_dump(mode="json").items() if key not in LEARNING
+    }
     return json.dumps(acting, sort_keys=True)
 
 
@@ -199,13 +237,17 @@ def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
     if len(trained) < 2 or all(len(own) == 1 for own in seeds.values()):
         return tuple(pools)
     if len(set(map(tuple, seeds.values()))) > 1:
-        listed = "; ".join(f"{pool.name} has {', '.join(map(str, own))}" for pool, own in seeds.items())
+        listed = "; ".join(
+            f"{pool.name} has {', '.join(map(str, own))}" for pool, own in seeds.items()
+        )
         raise ExperimentError(
             f"pools must have the same seeds, as seed i of one plays with seed i of the others: {listed}; name single seeds, such as "
             "RUN/seed_0, or train the same"
         )
     common = set.intersection(*(set(pool.seeds) for pool in trained))
-    if len(common) < min(2, *(len(pool.players) for pool in trained)):  # with one pair of several, seeds would not be the samples any more
+    if len(common) < min(
+        2, *(len(pool.players) for pool in trained)
+    ):  # with one pair of several, seeds would not be the samples any more
         listed = "; ".join(f"{pool.name} has {', '.join(map(str, pool.seeds))}" for pool in trained)
         raise ExperimentError(
             f"seeds with the same number play together, and {'only one is' if common else 'none is'} left in all pools: {listed}; "
@@ -214,9 +256,17 @@ def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
 
     def paired(pool: Pool) -> Pool:
         left_out = [seed for seed in pool.seeds if seed not in common]
-        notes = [f"left out of {pool.name}: {seeds_in_words(left_out)}, which another pool lacks"] if left_out else []
+        notes = (
+            [f"left out of {pool.name}: {seeds_in_words(left_out)}, which another pool lacks"]
+            if left_out
+            else []
+        )
         for note in notes:
             warnings.warn(note, stacklevel=3)
-        return replace(pool, players=tuple(p for p in pool.players if p.seed in common), notes=(*pool.notes, *notes))
+        return replace(
+            pool,
+            players=tuple(p for p in pool.players if p.seed in common),
+            notes=(*pool.notes, *notes),
+        )
 
     return tuple(paired(pool) if pool.is_trained else pool for pool in pools)

@@ -53,7 +53,9 @@ class Experiment:
             "policies": [pool.describe() for pool in self.pools],
             "episodes": self.episodes,
             "seed": self.seed,
-            "keys": [key_words(play_key(self.seed, replicate)) for replicate in range(self.replicates)],
+            "keys": [
+                key_words(play_key(self.seed, replicate)) for replicate in range(self.replicates)
+            ],
             "permuted": self.permuted,
             "notes": self.notes,
         }
@@ -86,7 +88,14 @@ def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tup
     """
     found: list[tuple[Any, Pool]] = []
     for policy in policies:
-        same = next((pool for other, pool in found if policy is other or (isinstance(policy, str) and policy == other)), None)
+        same = next(
+            (
+                pool
+                for other, pool in found
+                if policy is other or (isinstance(policy, str) and policy == other)
+            ),
+            None,
+        )
         found.append((policy, same or find_pool(policy, env)))
     pools = tuple(dict.fromkeys(pool for _, pool in found))
     paired = dict(zip(pools, pair_pools(pools), strict=True))
@@ -104,21 +113,29 @@ def play_experiment(experiment: Experiment, tell: Tell) -> list[Part]:
     env, slots = experiment.env, experiment.env.num_agents
     replicates = range(experiment.replicates)
     orders = [
-        orders_of(experiment.seed, replicate, experiment.episodes, slots) if experiment.permuted else as_given(experiment.episodes, slots)
+        orders_of(experiment.seed, replicate, experiment.episodes, slots)
+        if experiment.permuted
+        else as_given(experiment.episodes, slots)
         for replicate in replicates
     ]
 
     def players(lineup: Lineup, replicate: int) -> tuple[Any, ...]:
         return tuple(player_of(experiment.pools[number], replicate) for number in lineup)
 
-    everyone = [players(lineup, replicate) for lineup in experiment.lineups for replicate in replicates]
+    everyone = [
+        players(lineup, replicate) for lineup in experiment.lineups for replicate in replicates
+    ]
     play = make_player_of_lineups(env, everyone, experiment.episodes)
     parts = []
     for number, lineup in enumerate(experiment.lineups, start=1):
         for replicate in replicates:
             which = f", seed {replicate + 1} of {len(replicates)}" if len(replicates) > 1 else ""
-            tell(f"playing {experiment.episodes} episodes of line-up {number} of {len(experiment.lineups)}{which}")
-            played = play(play_key(experiment.seed, replicate), players(lineup, replicate), orders[replicate])
+            tell(
+                f"playing {experiment.episodes} episodes of line-up {number} of {len(experiment.lineups)}{which}"
+            )
+            played = play(
+                play_key(experiment.seed, replicate), players(lineup, replicate), orders[replicate]
+            )
             wrong = np.argwhere(~np.isfinite(played.returns))
             if len(wrong):
                 episode, agent = wrong[0]

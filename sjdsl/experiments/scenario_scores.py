@@ -21,8 +21,12 @@ class ScenarioScore:
 
     scenario: ir.Scenario
     focal_returns: np.ndarray  # [R, E] float64: the mean return of a focal agent
-    background_returns: np.ndarray | None  # [R, E]: that of the other agents; None if there are none
-    baselines: Mapping[str, np.ndarray]  # [R, E]: that of focal agents who play `random`, the file's policies or `stay`
+    background_returns: (
+        np.ndarray | None
+    )  # [R, E]: that of the other agents; None if there are none
+    baselines: Mapping[
+        str, np.ndarray
+    ]  # [R, E]: that of focal agents who play `random`, the file's policies or `stay`
 
     @property
     def focal(self) -> Estimate:
@@ -41,7 +45,10 @@ class ScenarioScore:
     @property
     def best(self) -> str:
         """The scripted policy with the highest focal per-capita return; on a tie, the first in the file."""
-        return max((name for name in self.baselines if name != RANDOM), key=lambda name: self.baseline(name).mean)
+        return max(
+            (name for name in self.baselines if name != RANDOM),
+            key=lambda name: self.baseline(name).mean,
+        )
 
     @property
     def score(self) -> float | None:
@@ -58,7 +65,9 @@ class ScenarioScore:
         apart = estimate((self.baselines[self.best] - self.baselines[RANDOM]).ravel())
         if apart.low > 0:
             return ""
-        interval = f"[{apart.low:.4g}, {apart.high:.4g}]" if np.isfinite(apart.low) else "of unknown width"
+        interval = (
+            f"[{apart.low:.4g}, {apart.high:.4g}]" if np.isfinite(apart.low) else "of unknown width"
+        )
         return f"the score is uncertain: {self.best} minus random is {apart.mean:.4g}, with the interval {interval}; play more episodes"
 
     @property
@@ -106,20 +115,31 @@ def _over_units(returns: np.ndarray) -> Estimate:
 
 def line_up(scenario: ir.Scenario, focal: int, scripted: Mapping[str, int]) -> Lineup:
     """Returns the pools that play a scenario, slot by slot, with pool `focal` in the focal slots. `scripted`: pools by name."""
-    return tuple(scripted[part.policy] if part.policy else focal for part in scenario.slots for _ in range(part.number))
+    return tuple(
+        scripted[part.policy] if part.policy else focal
+        for part in scenario.slots
+        for _ in range(part.number)
+    )
 
 
-def score_of(scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part]) -> ScenarioScore:
+def score_of(
+    scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part]
+) -> ScenarioScore:
     """Returns the scores of a scenario with pool 0 and each scripted pool as focal agents."""
     is_focal = np.array([not part.policy for part in scenario.slots for _ in range(part.number)])
 
     def per_capita(pool: int, members: np.ndarray) -> np.ndarray:
         lineup = line_up(scenario, pool, scripted)
-        return np.stack([part.returns[:, members].mean(axis=1) for part in parts if part.lineup == lineup])
+        return np.stack(
+            [part.returns[:, members].mean(axis=1) for part in parts if part.lineup == lineup]
+        )
 
     background = None if is_focal.all() else per_capita(0, ~is_focal)
     return ScenarioScore(
-        scenario, per_capita(0, is_focal), background, {name: per_capita(pool, is_focal) for name, pool in scripted.items()}
+        scenario,
+        per_capita(0, is_focal),
+        background,
+        {name: per_capita(pool, is_focal) for name, pool in scripted.items()},
     )
 
 
@@ -136,7 +156,9 @@ def report_of(found: ScenarioScores) -> dict[str, Any]:
         "focal_policy": found.policy,
         "training_seeds": list(found.experiment.pools[0].seeds),
         "unit": found.unit,
-        "units": found.experiment.replicates if found.experiment.replicates > 1 else found.experiment.episodes,
+        "units": found.experiment.replicates
+        if found.experiment.replicates > 1
+        else found.experiment.episodes,
         "scenarios": {name: _entry(score) for name, score in found.scenarios.items()},
     }
 

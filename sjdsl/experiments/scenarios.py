@@ -9,7 +9,14 @@ from sjdsl.compiler import ir
 from sjdsl.experiments.folder import read_json, record_experiment, require_same, write_compact_json
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores, line_up, report_of, score_of, slots_of
+from sjdsl.experiments.scenario_scores import (
+    RANDOM,
+    ScenarioScores,
+    line_up,
+    report_of,
+    score_of,
+    slots_of,
+)
 from sjdsl.near_names import meant
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import Policy
@@ -18,7 +25,9 @@ from sjdsl.trainers.environment import Environment
 
 NAME = "scenarios"
 ALL = "all"
-EXAMPLE = 'scenario visitors "one among agents who stay" { slots 1 focal  slots players - 1 policy stay }'
+EXAMPLE = (
+    'scenario visitors "one among agents who stay" { slots 1 focal  slots players - 1 policy stay }'
+)
 
 
 @dataclass(frozen=True)
@@ -37,7 +46,11 @@ class Plan:
         if all(player["digest"] for player in focal["players"]):
             focal["name"] = None
         described["policies"] = [focal, *described["policies"][1:]]
-        return {"experiment": NAME, "scenarios": {each.name: slots_of(each) for each in self.fitting}, **described}
+        return {
+            "experiment": NAME,
+            "scenarios": {each.name: slots_of(each) for each in self.fitting},
+            **described,
+        }
 
 
 def play_scenarios(
@@ -68,33 +81,56 @@ def play_scenarios(
     return play_planned(plan_scenarios(env, policy, names, episodes, seed), folder, tell)
 
 
-def plan_scenarios(env: Environment, policy: str | Path | Policy, names: str | Sequence[str], episodes: int, seed: int) -> Plan:
+def plan_scenarios(
+    env: Environment,
+    policy: str | Path | Policy,
+    names: str | Sequence[str],
+    episodes: int,
+    seed: int,
+) -> Plan:
     """Plans `play_scenarios`, and raises the same errors."""
     check_episodes(episodes)
     chosen = choose_scenarios(env, names)
-    fitting = tuple(scenario for scenario in scenarios_of(env) if not unfilled(scenario, env.num_agents))
+    fitting = tuple(
+        scenario for scenario in scenarios_of(env) if not unfilled(scenario, env.num_agents)
+    )
     names_of_scripted = (RANDOM, *declared_policies(env), "stay")
     found = find_pools((policy, *names_of_scripted), env)
     pools = tuple(dict.fromkeys(found))
-    scripted = {name: pools.index(pool) for name, pool in zip(names_of_scripted, found[1:], strict=True)}
-    lineups = dict.fromkeys(line_up(scenario, pool, scripted) for scenario in chosen for pool in (0, *scripted.values()))
+    scripted = {
+        name: pools.index(pool) for name, pool in zip(names_of_scripted, found[1:], strict=True)
+    }
+    lineups = dict.fromkeys(
+        line_up(scenario, pool, scripted) for scenario in chosen for pool in (0, *scripted.values())
+    )
     experiment = Experiment(env, pools, tuple(lineups), episodes, seed, permuted=True)
     return Plan(experiment, chosen, fitting, scripted)
 
 
-def play_planned(plan: Plan, folder: Path | str | None, tell: Tell, name: str = NAME) -> ScenarioScores:
+def play_planned(
+    plan: Plan, folder: Path | str | None, tell: Tell, name: str = NAME
+) -> ScenarioScores:
     """Plays a plan of `plan_scenarios`; see `play_scenarios`. `name`: the name of the results in the folder."""
     if folder is not None:
         require_same(Path(folder) / name, plan.describe())
     parts = play_experiment(plan.experiment, tell)
-    found = ScenarioScores(plan.experiment, {scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios})
+    found = ScenarioScores(
+        plan.experiment,
+        {scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios},
+    )
     if folder is not None:
         file = Path(folder) / f"{name}.json"
-        known = (read_json(file) or {}).get("scenarios", {}) if (Path(folder) / name).is_dir() else {}
+        known = (
+            (read_json(file) or {}).get("scenarios", {}) if (Path(folder) / name).is_dir() else {}
+        )
         record_experiment(Path(folder) / name, plan.describe())
         report = report_of(found)
         scores = {**known, **report["scenarios"]}
-        ordered = {scenario.name: scores[scenario.name] for scenario in plan.fitting if scenario.name in scores}
+        ordered = {
+            scenario.name: scores[scenario.name]
+            for scenario in plan.fitting
+            if scenario.name in scores
+        }
         write_compact_json(file, {**report, "scenarios": ordered})
     return found
 
@@ -115,21 +151,37 @@ def choose_scenarios(env: Environment, names: str | Sequence[str]) -> tuple[ir.S
     """
     declared = {scenario.name: scenario for scenario in scenarios_of(env)}
     if env.num_agents < 2:
-        raise ExperimentError(f"a scenario needs at least two agents, and {env.name} has one here; ask for more with --agents")
+        raise ExperimentError(
+            f"a scenario needs at least two agents, and {env.name} has one here; ask for more with --agents"
+        )
     if not declared:
-        raise ExperimentError(f"{env.name} has no scenarios; write one into the game's file, such as `{EXAMPLE}`")
+        raise ExperimentError(
+            f"{env.name} has no scenarios; write one into the game's file, such as `{EXAMPLE}`"
+        )
     given = several(names)
     wanted = list(declared) if ALL in given else list(given)
     if not wanted:
         raise ExperimentError("name at least one scenario, or `all`")
     for name in wanted:
         if name not in declared:
-            raise ExperimentError(f"there is no scenario `{name}`{meant(name, declared, f'those of {env.name} are')}")
+            raise ExperimentError(
+                f"there is no scenario `{name}`{meant(name, declared, f'those of {env.name} are')}"
+            )
         reason = unfilled(declared[name], env.num_agents)
         if reason:
-            fitting = [scenario.name for scenario in declared.values() if not unfilled(scenario, env.num_agents)]
-            instead = f"name another, such as {fitting[0]}" if fitting else "choose another number of agents"
-            raise ExperimentError(f"the scenario `{name}` doesn't fit {env.num_agents} agents: {reason}; {instead}")
+            fitting = [
+                scenario.name
+                for scenario in declared.values()
+                if not unfilled(scenario, env.num_agents)
+            ]
+            instead = (
+                f"name another, such as {fitting[0]}"
+                if fitting
+                else "choose another number of agents"
+            )
+            raise ExperimentError(
+                f"the scenario `{name}` doesn't fit {env.num_agents} agents: {reason}; {instead}"
+            )
     return tuple(scenario for scenario in declared.values() if scenario.name in wanted)
 
 
@@ -141,4 +193,8 @@ def unfilled(scenario: ir.Scenario, agents: int) -> str:
         return f"it would have {least.number} slots of {least.policy or 'focal agents'}"
     if sum(numbers) != agents:
         return f"it has {sum(numbers)} slots"
-    return "" if any(part.number for part in scenario.slots if not part.policy) else "it has no focal slot"
+    return (
+        ""
+        if any(part.number for part in scenario.slots if not part.policy)
+        else "it has no focal slot"
+    )

@@ -59,15 +59,28 @@ def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) 
 
 
 def plan_diagram(
-    env: Environment, cooperators: str | Path | Policy, defectors: str | Path | Policy, episodes: int, seed: int
+    env: Environment,
+    cooperators: str | Path | Policy,
+    defectors: str | Path | Policy,
+    episodes: int,
+    seed: int,
 ) -> Experiment:
     """Plans `schelling_diagram`, and raises the same errors."""
     check_episodes(episodes)
     slots = env.num_agents
     if slots < 2:
-        raise ExperimentError(f"a Schelling diagram needs at least two agents, and {env.name} has one here; ask for more with --agents")
+        raise ExperimentError(
+            f"a Schelling diagram needs at least two agents, and {env.name} has one here; ask for more with --agents"
+        )
     pools = find_pools((cooperators, defectors), env)
-    return Experiment(env, pools, tuple(cooperating(k, slots) for k in range(slots + 1)), episodes, seed, permuted=True)
+    return Experiment(
+        env,
+        pools,
+        tuple(cooperating(k, slots) for k in range(slots + 1)),
+        episodes,
+        seed,
+        permuted=True,
+    )
 
 
 def write_diagram(found: Diagram, folder: Path, asked: Mapping[str, Any]) -> None:

@@ -27,7 +27,9 @@ class Stack:
     @property
     def parameters(self) -> Any:
         """Leaves `[G, ...]`."""
-        return jax.tree.map(lambda *leaves: jnp.stack(leaves), *(player.parameters for player in self.players))
+        return jax.tree.map(
+            lambda *leaves: jnp.stack(leaves), *(player.parameters for player in self.players)
+        )
 
     def example(self) -> MemoryPolicy:
         """Returns the policy of its first player: all have the same initial memory and read the same inputs."""
@@ -52,7 +54,10 @@ def make_stacks(lineups: Sequence[Sequence[Player]]) -> tuple[Stack, ...]:
     kinds: dict[Any, dict[Player, None]] = {}
     for player in (player for lineup in lineups for player in lineup):
         kinds.setdefault(player.kind, {})[player] = None
-    most = {kind: max(len({player for player in lineup if player.kind == kind}) for lineup in lineups) for kind in kinds}
+    most = {
+        kind: max(len({player for player in lineup if player.kind == kind}) for lineup in lineups)
+        for kind in kinds
+    }
     return tuple(Stack(tuple(players), most[kind]) for kind, players in kinds.items())
 
 
@@ -68,7 +73,9 @@ def find_seats(stacks: Sequence[Stack], lineup: Sequence[Player]) -> Seats:
     return Seats(tuple(chosen), np.array([column_of[player] for player in lineup], np.int32))
 
 
-def make_player_of_lineups(env: Environment, lineups: Sequence[Sequence[Player]], episodes: int) -> PlayLineup:
+def make_player_of_lineups(
+    env: Environment, lineups: Sequence[Sequence[Player]], episodes: int
+) -> PlayLineup:
     """Returns a function that plays E episodes of one of the line-ups, compiled once for all of them.
 
     Args:
@@ -85,28 +92,40 @@ def make_player_of_lineups(env: Environment, lineups: Sequence[Sequence[Player]]
         column_of_slot = given[3]
 
         def of(stack: Stack) -> Any:
-            return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (episodes, stack.at_once, *jnp.shape(leaf))), stack.example().start)
+            return jax.tree.map(
+                lambda leaf: jnp.broadcast_to(leaf, (episodes, stack.at_once, *jnp.shape(leaf))),
+                stack.example().start,
+            )
 
         return column_of_slot, tuple(of(stack) for stack in stacks)
 
-    evaluator = make_evaluator(env, lambda given: _seated(stacks, *given[:3]), episodes, memory_of=start)
+    evaluator = make_evaluator(
+        env, lambda given: _seated(stacks, *given[:3]), episodes, memory_of=start
+    )
 
     def play(key: Array, lineup: Sequence[Player], order: np.ndarray) -> Evaluation:
         seats = find_seats(stacks, lineup)
         column_of_slot = np.empty_like(order)
-        np.put_along_axis(column_of_slot, order, np.broadcast_to(seats.columns, order.shape), axis=1)
+        np.put_along_axis(
+            column_of_slot, order, np.broadcast_to(seats.columns, order.shape), axis=1
+        )
         return evaluator(key, (parameters, seats.chosen, seats.alone, column_of_slot))
 
     return play
 
 
-def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence[Array], alone: Array) -> MemoryPolicy:
+def _seated(
+    stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence[Array], alone: Array
+) -> MemoryPolicy:
     """Returns the policy in which each slot acts by the column in its memory; every player computes actions for all N agents.
 
     A player that is `alone` draws with the key itself, so that a policy mixed with itself acts as it does in an evaluation.
     """
     examples = [stack.example() for stack in stacks]
-    playing = [jax.tree.map(lambda leaf, own=own: leaf[own], leaves) for leaves, own in zip(parameters, chosen, strict=True)]
+    playing = [
+        jax.tree.map(lambda leaf, own=own: leaf[own], leaves)
+        for leaves, own in zip(parameters, chosen, strict=True)
+    ]
     number = sum(stack.at_once for stack in stacks)
 
     def act(memory: Any, key: Array, observation: Array, *given: Any) -> tuple[Any, Array]:
@@ -122,9 +141,13 @@ def _seated(stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence
             actions.append(taken)
             first += stack.at_once
         by_column = jnp.concatenate(actions)
-        return (column_of_slot, tuple(after)), jnp.take_along_axis(by_column, column_of_slot[None], axis=0)[0]
+        return (column_of_slot, tuple(after)), jnp.take_along_axis(
+            by_column, column_of_slot[None], axis=0
+        )[0]
 
-    seated = MemoryPolicy((), act, any(e.reads_allowed for e in examples), any(e.reads_state for e in examples))
+    seated = MemoryPolicy(
+        (), act, any(e.reads_allowed for e in examples), any(e.reads_state for e in examples)
+    )
     return seated
 
 
@@ -139,7 +162,9 @@ def _keys(key: Array, number: int, alone: Array) -> Array:
     return keys
 
 
-def _act_together(stack: Stack, parameters: Any, memory: Any, keys: Array, seen: tuple[Array, ...]) -> tuple[Any, Array]:
+def _act_together(
+    stack: Stack, parameters: Any, memory: Any, keys: Array, seen: tuple[Array, ...]
+) -> tuple[Any, Array]:
     """Returns the next memory `[M, ...]` and the actions `[M, N]` of the M computed players of a stack."""
 
     def one(parameters: Any, memory: Any, key: Array) -> tuple[Any, Array]:

@@ -14,9 +14,15 @@ def diagram_text(found: Diagram) -> str:
     """Returns the diagram as text: both lines, the contrasts and the verdict."""
     cooperators, defectors = found.experiment.pools
     lines = [("others who cooperate", "C: cooperating", "D: defecting", "D - C", "preferred")]
-    for others, (c, d, (difference, preferred)) in enumerate(zip(found.cooperating, found.defecting, found.preferences, strict=True)):
-        lines.append((str(others), _with_bounds(c), _with_bounds(d), _with_bounds(difference), preferred))
-    contrasts = [(name, _with_bounds(figure), IN_WORDS[name]) for name, figure in found.contrasts.items()]
+    for others, (c, d, (difference, preferred)) in enumerate(
+        zip(found.cooperating, found.defecting, found.preferences, strict=True)
+    ):
+        lines.append(
+            (str(others), _with_bounds(c), _with_bounds(d), _with_bounds(difference), preferred)
+        )
+    contrasts = [
+        (name, _with_bounds(figure), IN_WORDS[name]) for name, figure in found.contrasts.items()
+    ]
     parts = [
         f"\n{found.experiment.title}: cooperators {cooperators.name}, defectors {defectors.name}; {found.population}",
         f"mean return of an agent, with 95 % intervals\n{_in_columns(lines)}",
@@ -35,7 +41,9 @@ def _verdict(found: Diagram) -> str:
             return f"no dilemma: {verdict.reason}"
     if found.units < 2:
         return f"undecided: one {unit} has no spread; play at least two"
-    wanted = f"about {verdict.wanted:,} {unit}s" if verdict.wanted else f"no feasible number of {unit}s"
+    wanted = (
+        f"about {verdict.wanted:,} {unit}s" if verdict.wanted else f"no feasible number of {unit}s"
+    )
     return f"undecided: {verdict.reason}; {wanted} would probably settle it, and there are {found.units:,}"
 
 
@@ -54,14 +62,26 @@ def crossplay_text(found: CrossPlay) -> str:
     if len({found.unit_of(lineup) for lineup in experiment.lineups}) > 1:
         over += f"; of mixtures without a trained policy over {experiment.episodes * experiment.replicates} episodes"
     table = f"\n{experiment.title}: means with 95 % intervals over {over}\n{_in_columns(rows)}"
-    shortened = [(short, name) for short, name in zip(names, found.names, strict=True) if short != name]
+    shortened = [
+        (short, name) for short, name in zip(names, found.names, strict=True) if short != name
+    ]
     return f"{table}\n\nthe policies\n{_in_columns(shortened)}" if shortened else table
 
 
 def scenarios_text(found: ScenarioScores) -> str:
     """Returns the returns and scores of the focal policy in each requested scenario, as text."""
     agents = found.experiment.env.num_agents
-    rows = [("scenario", "focal agents", "focal return", "background return", "random", "best scripted", "score")]
+    rows = [
+        (
+            "scenario",
+            "focal agents",
+            "focal return",
+            "background return",
+            "random",
+            "best scripted",
+            "score",
+        )
+    ]
     cautions = []
     for name in found.scenarios:
         score = found[name]
@@ -69,7 +89,17 @@ def scenarios_text(found: ScenarioScores) -> str:
         best = f"{score.baseline(score.best).mean:.4g}, {score.best}"
         shown = "undefined" if score.score is None else f"{score.score:.3g}"
         random = f"{score.baseline(RANDOM).mean:.4g}"
-        rows.append((name, f"{score.number_focal} of {agents}", _with_bounds(score.focal), background, random, best, shown))
+        rows.append(
+            (
+                name,
+                f"{score.number_focal} of {agents}",
+                _with_bounds(score.focal),
+                background,
+                random,
+                best,
+                shown,
+            )
+        )
         cautions += [f"{name}: {score.caution}"] if score.caution else []
     head = f"\n{found.experiment.title}: focal agents play {found.policy}; mean returns of an agent, with 95 % intervals over {found.population}"
     said = "score: (focal - random) / (best scripted - random), where random and best scripted play the focal agents of the same scenario"
@@ -79,7 +109,11 @@ def scenarios_text(found: ScenarioScores) -> str:
 def _in_columns(rows: Sequence[Sequence[str]]) -> str:
     """Returns rows of cells as lines, each column as wide as its widest cell."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return "\n".join("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
+    return "\n".join(
+        "  "
+        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    )
 
 
 def _with_bounds(figure: Estimate) -> str:

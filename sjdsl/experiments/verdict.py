@@ -25,13 +25,22 @@ class Verdict:
     fear: bool  # by its lower bound
     greed: bool  # by its lower bound
     reason: str  # which bounds decide, in a sentence
-    wanted: int | None = None  # total samples that would probably settle it; None if it is settled, or no number would
-    without_spread: tuple[str, ...] = ()  # contrasts it rests on whose samples are all equal, so their intervals have no width
+    wanted: int | None = (
+        None  # total samples that would probably settle it; None if it is settled, or no number would
+    )
+    without_spread: tuple[
+        str, ...
+    ] = ()  # contrasts it rests on whose samples are all equal, so their intervals have no width
 
     @property
     def shape(self) -> str:
         """Which of fear and greed are present by their lower bounds: `fear and greed`, `fear`, `greed` or `neither`."""
-        return " and ".join(name for name, there in (("fear", self.fear), ("greed", self.greed)) if there) or "neither"
+        return (
+            " and ".join(
+                name for name, there in (("fear", self.fear), ("greed", self.greed)) if there
+            )
+            or "neither"
+        )
 
 
 def judge(samples: Mapping[str, np.ndarray]) -> Verdict:
@@ -40,7 +49,14 @@ def judge(samples: Mapping[str, np.ndarray]) -> Verdict:
     outcome = outcome_of(found)
     fear, greed = found["fear"].low > 0, found["greed"].low > 0
     wanted = samples_wanted(samples) if outcome == "undecided" else None
-    return Verdict(outcome, fear, greed, _reason(outcome, found), wanted, _without_spread(outcome, found, samples))
+    return Verdict(
+        outcome,
+        fear,
+        greed,
+        _reason(outcome, found),
+        wanted,
+        _without_spread(outcome, found, samples),
+    )
 
 
 def outcome_of(found: Mapping[str, Estimate]) -> Outcome:
@@ -53,13 +69,22 @@ def outcome_of(found: Mapping[str, Estimate]) -> Outcome:
     return "undecided"
 
 
-def _without_spread(outcome: Outcome, found: Mapping[str, Estimate], samples: Mapping[str, np.ndarray]) -> tuple[str, ...]:
+def _without_spread(
+    outcome: Outcome, found: Mapping[str, Estimate], samples: Mapping[str, np.ndarray]
+) -> tuple[str, ...]:
     """Returns the contrasts with all-equal samples that a verdict rests on; none if it would be the same whatever they are."""
     equal = {name for name, values in samples.items() if len(values) > 1 and not _deviation(values)}
-    unknown = {name: Estimate(figure.mean, -math.inf, math.inf) if name in equal else figure for name, figure in found.items()}
+    unknown = {
+        name: Estimate(figure.mean, -math.inf, math.inf) if name in equal else figure
+        for name, figure in found.items()
+    }
     if outcome == "undecided" or outcome_of(unknown) == outcome:
         return ()
-    decide = [name for name in found if (found[name].low > 0 if outcome == "dilemma" else found[name].high <= 0)]
+    decide = [
+        name
+        for name in found
+        if (found[name].low > 0 if outcome == "dilemma" else found[name].high <= 0)
+    ]
     return tuple(name for name in decide if name in equal)
 
 
@@ -103,7 +128,10 @@ def samples_wanted(samples: Mapping[str, np.ndarray]) -> int | None:
     figures = {name: (float(values.mean()), _deviation(values)) for name, values in samples.items()}
 
     def settled(count: int) -> bool:
-        narrow = {name: Estimate(mean, *_probable_bounds(mean, spread, count)) for name, (mean, spread) in figures.items()}
+        narrow = {
+            name: Estimate(mean, *_probable_bounds(mean, spread, count))
+            for name, (mean, spread) in figures.items()
+        }
         return outcome_of(narrow) != "undecided"
 
     low, high = number, number + 1  # bisection: once settled, more samples leave it settled
@@ -121,7 +149,9 @@ def _deviation(values: np.ndarray) -> float:
 def _probable_bounds(mean: float, deviation: float, count: int) -> tuple[float, float]:
     """Returns bounds that `count` samples would probably reach or improve on."""
     margin = (
-        float(stats.t.ppf(0.5 + JOINT_CONFIDENCE / 2, count - 1) + stats.norm.ppf(POWER)) * deviation / math.sqrt(count)
+        float(stats.t.ppf(0.5 + JOINT_CONFIDENCE / 2, count - 1) + stats.norm.ppf(POWER))
+        * deviation
+        / math.sqrt(count)
         if deviation
         else 0.0
     )

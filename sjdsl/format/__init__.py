@@ -16,7 +16,11 @@ def format_source(source: Source) -> str:
     Raises CompileError with every syntax error of the file.
     """
     tokens, tree = read_tree(source)
-    text = render(lay_out(Tokens(tokens, read_structure(tokens, tree), read_gaps(source.text, tokens))))
+    text = render(
+        lay_out(Tokens(tokens, read_structure(tokens, tree), read_gaps(source.text, tokens)))
+    )
     text = text.replace("\n", line_end(source.text))
-    assert read_tree(Source(source.name, text))[0] == tokens, "formatting changed the words of the file"
+    assert read_tree(Source(source.name, text))[0] == tokens, (
+        "formatting changed the words of the file"
+    )
     return text

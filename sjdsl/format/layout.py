@@ -38,10 +38,21 @@ class Layout:
 
     # ---- lines
 
-    def begin(self, token: int, indent: int, comments: int | None = None, first: bool = False, blanks: bool = True) -> None:
+    def begin(
+        self,
+        token: int,
+        indent: int,
+        comments: int | None = None,
+        first: bool = False,
+        blanks: bool = True,
+    ) -> None:
         """Begins a line for a token, after the comments before it. `first`: nothing stands above it in its block."""
-        is_first = self.comments_before(token, indent if comments is None else comments, blanks, first)
-        self.lines.append(Line(" " * indent, blank=self.gaps[token].blank and blanks and not is_first))
+        is_first = self.comments_before(
+            token, indent if comments is None else comments, blanks, first
+        )
+        self.lines.append(
+            Line(" " * indent, blank=self.gaps[token].blank and blanks and not is_first)
+        )
         self.head = len(self.lines) - 1
 
     def comments_before(self, token: int, indent: int, blanks: bool, first: bool = False) -> bool:
@@ -50,10 +61,16 @@ class Layout:
         Returns whether still nothing stands above the token in its block.
         """
         for comment in self.gaps[token].comments:
-            last, head = (self.lines[-1], self.lines[self.head]) if self.lines else (Line(""), Line(""))
+            last, head = (
+                (self.lines[-1], self.lines[self.head]) if self.lines else (Line(""), Line(""))
+            )
             if comment.trailing and len(last.text) + APART + len(comment.text) <= WIDTH:
                 last.comment = comment.text
-            elif comment.trailing and token in self.tokens.places and not head.text.lstrip().startswith("}"):
+            elif (
+                comment.trailing
+                and token in self.tokens.places
+                and not head.text.lstrip().startswith("}")
+            ):
                 # too long for the line it ends: above the statement it is about
                 above = [Line(text) for text in wrapped(comment.text, head.indent)]
                 above[0].blank, head.blank = head.blank, False
@@ -77,7 +94,9 @@ class Layout:
     def write(self, start: int, end: int) -> None:
         """Adds tokens to the line, with a space before the first if it needs one."""
         is_new = not self.lines[-1].text.strip()
-        self.lines[-1].text += self.tokens.text(start, end).lstrip() if is_new else self.tokens.text(start, end)
+        self.lines[-1].text += (
+            self.tokens.text(start, end).lstrip() if is_new else self.tokens.text(start, end)
+        )
 
     # ---- items
 
@@ -85,7 +104,11 @@ class Layout:
         """Writes the items of an open container, each line of them at `indent`; items on one line stay there if they fit."""
         runs: list[list[tuple[int, int]]] = []
         for run in self._runs(container):
-            runs += [run] if self.tokens.fits(run[0][0], run[-1][1], indent) else [[item] for item in run]
+            runs += (
+                [run]
+                if self.tokens.fits(run[0][0], run[-1][1], indent)
+                else [[item] for item in run]
+            )
         self.tokens.align(runs, indent)
         for number, run in enumerate(runs):
             self.begin(run[0][0], indent, first=number == 0)
@@ -152,8 +175,14 @@ class Layout:
         if close is None:
             return container.end + 1
         is_near = container.sort != "block" and not self.tokens.broken[close]
-        opened = (c.open for c in self._outermost_containers(close + 1, end) if self.tokens.breaks(c.open + 1, c.end))
-        part_end = next(opened, end)  # the last token that is written before the next container that is open
+        opened = (
+            c.open
+            for c in self._outermost_containers(close + 1, end)
+            if self.tokens.breaks(c.open + 1, c.end)
+        )
+        part_end = next(
+            opened, end
+        )  # the last token that is written before the next container that is open
         if not (is_near and self.tokens.fits(close, part_end, self._next_column(close))):
             self.begin(close, indent, comments=indent + INDENT, first=not container.items)
         return close
@@ -165,14 +194,22 @@ class Layout:
         edges = [start, *(c.end if c.close is None else c.close for c in opened)]
         parts = zip(edges, [*(c.open for c in opened), end], strict=True)
         for first, last in parts:
-            column = self._next_column(start) if first == start else indent  # a branch may begin behind the `}` of the one before
+            column = (
+                self._next_column(start) if first == start else indent
+            )  # a branch may begin behind the `}` of the one before
             if column + self.tokens.width(first, last) > WIDTH:
-                opened += [c for c in found if first <= c.open and c.end <= last and c not in opened]
+                opened += [
+                    c for c in found if first <= c.open and c.end <= last and c not in opened
+                ]
         return sorted(opened, key=lambda c: c.open)
 
     def _outermost_containers(self, start: int, end: int) -> Iterator[Container]:
         """Yields the containers of some tokens that lie in no other one."""
-        yield from (self.structure.containers[at] for at in self._outside(start, end) if at in self.structure.containers)
+        yield from (
+            self.structure.containers[at]
+            for at in self._outside(start, end)
+            if at in self.structure.containers
+        )
 
     # ---- parts of statements
 
@@ -218,7 +255,9 @@ class Layout:
         """Returns the token to begin the next line with: the last good one that leaves this line short enough, or any."""
         good, possible = None, None
         for n in (n for n in range(start + 1, end + 1) if self.tokens.spaces[n]):
-            if possible is not None and not self.tokens.fits(start, n - 1, self._next_column(start)):
+            if possible is not None and not self.tokens.fits(
+                start, n - 1, self._next_column(start)
+            ):
                 break
             possible = n
             if self.tokens.words[n] in BREAKS or self.tokens.words[n - 1] == ",":

@@ -26,7 +26,9 @@ def wrapped(comment: str, indent: int) -> list[str]:
     rest = " " * indent + comment
     found = []
     while len(rest) > WIDTH:
-        begin = len(rest) - len(rest[indent:].lstrip("# "))  # a cut before its first word would leave an empty line
+        begin = len(rest) - len(
+            rest[indent:].lstrip("# ")
+        )  # a cut before its first word would leave an empty line
         cut = rest.rfind(" ", begin, WIDTH + 1)
         cut = cut if cut >= 0 else rest.find(" ", WIDTH)
         if cut < 0:
@@ -47,7 +49,10 @@ def render(lines: Sequence[Line]) -> str:
     for run in runs:
         columns = _comment_columns(run)
         found += [""] if run[0].blank and found else []
-        found += [f"{line.text:{columns[n]}}{line.comment}" if line.comment else line.text for n, line in enumerate(run)]
+        found += [
+            f"{line.text:{columns[n]}}{line.comment}" if line.comment else line.text
+            for n, line in enumerate(run)
+        ]
     return "".join(f"{line}\n" for line in found)
 
 
@@ -56,9 +61,13 @@ def _comment_columns(run: Sequence[Line]) -> dict[int, int]:
     lengths = {number: len(line.text) for number, line in enumerate(run) if line.comment}
     columns: dict[int, int] = {}
     while lengths:
-        near = [number for number, length in lengths.items() if length <= min(lengths.values()) + FAR]
+        near = [
+            number for number, length in lengths.items() if length <= min(lengths.values()) + FAR
+        ]
         shared = max(lengths[number] for number in near) + APART
         for number in near:
             length = lengths.pop(number)
-            columns[number] = shared if shared + len(run[number].comment) <= WIDTH else length + APART
+            columns[number] = (
+                shared if shared + len(run[number].comment) <= WIDTH else length + APART
+            )
     return columns

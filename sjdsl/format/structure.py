@@ -57,7 +57,9 @@ def read_structure(tokens: Sequence[Token], tree: Tree[Token]) -> Structure:
     found = Structure(next(n for n, token in enumerate(tokens) if token.type == "GAME"))
     # tokens that stand close to the one before wherever they are
     found.tight |= {n for n, token in enumerate(tokens) if token.type in ("COMMA", "RPAR", "RSQB")}
-    found.tight |= {n + 1 for n, token in enumerate(tokens) if token.type in ("LPAR", "LSQB", "DOT")}
+    found.tight |= {
+        n + 1 for n, token in enumerate(tokens) if token.type in ("LPAR", "LSQB", "DOT")
+    }
     starts: dict[int, set[str]] = {}
     chained = {id(child) for node in tree.find_data("otherwise") for child in node.children}
     for node in tree.iter_subtrees():
@@ -83,7 +85,9 @@ def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Struc
         case "key":
             found.tight |= {end + 1, end} if tokens[end].type == "DOTS" else {end + 1}
         case "about" if end > start + 2:
-            found.containers[start + 1] = Container("texts", start + 1, tuple(range(start + 2, end + 1)), None)
+            found.containers[start + 1] = Container(
+                "texts", start + 1, tuple(range(start + 2, end + 1)), None
+            )
         case "size" | "param" if tokens[start + 2].type == "COLON":  # not one with `by`
             found.columns[start] = ("number", (start + 1, start + 2, start + 4))
         case "kind" | "field":
@@ -96,19 +100,29 @@ def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Struc
             pass
 
 
-def _find_containers(tokens: Sequence[Token], starts: dict[int, set[str]], found: Structure) -> None:
+def _find_containers(
+    tokens: Sequence[Token], starts: dict[int, set[str]], found: Structure
+) -> None:
     """Adds the braces with items in them; braces around words or members have none."""
     around: list[tuple[int, Sort | None, list[int]]] = []
     for number, token in enumerate(tokens):
         if around:
             _, sort, items = around[-1]
-            wanted = STATEMENTS if sort == "block" else ENTRIES if sort == "list" else frozenset[str]()
+            wanted = (
+                STATEMENTS if sort == "block" else ENTRIES if sort == "list" else frozenset[str]()
+            )
             if wanted & starts.get(number, set()) or (sort == "rows" and token.type == "STRING"):
                 items.append(number)
         if token.type in ("LBRACE", "LPAR", "LSQB"):
             rules, inside = starts.get(number + 1, set()), tokens[number + 1].type
             sort = "list" if rules & ENTRIES else None
-            sort = "block" if inside == "RBRACE" or rules & STATEMENTS else "rows" if inside == "STRING" else sort
+            sort = (
+                "block"
+                if inside == "RBRACE" or rules & STATEMENTS
+                else "rows"
+                if inside == "STRING"
+                else sort
+            )
             around.append((number, sort if token.type == "LBRACE" else None, []))
         elif token.type in ("RBRACE", "RPAR", "RSQB"):
             open_, sort, items = around.pop()

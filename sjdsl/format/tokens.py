@@ -38,12 +38,17 @@ def read_gaps(text: str, tokens: Sequence[Token]) -> list[Gap]:
     """
     starts = [*(token.start_pos or 0 for token in tokens), len(text)]
     ends = [0, *(token.end_pos or 0 for token in tokens)]
-    gaps = [_read_gap(text[end:start], first=end == 0) for end, start in zip(ends, starts, strict=True)]
+    gaps = [
+        _read_gap(text[end:start], first=end == 0) for end, start in zip(ends, starts, strict=True)
+    ]
     for number, token in enumerate(tokens):
         gap, behind = gaps[number], gaps[number + 1]
         if token.type in ("LBRACE", "COMMA") and gap.comments:
             others = (replace(comment, trailing=False) for comment in behind.comments)
-            gaps[number], gaps[number + 1] = Gap(), Gap((*gap.comments, *others), True, behind.blank)
+            gaps[number], gaps[number + 1] = (
+                Gap(),
+                Gap((*gap.comments, *others), True, behind.blank),
+            )
         elif token.type == "RBRACE":
             gaps[number] = replace(gap, blank=False)
     return gaps
@@ -76,12 +81,23 @@ class Tokens:
         firsts = {c.open + 1 for c in containers}
         self.spaces = [0 if n in structure.tight else 1 for n in range(len(self.words))]
         for item, sort in items.items():
-            self.spaces[item] = BETWEEN_ITEMS if sort in ("block", "rows") and item not in firsts else 1
+            self.spaces[item] = (
+                BETWEEN_ITEMS if sort in ("block", "rows") and item not in firsts else 1
+            )
         self.places = {structure.game, *items, *structure.branches, *(c.close for c in containers)}
-        self.broken = [bool(gap.comments) or (gap.ended and n in self.places) for n, gap in enumerate(gaps[:-1])]
-        self.broken[self.words.index("{", structure.game) + 1] = True  # the game's block is never on one line
+        self.broken = [
+            bool(gap.comments) or (gap.ended and n in self.places)
+            for n, gap in enumerate(gaps[:-1])
+        ]
+        self.broken[self.words.index("{", structure.game) + 1] = (
+            True  # the game's block is never on one line
+        )
         self.breaks_before = [0, *accumulate(self.broken)]
-        self.ends = list(accumulate(space + len(word) for space, word in zip(self.spaces, self.words, strict=True)))
+        self.ends = list(
+            accumulate(
+                space + len(word) for space, word in zip(self.spaces, self.words, strict=True)
+            )
+        )
         self.columns: dict[int, int] = {}
 
     def width(self, start: int, end: int) -> int:
@@ -90,7 +106,10 @@ class Tokens:
 
     def text(self, start: int, end: int) -> str:
         """Returns the tokens `start .. end` with the spaces before each."""
-        return "".join(" " * (self.spaces[n] + self.columns.get(n, 0)) + self.words[n] for n in range(start, end + 1))
+        return "".join(
+            " " * (self.spaces[n] + self.columns.get(n, 0)) + self.words[n]
+            for n in range(start, end + 1)
+        )
 
     def breaks(self, start: int, end: int) -> bool:
         """Returns whether a line end stays before any of the tokens `start .. end`."""
@@ -110,9 +129,14 @@ class Tokens:
             cells = [(start, *self.structure.columns[start][1]) for start, _ in together]
             widths = [[self.width(a, b - 1) for a, b in pairwise(row)] for row in cells]
             widest = [max(column) for column in zip(*widths, strict=True)]
-            more: dict[int, int] = {}  # the spaces that make each cell as wide as the widest one above or below
+            more: dict[
+                int, int
+            ] = {}  # the spaces that make each cell as wide as the widest one above or below
             for row, own in zip(cells, widths, strict=True):
-                more |= {token: wide - width for token, width, wide in zip(row[1:], own, widest, strict=True)}
+                more |= {
+                    token: wide - width
+                    for token, width, wide in zip(row[1:], own, widest, strict=True)
+                }
             if all(self._has_room(start, end, indent, more) for start, end in together):
                 self.columns |= more
 
@@ -122,7 +146,10 @@ class Tokens:
         columns = self.structure.columns
         for run in runs:
             start = run[0][0]
-            sort, gap = columns[start][0] if len(run) == 1 and start in columns else "", self.gaps[start]
+            sort, gap = (
+                columns[start][0] if len(run) == 1 and start in columns else "",
+                self.gaps[start],
+            )
             apart = gap.blank or any(comment.blank for comment in gap.comments)
             if together and (apart or columns[together[0][0]][0] != sort):
                 yield together
@@ -135,5 +162,7 @@ class Tokens:
         """Returns whether the first line of an item, which holds all its columns, is short enough with them."""
         stops = self.structure.columns[start][1]
         if not self.fits(start, end, indent):
-            end = next((n for n in range(stops[-1], end + 1) if n in self.structure.containers), end)
+            end = next(
+                (n for n in range(stops[-1], end + 1) if n in self.structure.containers), end
+            )
         return self.fits(start, end, indent + sum(more[stop] for stop in stops))

@@ -14,12 +14,61 @@ WORD = 32  # bits of a seed that `jax.random.key` uses
 # Other keys of infos, from an adapter, a library's own wrappers, or JaxMARL's scripts: counts must not shadow them.
 TAKEN = frozenset(
     {
-        *("truncated", "terminated", "reward", "rewards", "original_reward", "original_rewards", "shaped_reward", "shaped_rewards"),
-        *("combined_reward", "shaped_reward_annealed", "anneal_factor", "action_mask", "active_agent", "env_defined_actions"),
-        *("terminal_observation", "final_obs", "final_observation", "final_info", "episode", "is_success"),
-        *("returned_episode", "returned_episode_returns", "returned_episode_lengths", "returned_episode_recipe_returns"),
-        *("returned_won_episode", "test_metrics", "update_step", "update_steps", "updates", "env_step", "grad_steps", "timesteps", "eps"),
-        *("total_loss", "value_loss", "actor_loss", "critic_loss", "loss", "loss_info", "entropy", "ratio", "ratio0", "ratio_0"),
+        *(
+            "truncated",
+            "terminated",
+            "reward",
+            "rewards",
+            "original_reward",
+            "original_rewards",
+            "shaped_reward",
+            "shaped_rewards",
+        ),
+        *(
+            "combined_reward",
+            "shaped_reward_annealed",
+            "anneal_factor",
+            "action_mask",
+            "active_agent",
+            "env_defined_actions",
+        ),
+        *(
+            "terminal_observation",
+            "final_obs",
+            "final_observation",
+            "final_info",
+            "episode",
+            "is_success",
+        ),
+        *(
+            "returned_episode",
+            "returned_episode_returns",
+            "returned_episode_lengths",
+            "returned_episode_recipe_returns",
+        ),
+        *(
+            "returned_won_episode",
+            "test_metrics",
+            "update_step",
+            "update_steps",
+            "updates",
+            "env_step",
+            "grad_steps",
+            "timesteps",
+            "eps",
+        ),
+        *(
+            "total_loss",
+            "value_loss",
+            "actor_loss",
+            "critic_loss",
+            "loss",
+            "loss_info",
+            "entropy",
+            "ratio",
+            "ratio0",
+            "ratio_0",
+        ),
         *("approx_kl", "clip_frac", "qvals"),
     }
 )
@@ -51,7 +100,9 @@ def seeded_key(seed: Any) -> Array:
     return key
 
 
-def numbers_of_actions(actions: Iterable[Any], num_actions: int, name: Callable[[int], str]) -> np.ndarray:
+def numbers_of_actions(
+    actions: Iterable[Any], num_actions: int, name: Callable[[int], str]
+) -> np.ndarray:
     """Returns actions, one for each agent, as `[S]` int32.
 
     Args:
@@ -60,7 +111,11 @@ def numbers_of_actions(actions: Iterable[Any], num_actions: int, name: Callable[
     Raises:
       TypeError: one isn't a whole number. ValueError: one is out of range.
     """
-    given = [actions] if isinstance(actions, np.ndarray) and actions.ndim == 1 else [np.asarray(action) for action in actions]
+    given = (
+        [actions]
+        if isinstance(actions, np.ndarray) and actions.ndim == 1
+        else [np.asarray(action) for action in actions]
+    )
     for place, action in enumerate(given):
         if not np.issubdtype(action.dtype, np.integer):
             raise TypeError(

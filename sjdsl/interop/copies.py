@@ -20,7 +20,11 @@ class Copied:
         return made
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _remake, (type(self), *self._made_with), {name: vars(self)[name] for name in self.KEPT}
+        return (
+            _remake,
+            (type(self), *self._made_with),
+            {name: vars(self)[name] for name in self.KEPT},
+        )
 
 
 def _remake(adapter: Any, args: tuple[Any, ...], arguments: dict[str, Any]) -> Any:

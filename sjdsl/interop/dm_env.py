@@ -45,7 +45,9 @@ class Substrate(Copied, dm_env.Environment):
 
     KEPT = ("_key", "_state", "_events")
 
-    def __init__(self, game: str, seed: int | None = None, tile: int = TILE, **arguments: Any) -> None:
+    def __init__(
+        self, game: str, seed: int | None = None, tile: int = TILE, **arguments: Any
+    ) -> None:
         """Makes the environment.
 
         Args:
@@ -62,7 +64,9 @@ class Substrate(Copied, dm_env.Environment):
         self._rules: Mapping[str, Any] | None = None if entry is None else entry.observations
         self._look = replace(make_look(self.env.game), tile=tile)
         self._sees = jax.jit(self.env.module.observe)
-        self._own_actions = [i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN]
+        self._own_actions = [
+            i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN
+        ]
         self._state: Any = None
         self._events: list[tuple[str, Any]] = []
 
@@ -84,8 +88,12 @@ class Substrate(Copied, dm_env.Environment):
         if self._state is None:
             return self.reset()
         if len(action) != self.env.num_agents:
-            raise ValueError(f"expected {self.env.num_agents} actions, one for each player, got {len(action)}")
-        chosen = numbers_of_actions(action, self.env.num_actions, lambda player: f" of player {player}")
+            raise ValueError(
+                f"expected {self.env.num_agents} actions, one for each player, got {len(action)}"
+            )
+        chosen = numbers_of_actions(
+            action, self.env.num_actions, lambda player: f" of player {player}"
+        )
         self._key, key = jax.random.split(self._key)
         _, self._state, reward, done, info = self.env.step_env(key, self._state, chosen)
         rewards = np.asarray(reward, np.float64)
@@ -105,7 +113,9 @@ class Substrate(Copied, dm_env.Environment):
         """Returns the specs of each player's observation."""
         rows, cols = self.env.observation_shape[2:]
         tile = self._look.tile
-        spec: dict[str, specs.Array] = {"RGB": specs.Array((rows * tile, cols * tile, 3), np.uint8, "RGB")}
+        spec: dict[str, specs.Array] = {
+            "RGB": specs.Array((rows * tile, cols * tile, 3), np.uint8, "RGB")
+        }
         shapes = jax.eval_shape(self.env.reset, self._key)[1]
         nothing = jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), shapes)
         for name, values in self._other_observations(nothing).items():
@@ -117,7 +127,10 @@ class Substrate(Copied, dm_env.Environment):
 
     def action_spec(self) -> list[specs.DiscreteArray]:
         """Returns the spec of each player's action."""
-        return [specs.DiscreteArray(self.env.num_actions, np.int64, "action") for _ in range(self.env.num_agents)]
+        return [
+            specs.DiscreteArray(self.env.num_actions, np.int64, "action")
+            for _ in range(self.env.num_agents)
+        ]
 
     def reward_spec(self) -> list[specs.Array]:
         """Returns the spec of each player's reward."""
@@ -139,7 +152,9 @@ class Substrate(Copied, dm_env.Environment):
         observations = []
         for player, window in enumerate(windows):
             own = {name: np.asarray(values[player]) for name, values in others.items()}
-            observations.append({"RGB": window, **own, "COLLECTIVE_REWARD": collective, "WORLD.RGB": board})
+            observations.append(
+                {"RGB": window, **own, "COLLECTIVE_REWARD": collective, "WORLD.RGB": board}
+            )
         return observations
 
     def _other_observations(self, state: Any) -> dict[str, np.ndarray]:
@@ -180,7 +195,13 @@ def get_config(game: str, **arguments: Any) -> Config:
     return Config(roles, frozenset(roles), made.action_names, names, ("WORLD.RGB",))
 
 
-def build(game: str, roles: str | Sequence[str], seed: int | None = None, tile: int = TILE, **arguments: Any) -> Substrate:
+def build(
+    game: str,
+    roles: str | Sequence[str],
+    seed: int | None = None,
+    tile: int = TILE,
+    **arguments: Any,
+) -> Substrate:
     """Returns the game or substrate with one player for each role.
 
     Raises:
@@ -193,7 +214,9 @@ def build(game: str, roles: str | Sequence[str], seed: int | None = None, tile: 
     if unknown and set(usual) == {ROLE}:
         raise ValueError(f"there is no role `{unknown[0]}`; every player has the role `{ROLE}`")
     if unknown:
-        raise ValueError(f"there is no role `{unknown[0]}`; the roles are {', '.join(dict.fromkeys(usual))}")
+        raise ValueError(
+            f"there is no role `{unknown[0]}`; the roles are {', '.join(dict.fromkeys(usual))}"
+        )
     if len(set(usual)) > 1 and tuple(roles) != usual:
         raise ValueError(f"`{game}` has the roles {', '.join(usual)}; give them in this order")
     if len(roles) != number:  # refused by games with a fixed number of agents
@@ -211,7 +234,9 @@ def _make(game: str, arguments: Mapping[str, Any]) -> Environment:
     if entry is None:
         return make(game, **arguments)
     if not entry.game:
-        raise ValueError(f"the substrate `{game}` isn't available yet; docs/meltingpot.md lists those that are")
+        raise ValueError(
+            f"the substrate `{game}` isn't available yet; docs/meltingpot.md lists those that are"
+        )
     variant = "+".join(name for name in (entry.variant, arguments.get("variant")) if name)
     return make(entry.game, **{**arguments, "variant": variant or None})
 
@@ -219,7 +244,11 @@ def _make(game: str, arguments: Mapping[str, Any]) -> Environment:
 def _entry(game: str, arguments: Mapping[str, Any]) -> Entry | None:
     """Returns the named substrate; None if the name is a game's."""
     entry = substrates().get(game)
-    return None if entry is None or (game in bundled() and ("variant" in arguments or not entry.game)) else entry
+    return (
+        None
+        if entry is None or (game in bundled() and ("variant" in arguments or not entry.game))
+        else entry
+    )
 
 
 def _roles(game: str, number: int) -> tuple[str, ...]:

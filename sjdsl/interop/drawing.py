@@ -38,7 +38,9 @@ class Drawing:
             self._painter = self._painter or make_painter(self._env)
             return np.asarray(self._painter.draw(snapshot))
         self._letters = self._letters or make_letters(self._env.game)
-        text = "".join(f"{row}\n" for row in board_rows(self._letters, board_of(self._env.game), snapshot))
+        text = "".join(
+            f"{row}\n" for row in board_rows(self._letters, board_of(self._env.game), snapshot)
+        )
         if self._mode == "ansi":
             return text
         print(text, flush=True)

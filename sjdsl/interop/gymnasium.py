@@ -39,7 +39,12 @@ class VectorGame(Copied, VectorEnv):
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012, as Gymnasium has it
 
     def __init__(
-        self, game: str, num_envs: int = 1, observation: Encoding = "onehot", common_reward: bool = False, **arguments: Any
+        self,
+        game: str,
+        num_envs: int = 1,
+        observation: Encoding = "onehot",
+        common_reward: bool = False,
+        **arguments: Any,
     ) -> None:
         """Makes the environments.
 
@@ -67,7 +72,9 @@ class VectorGame(Copied, VectorEnv):
         self._look = jax.jit(jax.vmap(self.env.observe))
         self._allowed = jax.jit(jax.vmap(self.env.allowed_actions))
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts all episodes; without a seed the random draws continue, or start anywhere the first time.
 
         The same seed, one number, gives the same episodes under the same actions.
@@ -83,7 +90,9 @@ class VectorGame(Copied, VectorEnv):
         self._key, observation, self._state = self._begin(self._key)
         return self._windows(observation), {}
 
-    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(
+        self, actions: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Plays one step of every environment.
 
         Raises:
@@ -97,12 +106,26 @@ class VectorGame(Copied, VectorEnv):
         chosen = np.asarray(actions)
         if chosen.shape != (self.num_envs,):
             raise ValueError(f"expected actions of shape ({self.num_envs},), got {chosen.shape}")
-        chosen = numbers_of_actions(chosen, self.env.num_actions, lambda slot: f" of slot {slot}").reshape(self._shape)
-        self._key, observation, self._state, reward, info = self._advance(self._key, self._state, chosen)
-        terminated, truncated = (np.repeat(info[name], self._shape[1]) for name in ("terminated", "truncated"))
-        counts = by_name({name: np.asarray(count).reshape(-1) for name, count in info["events"].items()})
+        chosen = numbers_of_actions(
+            chosen, self.env.num_actions, lambda slot: f" of slot {slot}"
+        ).reshape(self._shape)
+        self._key, observation, self._state, reward, info = self._advance(
+            self._key, self._state, chosen
+        )
+        terminated, truncated = (
+            np.repeat(info[name], self._shape[1]) for name in ("terminated", "truncated")
+        )
+        counts = by_name(
+            {name: np.asarray(count).reshape(-1) for name, count in info["events"].items()}
+        )
         infos = self._infos(counts, terminated | truncated, info["terminal_state"])
-        return self._windows(observation), np.asarray(reward, np.float64).reshape(-1), terminated, truncated, infos
+        return (
+            self._windows(observation),
+            np.asarray(reward, np.float64).reshape(-1),
+            terminated,
+            truncated,
+            infos,
+        )
 
     def action_masks(self) -> np.ndarray:
         """Returns which actions each agent may take next, `[num_envs, num_actions]` bool. Raises RuntimeError before the first reset."""
@@ -110,7 +133,9 @@ class VectorGame(Copied, VectorEnv):
             raise RuntimeError("call reset before action_masks")
         return action_masks(self.env, self._state, self._allowed).reshape(self.num_envs, -1)
 
-    def _infos(self, counts: dict[str, np.ndarray], ended: np.ndarray, last_states: Any) -> dict[str, Any]:
+    def _infos(
+        self, counts: dict[str, np.ndarray], ended: np.ndarray, last_states: Any
+    ) -> dict[str, Any]:
         """Returns arrays by name, each with `_name`, where it holds, as Gymnasium's own vector environments have them."""
         going = counts | {f"_{name}": ~ended for name in counts}
         if not ended.any():
@@ -120,7 +145,12 @@ class VectorGame(Copied, VectorEnv):
         for slot in np.nonzero(ended)[0]:
             last[slot] = observations[slot]
         events = counts | {f"_{name}": ended for name in counts}
-        return going | {"final_obs": last, "_final_obs": ended, "final_info": events, "_final_info": ended}
+        return going | {
+            "final_obs": last,
+            "_final_obs": ended,
+            "final_info": events,
+            "_final_info": ended,
+        }
 
     def _reset(self, key: Any) -> tuple[Any, Any, Any]:
         key, resets = jax.random.split(key)
@@ -129,10 +159,15 @@ class VectorGame(Copied, VectorEnv):
     def _step(self, key: Any, state: Any, actions: Any) -> tuple[Any, Any, Any, Any, Any]:
         """Returns rewards and events with an entry for each agent, `[B, N]`."""
         key, steps = jax.random.split(key)
-        observation, state, reward, _, info = jax.vmap(self.env.step)(jax.random.split(steps, self._shape[0]), state, actions)
+        observation, state, reward, _, info = jax.vmap(self.env.step)(
+            jax.random.split(steps, self._shape[0]), state, actions
+        )
         if self._common_reward:
             reward = jnp.broadcast_to(reward.sum(axis=-1, keepdims=True), reward.shape)
-        events = {n: jnp.broadcast_to(c if c.ndim == 2 else c[:, None], self._shape) for n, c in info["events"].items()}
+        events = {
+            n: jnp.broadcast_to(c if c.ndim == 2 else c[:, None], self._shape)
+            for n, c in info["events"].items()
+        }
         kept = {name: info[name] for name in ("terminated", "truncated", "terminal_state")}
         return key, observation, state, reward, {**kept, "events": events}
 
@@ -149,4 +184,6 @@ def environment_id(game: str) -> str:
 
 for _name in bundled():  # `gymnasium.make("sjdsl/CleanUp-v0")`, once this module is imported
     if environment_id(_name) not in gymnasium.registry:
-        gymnasium.register(environment_id(_name), "sjdsl.interop.gymnasium_agent:AgentGame", kwargs={"game": _name})
+        gymnasium.register(
+            environment_id(_name), "sjdsl.interop.gymnasium_agent:AgentGame", kwargs={"game": _name}
+        )

@@ -34,7 +34,16 @@ class AgentGame(Copied, gymnasium.Env):
       env: the `sjdsl.Environment`; agent: the number of the controlled agent.
     """
 
-    KEPT = ("_key", "_state", "_memory", "_over", "_returns", "_np_random", "_np_random_seed", "spec")
+    KEPT = (
+        "_key",
+        "_state",
+        "_memory",
+        "_over",
+        "_returns",
+        "_np_random",
+        "_np_random_seed",
+        "spec",
+    )
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": FRAMES}  # noqa: RUF012, as Gymnasium has it
 
     def __init__(
@@ -60,7 +69,9 @@ class AgentGame(Copied, gymnasium.Env):
         """
         self.env = make(game, observation=observation, **arguments)
         if not 0 <= agent < self.env.num_agents:
-            raise ValueError(f"{self.env.name} has no agent {agent}; its agents are 0 to {self.env.num_agents - 1}")
+            raise ValueError(
+                f"{self.env.name} has no agent {agent}; its agents are 0 to {self.env.num_agents - 1}"
+            )
         self.agent, self.render_mode = agent, render_mode
         self._np_random, self._np_random_seed, self.spec = None, None, None
         self.observation_space = spaces.Box(0, window_high(self.env), dtype=np.uint8)
@@ -75,7 +86,9 @@ class AgentGame(Copied, gymnasium.Env):
         self._returns = np.zeros(self.env.num_agents)
         self._drawing = Drawing(self.env, render_mode)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts an episode. The same seed gives the same episode, and the same ones after it, under the same actions."""
         del options
         super().reset(seed=checked_seed(seed))
@@ -96,14 +109,18 @@ class AgentGame(Copied, gymnasium.Env):
         if self._over:
             raise RuntimeError("the episode is over or not started; call reset")
         chosen = numbers_of_actions([action], self.env.num_actions, lambda _: "")[0]
-        self._key, self._memory, observation, self._state, rewards, info = self._advance(self._key, self._memory, self._state, chosen)
+        self._key, self._memory, observation, self._state, rewards, info = self._advance(
+            self._key, self._memory, self._state, chosen
+        )
         earned = np.array(rewards)
         self._returns = self._returns + earned
         terminated, truncated = bool(info["terminated"]), bool(info["truncated"])
         self._over = terminated or truncated
         if self.render_mode == "human":
             self.render()
-        infos: dict[str, Any] = {name: int(count) for name, count in by_name(info["events"]).items()}
+        infos: dict[str, Any] = {
+            name: int(count) for name, count in by_name(info["events"]).items()
+        }
         infos |= {"action_mask": np.array(info["action_mask"]), "rewards": earned}
         return np.array(observation), float(earned[self.agent]), terminated, truncated, infos
 
@@ -122,13 +139,25 @@ class AgentGame(Copied, gymnasium.Env):
         observation, state = self.env.reset(reset_key)
         return key, self._own(observation), state, self._mask(state)
 
-    def _next(self, key: Any, memory: Any, state: Any, action: Any) -> tuple[Any, Any, Any, Any, Any, dict[str, Any]]:
+    def _next(
+        self, key: Any, memory: Any, state: Any, action: Any
+    ) -> tuple[Any, Any, Any, Any, Any, dict[str, Any]]:
         key, others_key, step_key = jax.random.split(key, 3)
         seen = self._seen_by_others.observe(state)
         memory, actions = take_actions(self.env, self._others, memory, others_key, seen, state)
-        observation, state, reward, _, info = self.env.step_env(step_key, state, actions.at[self.agent].set(action))
-        events = {name: count[self.agent] if count.ndim else count for name, count in info["events"].items()}
-        kept = {"events": events, "terminated": info["terminated"], "truncated": info["truncated"], "action_mask": self._mask(state)}
+        observation, state, reward, _, info = self.env.step_env(
+            step_key, state, actions.at[self.agent].set(action)
+        )
+        events = {
+            name: count[self.agent] if count.ndim else count
+            for name, count in info["events"].items()
+        }
+        kept = {
+            "events": events,
+            "terminated": info["terminated"],
+            "truncated": info["truncated"],
+            "action_mask": self._mask(state),
+        }
         return key, memory, self._own(observation), state, reward, kept
 
     def _own(self, observation: Any) -> Any:

@@ -24,7 +24,10 @@ with needs("jaxmarl"):
     from jaxmarl.environments.multi_agent_env import MultiAgentEnv, State
 
 ByAgent = dict[str, Array]
-PREFIXES = ("sjdsl_", "sjdsl/")  # of the names of our games in JaxMARL's registry: scripts name files by the first
+PREFIXES = (
+    "sjdsl_",
+    "sjdsl/",
+)  # of the names of our games in JaxMARL's registry: scripts name files by the first
 
 
 @struct.dataclass
@@ -66,15 +69,23 @@ class JaxMARLGame(Copied, MultiAgentEnv):
           terminal_observation: adds `info["terminal_observation"]`, `[num_agents, ...]`, which `step` would drop at an episode's end.
         """
         if world_state not in (None, "observations", "state"):
-            raise ValueError(f"world_state must be None, `observations` or `state`, not {world_state!r}")
+            raise ValueError(
+                f"world_state must be None, `observations` or `state`, not {world_state!r}"
+            )
         self.env = make_environment(game, observation=observation, **arguments)
         super().__init__(self.env.num_agents)
         self.max_steps = self.env.episode_length
         self._flat, self._world_state = flat, world_state
-        self._common_reward, self._shaped_reward, self._terminal_observation = common_reward, shaped_reward, terminal_observation
+        self._common_reward, self._shaped_reward, self._terminal_observation = (
+            common_reward,
+            shaped_reward,
+            terminal_observation,
+        )
         _, channels, rows, cols = self.env.observation_shape
         shape = (rows * cols * channels,) if flat else (rows, cols, channels)
-        self.observation_spaces = dict.fromkeys(self.agents, spaces.Box(0.0, float(channel_bounds(self.env).max()), shape, jnp.float32))
+        self.observation_spaces = dict.fromkeys(
+            self.agents, spaces.Box(0.0, float(channel_bounds(self.env).max()), shape, jnp.float32)
+        )
         self.action_spaces = dict.fromkeys(self.agents, spaces.Discrete(self.env.num_actions))
 
     @property
@@ -88,7 +99,10 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         roles = self.env.roles
         if roles is None:
             return {"agents": list(self.agents)}
-        return {f"role_{role}": [a for a, r in zip(self.agents, roles, strict=True) if r == role] for role in sorted(set(roles))}
+        return {
+            f"role_{role}": [a for a, r in zip(self.agents, roles, strict=True) if r == role]
+            for role in sorted(set(roles))
+        }
 
     def observation_space(self, agent: str | None = None) -> spaces.Box:
         """Returns the space of an agent; all agents have the same."""
@@ -102,7 +116,9 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         """Returns the size of a row of `obs["world_state"]`."""
         observations = jax.eval_shape(self.reset, jax.random.key(0))[0]
         if "world_state" not in observations:
-            raise ValueError('there is no world state: make the environment with world_state="observations" or "state"')
+            raise ValueError(
+                'there is no world state: make the environment with world_state="observations" or "state"'
+            )
         result: int = observations["world_state"].shape[1]
         return result
 
@@ -114,23 +130,41 @@ class JaxMARLGame(Copied, MultiAgentEnv):
 
     @partial(jax.jit, static_argnums=(0,))
     def step(
-        self, key: Array, state: GameState, actions: Mapping[str, Array], reset_state: GameState | None = None
+        self,
+        key: Array,
+        state: GameState,
+        actions: Mapping[str, Array],
+        reset_state: GameState | None = None,
     ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
         """Plays one step; after a finished episode, returns the first state of the next, or `reset_state`."""
         if reset_state is not None:
-            result: tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]] = super().step(key, state, actions, reset_state)
+            result: tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]] = super().step(
+                key, state, actions, reset_state
+            )
             return result
         # The game computes resets only if an environment of a batch is done; the base class computes them in every step.
-        observation, game, reward, done, info = self.env.step(key, _game(state), self._actions(actions))
-        return self._observations(observation, game), _state(game, jnp.asarray(False)), *self._results(reward, done, info)
+        observation, game, reward, done, info = self.env.step(
+            key, _game(state), self._actions(actions)
+        )
+        return (
+            self._observations(observation, game),
+            _state(game, jnp.asarray(False)),
+            *self._results(reward, done, info),
+        )
 
     @partial(jax.jit, static_argnums=(0,))
     def step_env(
         self, key: Array, state: GameState, actions: Mapping[str, Array]
     ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
         """As `step`, but without a reset."""
-        observation, game, reward, done, info = self.env.step_env(key, _game(state), self._actions(actions))
-        return self._observations(observation, game), _state(game, done), *self._results(reward, done, info)
+        observation, game, reward, done, info = self.env.step_env(
+            key, _game(state), self._actions(actions)
+        )
+        return (
+            self._observations(observation, game),
+            _state(game, done),
+            *self._results(reward, done, info),
+        )
 
     @partial(jax.jit, static_argnums=(0,))
     def get_obs(self, state: GameState) -> ByAgent:
@@ -157,17 +191,23 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         windows = self._windows(observation)
         observations = self._by_agent(windows)
         if self._world_state is not None:
-            world = self.env.state_vector(game) if self._world_state == "state" else windows.reshape(-1)
+            world = (
+                self.env.state_vector(game) if self._world_state == "state" else windows.reshape(-1)
+            )
             observations["world_state"] = jnp.broadcast_to(world, (self.num_agents, world.size))
         return observations
 
-    def _results(self, reward: Array, done: Array, info: dict[str, Any]) -> tuple[ByAgent, ByAgent, dict[str, Any]]:
+    def _results(
+        self, reward: Array, done: Array, info: dict[str, Any]
+    ) -> tuple[ByAgent, ByAgent, dict[str, Any]]:
         """Returns rewards, dones and infos in JaxMARL's form."""
         if self._common_reward:
             reward = jnp.broadcast_to(reward.sum(), reward.shape)
         counts = by_name(info["metrics"], "metrics") | by_name(info["events"])
         counts |= {"truncated": info["truncated"], "terminated": info["terminated"]}
-        infos: dict[str, Any] = {name: jnp.broadcast_to(count, (self.num_agents,)) for name, count in counts.items()}
+        infos: dict[str, Any] = {
+            name: jnp.broadcast_to(count, (self.num_agents,)) for name, count in counts.items()
+        }
         if self._shaped_reward:
             infos["shaped_reward"] = dict.fromkeys(self.agents, jnp.float32(0))
         if self._terminal_observation:
@@ -191,7 +231,11 @@ def register() -> None:
     game, but JaxMARL's scripts put the name of the environment into file names.
     """
     known = registration.registered_envs
-    known.extend(name for name in (f"{prefix}{game}" for prefix in PREFIXES for game in bundled()) if name not in known)
+    known.extend(
+        name
+        for name in (f"{prefix}{game}" for prefix in PREFIXES for game in bundled())
+        if name not in known
+    )
     theirs = registration.make
     if getattr(theirs, "makes_compiled_games", False):
         return

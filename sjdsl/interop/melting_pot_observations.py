@@ -38,13 +38,20 @@ def observe(env: Environment, state: Any, rule: Rule) -> np.ndarray:
         case {"field": str(name), "of": of}:
             return np.where(here, of_agents(name) / number(env, of), 0)
         case {"field": str(name)}:
-            return of_agents(name).reshape(env.num_agents, -1).astype(np.int64 if rule.get("whole") else np.float64)
+            return (
+                of_agents(name)
+                .reshape(env.num_agents, -1)
+                .astype(np.int64 if rule.get("whole") else np.float64)
+            )
         case {"fields": [*names]}:
             rows = np.stack([of_agents(name) for name in names], axis=1).astype(np.float64)
             return np.where(rows.any(axis=2, keepdims=True), rows, -1)
         case {"ballots": str(ballots), "state": str(name)}:
             choice = np.where(of_agents(name) == 0, of_agents(ballots), env.num_agents + 1)
-            return np.broadcast_to(np.eye(env.num_agents + 2)[choice], (env.num_agents, env.num_agents, env.num_agents + 2))
+            return np.broadcast_to(
+                np.eye(env.num_agents + 2)[choice],
+                (env.num_agents, env.num_agents, env.num_agents + 2),
+            )
         case _:
             raise ValueError(f"games/meltingpot.toml: no observation is made of {dict(rule)}")
 

@@ -34,7 +34,13 @@ class ParallelGame(Copied, ParallelEnv):
     KEPT = ("_key", "_state", "_returns", "agents")
     metadata = {"name": "sjdsl_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
 
-    def __init__(self, game: str, render_mode: str | None = None, observation: Encoding = "onehot", **arguments: Any) -> None:
+    def __init__(
+        self,
+        game: str,
+        render_mode: str | None = None,
+        observation: Encoding = "onehot",
+        **arguments: Any,
+    ) -> None:
         """Makes the environment.
 
         Args:
@@ -46,11 +52,20 @@ class ParallelGame(Copied, ParallelEnv):
         self.render_mode = render_mode
         self.possible_agents = [f"agent_{index}" for index in range(self.env.num_agents)]
         self.agents: list[str] = []
-        self.observation_spaces = dict.fromkeys(self.possible_agents, spaces.Box(0, window_high(self.env), dtype=np.uint8))
-        self.action_spaces = {agent: spaces.Discrete(self.env.num_actions) for agent in self.possible_agents}
-        size = jax.eval_shape(lambda key: self.env.state_vector(self.env.reset(key)[1]), jax.random.key(0)).shape
+        self.observation_spaces = dict.fromkeys(
+            self.possible_agents, spaces.Box(0, window_high(self.env), dtype=np.uint8)
+        )
+        self.action_spaces = {
+            agent: spaces.Discrete(self.env.num_actions) for agent in self.possible_agents
+        }
+        size = jax.eval_shape(
+            lambda key: self.env.state_vector(self.env.reset(key)[1]), jax.random.key(0)
+        ).shape
         self.state_space = spaces.Box(-1.0, 1.0, size, np.float32)
-        self._vector, self._allowed = jax.jit(self.env.state_vector), jax.jit(self.env.allowed_actions)
+        self._vector, self._allowed = (
+            jax.jit(self.env.state_vector),
+            jax.jit(self.env.allowed_actions),
+        )
         self._key: Any = None
         self._state: Any = None
         self._returns = np.zeros(self.env.num_agents)
@@ -64,7 +79,9 @@ class ParallelGame(Copied, ParallelEnv):
         """Returns the same object at each call."""
         return self.action_spaces[agent]
 
-    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, np.ndarray], Figures]:
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, np.ndarray], Figures]:
         """Starts an episode. The same seed gives the same episode under the same actions; without one, the random draws continue."""
         del options
         if seed is not None or self._key is None:
@@ -75,9 +92,13 @@ class ParallelGame(Copied, ParallelEnv):
         self.agents = self.possible_agents[:]
         if self.render_mode == "human":
             self.render()
-        return self._of_each(_channels_last(observation)), {agent: {"action_mask": mask} for agent, mask in self._masks().items()}
+        return self._of_each(_channels_last(observation)), {
+            agent: {"action_mask": mask} for agent, mask in self._masks().items()
+        }
 
-    def step(self, actions: Mapping[str, int]) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], Figures]:
+    def step(
+        self, actions: Mapping[str, int]
+    ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], Figures]:
         """Plays one step; without agents, after an episode's end, nothing happens."""
         if not self.agents:
             if self._state is None:
@@ -85,20 +106,35 @@ class ParallelGame(Copied, ParallelEnv):
             return {}, {}, {}, {}, {}
         missing = [agent for agent in self.agents if agent not in actions]
         if missing:
-            raise KeyError(f"no action for {missing[0]}; give one for each of {', '.join(self.agents)}")
-        chosen = numbers_of_actions([actions[agent] for agent in self.agents], self.env.num_actions, lambda i: f" of {self.agents[i]}")
+            raise KeyError(
+                f"no action for {missing[0]}; give one for each of {', '.join(self.agents)}"
+            )
+        chosen = numbers_of_actions(
+            [actions[agent] for agent in self.agents],
+            self.env.num_actions,
+            lambda i: f" of {self.agents[i]}",
+        )
         self._key, step_key = jax.random.split(self._key)
-        observation, self._state, reward, done, info = self.env.step_env(step_key, self._state, chosen)
+        observation, self._state, reward, done, info = self.env.step_env(
+            step_key, self._state, chosen
+        )
         rewards = np.asarray(reward, np.float64)
         self._returns = self._returns + rewards
-        events, masks = {name: np.asarray(count) for name, count in by_name(info["events"]).items()}, self._masks()
+        events, masks = (
+            {name: np.asarray(count) for name, count in by_name(info["events"]).items()},
+            self._masks(),
+        )
         results = (
             self._of_each(_channels_last(observation)),
             {agent: float(value) for agent, value in zip(self.agents, rewards, strict=True)},
             dict.fromkeys(self.agents, bool(info["terminated"])),
             dict.fromkeys(self.agents, bool(info["truncated"])),
             {
-                agent: {name: int(count[index] if count.ndim else count) for name, count in events.items()} | {"action_mask": masks[agent]}
+                agent: {
+                    name: int(count[index] if count.ndim else count)
+                    for name, count in events.items()
+                }
+                | {"action_mask": masks[agent]}
                 for index, agent in enumerate(self.agents)
             },
         )
@@ -134,7 +170,9 @@ def parallel_env(game: str, **arguments: Any) -> ParallelGame:
     return ParallelGame(game, **arguments)
 
 
-for _name in bundled():  # `pettingzoo.make("parallel", "sjdsl/coins-v0")`, once this module is imported
+for (
+    _name
+) in bundled():  # `pettingzoo.make("parallel", "sjdsl/coins-v0")`, once this module is imported
     register("parallel", f"sjdsl/{_name}-v0", f"{__name__}:parallel_env", kwargs={"game": _name})
 
 

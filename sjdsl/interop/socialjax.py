@@ -32,7 +32,9 @@ class State:
     game: Any
     inner_t: Array
     outer_t: Array
-    frame: tuple[int, int, bool] = struct.field(pytree_node=False)  # columns of the board, its border, whether the compass is turned
+    frame: tuple[int, int, bool] = struct.field(
+        pytree_node=False
+    )  # columns of the board, its border, whether the compass is turned
 
     @property
     def agent_locs(self) -> Array:
@@ -40,7 +42,9 @@ class State:
         cols, border, turned = self.frame
         row, col = jnp.divmod(self.game.position.astype(jnp.int32), cols)
         heading = self.game.heading.astype(jnp.int32)
-        return jnp.stack([row - border, col - border, (2 - heading) % 4 if turned else heading], axis=-1)
+        return jnp.stack(
+            [row - border, col - border, (2 - heading) % 4 if turned else heading], axis=-1
+        )
 
 
 class SocialJaxGame(Copied):
@@ -51,7 +55,15 @@ class SocialJaxGame(Copied):
         suite's environments are, which its `CTRolloutManager` asks for.
     """
 
-    def __init__(self, entry: Entry, mode: Mode, num_inner_steps: int, num_outer_steps: int, cnn: bool, **arguments: Any) -> None:
+    def __init__(
+        self,
+        entry: Entry,
+        mode: Mode,
+        num_inner_steps: int,
+        num_outer_steps: int,
+        cnn: bool,
+        **arguments: Any,
+    ) -> None:
         """Use `make`."""
         self.env = make_game(entry.game, VARIANT, observation="onehot", **arguments)
         self.num_agents = self.env.num_agents
@@ -60,11 +72,17 @@ class SocialJaxGame(Copied):
         self.observation_spaces: dict[str, Any] = {}
         self.action_spaces: dict[str, Any] = {}
         self._info, self._flat = entry.info, not cnn
-        self._frame = (self.env.module.FRAME[1], self.env.module.PAD, entry.compass == "turned round")
+        self._frame = (
+            self.env.module.FRAME[1],
+            self.env.module.PAD,
+            entry.compass == "turned round",
+        )
         depth, self._channels = make_channels(self.env, entry)
         self._rewards = make_rewards(mode, self.num_agents, entry.scaled, entry.shared)
         kind = "shaped" if mode.inequity_aversion or mode.svo or mode.interest else "alone"
-        self._scale = self.num_agents if kind in entry.scaled and not mode.shared_rewards else 1  # of an agent's own reward, before shaping
+        self._scale = (
+            self.num_agents if kind in entry.scaled and not mode.shared_rewards else 1
+        )  # of an agent's own reward, before shaping
         moves = ACTIONS[entry.compass]
         self._actions = jnp.asarray([*moves, *range(len(moves), self.env.num_actions)], jnp.int32)
         rows, cols = self.env.observation_shape[2:]
@@ -98,7 +116,12 @@ class SocialJaxGame(Copied):
 
     @partial(jax.jit, static_argnums=(0,))
     def step(
-        self, key: Array, state: State, actions: Sequence[Array] | Array, timestep: Any = 0, reset_state: State | None = None
+        self,
+        key: Array,
+        state: State,
+        actions: Sequence[Array] | Array,
+        timestep: Any = 0,
+        reset_state: State | None = None,
     ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
         """Plays one step; after the last episode, returns the first state of the next, or `reset_state`.
 
@@ -106,14 +129,20 @@ class SocialJaxGame(Copied):
           actions: N numbers or arrays of shape `()` or `(1,)`, in the order of `agents`.
           timestep: the time step of the training, for a schedule of reward exchange.
         """
-        observation, game, reward, ended, info = self.env.step(key, state.game, self._our_actions(actions))
+        observation, game, reward, ended, info = self.env.step(
+            key, state.game, self._our_actions(actions)
+        )
         made = self._after(state, game, ended)
         over = made.outer_t >= self.num_outer_steps
         made = replace(made, outer_t=jnp.where(over, 0, made.outer_t))
         if reset_state is not None:
             made = jax.tree.map(lambda new, old: jnp.where(over, new, old), reset_state, made)
             observation = self.env.observe(made.game)
-        return self._observation(observation), made, *self._results(reward, over, info, actions, timestep)
+        return (
+            self._observation(observation),
+            made,
+            *self._results(reward, over, info, actions, timestep),
+        )
 
     @partial(jax.jit, static_argnums=(0,))
     def step_env(
@@ -123,8 +152,17 @@ class SocialJaxGame(Copied):
         _, game, reward, ended, info = self.env.step(key, state.game, self._our_actions(actions))
         made = self._after(state, game, ended)
         over = made.outer_t >= self.num_outer_steps
-        made = replace(made, game=jax.tree.map(lambda last, new: jnp.where(over, last, new), info["terminal_state"], game))
-        return self._observation(self.env.observe(made.game)), made, *self._results(reward, over, info, actions, timestep)
+        made = replace(
+            made,
+            game=jax.tree.map(
+                lambda last, new: jnp.where(over, last, new), info["terminal_state"], game
+            ),
+        )
+        return (
+            self._observation(self.env.observe(made.game)),
+            made,
+            *self._results(reward, over, info, actions, timestep),
+        )
 
     def get_obs(self, state: State) -> Array:
         """Returns the observations of a state."""
@@ -136,7 +174,9 @@ class SocialJaxGame(Copied):
 
         from sjdsl.render.board import draw_board
 
-        return draw_board(make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents)))
+        return draw_board(
+            make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents))
+        )
 
     def _our_actions(self, actions: Sequence[Array] | Array) -> Array:
         """Returns the action numbers of our game; numbers out of range have no effect, as in the suite."""
@@ -145,10 +185,17 @@ class SocialJaxGame(Copied):
         return jnp.where(known, self._actions[jnp.where(known, given, 0)], -1)
 
     def _stacked(self, actions: Sequence[Array] | Array) -> Array:
-        return checked_actions(jnp.stack([jnp.reshape(action, ()) for action in actions]), self.num_agents)
+        return checked_actions(
+            jnp.stack([jnp.reshape(action, ()) for action in actions]), self.num_agents
+        )
 
     def _after(self, state: State, game: Any, ended: Array) -> State:
-        return State(game, jnp.where(ended, 0, state.inner_t + 1), state.outer_t + ended.astype(jnp.int32), self._frame)
+        return State(
+            game,
+            jnp.where(ended, 0, state.inner_t + 1),
+            state.outer_t + ended.astype(jnp.int32),
+            self._frame,
+        )
 
     def _observation(self, observation: Array) -> Array:
         channels = self._channels(observation)
@@ -171,7 +218,13 @@ class SocialJaxGame(Copied):
         value = value.sum() if figure.sum else value
         known = {"agents": self.num_agents, "steps": self.num_inner_steps}
         for factor in figure.times:
-            value = value * (factor if isinstance(factor, int) else known[factor] if factor in known else getattr(self.env.params, factor))
+            value = value * (
+                factor
+                if isinstance(factor, int)
+                else known[factor]
+                if factor in known
+                else getattr(self.env.params, factor)
+            )
         return jnp.broadcast_to(value, (self.num_agents,))
 
 
@@ -193,9 +246,13 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
     known = {*modes, *entry.kwargs, *COMMON, window} | ({"map_ASCII"} if entry.letters else set())
     unknown = sorted(set(given) - known)
     if unknown:
-        raise TypeError(f"`{env_id}` has no keyword `{unknown[0]}`; it has {', '.join(sorted(known))}")
+        raise TypeError(
+            f"`{env_id}` has no keyword `{unknown[0]}`; it has {', '.join(sorted(known))}"
+        )
     if given.get(window, side) != side:
-        raise ValueError(f"{window} must be {side}; for another window, change the `observe` line of the game")
+        raise ValueError(
+            f"{window} must be {side}; for another window, change the `observe` line of the game"
+        )
     steps = int(given.get("num_inner_steps", entry.steps))
     params = {ours: given[theirs] for theirs, ours in entry.kwargs.items() if theirs in given}
     arguments: dict[str, Any] = {"params": {"length": steps, **params}}
@@ -203,17 +260,34 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
         arguments["num_agents"] = given["num_agents"]
     if given.get("map_ASCII") is not None:
         arguments["map"] = _our_map(given["map_ASCII"], entry.letters)
-    mode = Mode(**{"shared_rewards": entry.shared_rewards, **{name: given[name] for name in modes & set(given)}})
-    return SocialJaxGame(entry, mode, steps, int(given.get("num_outer_steps", 1)), bool(given.get("cnn", True)), **arguments)
+    mode = Mode(
+        **{
+            "shared_rewards": entry.shared_rewards,
+            **{name: given[name] for name in modes & set(given)},
+        }
+    )
+    return SocialJaxGame(
+        entry,
+        mode,
+        steps,
+        int(given.get("num_outer_steps", 1)),
+        bool(given.get("cnn", True)),
+        **arguments,
+    )
 
 
 def _our_map(rows: Sequence[str], letters: dict[str, str]) -> tuple[str, ...]:
     """Returns a map of the suite in our glyphs; short rows end in blanks, as there."""
     wrong = sorted(set("".join(rows)) - set(letters))
     if wrong:
-        raise ValueError(f"map_ASCII can't have the letter `{wrong[0]}`; its letters are {' '.join(map(repr, letters))}")
+        raise ValueError(
+            f"map_ASCII can't have the letter `{wrong[0]}`; its letters are {' '.join(map(repr, letters))}"
+        )
     width = max(map(len, rows), default=0)
-    return tuple("".join(letters[letter] for letter in row) + letters.get(" ", "") * (width - len(row)) for row in rows)
+    return tuple(
+        "".join(letters[letter] for letter in row) + letters.get(" ", "") * (width - len(row))
+        for row in rows
+    )
 
 
 COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit")

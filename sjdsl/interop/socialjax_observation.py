@@ -21,7 +21,9 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     if entry.layers:
         return len(entry.layers), partial(_layers, entry.layers, env.channel_names)
     index = {name: number for number, name in enumerate(env.channel_names)}
-    turned = TURNED if entry.headings == "left first" else (TURNED[0], TURNED[3], TURNED[2], TURNED[1])
+    turned = (
+        TURNED if entry.headings == "left first" else (TURNED[0], TURNED[3], TURNED[2], TURNED[1])
+    )
     headings = [f"agent: other {name}" for name in turned]
     others: list[Source] = ["agent: self", headings, *headings]
     rest: list[str] = []
@@ -37,7 +39,9 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
         tiles = [any_of(observation, source) * bare for source in entry.tiles]
         agents = [any_of(observation, source) for source in others]
         further = [any_of(observation, source) for source in rest]
-        return jnp.stack([plane.astype(jnp.float32) for plane in (*tiles, *agents, *further)], axis=-1)
+        return jnp.stack(
+            [plane.astype(jnp.float32) for plane in (*tiles, *agents, *further)], axis=-1
+        )
 
     return len(entry.tiles) + 2 + len(TURNED) + len(rest), channels
 
@@ -46,5 +50,11 @@ def _layers(layers: Sequence[Mapping[str, int]], names: Sequence[str], observati
     """Returns `[N, rows, cols, layers]` float32: weighted sums of channels. The observer's own channels count at its own cell only."""
     planes = {name: observation[:, number].astype(jnp.float32) for number, name in enumerate(names)}
     own = planes["agent: self"]
-    sums = [sum(weight * planes[name] * (own if name.startswith("agent.") else 1.0) for name, weight in layer.items()) for layer in layers]
+    sums = [
+        sum(
+            weight * planes[name] * (own if name.startswith("agent.") else 1.0)
+            for name, weight in layer.items()
+        )
+        for layer in layers
+    ]
     return jnp.stack(sums, axis=-1)

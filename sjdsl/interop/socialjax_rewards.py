@@ -7,7 +7,13 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.trainers.shaping import common_mean, common_sum, exchanged, inequity_averse, svo_deviation
+from sjdsl.trainers.shaping import (
+    common_mean,
+    common_sum,
+    exchanged,
+    inequity_averse,
+    svo_deviation,
+)
 
 
 @dataclass(frozen=True)
@@ -45,17 +51,30 @@ def make_rewards(
         if mode.shared_rewards:
             return (common_mean(raw) if shared == "mean" else common_sum(raw)), {}
         if mode.inequity_aversion:
-            averse = inequity_averse(whole, whole, mode.inequity_aversion_alpha, mode.inequity_aversion_beta)
-            return jnp.where(_is_target(mode.inequity_aversion_target_agents, num_agents), averse, whole), {}
+            averse = inequity_averse(
+                whole, whole, mode.inequity_aversion_alpha, mode.inequity_aversion_beta
+            )
+            return jnp.where(
+                _is_target(mode.inequity_aversion_target_agents, num_agents), averse, whole
+            ), {}
         if mode.svo:
-            away = svo_deviation(whole, jnp.float32(math.radians(mode.svo_ideal_angle_degrees)), at_rest="selfish", quadrant=False)
+            away = svo_deviation(
+                whole,
+                jnp.float32(math.radians(mode.svo_ideal_angle_degrees)),
+                at_rest="selfish",
+                quadrant=False,
+            )
             sought = whole - num_agents * mode.svo_w * away
-            return jnp.where(_is_target(mode.svo_target_agents, num_agents), sought, whole), {"svo_theta": _angles(whole)}
+            return jnp.where(_is_target(mode.svo_target_agents, num_agents), sought, whole), {
+                "svo_theta": _angles(whole)
+            }
         if mode.interest:
             kept = jnp.float32(mode.s_interest)
             if mode.s_interest_schedule is not None:
                 schedule = jnp.asarray(mode.s_interest_schedule, jnp.float32)
-                kept = schedule[(jnp.asarray(timestep) // mode.s_interest_change_every) % len(schedule)]
+                kept = schedule[
+                    (jnp.asarray(timestep) // mode.s_interest_change_every) % len(schedule)
+                ]
             return exchanged(whole, kept), {"s_interest": jnp.broadcast_to(kept, raw.shape)}
         return (num_agents if "alone" in scaled else 1) * raw, {}
 

@@ -36,8 +36,13 @@ class Entry(_Row):
     headings: Literal["left first", "right first"] = "left first"
     compass: Literal["turned round", "as ours"] = "turned round"
     rest: list[str] = []
-    layers: list[dict[str, int]] = []  # instead of tiles, agents and rest: numbers, each a sum of channels of ours
-    window: tuple[str, int] = ("obs_size", 11)  # the keyword for its side, and the only value that there is here
+    layers: list[
+        dict[str, int]
+    ] = []  # instead of tiles, agents and rest: numbers, each a sum of channels of ours
+    window: tuple[str, int] = (
+        "obs_size",
+        11,
+    )  # the keyword for its side, and the only value that there is here
     steps: int = 1000  # of an episode
     shared_rewards: bool = True  # by default
     # which rewards are multiplied by the number of agents: those that are not shaped and, before they are, those that are
@@ -60,7 +65,9 @@ def channels_of(source: Source, num_agents: int) -> list[str]:
     names = [source] if isinstance(source, str) else source
     read = [name for name in names if name and not name.startswith(NOT_HERE)]
     each = [
-        [f"everyone[{agent}].{name.removeprefix(EVERYONE)}" for agent in range(num_agents)] if name.startswith(EVERYONE) else [name]
+        [f"everyone[{agent}].{name.removeprefix(EVERYONE)}" for agent in range(num_agents)]
+        if name.startswith(EVERYONE)
+        else [name]
         for name in read
     ]
     return [name for names in each for name in names]

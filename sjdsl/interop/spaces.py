@@ -58,7 +58,14 @@ def channel_bounds(env: Environment) -> np.ndarray:
     """
     if env.observation == "tokens":
         return np.array([plane.high for plane in env.token_planes], np.uint8)
-    return np.array([plane.high if plane.encoding == "number" else 1 for plane in env.token_planes for _ in plane.channels], np.uint8)
+    return np.array(
+        [
+            plane.high if plane.encoding == "number" else 1
+            for plane in env.token_planes
+            for _ in plane.channels
+        ],
+        np.uint8,
+    )
 
 
 def window_high(env: Environment) -> np.ndarray:
@@ -94,6 +101,7 @@ def space_classes() -> tuple[type, type]:
         pass
     except Exception as error:
         warnings.warn(
-            f"{SUITE} is installed but cannot be imported ({type(error).__name__}: {error}); its spaces are not used", stacklevel=2
+            f"{SUITE} is installed but cannot be imported ({type(error).__name__}: {error}); its spaces are not used",
+            stacklevel=2,
         )
     return Box, Discrete

@@ -31,7 +31,12 @@ class VecGame(VecEnv):
     """
 
     def __init__(
-        self, game: str, num_envs: int = 1, observation: Encoding = "onehot", common_reward: bool = False, **arguments: Any
+        self,
+        game: str,
+        num_envs: int = 1,
+        observation: Encoding = "onehot",
+        common_reward: bool = False,
+        **arguments: Any,
     ) -> None:
         """Makes the environments. The arguments are those of `sjdsl.interop.gymnasium.VectorGame`."""
         self._vector = VectorGame(game, num_envs, observation, common_reward, **arguments)
@@ -39,7 +44,11 @@ class VecGame(VecEnv):
         self.render_mode = None
         self._actions: np.ndarray | None = None
         self._seed: int | None = None
-        super().__init__(self._vector.num_envs, self._vector.single_observation_space, self._vector.single_action_space)
+        super().__init__(
+            self._vector.num_envs,
+            self._vector.single_observation_space,
+            self._vector.single_action_space,
+        )
 
     def reset(self) -> np.ndarray:
         """Starts all episodes; a seed set by `seed` is used once."""
@@ -60,9 +69,15 @@ class VecGame(VecEnv):
         last = found.pop("final_obs", np.full(self.num_envs, None))
         found.pop("final_info", None)
         counts = {name: values for name, values in found.items() if name[0] != "_"}
-        infos: list[dict[str, Any]] = [{name: int(values[slot]) for name, values in counts.items()} for slot in range(self.num_envs)]
+        infos: list[dict[str, Any]] = [
+            {name: int(values[slot]) for name, values in counts.items()}
+            for slot in range(self.num_envs)
+        ]
         for slot in np.nonzero(terminated | truncated)[0]:
-            infos[slot] |= {"terminal_observation": last[slot], "TimeLimit.truncated": bool(truncated[slot])}
+            infos[slot] |= {
+                "terminal_observation": last[slot],
+                "TimeLimit.truncated": bool(truncated[slot]),
+            }
         return observations, rewards.astype(np.float32), terminated | truncated, infos
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
@@ -85,13 +100,23 @@ class VecGame(VecEnv):
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
         """Raises AttributeError: slots are one program and have no attributes of their own."""
         del value, indices
-        raise AttributeError(f"`{attr_name}` can't be set for a slot: make the environment with other arguments")
+        raise AttributeError(
+            f"`{attr_name}` can't be set for a slot: make the environment with other arguments"
+        )
 
-    def env_method(self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any) -> list[Any]:
+    def env_method(
+        self,
+        method_name: str,
+        *method_args: Any,
+        indices: VecEnvIndices = None,
+        **method_kwargs: Any,
+    ) -> list[Any]:
         """Slots are one program and have no methods but `action_masks`, which `MaskablePPO` of sb3-contrib calls."""
         if method_name == MASKS and not method_args and not method_kwargs:
             return list(self.action_masks()[list(self._get_indices(indices))])
-        raise AttributeError(f"a slot has no method `{method_name}`, only `{MASKS}`, which takes no arguments")
+        raise AttributeError(
+            f"a slot has no method `{method_name}`, only `{MASKS}`, which takes no arguments"
+        )
 
     def env_is_wrapped(self, wrapper_class: type, indices: VecEnvIndices = None) -> list[bool]:
         """Slots are never wrapped."""

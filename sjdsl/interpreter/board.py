@@ -5,7 +5,13 @@ from functools import cached_property, lru_cache
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir import printer
-from sjdsl.compiler.ir.queries import all_fields, contains, kinds_by_glyph, marking_phases, phases_of
+from sjdsl.compiler.ir.queries import (
+    all_fields,
+    contains,
+    kinds_by_glyph,
+    marking_phases,
+    phases_of,
+)
 from sjdsl.interpreter import planes
 from sjdsl.interpreter.state import Cell, Herd, Pool, Value, World, field_value
 
@@ -95,7 +101,9 @@ def board_of(game: ir.Game) -> Board:
 
 def _build(game: ir.Game) -> Board:
     meaning = kinds_by_glyph(game)
-    kind_of = {Cell(r, c): meaning[glyph] for r, row in enumerate(game.rows) for c, glyph in enumerate(row)}
+    kind_of = {
+        Cell(r, c): meaning[glyph] for r, row in enumerate(game.rows) for c, glyph in enumerate(row)
+    }
     cells = {k.name: tuple(cell for cell in kind_of if kind_of[cell] == k.name) for k in game.kinds}
     return Board(
         game=game,
@@ -117,9 +125,14 @@ def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
             if isinstance(node, ir.Send):
                 pool = Pool(phase.name, node.pool)
                 first = pools.setdefault(pool, node)
-                if first.after is None and node.after is not None:  # the one that those who come back were sent by
+                if (
+                    first.after is None and node.after is not None
+                ):  # the one that those who come back were sent by
                     pools[pool] = node
-                destinations = [(printer.domain(s.domain), s.cell_stream, s.heading_stream) for s in (first, node)]
+                destinations = [
+                    (printer.domain(s.domain), s.cell_stream, s.heading_stream)
+                    for s in (first, node)
+                ]
                 assert destinations[0] == destinations[1], f"{pool} is split"
     return pools
 
@@ -129,7 +142,10 @@ def declared_world(board: Board, params: dict[str, Value]) -> World:
     game = board.game
     starts = {g.glyph: dict(g.starts) for g in game.glyphs}
     cells = {
-        (kind, name): [field_value(f, starts.get(game.rows[r][c], {}).get(name, f.start)) for r, c in board.cells[kind]]
+        (kind, name): [
+            field_value(f, starts.get(game.rows[r][c], {}).get(name, f.start))
+            for r, c in board.cells[kind]
+        ]
         for (kind, name), f in board.fields.items()
         if f.held_by.what == "cell"
     }

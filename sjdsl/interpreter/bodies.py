@@ -63,9 +63,15 @@ def bodies(world: World) -> Iterator[Body]:
 
 def occupied(world: World, without: Collection[Body] = ()) -> set[Cell]:
     """Returns the cells on which somebody stands. `without`: who does not count."""
-    return {cell for body in bodies(world) if body not in without and (cell := where_is(body, world)) is not None}
+    return {
+        cell
+        for body in bodies(world)
+        if body not in without and (cell := where_is(body, world)) is not None
+    }
 
 
 def is_free(cell: Cell, world: World) -> bool:
     """Returns whether nobody stands on a cell."""
-    return cell not in world.position and all(cell not in herd.position for herd in world.movers.values())
+    return cell not in world.position and all(
+        cell not in herd.position for herd in world.movers.values()
+    )

@@ -36,7 +36,9 @@ def _drawn(statement: ir.Draw, word: int, here: Instance) -> Value:
         low, high = evaluate(statement.low, here), evaluate(statement.high, here)
         if statement.type.kind == "real":  # the upper 24 bits: as many as a float32 holds exactly
             low, high = np.float32(low), np.float32(high)
-            return np.float32(low + np.float32(np.float32(high - low) * np.float32((word >> 8) * 2.0**-24)))
+            return np.float32(
+                low + np.float32(np.float32(high - low) * np.float32((word >> 8) * 2.0**-24))
+            )
         assert 1 <= high - low + 1 <= 65535, (low, high)
         return low + (word * (high - low + 1) >> 32)
     if not statement.weights:
@@ -55,7 +57,9 @@ def _probability(e: ir.Expr, here: Instance) -> np.float32:
     return max(np.float32(evaluate(e, here)), np.float32(0))
 
 
-def picked(statement: ir.Pick, all_members: list[Found], here: Instance) -> list[tuple[Found, Drawn]]:
+def picked(
+    statement: ir.Pick, all_members: list[Found], here: Instance
+) -> list[tuple[Found, Drawn]]:
     """Returns as many members as the statement says, one word and one of those still left for each turn."""
     turns = min(statement.most, members.radix(statement.domain, here.board))
     left = sorted(all_members, key=lambda m: m.number)
@@ -63,7 +67,9 @@ def picked(statement: ir.Pick, all_members: list[Found], here: Instance) -> list
     for turn in range(min(max(0, evaluate(statement.number, here)), len(left))):
         number = here.number * turns + turn
         member, word = here.take(statement.stream, number, left)
-        taken.append((member, Drawn(statement, number, word, True, names={**here.names, **member.names})))
+        taken.append(
+            (member, Drawn(statement, number, word, True, names={**here.names, **member.names}))
+        )
     return taken
 
 
@@ -74,7 +80,10 @@ def matched(statement: ir.Match, here: Instance) -> list[tuple[Found, Found, Dra
     ranked: list[tuple[int, int, int, Found, Found]] = []
     for left in members_of(statement.left, here):
         for right in _partners(statement, left, here):
-            mine, theirs = (members.own_number(d, m, here.board) for d, m in ((statement.left, left), (statement.right, right)))
+            mine, theirs = (
+                members.own_number(d, m, here.board)
+                for d, m in ((statement.left, left), (statement.right, right))
+            )
             number = here.number * pairs_in_all + mine * rights + theirs
             word = here.word(statement.stream, number)
             ranked.append((-(word >> 1), number, word, left, right))

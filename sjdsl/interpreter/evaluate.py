@@ -14,7 +14,15 @@ from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.queries import action_named
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.board import Board, cells_of
-from sjdsl.interpreter.bodies import Body, heading_of, herd_of, is_free, number_of, sort_of_body, where_is
+from sjdsl.interpreter.bodies import (
+    Body,
+    heading_of,
+    herd_of,
+    is_free,
+    number_of,
+    sort_of_body,
+    where_is,
+)
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.members import Found, agent_on, body_on, is_here
 from sjdsl.interpreter.shapes import Seen, lanes_from
@@ -70,7 +78,9 @@ def _before(e: ir.Before, here: Instance) -> Value:
 
 def _is_in_range(e: ir.InRange, here: Instance) -> bool:
     value = evaluate(e.value, here)
-    return numbers.compare("<=", evaluate(e.low, here), value) and numbers.compare("<=", value, evaluate(e.high, here))
+    return numbers.compare("<=", evaluate(e.low, here), value) and numbers.compare(
+        "<=", value, evaluate(e.high, here)
+    )
 
 
 def _stands_on(e: ir.StandsOn, here: Instance) -> bool:
@@ -79,12 +89,18 @@ def _stands_on(e: ir.StandsOn, here: Instance) -> bool:
 
 
 def _chose_with(e: ir.ChoseWith, here: Instance) -> bool:
-    taken = arguments_of(action_named(here.board.game, e.action), here.actions[evaluate(e.agent, here)])
-    return taken is not None and all(evaluate(given.value, here) == value for given, value in zip(e.given, taken, strict=False))
+    taken = arguments_of(
+        action_named(here.board.game, e.action), here.actions[evaluate(e.agent, here)]
+    )
+    return taken is not None and all(
+        evaluate(given.value, here) == value for given, value in zip(e.given, taken, strict=False)
+    )
 
 
 def _argument_of(e: ir.ArgumentOf, here: Instance) -> Value:
-    taken = arguments_of(action_named(here.board.game, e.action), here.actions[evaluate(e.agent, here)])
+    taken = arguments_of(
+        action_named(here.board.game, e.action), here.actions[evaluate(e.agent, here)]
+    )
     assert taken is not None, f"the arguments of `{e.action}`, which was not chosen"
     return taken[e.number]
 
@@ -147,7 +163,10 @@ def _entry(e: ir.At, here: Instance) -> Value:
     if e.key.type.kind != "mix":
         return row[entry_place(level, key)]
     share = dict(zip(e.key.type.words, key, strict=True))
-    parts = [numbers.arithmetic("*", [share[name], entry], is_real=True) for name, entry in zip(level.names, row, strict=True)]
+    parts = [
+        numbers.arithmetic("*", [share[name], entry], is_real=True)
+        for name, entry in zip(level.names, row, strict=True)
+    ]
     return reduce(lambda before, part: numbers.arithmetic("+", [before, part], is_real=True), parts)
 
 
@@ -162,25 +181,37 @@ def _case(e: ir.Case, here: Instance) -> Value:
 
 def _of_all_entries(e: ir.SumRow, here: Instance) -> Value:
     row = list(evaluate(e.row, here))
-    return numbers.total(row, e.type.kind == "real") if e.fn == "sum" else min(row) if e.fn == "min" else max(row)
+    return (
+        numbers.total(row, e.type.kind == "real")
+        if e.fn == "sum"
+        else min(row)
+        if e.fn == "min"
+        else max(row)
+    )
 
 
 def _shifted(e: ir.ShiftRow, here: Instance) -> Value:
     row, filler = evaluate(e.row, here), evaluate(e.filler, here)
     filler = frozenset() if e.type.kind == "agents" and filler is None else filler
-    return tuple(row[place - e.by] if 0 <= place - e.by < len(row) else filler for place in range(len(row)))
+    return tuple(
+        row[place - e.by] if 0 <= place - e.by < len(row) else filler for place in range(len(row))
+    )
 
 
 def _lowest(e: ir.Lowest, here: Instance) -> str | int:
     level, order = e.row.type.by[0], -1 if e.last else 0
-    positive = [name for name, entry in zip(level.names, evaluate(e.row, here), strict=True) if entry > 0]
+    positive = [
+        name for name, entry in zip(level.names, evaluate(e.row, here), strict=True) if entry > 0
+    ]
     found = positive[order] if positive else level.names[order]
     return int(found) if level.sort == "number" else found
 
 
 def members_of(domain: ir.Domain, here: Instance) -> list[Found]:
     """Returns the members in the order of their numbers."""
-    members = (_restricted(domain, member, number, here) for member, number in _candidates(domain, here))
+    members = (
+        _restricted(domain, member, number, here) for member, number in _candidates(domain, here)
+    )
     return [m for m in members if m is not None]
 
 
@@ -196,7 +227,9 @@ def lanes(near: ir.Near, here: Instance) -> list[list[Seen]]:
     body = None if near.anchor.sort.what == "cell" else anchor
     place = anchor if body is None else where_is(body, here.world)
     heading = heading_of(body, here.world) if shape.directed and body is not None else 0
-    return lanes_from(shape, place, heading, here.board.at, lambda cell: is_blocked(cell, shape.name, body, here))
+    return lanes_from(
+        shape, place, heading, here.board.at, lambda cell: is_blocked(cell, shape.name, body, here)
+    )
 
 
 def cells_in(near: ir.Near, here: Instance) -> dict[Cell, int]:
@@ -219,7 +252,11 @@ def is_blocked(cell: Cell, what: str, body: Body | None, here: Instance) -> bool
     names: dict[str, Value] = {kind.name: cell}
     if body is not None:
         names[sort_of_body(body).name] = body
-    return any(block.what == what and (block.condition is None or evaluate(block.condition, here.only(names))) for block in kind.blocks)
+    return any(
+        block.what == what
+        and (block.condition is None or evaluate(block.condition, here.only(names)))
+        for block in kind.blocks
+    )
 
 
 def _agent_stops(cell: Cell, shape: str, here: Instance) -> bool:
@@ -250,20 +287,33 @@ def _candidates(domain: ir.Domain, here: Instance) -> list[tuple[Body | Cell, in
     sort, restriction = domain.var.sort, domain.restriction
     everything: list[tuple[Body | Cell, int]]
     if sort.what == "cell":
-        everything = [(cell, number) for number, cell in enumerate(cells_of(here.board, sort.names))]
+        everything = [
+            (cell, number) for number, cell in enumerate(cells_of(here.board, sort.names))
+        ]
     else:
         herd = here.world.movers[sort.name] if sort.what == "mover" else here.world
         numbers = [number for number, away in enumerate(herd.away) if away is None]
-        everything = [(Mover(sort.name, number) if sort.what == "mover" else number, number) for number in numbers]
+        everything = [
+            (Mover(sort.name, number) if sort.what == "mover" else number, number)
+            for number in numbers
+        ]
     match restriction:
         case None:
             return everything
         case ir.Near():
             near = cells_in(restriction, here)
             if sort.what == "cell":  # their numbers are those in the shape
-                inside = [(cell, number) for cell, number in near.items() if here.board.kind_of[cell] in sort.names]
+                inside = [
+                    (cell, number)
+                    for cell, number in near.items()
+                    if here.board.kind_of[cell] in sort.names
+                ]
                 return sorted(inside, key=lambda pair: pair[1])
-            return [pair for pair in everything if not isinstance(pair[0], Cell) and where_is(pair[0], here.world) in near]
+            return [
+                pair
+                for pair in everything
+                if not isinstance(pair[0], Cell) and where_is(pair[0], here.world) in near
+            ]
         case ir.InAgents():
             chosen = set(agents_in(evaluate(restriction.value, here)))
         case ir.InCell():
@@ -275,7 +325,9 @@ def _candidates(domain: ir.Domain, here: Instance) -> list[tuple[Body | Cell, in
     return [pair for pair in everything if pair[0] in chosen]
 
 
-def _restricted(domain: ir.Domain, member: Body | Cell, number: int, here: Instance) -> Found | None:
+def _restricted(
+    domain: ir.Domain, member: Body | Cell, number: int, here: Instance
+) -> Found | None:
     """Returns the member with what it binds if it passes `on` and `where`."""
     names: dict[str, Value] = {domain.var.name: member}
     if domain.on is not None:
@@ -306,7 +358,9 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Distance: _distance,
     ir.At: _entry,
     ir.Step: lambda _, here: here.world.step,
-    ir.Arithmetic: lambda e, here: numbers.arithmetic(e.fn, [evaluate(a, here) for a in e.args], e.type.kind == "real"),
+    ir.Arithmetic: lambda e, here: numbers.arithmetic(
+        e.fn, [evaluate(a, here) for a in e.args], e.type.kind == "real"
+    ),
     ir.Count: lambda e, here: len(members_of(e.domain, here)),
     ir.Sum: _over_domain,
     ir.SumRow: _of_all_entries,
@@ -318,8 +372,12 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.Named: lambda e, here: evaluate(e.value, here),
     ir.Narrowed: lambda e, here: evaluate(e.value, here),
     ir.Before: _before,
-    ir.EventTotal: lambda e, here: sum(n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word)),
-    ir.Compare: lambda e, here: numbers.compare(e.fn, evaluate(e.left, here), evaluate(e.right, here)),
+    ir.EventTotal: lambda e, here: sum(
+        n for (name, word), n in here.totals.items() if name == e.name and e.word in (None, word)
+    ),
+    ir.Compare: lambda e, here: numbers.compare(
+        e.fn, evaluate(e.left, here), evaluate(e.right, here)
+    ),
     ir.Same: lambda e, here: evaluate(e.left, here) == evaluate(e.right, here),
     ir.InRange: _is_in_range,
     ir.InWords: lambda e, here: evaluate(e.value, here) in e.words,
@@ -330,7 +388,9 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.ArgumentOf: _argument_of,
     ir.Unoccupied: lambda e, here: is_free(evaluate(e.cell, here), here.world),
     ir.StandsOn: _stands_on,
-    ir.StandsAt: lambda e, here: where_is(evaluate(e.agent, here), here.world) == evaluate(e.cell, here),
+    ir.StandsAt: lambda e, here: (
+        where_is(evaluate(e.agent, here), here.world) == evaluate(e.cell, here)
+    ),
     ir.Not: lambda e, here: not evaluate(e.value, here),
     ir.Logic: _logic,
     ir.MatrixClass: lambda e, here: is_of_class(e.name, evaluate(e.table, here)),
@@ -372,7 +432,10 @@ def applies(arm: ir.Arm, subject: int | str) -> bool:
     return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)
 
 
-def is_of_class(name: Literal["prisoners_dilemma", "stag_hunt", "chicken"], table: tuple[tuple[Value, Value], tuple[Value, Value]]) -> bool:
+def is_of_class(
+    name: Literal["prisoners_dilemma", "stag_hunt", "chicken"],
+    table: tuple[tuple[Value, Value], tuple[Value, Value]],
+) -> bool:
     """Returns whether a table [own word][other's word], cooperation first, is such a game.
 
     Source: Macy and Flache, "Learning dynamics in social dilemmas", PNAS 2002; a chicken game by its order alone.
@@ -380,7 +443,9 @@ def is_of_class(name: Literal["prisoners_dilemma", "stag_hunt", "chicken"], tabl
     (reward, sucker), (temptation, punishment) = table
     match name:
         case "prisoners_dilemma":
-            return bool(temptation > reward > punishment > sucker and 2 * reward > temptation + sucker)
+            return bool(
+                temptation > reward > punishment > sucker and 2 * reward > temptation + sucker
+            )
         case "stag_hunt":
             return bool(reward > temptation >= punishment > sucker)
         case "chicken":

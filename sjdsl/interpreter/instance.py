@@ -51,9 +51,22 @@ class Instance:
         """Returns this instance, which a draw has led to."""
         return self._with(self.names, self.number, (*self.causes, drawn))
 
-    def _with(self, names: Mapping[str, Value], number: int, causes: tuple[Drawn, ...] | None = None) -> "Instance":
+    def _with(
+        self, names: Mapping[str, Value], number: int, causes: tuple[Drawn, ...] | None = None
+    ) -> "Instance":
         causes = self.causes if causes is None else causes
-        return Instance(self.board, self.world, self.actions, self.draws, names, number, self.totals, self.known, causes, self.earlier)
+        return Instance(
+            self.board,
+            self.world,
+            self.actions,
+            self.draws,
+            names,
+            number,
+            self.totals,
+            self.known,
+            causes,
+            self.earlier,
+        )
 
     def word(self, stream: int, number: int) -> int:
         """Returns word `number` of a stream of this step."""

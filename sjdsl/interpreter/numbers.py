@@ -73,7 +73,9 @@ def added_up(values: Iterable[Any]) -> np.float32:
         left = math.fsum((*terms, -total))
     except ValueError:  # infinities of both signs, where nobody watches for them
         return np.float32(np.nan)
-    if left and not _is_odd(total):  # it has been rounded: to an odd one, so that rounding it again does what rounding once does
+    if left and not _is_odd(
+        total
+    ):  # it has been rounded: to an odd one, so that rounding it again does what rounding once does
         total = math.nextafter(total, math.copysign(math.inf, left))
     return np.float32(total)
 

@@ -37,9 +37,13 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
     return picture
 
 
-def _seen_cells(window: ir.Window, agent: int, place: Cell, here: Instance) -> list[tuple[int, int, Cell]]:
+def _seen_cells(
+    window: ir.Window, agent: int, place: Cell, here: Instance
+) -> list[tuple[int, int, Cell]]:
     """Returns the rows and columns of the window in which an observer sees a cell of the map, with these cells; the others show zeros."""
-    views = (view for view in window.views if view.condition is None or evaluate(view.condition, here))
+    views = (
+        view for view in window.views if view.condition is None or evaluate(view.condition, here)
+    )
     view, heading = next(views, window), here.world.heading[agent]
     found = []
     for row in range(window.ahead + 1 + window.behind):
@@ -61,10 +65,18 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
         case "marks":
             if _hides_marks(cell, here):
                 return 0
-            return sum(1 << bit for bit, phase in enumerate(here.board.marking) if (phase.name, *cell) in here.world.marks)
+            return sum(
+                1 << bit
+                for bit, phase in enumerate(here.board.marking)
+                if (phase.name, *cell) in here.world.marks
+            )
         case "other":
             other = _somebody(cell, here)
-            return 0 if other in (None, agent) else _shown(_observable(plane), here.binding({"other": other}), bool(plane.labels))
+            return (
+                0
+                if other in (None, agent)
+                else _shown(_observable(plane), here.binding({"other": other}), bool(plane.labels))
+            )
         case "mover":
             return _mover(_observable(plane), cell, agent, here)
         case "everyone" | "own" | "world":
@@ -75,7 +87,9 @@ def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
 
 def _content(cell: Cell, here: Instance) -> int:
     kind = here.board.kind_of[cell]
-    if _somebody(cell, here) is not None and any(hidden.what == "content" for hidden in here.board.game.hidden):
+    if _somebody(cell, here) is not None and any(
+        hidden.what == "content" for hidden in here.board.game.hidden
+    ):
         return here.board.content_codes[planes.COVERED]
     whole = planes.look_of(here.board.game, kind)
     if whole is not None:
@@ -134,10 +148,16 @@ def _shown(observable: ir.Observable, here: Instance, first: int) -> int:
     """Returns the index of the observable's word, counted from `first`, or its number; 0 if it is hidden, or not there."""
     words = planes.observable_words(observable)
     if _is_hidden(observable, here):
-        return first + words.index(planes.HIDDEN) if words and observable.shown_when is not None else 0
+        return (
+            first + words.index(planes.HIDDEN) if words and observable.shown_when is not None else 0
+        )
     if words:
         return first + words.index(_word(observable, here))
-    if observable.what == "everyone" and observable.field in ("row", "col") and not is_here(here.names["everyone"], here.world):
+    if (
+        observable.what == "everyone"
+        and observable.field in ("row", "col")
+        and not is_here(here.names["everyone"], here.world)
+    ):
         return 0
     return min(max(int(evaluate(_expression_of(observable, here.board), here)), 0), 255)
 
@@ -173,11 +193,15 @@ def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
         type_ = ir.CONDITION if observable.field in ("moved", "away") else observable.type
         return ir.Attribute(type=type_, owner=owner, name=observable.field)  # type: ignore[arg-type]
     declared = shown_field(board.game, observable)
-    field = ir.FieldRead(type=declared.type, owner=owner, held_by=declared.held_by, name=observable.field)
+    field = ir.FieldRead(
+        type=declared.type, owner=owner, held_by=declared.held_by, name=observable.field
+    )
     if observable.word is None:
         return field
     inner = declared.type.model_copy(update={"by": declared.type.by[1:]})
-    key = ir.Word(type=ir.Type(kind="word", words=observable.word.level.names), value=observable.word.name)
+    key = ir.Word(
+        type=ir.Type(kind="word", words=observable.word.level.names), value=observable.word.name
+    )
     return ir.At(type=inner, row=field, key=key)
 
 

@@ -15,7 +15,9 @@ class LeavesFloat32(ArithmeticError):
     """
 
     def __init__(self, node: ir.Node, before: int):
-        super().__init__("a real number leaves float32 (it is larger than 3.4e38, or no number any more)")
+        super().__init__(
+            "a real number leaves float32 (it is larger than 3.4e38, or no number any more)"
+        )
         self.node, self.before = node, before
 
 

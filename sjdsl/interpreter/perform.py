@@ -45,7 +45,13 @@ def _statement(statement: ir.Stmt, here: Instance, writes: Writes) -> None:
             if not candidates:
                 perform(statement.otherwise, here, writes)
             for member, drawn in chances.picked(statement, candidates, here):
-                _inside(statement.body, statement.domain, member, here.because(_noted(drawn, writes)), writes)
+                _inside(
+                    statement.body,
+                    statement.domain,
+                    member,
+                    here.because(_noted(drawn, writes)),
+                    writes,
+                )
         case ir.First():
             by_lane = nearest_members(statement.domain, here)
             for lane, nearest in enumerate(by_lane):
@@ -54,17 +60,35 @@ def _statement(statement: ir.Stmt, here: Instance, writes: Writes) -> None:
         case ir.Match():
             for left, right, drawn in chances.matched(statement, here):
                 if _noted(drawn, writes).result:
-                    _inside(statement.body, statement.left, left, here.binding(right.names).because(drawn), writes)
+                    _inside(
+                        statement.body,
+                        statement.left,
+                        left,
+                        here.binding(right.names).because(drawn),
+                        writes,
+                    )
         case ir.When():
-            holding = next((b.body for b in statement.branches if evaluate(b.test, here)), statement.otherwise)
+            holding = next(
+                (b.body for b in statement.branches if evaluate(b.test, here)), statement.otherwise
+            )
             perform(holding, here, writes)
         case ir.Chance():
             drawn = _noted(chances.chance(statement, here), writes)
-            body = statement.otherwise if drawn.result is None else statement.branches[drawn.result].body
+            body = (
+                statement.otherwise
+                if drawn.result is None
+                else statement.branches[drawn.result].body
+            )
             perform(body, here.because(drawn), writes)
         case ir.Set(lot=int(stream)):
-            rank, place = here.word(stream, here.number) >> 1, (statement.origin.start if statement.origin else 0, here.number)
-            writes.lots += [Lot(*pair, rank, place) for pair in slots(statement.target, evaluate(statement.value, here), here)]
+            rank, place = (
+                here.word(stream, here.number) >> 1,
+                (statement.origin.start if statement.origin else 0, here.number),
+            )
+            writes.lots += [
+                Lot(*pair, rank, place)
+                for pair in slots(statement.target, evaluate(statement.value, here), here)
+            ]
         case ir.Set():
             writes.sets += slots(statement.target, evaluate(statement.value, here), here)
         case ir.Add():
@@ -74,7 +98,11 @@ def _statement(statement: ir.Stmt, here: Instance, writes: Writes) -> None:
         case ir.Tally():
             word = None if statement.word is None else evaluate(statement.word, here)
             amount = 1 if statement.amount is None else evaluate(statement.amount, here)
-            receivers = [None] if statement.receiver is None else sorted(agents_in(evaluate(statement.receiver, here)))
+            receivers = (
+                [None]
+                if statement.receiver is None
+                else sorted(agents_in(evaluate(statement.receiver, here)))
+            )
             writes.tallies += [Counted(statement.event, word, agent, amount) for agent in receivers]
         case ir.Send() | ir.Shift():
             _send(statement, here, writes)
@@ -99,27 +127,47 @@ def _noted(drawn: Drawn, writes: Writes) -> Drawn:
     return drawn
 
 
-def _inside(body: tuple[ir.Stmt, ...], domain: ir.Domain, member: members.Found, here: Instance, writes: Writes) -> None:
-    perform(body, here.inside(member.names, member.number, members.radix(domain, here.board)), writes)
+def _inside(
+    body: tuple[ir.Stmt, ...],
+    domain: ir.Domain,
+    member: members.Found,
+    here: Instance,
+    writes: Writes,
+) -> None:
+    perform(
+        body, here.inside(member.names, member.number, members.radix(domain, here.board)), writes
+    )
 
 
 def _give(statement: ir.Give, here: Instance, writes: Writes) -> None:
     value = np.float32(evaluate(statement.value, here))
     everybody = range(here.board.agents)
-    receivers = set(everybody if statement.receiver is None else agents_in(evaluate(statement.receiver, here)))
+    receivers = set(
+        everybody if statement.receiver is None else agents_in(evaluate(statement.receiver, here))
+    )
     but = set() if statement.but is None else {here.names[statement.but.name]}
     writes.gives += [(agent, value) for agent in sorted(receivers - but)]
 
 
 def _send(statement: ir.Send | ir.Shift, here: Instance, writes: Writes) -> None:
     """Notes where those are sent whom the statement names; of several who send one, all say the same."""
-    ticks = evaluate(statement.after, here) if isinstance(statement, ir.Send) and statement.after is not None else 0
+    ticks = (
+        evaluate(statement.after, here)
+        if isinstance(statement, ir.Send) and statement.after is not None
+        else 0
+    )
     for agent in agents_in(evaluate(statement.who, here)):
         sends: list[Any] = writes.sends if isinstance(statement, ir.Send) else writes.shifts
         sent: Sending | Shifting
-        sent = Sending(agent, statement, ticks, here.names) if isinstance(statement, ir.Send) else shifting(agent, statement, here)
+        sent = (
+            Sending(agent, statement, ticks, here.names)
+            if isinstance(statement, ir.Send)
+            else shifting(agent, statement, here)
+        )
         others = [s for s in sends if s.agent == agent]
-        assert all(_destination(s) == _destination(sent) for s in others), f"agent {agent} is sent to two places"
+        assert all(_destination(s) == _destination(sent) for s in others), (
+            f"agent {agent} is sent to two places"
+        )
         if not others:
             sends.append(sent)
 
@@ -129,7 +177,13 @@ def _destination(sent: Sending | Shifting) -> tuple[object, ...]:
     if isinstance(sent, Shifting):
         return sent.target, sent.statement.facing
     s = sent.send
-    return sent.ticks, s.pool, s.facing, s.stay, [sent.names[v.name] for v in variables_around(s.domain)]
+    return (
+        sent.ticks,
+        s.pool,
+        s.facing,
+        s.stay,
+        [sent.names[v.name] for v in variables_around(s.domain)],
+    )
 
 
 def _move(statement: ir.Move, here: Instance, writes: Writes) -> None:
@@ -141,4 +195,6 @@ def _move(statement: ir.Move, here: Instance, writes: Writes) -> None:
         assert not isinstance(found.member, Cell)
         writes.movers[found.member] = (word & ~0xFF) | found.number
         if statement.course is not None and isinstance(found.member, Mover):
-            writes.courses[found.member] = course_of(statement.course, found.member, here.binding(found.names))
+            writes.courses[found.member] = course_of(
+                statement.course, found.member, here.binding(found.names)
+            )

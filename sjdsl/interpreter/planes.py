@@ -9,7 +9,14 @@ from sjdsl.compiler.ir.queries import marking_phases
 HIDDEN = "hidden"
 OUTSIDE = "outside"
 COVERED = "covered"
-AGENT_WORDS = ("none", "self", "other same heading", "other turned right", "other opposite", "other turned left")
+AGENT_WORDS = (
+    "none",
+    "self",
+    "other same heading",
+    "other turned right",
+    "other opposite",
+    "other turned left",
+)
 
 
 @dataclass(frozen=True)
@@ -35,11 +42,20 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
         Plane("content", "word", content_labels(game), "content"),
         Plane("agent", "word", AGENT_WORDS, "agent"),
     ]
-    if marking_phases(game) and not any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden):
-        result.append(Plane("marks", "bits", tuple(phase.label for phase in marking_phases(game)), "marks"))
+    if marking_phases(game) and not any(
+        hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden
+    ):
+        result.append(
+            Plane("marks", "bits", tuple(phase.label for phase in marking_phases(game)), "marks")
+        )
     for what in ("other", "mover", "everyone", "own", "world"):
         agents = range(game.agents.number) if what == "everyone" else (None,)
-        result += [_field_plane(observable, agent) for observable in game.observables if observable.what == what for agent in agents]
+        result += [
+            _field_plane(observable, agent)
+            for observable in game.observables
+            if observable.what == what
+            for agent in agents
+        ]
     return tuple(result)
 
 
@@ -56,7 +72,11 @@ def content_observables(game: ir.Game, kind: str) -> tuple[ir.Observable, ...]:
 
 def content_words(observable: ir.Observable) -> tuple[str, ...]:
     """Returns the words of a cell's field as they are seen: one more if it can be hidden."""
-    return (*observable_words(observable), HIDDEN) if observable.hidden_when is not None else observable_words(observable)
+    return (
+        (*observable_words(observable), HIDDEN)
+        if observable.hidden_when is not None
+        else observable_words(observable)
+    )
 
 
 def content_labels(game: ir.Game) -> tuple[str, ...]:
@@ -74,11 +94,17 @@ def content_labels(game: ir.Game) -> tuple[str, ...]:
             continue
         states = [kind.name]
         for observable in content_observables(game, kind.name):
-            states = [f"{state} {field_name(observable)}={word}" for state in states for word in content_words(observable)]
+            states = [
+                f"{state} {field_name(observable)}={word}"
+                for state in states
+                for word in content_words(observable)
+            ]
         labels += states
     if any(hidden.what == "content" for hidden in game.hidden):
         others.append(COVERED)
-    return tuple(labels + [label for n, label in enumerate(others) if label not in labels + others[:n]])
+    return tuple(
+        labels + [label for n, label in enumerate(others) if label not in labels + others[:n]]
+    )
 
 
 def look_of(game: ir.Game, kind: str) -> ir.Observable | None:
@@ -89,7 +115,11 @@ def look_of(game: ir.Game, kind: str) -> ir.Observable | None:
 
 def field_name(observable: ir.Observable) -> str:
     """Returns the field as an author writes it after its owner."""
-    return observable.field if observable.word is None else f"{observable.field}[{observable.word.key}]"
+    return (
+        observable.field
+        if observable.word is None
+        else f"{observable.field}[{observable.word.key}]"
+    )
 
 
 def _field_plane(observable: ir.Observable, agent: int | None) -> Plane:
@@ -97,10 +127,21 @@ def _field_plane(observable: ir.Observable, agent: int | None) -> Plane:
     assert observable.what != "heading"
     words = observable_words(observable)
     if observable.what == "mover":
-        name = f"{observable.kind}.{field_name(observable)}" if observable.field else observable.kind
+        name = (
+            f"{observable.kind}.{field_name(observable)}" if observable.field else observable.kind
+        )
         words = ("none", *words) if words else ()
         return Plane(name, "word" if words else "number", words, "mover", observable)
-    owner = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}[observable.what]
+    owner = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}[
+        observable.what
+    ]
     if observable.what == "other" and words:
         words = ("nobody", *words)
-    return Plane(owner + field_name(observable), "word" if words else "number", words, observable.what, observable, agent)
+    return Plane(
+        owner + field_name(observable),
+        "word" if words else "number",
+        words,
+        observable.what,
+        observable,
+        agent,
+    )

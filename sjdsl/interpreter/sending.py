@@ -6,7 +6,16 @@ from functools import lru_cache
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.interpreter.board import Board, cells_of
-from sjdsl.interpreter.bodies import Body, away_of, bodies, herd_of, number_of, occupied, sort_of_body, turn
+from sjdsl.interpreter.bodies import (
+    Body,
+    away_of,
+    bodies,
+    herd_of,
+    number_of,
+    occupied,
+    sort_of_body,
+    turn,
+)
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import HEADINGS, Away, Cell, Facing, Pool, Value, World
@@ -16,14 +25,20 @@ from sjdsl.interpreter.writes import Sending
 
 def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None:
     """Changes the places of `world`, which holds the snapshot's: pool by pool, in each pool in id order. `phase`: its name."""
-    entered: set[Cell] = set()  # pools may share cells: what an earlier one filled is not free any more
+    entered: set[Cell] = (
+        set()
+    )  # pools may share cells: what an earlier one filled is not free any more
     for pool in sorted({s.send.pool for s in sends}):
-        together = sorted((s for s in sends if s.send.pool == pool), key=lambda s: number_of(s.agent))
+        together = sorted(
+            (s for s in sends if s.send.pool == pool), key=lambda s: number_of(s.agent)
+        )
         order = together[0].send.cell_stream
         # who may have to stay does not make room for others
         leaving = set() if _may_stay(order, here.board) else {s.agent for s in together}
         free = [c for c in free_cells(together[0].send.domain, leaving, here) if c not in entered]
-        own = any(variables_around(s.domain) for s in _sends_to(order, here.board))  # the cells that fit differ from agent to agent
+        own = any(
+            variables_around(s.domain) for s in _sends_to(order, here.board)
+        )  # the cells that fit differ from agent to agent
         free = free if own else _fitting(together[0].send.domain, free, {}, here)
         for agent, statement, ticks, names in together:
             fitting = _fitting(statement.domain, free, names, here) if own else free
@@ -42,7 +57,9 @@ def send(phase: str, sends: list[Sending], here: Instance, world: World) -> None
 @lru_cache(maxsize=256)
 def _sends_to(cell_stream: int, board: Board) -> tuple[ir.Send, ...]:
     """Returns the statements that send to one pool."""
-    return tuple(n for n in ir.walk(board.game) if isinstance(n, ir.Send) and n.cell_stream == cell_stream)
+    return tuple(
+        n for n in ir.walk(board.game) if isinstance(n, ir.Send) and n.cell_stream == cell_stream
+    )
 
 
 def _may_stay(cell_stream: int, board: Board) -> bool:
@@ -76,13 +93,19 @@ def bring_back(here: Instance, world: World) -> None:
         order = return_stream(statement.cell_stream)
         for agent in due[pool]:
             away = away_of(agent, here.world)
-            names = {variable.name: agent for variable in variables_around(statement.domain)}  # the one agent it may name
+            names = {
+                variable.name: agent for variable in variables_around(statement.domain)
+            }  # the one agent it may name
             fitting = _fitting(statement.domain, free, names, here)
-            assert fitting or _may_stay(statement.cell_stream, here.board), _no_room(agent, statement)
+            assert fitting or _may_stay(statement.cell_stream, here.board), _no_room(
+                agent, statement
+            )
             if fitting and away is not None:
                 cell = here.take(order, number_of(agent), fitting)[0]
                 free.remove(cell)
-                _enter(agent, cell, away.facing, return_stream(statement.heading_stream), here, world)
+                _enter(
+                    agent, cell, away.facing, return_stream(statement.heading_stream), here, world
+                )
 
 
 def free_cells(domain: ir.Domain, leaving: set[Body], here: Instance) -> list[Cell]:
@@ -92,20 +115,28 @@ def free_cells(domain: ir.Domain, leaving: set[Body], here: Instance) -> list[Ce
     return [cell for cell in cells_of(here.board, domain.var.kinds) if cell not in covered]
 
 
-def _fitting(domain: ir.Domain, free: list[Cell], names: Mapping[str, Value], here: Instance) -> list[Cell]:
+def _fitting(
+    domain: ir.Domain, free: list[Cell], names: Mapping[str, Value], here: Instance
+) -> list[Cell]:
     """Returns those of the free cells that a destination's `where` leaves an agent, in whose instance `names` are known."""
     if domain.where is None:
         return list(free)
-    return [cell for cell in free if evaluate(domain.where, here.only({**names, domain.var.name: cell}))]
+    return [
+        cell for cell in free if evaluate(domain.where, here.only({**names, domain.var.name: cell}))
+    ]
 
 
-def _enter(agent: Body, cell: Cell, facing: Facing | None, stream: int, here: Instance, world: World) -> None:
+def _enter(
+    agent: Body, cell: Cell, facing: Facing | None, stream: int, here: Instance, world: World
+) -> None:
     herd_of(agent, world).position[number_of(agent)] = cell
     herd_of(agent, world).away[number_of(agent)] = None
     enter_facing(agent, facing, stream, here, world)
 
 
-def enter_facing(agent: Body, facing: Facing | None, stream: int | None, here: Instance, world: World) -> None:
+def enter_facing(
+    agent: Body, facing: Facing | None, stream: int | None, here: Instance, world: World
+) -> None:
     """Turns somebody who has been sent somewhere: in the direction that the statement says, or else in one that is drawn."""
     if facing is None:
         assert stream is not None

@@ -19,11 +19,17 @@ class Seen(NamedTuple):
 def place_at(anchor: Cell, heading: int, ahead: int, right: int) -> tuple[int, int]:
     """Returns the row and column so far ahead and to the right of the anchor for somebody who faces `heading`; perhaps off the map."""
     forward, beside = FORWARD[heading], FORWARD[(heading + 1) % 4]
-    return anchor.row + ahead * forward[0] + right * beside[0], anchor.col + ahead * forward[1] + right * beside[1]
+    return anchor.row + ahead * forward[0] + right * beside[0], anchor.col + ahead * forward[
+        1
+    ] + right * beside[1]
 
 
 def lanes_from(
-    shape: ir.Shape, anchor: Cell | None, heading: int, at: Callable[[int, int], Cell | None], stops: Callable[[Cell], bool]
+    shape: ir.Shape,
+    anchor: Cell | None,
+    heading: int,
+    at: Callable[[int, int], Cell | None],
+    stops: Callable[[Cell], bool],
 ) -> list[list[Seen]]:
     """Returns the shape's lanes as far as they go, nearest cell first; the cell that `stops` a lane is its last. Nothing from nowhere.
 

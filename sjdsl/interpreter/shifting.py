@@ -1,7 +1,16 @@
 """Interprets `send x by n DIRECTION` and `send x to CELL`: the way of each agent, and all who are sent in one phase settled together."""
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.bodies import Body, heading_of, herd_of, herds, is_free, number_of, sort_of_body, where_is
+from sjdsl.interpreter.bodies import (
+    Body,
+    heading_of,
+    herd_of,
+    herds,
+    is_free,
+    number_of,
+    sort_of_body,
+    where_is,
+)
 from sjdsl.interpreter.evaluate import cell_of, evaluate, is_blocked
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import stay_if_outranked, stay_if_taken
@@ -41,7 +50,9 @@ def _heading(agent: Body, statement: ir.Shift, here: Instance) -> int | None:
     looks = heading_of(agent, here.world)
     upright = looks in (0, 2) if abs(rows) == abs(cols) else abs(rows) > abs(cols)
     toward = (0 if rows < 0 else 2) if upright else (3 if cols < 0 else 1)
-    if here.board.game.wraps and 2 * (rows if upright else cols) == len(here.board.game.rows if upright else here.board.game.rows[0]):
+    if here.board.game.wraps and 2 * (rows if upright else cols) == len(
+        here.board.game.rows if upright else here.board.game.rows[0]
+    ):
         if looks % 2 != toward % 2:  # both ways round are equally long, and it looks across them
             return None
         toward = looks
@@ -56,10 +67,19 @@ def shift(shifts: list[Shifting], here: Instance, world: World) -> None:
     agents, *movers = herds(world)
     for sort in (*movers, agents):
         own = [s for s in shifts if sort_of_body(s.agent) == sort]
-        ranks = {s.agent: here.word(s.statement.stream, number_of(s.agent)) & ~0xFF | number_of(s.agent) for s in own}
-        targets = {s.agent: s.target for s in own if s.target is not None and s.target != where_is(s.agent, world)}
+        ranks = {
+            s.agent: here.word(s.statement.stream, number_of(s.agent)) & ~0xFF | number_of(s.agent)
+            for s in own
+        }
+        targets = {
+            s.agent: s.target
+            for s in own
+            if s.target is not None and s.target != where_is(s.agent, world)
+        }
         stay_if_outranked(targets, ranks)
         stay_if_taken(targets, world)
         for sent in (s for s in own if s.agent in targets):
             herd_of(sent.agent, world).position[number_of(sent.agent)] = sent.target
-            enter_facing(sent.agent, sent.statement.facing, sent.statement.heading_stream, here, world)
+            enter_facing(
+                sent.agent, sent.statement.facing, sent.statement.heading_stream, here, world
+            )

@@ -106,7 +106,12 @@ def copied(world: World) -> World:
 
 
 def _copied(herd: Herd) -> Herd:
-    return Herd(list(herd.position), list(herd.moved), list(herd.away), {k: list(v) for k, v in herd.fields.items()})
+    return Herd(
+        list(herd.position),
+        list(herd.moved),
+        list(herd.away),
+        {k: list(v) for k, v in herd.fields.items()},
+    )
 
 
 def default_params(game: ir.Game) -> dict[str, Value]:

@@ -24,10 +24,18 @@ from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.threefry import Draws
 from sjdsl.interpreter.writes import Counted, Writes, write_fields
 
-Totals = Mapping[tuple[str, str | None], int]  # (event, its word or None) -> its count so far, over all agents
+Totals = Mapping[
+    tuple[str, str | None], int
+]  # (event, its word or None) -> its count so far, over all agents
 
 
-def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws, tell: Tell | None = None, sends: bool = True) -> World:
+def reset(
+    game: ir.Game,
+    params: Mapping[str, Value],
+    draws: Draws,
+    tell: Tell | None = None,
+    sends: bool = True,
+) -> World:
     """Returns the state an episode starts from; without the `sends` of the phase `start` nobody has a place in it.
 
     `tell` is given the account of that phase.
@@ -35,14 +43,24 @@ def reset(game: ir.Game, params: Mapping[str, Value], draws: Draws, tell: Tell |
     board = board_of(game)
     world = declared_world(board, dict(params))
     stays = (game.agents.actions.index("stay"),) * board.agents
-    world = _phase(game.start, Instance(board, world, stays, draws), _nothing_yet(board), tell, sends)
-    placed = all(where_is(body, world) is not None or away_of(body, world) is not None for body in bodies(world))
+    world = _phase(
+        game.start, Instance(board, world, stays, draws), _nothing_yet(board), tell, sends
+    )
+    placed = all(
+        where_is(body, world) is not None or away_of(body, world) is not None
+        for body in bodies(world)
+    )
     assert placed or not sends, "somebody has no place"
     return world
 
 
 def step(
-    game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws, tell: Tell | None = None
+    game: ir.Game,
+    world: World,
+    actions: Sequence[int],
+    params: Mapping[str, Value],
+    draws: Draws,
+    tell: Tell | None = None,
 ) -> tuple[World, Outcome]:
     """Returns the next state and what happened on the way. `world` is left as it was. `tell` is given an account of every turn.
 
@@ -65,7 +83,9 @@ def step(
                     tell(Account(turn, here.world, world, actions=allowed))
             case _:
                 assert_never(turn)
-    outcome.measures = {m.name: _measured(m, Instance(board, world, allowed)) for m in game.measures}
+    outcome.measures = {
+        m.name: _measured(m, Instance(board, world, allowed)) for m in game.measures
+    }
     world.step += 1
     outcome.truncated = world.step >= evaluate(game.episode, Instance(board, world))
     return world, outcome
@@ -75,10 +95,19 @@ def action_mask(game: ir.Game, world: World) -> list[list[bool]]:
     """Returns for each agent which actions would not be forbidden now."""
     board = board_of(game)
     numbers = range(len(game.agents.actions))
-    return [[number not in _forbidden(board, world, agent) for number in numbers] for agent in range(board.agents)]
+    return [
+        [number not in _forbidden(board, world, agent) for number in numbers]
+        for agent in range(board.agents)
+    ]
 
 
-def read(game: ir.Game, world: World, e: ir.Expr, totals: Totals | None = None, before: tuple[World, Totals] | None = None) -> Value:
+def read(
+    game: ir.Game,
+    world: World,
+    e: ir.Expr,
+    totals: Totals | None = None,
+    before: tuple[World, Totals] | None = None,
+) -> Value:
     """Returns the value of an expression of `checks`. `before`: the state before the step, and the totals then; None: the same ones."""
     board = board_of(game)
     here = Instance(board, world, totals=totals or {})
@@ -94,7 +123,9 @@ def _measured(measure: ir.Measure, here: Instance) -> Value:
 
 def _forbidden(board: Board, world: World, agent: int) -> set[int]:
     here, agents = Instance(board, world, names={"agent": agent}), board.game.agents
-    return {action for forbid in agents.forbids for action in _closed(forbid, here)} - {agents.actions.index("stay")}
+    return {action for forbid in agents.forbids for action in _closed(forbid, here)} - {
+        agents.actions.index("stay")
+    }
 
 
 def _closed(forbid: ir.Forbid, here: Instance) -> Iterator[int]:
@@ -115,12 +146,16 @@ def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, .
     names = board.game.agents.actions
     stay = names.index("stay")
     return tuple(
-        int(action) if 0 <= action < len(names) and action not in _forbidden(board, world, agent) else stay
+        int(action)
+        if 0 <= action < len(names) and action not in _forbidden(board, world, agent)
+        else stay
         for agent, action in enumerate(actions)
     )
 
 
-def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None, sends: bool = True) -> World:
+def _phase(
+    phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None, sends: bool = True
+) -> World:
     """Returns the state after a phase: everything is read from `here.world`, all writes appear together."""
     writes = Writes() if tell is None else Writes(done=[], drawn=[])
     with watched(lambda: phase, here.world.step):
@@ -148,7 +183,16 @@ def _phase(phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None,
     outcome.terminated = outcome.terminated or writes.end
     _check_places(here.board, world)
     if tell is not None:
-        tell(Account(phase, here.world, world, tuple(writes.done or ()), tuple(writes.drawn or ()), here.actions))
+        tell(
+            Account(
+                phase,
+                here.world,
+                world,
+                tuple(writes.done or ()),
+                tuple(writes.drawn or ()),
+                here.actions,
+            )
+        )
     return world
 
 
@@ -182,7 +226,9 @@ def _nothing_yet(board: Board) -> Outcome:
     for event in board.game.events:
         agents = range(board.agents)
         count = [0] * len(event.by or ())
-        events[event.name] = [list(count) if event.by else 0 for _ in agents] if event.per_agent else (count or 0)
+        events[event.name] = (
+            [list(count) if event.by else 0 for _ in agents] if event.per_agent else (count or 0)
+        )
     return Outcome(reward=[np.float32(0) for _ in range(board.agents)], events=events)
 
 
@@ -204,4 +250,6 @@ def _check_places(board: Board, world: World) -> None:
     places = [place for body in bodies(world) if (place := where_is(body, world)) is not None]
     assert len(set(places)) == len(places), f"two on one cell: {world.position}, {world.movers}"
     assert all(place in board.kind_of for place in places), places
-    assert all(where_is(body, world) is None or away_of(body, world) is None for body in bodies(world))
+    assert all(
+        where_is(body, world) is None or away_of(body, world) is None for body in bodies(world)
+    )

@@ -47,6 +47,10 @@ def stored(value: Any, type_: ir.Type, agents: int) -> Any:
             return -1 if value is None else CELLS * value.row + value.col
         case "agents":
             bits = sum(1 << agent for agent in value)
-            return bits if agents <= BITS else [bits >> first & 0xFFFF_FFFF for first in range(0, agents, BITS)]
+            return (
+                bits
+                if agents <= BITS
+                else [bits >> first & 0xFFFF_FFFF for first in range(0, agents, BITS)]
+            )
         case _:
             return value

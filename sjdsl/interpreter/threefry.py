@@ -19,7 +19,9 @@ class Draws(Protocol):
         ...
 
 
-def threefry(key: tuple[int, int], counter: tuple[int, int], rounds: int = ROUNDS) -> tuple[int, int]:
+def threefry(
+    key: tuple[int, int], counter: tuple[int, int], rounds: int = ROUNDS
+) -> tuple[int, int]:
     """Returns threefry-2x32.
 
     Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011.

@@ -71,11 +71,25 @@ class Lot(NamedTuple):
 
 def winners(lots: Iterable[Lot]) -> dict[Slot, Lot]:
     """Returns for each entry of a field who of those that would write it does."""
-    return {lot.slot: lot for lot in sorted(lots, key=lambda lot: (lot.rank, *(-part for part in lot.place)))}
+    return {
+        lot.slot: lot
+        for lot in sorted(lots, key=lambda lot: (lot.rank, *(-part for part in lot.place)))
+    }
 
 
 _LISTS = ("sets", "adds", "lots", "gives", "tallies", "sends", "shifts")
-_WRITING = (ir.Set, ir.Add, ir.Give, ir.Tally, ir.Send, ir.Shift, ir.Remove, ir.Move, ir.Mark, ir.End)
+_WRITING = (
+    ir.Set,
+    ir.Add,
+    ir.Give,
+    ir.Tally,
+    ir.Send,
+    ir.Shift,
+    ir.Remove,
+    ir.Move,
+    ir.Mark,
+    ir.End,
+)
 
 
 @dataclass
@@ -111,7 +125,11 @@ class Writes:
     def tell(self, statement: ir.Stmt, here: Instance, before: dict[str, int]) -> None:
         """Keeps what a statement that writes (not one that has others in it) has written since `before`."""
         if self.done is not None and isinstance(statement, _WRITING):
-            written = {name: tuple(getattr(self, name)[size:]) for name, size in before.items() if len(getattr(self, name)) > size}
+            written = {
+                name: tuple(getattr(self, name)[size:])
+                for name, size in before.items()
+                if len(getattr(self, name)) > size
+            }
             self.done.append(Done(statement, here.names, here.causes, written))
 
 
@@ -146,9 +164,16 @@ def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
 def _spread(slot: Slot, value: Value, levels: tuple[ir.Level, ...]) -> list[tuple[Slot, Value]]:
     if not levels:
         return [(slot, value)]
-    values = value if isinstance(value, tuple) and not isinstance(value, Cell) else (value,) * len(levels[0])
+    values = (
+        value
+        if isinstance(value, tuple) and not isinstance(value, Cell)
+        else (value,) * len(levels[0])
+    )
     assert len(values) == len(levels[0]), slot
-    inner = [_spread(slot._replace(entries=(*slot.entries, i)), v, levels[1:]) for i, v in enumerate(values)]
+    inner = [
+        _spread(slot._replace(entries=(*slot.entries, i)), v, levels[1:])
+        for i, v in enumerate(values)
+    ]
     return [pair for pairs in inner for pair in pairs]
 
 
@@ -158,7 +183,9 @@ def write_fields(writes: Writes, board: Board, world: World) -> None:
     drawn = [(slot, lot.value) for slot, lot in winners(writes.lots).items()]
     for slot, value in (*writes.sets, *drawn):
         value = _as_held(declaration(slot, board), value)
-        assert sets.setdefault(slot, value) == value, f"{slot} is set to {sets[slot]} and to {value}"
+        assert sets.setdefault(slot, value) == value, (
+            f"{slot} is set to {sets[slot]} and to {value}"
+        )
     adds: dict[Slot, list[Value]] = {}
     for slot, value in writes.adds:
         adds.setdefault(slot, []).append(_as_held(declaration(slot, board), value))
@@ -175,7 +202,13 @@ def write_fields(writes: Writes, board: Board, world: World) -> None:
 def _as_held(declared: ir.VarField, value: Value) -> Value:
     """Returns a value as a field of this type holds it."""
     kind = declared.type.kind
-    return frozenset(agents_in(value)) if kind == "agents" else np.float32(value) if kind == "real" else value
+    return (
+        frozenset(agents_in(value))
+        if kind == "agents"
+        else np.float32(value)
+        if kind == "real"
+        else value
+    )
 
 
 def _added(declared: ir.VarField, before: Value, values: list[Value]) -> Value:
@@ -195,9 +228,15 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
         case "word":
             assert value in declared.type.words, (declared.name, value)
         case "agent" | "agents":
-            assert all(agent in range(board.agents) for agent in agents_in(value)), (declared.name, value)
+            assert all(agent in range(board.agents) for agent in agents_in(value)), (
+                declared.name,
+                value,
+            )
         case "cell":
-            assert value is None or board.kind_of[value] in declared.type.kinds, (declared.name, value)
+            assert value is None or board.kind_of[value] in declared.type.kinds, (
+                declared.name,
+                value,
+            )
         case _:
             raise AssertionError(declared)
 
@@ -214,7 +253,11 @@ def _put(slot: Slot, value: Value, board: Board, world: World) -> None:
 
 def _holder(slot: Slot, board: Board, world: World) -> tuple[Any, Any]:
     """Returns the list or dictionary that the field's value is kept in, and its place there."""
-    return (world.fields, slot.name) if slot.owner is None else (held_values(declaration(slot, board), world), slot.owner[1])
+    return (
+        (world.fields, slot.name)
+        if slot.owner is None
+        else (held_values(declaration(slot, board), world), slot.owner[1])
+    )
 
 
 def _replaced(whole: Value, entries: tuple[int, ...], value: Value) -> Value:

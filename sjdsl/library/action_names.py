@@ -14,5 +14,9 @@ def split_actions(text: str, apart: str = ",") -> list[str]:
     found = []
     for name in re.split(apart + _INSIDE, text):
         action, bracket, arguments = name.strip().partition("(")
-        found.append(f"{action.strip()}({', '.join(a.strip() for a in arguments.rstrip(') ').split(','))})" if bracket else action)
+        found.append(
+            f"{action.strip()}({', '.join(a.strip() for a in arguments.rstrip(') ').split(','))})"
+            if bracket
+            else action
+        )
     return found

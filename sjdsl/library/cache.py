@@ -70,6 +70,8 @@ def _compiler_digest() -> str:
     """Returns 8 digits that change with the compiler's own sources, so that work on it never meets old entries."""
     folder = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    for path in sorted([*(folder / "compiler").rglob("*.py"), *(folder / "compiler").rglob("*.j2")]):
+    for path in sorted(
+        [*(folder / "compiler").rglob("*.py"), *(folder / "compiler").rglob("*.j2")]
+    ):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:8]

@@ -35,9 +35,13 @@ def build_game(
     composition = compose(source, split_variants(variant))
     num_agents = None if num_agents is None else plain_number(num_agents)
     sizes, run_time = split_sizes(*composition.number_names(), dict(params or {}))
-    made = build_composition(composition, Overrides(sizes, num_agents, *map_rows(map, source), placed_by_hand))
+    made = build_composition(
+        composition, Overrides(sizes, num_agents, *map_rows(map, source), placed_by_hand)
+    )
     if num_agents is not None and made.game.agents.number != num_agents:
-        raise ValueError(f"{num_agents} agents are asked for, but a size among the numbers says {made.game.agents.number}")
+        raise ValueError(
+            f"{num_agents} agents are asked for, but a size among the numbers says {made.game.agents.number}"
+        )
     return made, run_time
 
 
@@ -56,12 +60,18 @@ def _check_types(game: Any, variant: Any, params: Any) -> None:
     if not isinstance(game, str | PathLike):
         raise TypeError(f"a game is a name or the path of a .sj file, not {game!r}")
     if not isinstance(variant, str | None):
-        raise TypeError(f"a variant is a name, and several are `first+second`; it is not {variant!r}")
+        raise TypeError(
+            f"a variant is a name, and several are `first+second`; it is not {variant!r}"
+        )
     if params is not None and not isinstance(params, Mapping):
-        raise TypeError(f"params is a mapping from names of numbers of the game to values, not {params!r}")
+        raise TypeError(
+            f"params is a mapping from names of numbers of the game to values, not {params!r}"
+        )
 
 
-def map_rows(map: str | Path | tuple[str, ...] | None, source: Source) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:
+def map_rows(
+    map: str | Path | tuple[str, ...] | None, source: Source
+) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:
     """Returns the rows of a map given by its file or by itself, and where they stand; the legend is asked later."""
     if map is None:
         return None, ()

@@ -43,17 +43,23 @@ def make(
     return environment_of(*build_game(game, variant, num_agents, params, map), observation)
 
 
-def environment_of(made: Build, params: Mapping[str, Any], observation: Encoding = "tokens") -> Environment:
+def environment_of(
+    made: Build, params: Mapping[str, Any], observation: Encoding = "tokens"
+) -> Environment:
     """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
     if _jax_is_used_in not in (None, os.getpid()):
         raise RuntimeError(
             "this process was forked from one that uses JAX, where JAX would wait for ever: start processes by `spawn` or `forkserver`, "
             'such as gymnasium.make_vec(…, vectorization_mode="async", vector_kwargs={"context": "spawn"})'
         )
-    text, file = cached_text(f"{made.game.name}_{printed_digest(made.game.rules)}", lambda: compile_rules(made))
+    text, file = cached_text(
+        f"{made.game.name}_{printed_digest(made.game.rules)}", lambda: compile_rules(made)
+    )
     module = load_module(text, file, made.game.name)
     admit = partial(admitted_params, made.game, module)
-    return Environment(module, build_params(made.game, module, params), observation, made.game, admit)
+    return Environment(
+        module, build_params(made.game, module, params), observation, made.game, admit
+    )
 
 
 class GeneratedModule(ModuleType):
@@ -83,11 +89,17 @@ def load_module(text: str, file: str, name: str) -> ModuleType:
     _jax_is_used_in = _jax_is_used_in or os.getpid()
     module = GeneratedModule(text, file, name)
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
-    with jax.ensure_compile_time_eval():  # its tables are constants, also when a game is made while another function is traced
+    with (
+        jax.ensure_compile_time_eval()
+    ):  # its tables are constants, also when a game is made while another function is traced
         exec(compile(text, file, "exec"), module.__dict__)
 
     def reduced(value: Any) -> tuple[Any, ...]:
-        return _value_of, (module, type(value).__name__, tuple(getattr(value, field.name) for field in fields(value)))
+        return _value_of, (
+            module,
+            type(value).__name__,
+            tuple(getattr(value, field.name) for field in fields(value)),
+        )
 
     for kind in ("Params", "State", "Outcome"):
         getattr(module, kind).__reduce__ = reduced

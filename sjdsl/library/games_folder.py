@@ -42,7 +42,9 @@ def find_game(name: str | Path) -> Path:
     if not is_name(name):
         return Path(name)
     folder = games_folder()
-    files = {path.stem: path for path in (*folder.glob("*.sj"), *(folder / MELTING_POT).glob("*.sj"))}
+    files = {
+        path.stem: path for path in (*folder.glob("*.sj"), *(folder / MELTING_POT).glob("*.sj"))
+    }
     if str(name) not in files:
         raise FileNotFoundError(_unknown(str(name)))
     return files[str(name)]

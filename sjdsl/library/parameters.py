@@ -23,7 +23,9 @@ Values = Mapping[str, Any]
 ROUNDING = 2.0**-24  # a limit that is rounded to float32 is still inside
 
 
-def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values) -> tuple[dict[str, Any], dict[str, Any]]:
+def split_sizes(
+    game_sizes: Sequence[str], params: Sequence[str], given: Values
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Returns the given values that are sizes (fixed when compiled) and those that are parameters.
 
     Raises ValueError for a name the game does not have, and for None; TypeError for what is no name.
@@ -31,7 +33,9 @@ def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values)
     sizes, rest = {}, {}
     for name, value in given.items():
         if not isinstance(name, str):
-            raise TypeError(f"params has names of numbers of the game, not {name!r}; it has {', '.join([*game_sizes, *params])}")
+            raise TypeError(
+                f"params has names of numbers of the game, not {name!r}; it has {', '.join([*game_sizes, *params])}"
+            )
         if value is None:
             raise ValueError(f"`{name}` is None: give it a number, or leave it out")
         if name in game_sizes:
@@ -39,7 +43,9 @@ def split_sizes(game_sizes: Sequence[str], params: Sequence[str], given: Values)
         elif name in params:
             rest[name] = value
         else:
-            raise ValueError(f"the game has no number `{name}`{meant(name, [*game_sizes, *params], 'it has')}")
+            raise ValueError(
+                f"the game has no number `{name}`{meant(name, [*game_sizes, *params], 'it has')}"
+            )
     return sizes, rest
 
 
@@ -48,11 +54,17 @@ def plain_number(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and np.ndim(value) == 0 else value
 
 
-def build_params(game: ir.Game, module: "GameModule", given: Values, check_requires: bool = True) -> Any:
+def build_params(
+    game: ir.Game, module: "GameModule", given: Values, check_requires: bool = True
+) -> Any:
     """Returns the game's `Params` with some values replaced; arguments and errors are those of `param_values`."""
     values = param_values(game, given, check_requires)
     defaults = module.default_params()
-    return defaults.replace(**_arrays(defaults, {param: values[param.name] for param in game.params if param.name in given}))
+    return defaults.replace(
+        **_arrays(
+            defaults, {param: values[param.name] for param in game.params if param.name in given}
+        )
+    )
 
 
 def _arrays(defaults: Any, values: Mapping[ir.Param, Any]) -> dict[str, Any]:
@@ -61,10 +73,14 @@ def _arrays(defaults: Any, values: Mapping[ir.Param, Any]) -> dict[str, Any]:
     import jax.numpy as jnp
 
     found = {}
-    with jax.ensure_compile_time_eval():  # known numbers stay known where another function is traced
+    with (
+        jax.ensure_compile_time_eval()
+    ):  # known numbers stay known where another function is traced
         for param, value in values.items():
             attribute = param_attribute(param.name)
-            found[attribute] = jnp.asarray(np.array(param_value(value, param.type)), getattr(defaults, attribute).dtype)
+            found[attribute] = jnp.asarray(
+                np.array(param_value(value, param.type)), getattr(defaults, attribute).dtype
+            )
     return found
 
 
@@ -89,7 +105,9 @@ def admitted_params(game: ir.Game, module: "GameModule", params: Any) -> Any:
             traced = True
             continue
         value = np.asarray(leaf).tolist()
-        given[param.name] = _decoded(param.name, value, param.type) if param.type.kind == "word" else value
+        given[param.name] = (
+            _decoded(param.name, value, param.type) if param.type.kind == "word" else value
+        )
         numbers += [] if isinstance(leaf, jax.Array) else [param]
     values = _replaced(game, given)
     if not traced:
@@ -102,7 +120,9 @@ def _decoded(name: str, value: Any, type_: ir.Type) -> Any:
     if isinstance(value, list):
         return [_decoded(name, v, type_) for v in value]
     if not 0 <= value < len(type_.words):
-        raise ValueError(f"`{name}` is the number of a word, 0 .. {len(type_.words) - 1} ({', '.join(type_.words)}), not {value}")
+        raise ValueError(
+            f"`{name}` is the number of a word, 0 .. {len(type_.words) - 1} ({', '.join(type_.words)}), not {value}"
+        )
     return type_.words[value]
 
 
@@ -136,7 +156,9 @@ def _check_together(game: ir.Game, values: Values, given: Values, check_requires
     """Raises ValueError for values that do not go together, or that the rules cannot be played with."""
     for check in game.checks:
         if check_requires and check.sort == "require" and not holds(check.values[0], values):
-            raise ValueError(f"these parameters fail a check of the game: require {expression(check.values[0])}")
+            raise ValueError(
+                f"these parameters fail a check of the game: require {expression(check.values[0])}"
+            )
     problems = beyond_int32(game, values) if given else []
     if problems:
         place = f"{problems[0].span.file}:{problems[0].span.line}"
@@ -154,7 +176,11 @@ def _limit(game: ir.Game, values: Values, given: Values) -> str:
         if param.name in given and isinstance(own, int) and is_played(own):
             nearest = boundary(own, value, is_played)
             return f"`{param.name}` is {value}, and can be {nearest} at {'most' if value > nearest else 'least'}"
-    return "with these parameters a whole number leaves 32 bits (" + ", ".join(f"{name}: {values[name]}" for name in given) + ")"
+    return (
+        "with these parameters a whole number leaves 32 bits ("
+        + ", ".join(f"{name}: {values[name]}" for name in given)
+        + ")"
+    )
 
 
 def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir.Type) -> Any:
@@ -166,19 +192,29 @@ def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir
         unknown = [key for key in given if key not in names]
         if unknown:
             raise ValueError(f"`{name}` has no entry `{unknown[0]}`; its {_entries_text(by[0])}")
-        inner = {key: _merged(f"{name}[{key}]", before[names.index(key)], entry, by[1:], type_) for key, entry in given.items()}
+        inner = {
+            key: _merged(f"{name}[{key}]", before[names.index(key)], entry, by[1:], type_)
+            for key, entry in given.items()
+        }
         return tuple(inner.get(key, before[i]) for i, key in enumerate(names))
     listed = value.tolist() if hasattr(value, "tolist") else value
     if not isinstance(listed, Sequence) or isinstance(listed, str) or len(listed) != len(names):
         raise ValueError(f"`{name}` wants {len(names)} values: its {_entries_text(by[0])}")
-    return tuple(_merged(f"{name}[{key}]", before[i], listed[i], by[1:], type_) for i, key in enumerate(names))
+    return tuple(
+        _merged(f"{name}[{key}]", before[i], listed[i], by[1:], type_)
+        for i, key in enumerate(names)
+    )
 
 
 def _entries_text(level: Level) -> str:
     """Returns what the entries of a table are."""
     if level.sort == "word":
         return f"words are {', '.join(level.names)}"
-    return f"entries are {level}" if level.sort == "number" else f"entries are the agents 0 .. {len(level) - 1}"
+    return (
+        f"entries are {level}"
+        if level.sort == "number"
+        else f"entries are the agents 0 .. {len(level) - 1}"
+    )
 
 
 def _checked(name: str, value: Any, type_: ir.Type) -> Any:
@@ -193,7 +229,11 @@ def _checked(name: str, value: Any, type_: ir.Type) -> Any:
         raise ValueError(f"`{name}` is a whole number ({type_.unit}), not {value!r}")
     low, high = max(type_.low, -MAX_VALUE), min(type_.high, MAX_VALUE)
     nearest = min(max(number, low), high)
-    rounded = type_.kind == "real" and abs(number) <= 2 * MAX_VALUE and isclose(number, nearest, rel_tol=ROUNDING)
+    rounded = (
+        type_.kind == "real"
+        and abs(number) <= 2 * MAX_VALUE
+        and isclose(number, nearest, rel_tol=ROUNDING)
+    )
     if number != nearest and not rounded:
         raise ValueError(f"`{name}` is {number}, outside {number_text(low)} .. {number_text(high)}")
     return int(number) if type_.kind == "int" else float(number)

@@ -11,14 +11,26 @@ from sjdsl.library.checked_game import build_game
 from sjdsl.library.games_folder import is_name
 from sjdsl.library.stored_hashes import current_hash
 
-ARGUMENTS = ("game", "variant", "num_agents", "params", "map")  # of `sjdsl.make` on which the rules depend
+ARGUMENTS = (
+    "game",
+    "variant",
+    "num_agents",
+    "params",
+    "map",
+)  # of `sjdsl.make` on which the rules depend
 
 
 class GameMoved(Exception):
     """A file of a game isn't where it was, or has other rules."""
 
 
-def locate_game(stored: Mapping[str, Any], rules: str, place: Path, game: str | None = None, map: str | None = None) -> dict[str, Any]:
+def locate_game(
+    stored: Mapping[str, Any],
+    rules: str,
+    place: Path,
+    game: str | None = None,
+    map: str | None = None,
+) -> dict[str, Any]:
     """Returns stored arguments of `sjdsl.make`, with the paths that its game and its map have now.
 
     A file that is gone, or has other rules now, is looked for near `place`: by the last parts of its path, in that folder and in
@@ -35,16 +47,24 @@ def locate_game(stored: Mapping[str, Any], rules: str, place: Path, game: str | 
     """
     instead = {name: value for name, value in (("game", game), ("map", map)) if value is not None}
     given = {**stored, **instead}
-    files = {name: Path(given[name]).absolute() for name in ("game", "map") if _is_file_name(name, given.get(name))}
+    files = {
+        name: Path(given[name]).absolute()
+        for name in ("game", "map")
+        if _is_file_name(name, given.get(name))
+    }
     given |= {name: str(path) for name, path in files.items()}
     if not files and not instead:
         return given
-    choices = [[path] if name in instead else [path, *_nearby(path, place)] for name, path in files.items()]
+    choices = [
+        [path] if name in instead else [path, *_nearby(path, place)] for name, path in files.items()
+    ]
     for paths in product(*choices):
         arguments = given | {name: str(path) for name, path in zip(files, paths, strict=True)}
         if all(path.is_file() for path in paths) and _rules_of(arguments) == current_hash(rules):
             return arguments
-    missing = [f"no {path}" for name, path in files.items() if name not in instead and not path.is_file()]
+    missing = [
+        f"no {path}" for name, path in files.items() if name not in instead and not path.is_file()
+    ]
     if missing:
         raise GameMoved(
             f"the game of {place} is missing: there is {' and '.join(missing)}, and no file of that name near it has the rules {rules}"
@@ -52,13 +72,17 @@ def locate_game(stored: Mapping[str, Any], rules: str, place: Path, game: str | 
     if instead and not rules:
         raise GameMoved(f"{place} doesn't say which rules its game had")
     if instead:
-        raise GameMoved(f"{' and '.join(instead.values())} has the rules {_hash_of(given)}, and those of {place} are {rules}")
+        raise GameMoved(
+            f"{' and '.join(instead.values())} has the rules {_hash_of(given)}, and those of {place} are {rules}"
+        )
     return given
 
 
 def _is_file_name(name: str, value: Any) -> bool:
     """Whether an argument names a file; a game may also be a bundled one, and a map given by its rows."""
-    return isinstance(value, str) and (name == "map" or Path(value).is_absolute() or not is_name(value))
+    return isinstance(value, str) and (
+        name == "map" or Path(value).is_absolute() or not is_name(value)
+    )
 
 
 def _nearby(path: Path, place: Path) -> Iterator[Path]:

@@ -44,7 +44,9 @@ def _substrate(name: str, entry: dict[str, Any]) -> Substrate:
     for key in entry.keys() - KEYS:
         raise ValueError(f"{FILE}: `{name}` has no key `{key}`{meant(key, sorted(KEYS))}")
     roles = tuple(role for role, number in entry.get("roles", {}).items() for _ in range(number))
-    return Substrate(name, entry.get("game", ""), entry.get("variant", ""), roles, entry.get("observations", {}))
+    return Substrate(
+        name, entry.get("game", ""), entry.get("variant", ""), roles, entry.get("observations", {})
+    )
 
 
 def written_substrates() -> list[Substrate]:

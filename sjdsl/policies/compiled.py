@@ -14,7 +14,15 @@ from sjdsl.policies.declared import declared_policies
 from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.geometry import turned
-from sjdsl.runtime.path_search import board, contains, destination, first_moves, moves_of, shifted, wrapped
+from sjdsl.runtime.path_search import (
+    board,
+    contains,
+    destination,
+    first_moves,
+    moves_of,
+    shifted,
+    wrapped,
+)
 from sjdsl.runtime.policy import MemoryPolicy
 from sjdsl.runtime.random_bits import below, key_words, random_bits_at
 
@@ -35,7 +43,9 @@ def scripted_policy(env: Any, name: str) -> MemoryPolicy:
 
     def act(memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
         del observation
-        bits = random_bits_at(key_words(key), 0, jnp.arange(2 * env.num_agents, dtype=jnp.uint32)).reshape(env.num_agents, 2)
+        bits = random_bits_at(
+            key_words(key), 0, jnp.arange(2 * env.num_agents, dtype=jnp.uint32)
+        ).reshape(env.num_agents, 2)
         return memory, choose(state, bits)
 
     return MemoryPolicy((), act, reads_state=True)
@@ -50,7 +60,12 @@ class Chooser:
         self._game: ir.Game = env.game
         self._rules, self._pad = lower_policy(policy, self._game)
         self._stay = self._game.agents.actions.index("stay")
-        self._moves = moves_of(self._game.agents.actions, self._game.agents.relative, open_cells(self._game), self._game.wraps)
+        self._moves = moves_of(
+            self._game.agents.actions,
+            self._game.agents.relative,
+            open_cells(self._game),
+            self._game.wraps,
+        )
         self._shape = self._moves.open.shape
 
     def __call__(self, state: Any, bits: Array) -> Array:
@@ -72,7 +87,13 @@ class Chooser:
         return actions
 
     def _follow(
-        self, lowered: LoweredRule, state: Any, here: tuple[Array, Array, Array], present: Array, wanted: Array, bits: Array
+        self,
+        lowered: LoweredRule,
+        state: Any,
+        here: tuple[Array, Array, Array],
+        present: Array,
+        wanted: Array,
+        bits: Array,
     ) -> tuple[Array, Array]:
         """Returns to which agents a rule applies, `[N]` bool, and what they do by it, `[N]` int32."""
         rule, params = lowered.rule, self._env.params
@@ -94,13 +115,18 @@ class Chooser:
         if not self._moves.actions:  # nobody walks: a rule applies to those who are there already
             return self._is_there(goals, here), jnp.broadcast_to(done, here[0].shape)
         arrived, found, best = first_moves(self._moves, goals, enterable, here, wanted)
-        return found, jnp.where(arrived, done, self._walk(best, enterable, here, present, self._movers(state), bits))
+        return found, jnp.where(
+            arrived, done, self._walk(best, enterable, here, present, self._movers(state), bits)
+        )
 
     def _is_there(self, goals: Array, here: tuple[Array, Array, Array]) -> Array:
         """Returns which agents are where a rule leads, `[N]` bool. goals: `[K, P, H, L]` boards."""
         heading, row, col = here
         agents = jnp.arange(row.shape[0])
-        own = goals[agents if goals.shape[0] > 1 else 0, heading if goals.shape[1] > 1 else jnp.zeros_like(heading)]
+        own = goals[
+            agents if goals.shape[0] > 1 else 0,
+            heading if goals.shape[1] > 1 else jnp.zeros_like(heading),
+        ]
         return contains(own, agents[:, None], row[:, None], col[:, None])[:, 0]
 
     def _taken(self, lowered: LoweredRule, state: Any) -> Array:
@@ -114,17 +140,35 @@ class Chooser:
     def _movers(self, state: Any) -> list[Array]:
         """Returns where the movers of each sort are, `row * width + column` of the map, -1 for those that are away."""
         cols, width = self._shape[1] + 2 * self._pad, self._shape[1]
-        positions = [getattr(state, attribute_of("position", sort.sort)) for sort in self._game.movers]
-        return [jnp.where(at == 0, -1, (at // cols - self._pad) * width + at % cols - self._pad) for at in positions]
+        positions = [
+            getattr(state, attribute_of("position", sort.sort)) for sort in self._game.movers
+        ]
+        return [
+            jnp.where(at == 0, -1, (at // cols - self._pad) * width + at % cols - self._pad)
+            for at in positions
+        ]
 
     def _walk(
-        self, best: Array, enterable: Array, here: tuple[Array, Array, Array], present: Array, movers: list[Array], bits: Array
+        self,
+        best: Array,
+        enterable: Array,
+        here: tuple[Array, Array, Array],
+        present: Array,
+        movers: list[Array],
+        bits: Array,
     ) -> Array:
         """Returns the moves; where another agent or a mover is in the way, half of them are drawn from those that enter nothing avoided."""
         heading, row, col = here
-        places = [(row, col) if step is None else destination(self._moves, step, heading, row, col) for step in self._moves.steps]
+        places = [
+            (row, col) if step is None else destination(self._moves, step, heading, row, col)
+            for step in self._moves.steps
+        ]
         rows, cols = (jnp.stack([place[axis] for place in places], axis=-1) for axis in (0, 1))
-        which = jnp.arange(rows.shape[0]) if enterable.shape[0] > 1 else jnp.zeros(rows.shape[0], jnp.int32)
+        which = (
+            jnp.arange(rows.shape[0])
+            if enterable.shape[0] > 1
+            else jnp.zeros(rows.shape[0], jnp.int32)
+        )
         may = contains(enterable, jnp.broadcast_to(which[:, None], rows.shape), rows, cols)
         may = may | ((rows == row[:, None]) & (cols == col[:, None]))
         to_row, to_col = (jnp.take_along_axis(x, best[:, None], axis=1) for x in (rows, cols))
@@ -132,7 +176,9 @@ class Chooser:
         blocked = jnp.any((to_row == row[None]) & (to_col == col[None]) & others, axis=1)
         for at in movers:
             blocked = blocked | jnp.any((to_row * self._shape[1] + to_col) == at[None], axis=1)
-        drawn = jnp.argmax(jnp.cumsum(may, axis=1) > below(bits[:, 0], jnp.sum(may, axis=1))[:, None], axis=1)
+        drawn = jnp.argmax(
+            jnp.cumsum(may, axis=1) > below(bits[:, 0], jnp.sum(may, axis=1))[:, None], axis=1
+        )
         move = jnp.where(blocked & (bits[:, 1] < jnp.uint32(HALF)), drawn.astype(jnp.int32), best)
         return jnp.asarray(self._moves.actions, jnp.int32)[move]
 
@@ -145,20 +191,28 @@ class Chooser:
             return board(padded[:, jnp.asarray(cells.numbers)].reshape(-1, height, width))
         members, at = cells.read(state, self._env.params)
         row = jnp.arange(members.shape[0])[:, None]
-        full = jnp.zeros((members.shape[0], height * width), bool).at[row, jnp.where(members, at, height * width)].set(True, mode="drop")
+        full = (
+            jnp.zeros((members.shape[0], height * width), bool)
+            .at[row, jnp.where(members, at, height * width)]
+            .set(True, mode="drop")
+        )
         return board(full.reshape(-1, height, width))
 
     def _poses(self, rule: ir.Aim, members: Array) -> Array:
         """Returns where, and with which heading, an agent has a member in the shape: `[K, P, H, L]` boards."""
         game = self._game
-        shape = shape_named(game.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}), rule.shape)
+        shape = shape_named(
+            game.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}), rule.shape
+        )
         moved = wrapped if game.wraps else shifted
         planes = 4 if shape.directed or self._moves.turns_matter else 1
         found = []
         for heading in range(planes):
             poses = jnp.zeros_like(members)
             for (rows, cols), seen in visible_from(game, shape, heading):
-                poses = poses | (moved(members, -rows, -cols, self._shape[1]) & board(jnp.asarray(seen))[None])
+                poses = poses | (
+                    moved(members, -rows, -cols, self._shape[1]) & board(jnp.asarray(seen))[None]
+                )
             found.append(poses)
         return jnp.stack(found, axis=1)
 
@@ -172,7 +226,9 @@ class Chooser:
         for sort in body_sorts(self._game):
             at = getattr(state, attribute_of("position", sort))
             row, col = at // cols - own + self._pad, at % cols - own + self._pad
-            moved[attribute_of("position", sort)] = jnp.where(at == 0, 0, row * (self._shape[1] + 2 * self._pad) + col)
+            moved[attribute_of("position", sort)] = jnp.where(
+                at == 0, 0, row * (self._shape[1] + 2 * self._pad) + col
+            )
         return state.replace(**moved)
 
 
@@ -183,7 +239,9 @@ def open_cells(game: ir.Game) -> np.ndarray:
     return np.array([[kinds[glyph] not in closed for glyph in row] for row in game.rows])
 
 
-def visible_from(game: ir.Game, shape: ir.Shape, heading: int) -> Iterator[tuple[tuple[int, int], np.ndarray]]:
+def visible_from(
+    game: ir.Game, shape: ir.Shape, heading: int
+) -> Iterator[tuple[tuple[int, int], np.ndarray]]:
     """Yields each cell of a shape as seen with a heading, and from where it is not behind a cell that always blocks the shape.
 
     Yields:

@@ -47,7 +47,9 @@ class Ground:
 def _ground_of(board: Board) -> Ground:
     actions = board.game.agents.actions
     moves = {number: name for number, name in enumerate(actions) if name in TURNS or name in STEPS}
-    open_ = frozenset(cell for cell, kind in board.kind_of.items() if not blocks_always(board.kinds[kind]))
+    open_ = frozenset(
+        cell for cell, kind in board.kind_of.items() if not blocks_always(board.kinds[kind])
+    )
     ground = Ground(board, open_, moves)
     for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
         for move in moves.values():
@@ -55,7 +57,9 @@ def _ground_of(board: Board) -> Ground:
     return ground
 
 
-def choose(policy: ir.ScriptedPolicy, game: ir.Game, world: World, agent: int, bits: tuple[int, int]) -> int:
+def choose(
+    policy: ir.ScriptedPolicy, game: ir.Game, world: World, agent: int, bits: tuple[int, int]
+) -> int:
     """Returns the number of the action that an agent takes.
 
     Args:
@@ -79,7 +83,9 @@ def choose(policy: ir.ScriptedPolicy, game: ir.Game, world: World, agent: int, b
     return stay
 
 
-def _towards(rule: ir.Go | ir.Aim, here: Instance, pose: Pose, bits: tuple[int, int], stay: int) -> int | None:
+def _towards(
+    rule: ir.Go | ir.Aim, here: Instance, pose: Pose, bits: tuple[int, int], stay: int
+) -> int | None:
     """Returns the action by which a rule is followed; None if it does not apply, for no path leads to a goal."""
     ground = _ground_of(here.board)
     members = set(_cells_of(rule.domain, here))
@@ -90,7 +96,9 @@ def _towards(rule: ir.Go | ir.Aim, here: Instance, pose: Pose, bits: tuple[int, 
         done = stay
     else:
         enterable = ground.open - closed
-        reached = _reached(ground.board, rule.shape).items()  # what blocks the shape under a condition is not considered
+        reached = _reached(
+            ground.board, rule.shape
+        ).items()  # what blocks the shape under a condition is not considered
         goals = {aimed for aimed, cells in reached if not cells.isdisjoint(members)}
         done = _taken(rule, here)
     if pose in goals:
@@ -112,7 +120,9 @@ def _taken(rule: ir.Act | ir.Aim, here: Instance) -> int:
 
 def _cells_of(domain: ir.Domain, here: Instance) -> Iterator[Cell]:
     for found in members_of(domain, here):
-        cell = found.member if isinstance(found.member, Cell) else where_is(found.member, here.world)
+        cell = (
+            found.member if isinstance(found.member, Cell) else where_is(found.member, here.world)
+        )
         if cell is not None:
             yield cell
 
@@ -121,15 +131,21 @@ def _cells_of(domain: ir.Domain, here: Instance) -> Iterator[Cell]:
 def _reached(board: Board, name: str) -> dict[Pose, frozenset[Cell]]:
     """Returns the cells of a shape that are reached from each pose."""
     shape = board.shapes[name]
-    stopping = {cell for cell, kind in board.kind_of.items() if blocks_always(board.kinds[kind], name)}
+    stopping = {
+        cell for cell, kind in board.kind_of.items() if blocks_always(board.kinds[kind], name)
+    }
     found = {}
     for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
-        lanes = lanes_from(shape, pose.cell, pose.heading if shape.directed else 0, board.at, stopping.__contains__)
+        lanes = lanes_from(
+            shape, pose.cell, pose.heading if shape.directed else 0, board.at, stopping.__contains__
+        )
         found[pose] = frozenset(seen.cell for lane in lanes for seen in lane)
     return found
 
 
-def _distances(ground: Ground, goals: Collection[Pose], enterable: Collection[Cell]) -> dict[Pose, int]:
+def _distances(
+    ground: Ground, goals: Collection[Pose], enterable: Collection[Cell]
+) -> dict[Pose, int]:
     """Returns how many moves it takes from each pose to a goal, of those from which one can be reached."""
     distance = dict.fromkeys(goals, 0)
     waiting = deque(goals)
@@ -142,11 +158,25 @@ def _distances(ground: Ground, goals: Collection[Pose], enterable: Collection[Ce
     return distance
 
 
-def _move(ground: Ground, pose: Pose, distance: dict[Pose, int], enterable: Collection[Cell], here: Instance, bits: tuple[int, int]) -> int:
+def _move(
+    ground: Ground,
+    pose: Pose,
+    distance: dict[Pose, int],
+    enterable: Collection[Cell],
+    here: Instance,
+    bits: tuple[int, int],
+) -> int:
     """Returns the first of the moves that lead nearest; where another agent or a mover is in the way, one of all moves half of the time."""
     ways = {number: ground.after(name, pose) for number, name in ground.moves.items()}
-    ways = {number: after for number, after in ways.items() if after.cell == pose.cell or after.cell in enterable}
-    best = min((number for number, after in ways.items() if after in distance), key=lambda number: (distance[ways[number]], number))
+    ways = {
+        number: after
+        for number, after in ways.items()
+        if after.cell == pose.cell or after.cell in enterable
+    }
+    best = min(
+        (number for number, after in ways.items() if after in distance),
+        key=lambda number: (distance[ways[number]], number),
+    )
     others = occupied(here.world, without={here.names["agent"]})
     if ways[best].cell not in others or bits[1] >= 1 << 31:
         return best

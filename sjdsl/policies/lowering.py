@@ -61,12 +61,27 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
 
     Raises NotSupported for what the compiler cannot say exactly.
     """
-    module = new_module(game.rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}))
+    module = new_module(
+        game.rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)})
+    )
     names: dict[str, Any] = {}
 
     def function(w: Writer) -> Read:
         name = f"read_{len(names)}"
-        exec("\n".join(function_lines(Function(name, (("state", "object"), ("params", "object")), "object", "", tuple(w.body)))), names)
+        exec(
+            "\n".join(
+                function_lines(
+                    Function(
+                        name,
+                        (("state", "object"), ("params", "object")),
+                        "object",
+                        "",
+                        tuple(w.body),
+                    )
+                )
+            ),
+            names,
+        )
         read: Read = names[name]
         return read
 
@@ -86,11 +101,15 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
     def taken(rule: ir.PolicyRule) -> Read | None:
         if isinstance(rule, ir.Go) or not rule.chosen:
             return None
-        return of_each(lambda scope, w: action_number(action_named(game, rule.chosen), rule.given, scope, w)[0])
+        return of_each(
+            lambda scope, w: action_number(action_named(game, rule.chosen), rule.given, scope, w)[0]
+        )
 
     def lowered(rule: ir.PolicyRule) -> LoweredRule:
         if isinstance(rule, ir.Act):
-            return LoweredRule(rule, of_each(lambda scope, w: w.value(rule.condition, scope)), taken=taken(rule))
+            return LoweredRule(
+                rule, of_each(lambda scope, w: w.value(rule.condition, scope)), taken=taken(rule)
+            )
         return LoweredRule(rule, None, cells(rule.domain), cells(rule.avoided), taken(rule))
 
     rules = [lowered(rule) for rule in policy.rules]
@@ -114,19 +133,35 @@ def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray |
     mask = inner.mask
     whole = isinstance(member, CellVar) and member.axis is not None
     at = None if whole else _map_cells(member, module, w)
-    depends = any(axis in value.axes for value in (mask, *([] if at is None else [at])) for axis in outer.axes)
+    depends = any(
+        axis in value.axes for value in (mask, *([] if at is None else [at])) for axis in outer.axes
+    )
     axes = (*outer.axes, *added) if depends else added
     rows_of_members = Sequence((Literal(module.num_agents if depends else 1), Literal(-1)))
-    values = (mask, *([] if at is None else [at]))  # one without axes may be a plain number, which has no method `reshape`
-    w.give_back(*(Call(Attribute(Name("jnp"), "reshape"), (spread(value, axes), rows_of_members)) for value in values))
+    values = (
+        mask,
+        *([] if at is None else [at]),
+    )  # one without axes may be a plain number, which has no method `reshape`
+    w.give_back(
+        *(
+            Call(Attribute(Name("jnp"), "reshape"), (spread(value, axes), rows_of_members))
+            for value in values
+        )
+    )
     if not whole:
         return None
     rows = module.game.rows
-    return geometry.site_numbers(rows, 0, geometry.cells_of(rows, 0, module.layout.glyphs(domain.var.kinds)))
+    return geometry.site_numbers(
+        rows, 0, geometry.cells_of(rows, 0, module.layout.glyphs(domain.var.kinds))
+    )
 
 
 def _map_cells(member: AgentVar | CellVar, module: Module, w: Writer) -> Value:
-    at = state_reads.cell(member, w) if isinstance(member, CellVar) else state_reads.position(member, w)
+    at = (
+        state_reads.cell(member, w)
+        if isinstance(member, CellVar)
+        else state_reads.position(member, w)
+    )
     pad, cols = Literal(module.layout.pad), Literal(module.layout.cols)
     row, col = (Binary("-", Binary(op, at.node, cols), pad) for op in ("//", "%"))
     return replace(at, node=Binary("+", Binary("*", row, Literal(module.layout.width)), col))

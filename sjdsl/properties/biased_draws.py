@@ -70,7 +70,11 @@ def biased(draw: "Callable[..., Array]") -> "Callable[..., Array]":
 
         word = draw(key[:2], *more)
         mixed = jnp.where((word & 32) != 0, word >> (word & 31), word)
-        found: Array = jnp.select([key[2] == 1, key[2] == 2, key[2] == 3], [mixed, word >> 24, word | jnp.uint32(0xFF000000)], word)
+        found: Array = jnp.select(
+            [key[2] == 1, key[2] == 2, key[2] == 3],
+            [mixed, word >> 24, word | jnp.uint32(0xFF000000)],
+            word,
+        )
         return found
 
     return drawn

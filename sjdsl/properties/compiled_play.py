@@ -48,21 +48,40 @@ class CompiledPlay:
         self.env, self.counted = family.compiled
         self._game: ir.Game = self.env.game
         self.module: Any = _with_bias(self.env.module)
-        self.totals = [(event.name, *count) for event in self._game.events for count in counts_of(event)]
+        self.totals = [
+            (event.name, *count) for event in self._game.events for count in counts_of(event)
+        ]
         self._lowered = lower_checks(self._game, [e for check in checks for e in check.values])
 
     def begin(self, params: Any, key: Array) -> tuple[Any, dict[str, Array], Array]:
         """Returns the first state of an episode with its own key, the totals of events, and the values of checks."""
-        state = self.module.reset(params, jnp.append(derived_key(key, RESET, jnp.int32(0)), jnp.uint32(FAIR)))
+        state = self.module.reset(
+            params, jnp.append(derived_key(key, RESET, jnp.int32(0)), jnp.uint32(FAIR))
+        )
         totals = {name: jnp.int32(0) for *_, name in self.totals}
         return state, totals, self._values(state, totals, state, totals, params)
 
-    def step(self, before: Any, earlier: dict[str, Array], params: Any, key: Array, bias: Array, actions: Array) -> Stepped:
+    def step(
+        self,
+        before: Any,
+        earlier: dict[str, Array],
+        params: Any,
+        key: Array,
+        bias: Array,
+        actions: Array,
+    ) -> Stepped:
         """Takes a step of an episode. bias: its place in BIASES, uint32."""
-        state, out = self.module.step(before, actions, params, jnp.append(derived_key(key, STEP, before.step), bias))
+        state, out = self.module.step(
+            before, actions, params, jnp.append(derived_key(key, STEP, before.step), bias)
+        )
         state = state.replace(step=state.step + 1)
-        counts = ((name, getattr(out, attribute), entry) for name, attribute, entry in self.module.EVENTS)
-        events = {name: jnp.sum(count if entry is None else count[..., entry]) for name, count, entry in counts}
+        counts = (
+            (name, getattr(out, attribute), entry) for name, attribute, entry in self.module.EVENTS
+        )
+        events = {
+            name: jnp.sum(count if entry is None else count[..., entry])
+            for name, count, entry in counts
+        }
         totals = {name: earlier[name] + events[name] for *_, name in self.totals}
         values = self._values(state, totals, before, earlier, params)
         over = out.ended | (state.step >= self.module.episode_length(params))
@@ -70,7 +89,9 @@ class CompiledPlay:
 
     def _values(self, state: Any, totals: Any, before: Any, earlier: Any, params: Any) -> Array:
         lowered = self._lowered
-        known = _read_totals(lowered.totals, totals, self._game) | _read_totals(lowered.earlier, earlier, self._game)
+        known = _read_totals(lowered.totals, totals, self._game) | _read_totals(
+            lowered.earlier, earlier, self._game
+        )
         found: Array = lowered.values(state, with_totals(params, known), before)
         return found
 
@@ -108,7 +129,9 @@ class EpisodePlayer:
         self.env = self._play.env
         scripts = [script_of(policy, family.own) for check in checks for policy in check.policies]
         self._scripts = list(dict.fromkeys(script for script in scripts if script is not None))
-        self._choosers: list[Callable[[Any, Array], Array]] = [Chooser(self.env, script) for script in self._scripts]
+        self._choosers: list[Callable[[Any, Array], Array]] = [
+            Chooser(self.env, script) for script in self._scripts
+        ]
         self._run = jax.jit(jax.vmap(self._episode, in_axes=(0, None)))
         self._step = jax.jit(self._play.step)
 
@@ -118,35 +141,73 @@ class EpisodePlayer:
         mine = [policies[agent % len(policies)] for agent in range(self.env.num_agents)]
         allowed = [allowed_by(policy, game) for policy in mine]
         table = [[*actions, *[0] * (self.env.num_actions - len(actions))] for actions in allowed]
-        follows = [-1 if (one := script_of(policy, game)) is None else self._scripts.index(one) for policy in mine]
-        script = Script(*(jnp.asarray(x, jnp.int32) for x in (table, [len(actions) for actions in allowed], follows)))
+        follows = [
+            -1 if (one := script_of(policy, game)) is None else self._scripts.index(one)
+            for policy in mine
+        ]
+        script = Script(
+            *(
+                jnp.asarray(x, jnp.int32)
+                for x in (table, [len(actions) for actions in allowed], follows)
+            )
+        )
         parts = [
-            jax.tree.map(np.asarray, self._run(episode_keys(seed, start + np.arange(BATCH)), script))
+            jax.tree.map(
+                np.asarray, self._run(episode_keys(seed, start + np.arange(BATCH)), script)
+            )
             for start in range(first, first + number, BATCH)
         ]
         values, actions, length, left, totals = jax.tree.map(lambda *x: np.concatenate(x), *parts)
-        return Episodes(values, actions, length, left, {(event, word): totals[name] for event, word, name in self._play.totals})
+        return Episodes(
+            values,
+            actions,
+            length,
+            left,
+            {(event, word): totals[name] for event, word, name in self._play.totals},
+        )
 
-    def state_before(self, actions: Sequence[Sequence[int]], seed: int, episode: int, step: int) -> Any:
+    def state_before(
+        self, actions: Sequence[Sequence[int]], seed: int, episode: int, step: int
+    ) -> Any:
         """Returns the state before a step of an episode whose actions are known."""
         (key,) = episode_keys(seed, np.array([episode]))
         state, totals, _ = self._play.begin(self.env.params, key)
         for t in range(step):
-            state, totals, *_ = self._step(state, totals, self.env.params, key, jnp.uint32(FAIR), jnp.asarray(actions[t], jnp.int32))
+            state, totals, *_ = self._step(
+                state,
+                totals,
+                self.env.params,
+                key,
+                jnp.uint32(FAIR),
+                jnp.asarray(actions[t], jnp.int32),
+            )
         return state
 
-    def _episode(self, key: Array, script: Script) -> tuple[Array, Array, Array, Array, dict[str, Array]]:
+    def _episode(
+        self, key: Array, script: Script
+    ) -> tuple[Array, Array, Array, Array, dict[str, Array]]:
         params, steps = self.env.params, self.env.episode_length
 
         def advance(carry: Any, t: Array) -> Any:
             before, earlier, over = carry
             actions = self._choose(before, derived_key(key, POLICY, t), script)
             after = self._play.step(before, earlier, params, key, jnp.uint32(FAIR), actions)
-            state, totals = jax.tree.map(lambda old, new: jnp.where(over, old, new), (before, earlier), (after.state, after.totals))
-            return (state, totals, over | after.over), (after.values, actions, over, over | after.finite)
+            state, totals = jax.tree.map(
+                lambda old, new: jnp.where(over, old, new),
+                (before, earlier),
+                (after.state, after.totals),
+            )
+            return (state, totals, over | after.over), (
+                after.values,
+                actions,
+                over,
+                over | after.finite,
+            )
 
         state, totals, first = self._play.begin(params, key)
-        carry, (values, actions, over, finite) = jax.lax.scan(advance, (state, totals, jnp.bool_(False)), jnp.arange(steps))
+        carry, (values, actions, over, finite) = jax.lax.scan(
+            advance, (state, totals, jnp.bool_(False)), jnp.arange(steps)
+        )
         left = jnp.where(finite, steps, jnp.arange(steps)).min()
         return jnp.concatenate([first[None], values]), actions, jnp.sum(~over), left, carry[1]
 
@@ -154,43 +215,65 @@ class EpisodePlayer:
         """Returns an action for each agent, as `trajectory.choose` does on the interpreter."""
         agents = self.env.num_agents
         bits = random_bits_at(key, 0, jnp.arange(2 * agents, dtype=jnp.uint32)).reshape(agents, 2)
-        actions = jnp.take_along_axis(script.table, below(bits[:, 0], script.entries)[:, None], axis=1)[:, 0]
-        for i, chooser in enumerate(self._choosers):  # the script is the same in all episodes: those that nobody follows cost nothing
+        actions = jnp.take_along_axis(
+            script.table, below(bits[:, 0], script.entries)[:, None], axis=1
+        )[:, 0]
+        for i, chooser in enumerate(
+            self._choosers
+        ):  # the script is the same in all episodes: those that nobody follows cost nothing
             follows = script.follows == i
-            chosen = jax.lax.cond(jnp.any(follows), chooser, lambda *_: jnp.zeros(agents, jnp.int32), state, bits)
+            chosen = jax.lax.cond(
+                jnp.any(follows), chooser, lambda *_: jnp.zeros(agents, jnp.int32), state, bits
+            )
             actions = jnp.where(follows, chosen, actions)
         return actions
 
 
 def episode_keys(seed: int, episode: np.ndarray) -> Array:
     """Returns the keys of episodes, from which all their draws come, uint32 `[B, 2]`."""
-    return jnp.asarray(np.stack([np.full(len(episode), seed & 0xFFFFFFFF), episode], 1).astype(np.uint32))
+    return jnp.asarray(
+        np.stack([np.full(len(episode), seed & 0xFFFFFFFF), episode], 1).astype(np.uint32)
+    )
 
 
 def derived_key(key: Array, stream: int, number: Array) -> Array:
     """Returns the two numbers of a key made from another."""
-    return random_bits_at(key, stream, 2 * number.astype(jnp.uint32) + jnp.arange(2, dtype=jnp.uint32))
+    return random_bits_at(
+        key, stream, 2 * number.astype(jnp.uint32) + jnp.arange(2, dtype=jnp.uint32)
+    )
 
 
 def _with_bias(module: Any) -> Any:
     """Returns a generated module in which a key has a third word, the bias of the draws, by its place in BIASES."""
     _, (text, file, name) = module.__reduce__()
     names = [n for n in ("random_bits", "random_bits_at") if hasattr(module, n)]
-    more = BIASED.format(names=", ".join(names), biased=", ".join(f"biased({n})" for n in names)) if names else ""
+    more = (
+        BIASED.format(names=", ".join(names), biased=", ".join(f"biased({n})" for n in names))
+        if names
+        else ""
+    )
     return load_module(text + more, f"{file}, with biased draws", name)
 
 
 def _is_finite(tree: Any) -> Array:
     """Returns whether all reals of a tree are numbers inside float32."""
     reals = [leaf for leaf in jax.tree.leaves(tree) if jnp.issubdtype(leaf.dtype, jnp.floating)]
-    return jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in reals])) if reals else jnp.bool_(True)
+    return (
+        jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in reals]))
+        if reals
+        else jnp.bool_(True)
+    )
 
 
-def _read_totals(names: Mapping[Total, str], totals: dict[str, Array], game: ir.Game) -> dict[str, Array]:
+def _read_totals(
+    names: Mapping[Total, str], totals: dict[str, Array], game: ir.Game
+) -> dict[str, Array]:
     """Returns what the expressions call the totals; the total of an event by words, if no word is given, is the sum over its words."""
     words = {e.name: () if e.by is None else e.by.keys for e in game.events}
     found = {}
     for (event, word), attribute in names.items():
         every = (word,) if word else words[event] or (None,)
-        found[attribute] = sum((totals[f"{event}[{w}]" if w else event] for w in every), jnp.int32(0))
+        found[attribute] = sum(
+            (totals[f"{event}[{w}]" if w else event] for w in every), jnp.int32(0)
+        )
     return found

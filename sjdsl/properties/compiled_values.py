@@ -37,25 +37,41 @@ def lower_checks(game: ir.Game, expressions: list[ir.Expr]) -> Lowered:
     module = new_module(game)
     totals, earlier = dict[Total, str](), dict[Total, str]()
     w = Writer(module)
-    numbers = [as_dtype(w.value(_with_totals(e, totals, earlier), IterationScope()), "f32") for e in expressions]
+    numbers = [
+        as_dtype(w.value(_with_totals(e, totals, earlier), IterationScope()), "f32")
+        for e in expressions
+    ]
     parts = tuple(as_array(number.node, "f32") for number in numbers)
-    w.give_back(call("jnp.stack", Sequence(parts, is_list=True)) if parts else call("jnp.zeros", Literal(0), DTYPES["f32"]))
+    w.give_back(
+        call("jnp.stack", Sequence(parts, is_list=True))
+        if parts
+        else call("jnp.zeros", Literal(0), DTYPES["f32"])
+    )
     parameters = tuple((parameter, "object") for parameter in ("state", "params", "before"))
     names = namespace(module)
-    exec("\n".join(function_lines(Function("values", parameters, "object", "", tuple(w.body)))), names)
+    exec(
+        "\n".join(function_lines(Function("values", parameters, "object", "", tuple(w.body)))),
+        names,
+    )
     return Lowered(names["values"], totals, earlier)
 
 
 def with_totals(params: Any, totals: dict[str, Any]) -> Any:
     """Returns the parameters together with the totals of events."""
-    return SimpleNamespace(**{name: getattr(params, name) for name in params.__dataclass_fields__}, **totals)
+    return SimpleNamespace(
+        **{name: getattr(params, name) for name in params.__dataclass_fields__}, **totals
+    )
 
 
 def _with_totals(e: ir.Expr, totals: dict[Total, str], earlier: dict[Total, str]) -> ir.Expr:
     """Replaces the totals of events by parameters of the game, others for those before the step."""
 
     def then(node: Any) -> Any:
-        return rewrite(node, lambda inner: _total(inner, earlier, "_earlier")) if isinstance(node, ir.Before) else node
+        return (
+            rewrite(node, lambda inner: _total(inner, earlier, "_earlier"))
+            if isinstance(node, ir.Before)
+            else node
+        )
 
     return rewrite(rewrite(e, then), lambda node: _total(node, totals, "_total"))
 
@@ -63,6 +79,9 @@ def _with_totals(e: ir.Expr, totals: dict[Total, str], earlier: dict[Total, str]
 def _total(node: Any, totals: dict[Total, str], prefix: str) -> Any:
     if not isinstance(node, ir.EventTotal):
         return node
-    name = identifier(f"{prefix}_{node.name}" + (f"_of_{node.word.replace(' ', '_').replace('-', 'minus_')}" if node.word else ""))
+    name = identifier(
+        f"{prefix}_{node.name}"
+        + (f"_of_{node.word.replace(' ', '_').replace('-', 'minus_')}" if node.word else "")
+    )
     totals[node.name, node.word] = name
     return ir.ParamRef(type=node.type, name=name, origin=node.origin)

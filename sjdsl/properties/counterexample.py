@@ -31,14 +31,22 @@ IN_FULL = "every change of this step: `sjdsl test --full`"
 LARGEST = "3.4e38"  # of float32: (2 - 2^-23) * 2^127
 
 
-def describe_counterexample(family: GameFamily, counterexample: Counterexample, full: bool = False) -> list[str]:
+def describe_counterexample(
+    family: GameFamily, counterexample: Counterexample, full: bool = False
+) -> list[str]:
     """Returns the text of a counterexample: what all agents do in each step, the last step rule by rule, and what the check reads.
 
     full: tells every change of the last step, not only a few of those that are alike.
     """
-    trajectory, scenario, at = counterexample.trajectory, counterexample.scenario, counterexample.where.at
+    trajectory, scenario, at = (
+        counterexample.trajectory,
+        counterexample.scenario,
+        counterexample.where.at,
+    )
     game, own = trajectory.game, {p.name: p.value for p in family.own.params}
-    different = [f"{name} = {shown(value)} (the file: {shown(own[name])})" for name, value in scenario.params]
+    different = [
+        f"{name} = {shown(value)} (the file: {shown(own[name])})" for name, value in scenario.params
+    ]
     lines = [f"with {', '.join(different)}"] if different else []
     last, leaves = max(0, at - 1), trajectory.left is not None and at == len(trajectory.worlds)
     steps = [acting(game, t, trajectory.actions[t]) for t in range(last)]
@@ -47,7 +55,13 @@ def describe_counterexample(family: GameFamily, counterexample: Counterexample, 
     lines += steps if full else _shortened(game, trajectory.actions[:last])
     lines += _step(
         family,
-        take_step(game, trajectory.worlds[last], trajectory.actions[last], trajectory.params, draws_of(scenario, last)),
+        take_step(
+            game,
+            trajectory.worlds[last],
+            trajectory.actions[last],
+            trajectory.params,
+            draws_of(scenario, last),
+        ),
         trajectory.worlds[last],
         full,
     )
@@ -55,7 +69,10 @@ def describe_counterexample(family: GameFamily, counterexample: Counterexample, 
     since = where.since if where.since is not None and check.sort != "once" else at - 1
     states, told = [t for t in (since, at) if t >= 0], list[str]()
     for e in _told_of(check):
-        values = [f"{shown(trajectory.value(e, t))} {when(t)}" for t in (states[-1:] if contains(e, ir.Before) else states)]
+        values = [
+            f"{shown(trajectory.value(e, t))} {when(t)}"
+            for t in (states[-1:] if contains(e, ir.Before) else states)
+        ]
         told.append(f"{family.text_of(e)} = {', '.join(values)}")
     return lines + list(dict.fromkeys(told))
 
@@ -70,16 +87,36 @@ def describe_episode(
     full: bool = False,
 ) -> list[str]:
     """Returns the totals of an episode, and the step with the violation with what the check reads. full: with every change of that step."""
-    totals = ", ".join(f"{name}{f'[{word}]' if word else ''} {count}" for (name, word), count in episode.totals.items())
+    totals = ", ".join(
+        f"{name}{f'[{word}]' if word else ''} {count}"
+        for (name, word), count in episode.totals.items()
+    )
     lines = [episode_opening(family, episode, policies)]
     lines += [f"at its end, after {len(episode.actions)} steps: {totals}"] if totals else []
     values = episode.values[number]
     if where.at < 1 or not any(holds for (holds,) in values):
         return lines  # no single step violates it
-    world, draws = runner.world_before(episode, where.at - 1), draws_of(runner.written_out(episode, where.at), where.at - 1)
-    lines += _step(family, take_step(family.own, world, episode.actions[where.at - 1], params_of(family.own, ()), draws), world, full)
-    (e,), (before,), (after,) = family.own.checks[number].values, values[where.at - 1], values[where.at]
-    return [*lines, f"{family.text_of(e)}: {shown(before)} {when(where.at - 1)}, {shown(after)} {when(where.at)}"]
+    world, draws = (
+        runner.world_before(episode, where.at - 1),
+        draws_of(runner.written_out(episode, where.at), where.at - 1),
+    )
+    lines += _step(
+        family,
+        take_step(
+            family.own, world, episode.actions[where.at - 1], params_of(family.own, ()), draws
+        ),
+        world,
+        full,
+    )
+    (e,), (before,), (after,) = (
+        family.own.checks[number].values,
+        values[where.at - 1],
+        values[where.at],
+    )
+    return [
+        *lines,
+        f"{family.text_of(e)}: {shown(before)} {when(where.at - 1)}, {shown(after)} {when(where.at)}",
+    ]
 
 
 def episode_opening(family: GameFamily, episode: Episode, policies: Sequence[ir.Policy]) -> str:
@@ -91,7 +128,10 @@ def episode_opening(family: GameFamily, episode: Episode, policies: Sequence[ir.
 def _step(family: GameFamily, moment: Moment, before: World, full: bool) -> Iterator[str]:
     """Yields the map before a step with its legend, and the step as `sjdsl trace` prints it, unless `full` a few of alike changes only."""
     teller = make_teller(board_of(family.own), Rules(family.composition.sources))
-    rows, after = draw(teller.looks, teller.board, before), draw(teller.looks, teller.board, moment.world)
+    rows, after = (
+        draw(teller.looks, teller.board, before),
+        draw(teller.looks, teller.board, moment.world),
+    )
     here = {glyph for row in (*rows, *after) for glyph in row.split("  ")[0]}
     yield "    ".join(said for said in teller.looks.legend() if said[0] in here)
     yield from (f"    {row}" for row in rows)
@@ -108,7 +148,9 @@ def _shortened(game: ir.Game, actions: Sequence[Sequence[int]]) -> Iterator[str]
     for chosen, alike in groupby(actions):
         after = first + len(list(alike))
         if after - first > SAME:
-            yield acting(game, first, chosen).replace(f"step {first}", f"steps {first} to {after - 1}", 1)
+            yield acting(game, first, chosen).replace(
+                f"step {first}", f"steps {first} to {after - 1}", 1
+            )
         else:
             yield from (acting(game, t, chosen) for t in range(first, after))
         first = after
@@ -117,11 +159,19 @@ def _shortened(game: ir.Game, actions: Sequence[Sequence[int]]) -> Iterator[str]
 def acting(game: ir.Game, number: int, actions: Sequence[int]) -> str:
     """Returns what the agents do in a step, in words, without those that stay."""
     names = game.agents.actions
-    said = [f"{agent} {names[action]}" for agent, action in enumerate(actions) if names[action] != "stay"]
-    return f"step {number}: {', '.join(said) or 'all stay'}" + (", the others stay" if said and len(said) < len(actions) else "")
+    said = [
+        f"{agent} {names[action]}"
+        for agent, action in enumerate(actions)
+        if names[action] != "stay"
+    ]
+    return f"step {number}: {', '.join(said) or 'all stay'}" + (
+        ", the others stay" if said and len(said) < len(actions) else ""
+    )
 
 
-def take_step(game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws) -> Moment:
+def take_step(
+    game: ir.Game, world: World, actions: Sequence[int], params: Mapping[str, Value], draws: Draws
+) -> Moment:
     """Takes a step and returns everything that a trace tells of it."""
     board, recorded = board_of(game), RecordedDraws(draws)
     told: list[Told] = []
@@ -131,7 +181,9 @@ def take_step(game: ir.Game, world: World, actions: Sequence[int], params: Mappi
         recorded.numbers.clear()
 
     allowed = action_mask(game, world)
-    forbidden = frozenset(agent for agent, action in enumerate(actions) if not allowed[agent][action])
+    forbidden = frozenset(
+        agent for agent, action in enumerate(actions) if not allowed[agent][action]
+    )
     after, outcome = step(game, world, actions, params, recorded, tell)
     return Moment(world.step, (0, 0), after, tuple(told), tuple(actions), forbidden, outcome)
 
@@ -147,7 +199,9 @@ def _told_of(check: ir.Check) -> list[ir.Expr]:
     for value in check.values:
         compared = [n for n in _open(value) if isinstance(n, ir.Compare) and not is_quantified(n)]
         sides = [side for n in compared for side in (n.left, n.right)]
-        found += [side for side in sides if not isinstance(side, ir.Number | ir.ParamRef)] or [value]
+        found += [side for side in sides if not isinstance(side, ir.Number | ir.ParamRef)] or [
+            value
+        ]
     return found
 
 
@@ -161,7 +215,9 @@ def _open(e: ir.Node) -> Iterator[ir.Node]:
 
 def shown(value: Value) -> str:
     """Returns a value in words, a table in braces."""
-    return "{ " + ", ".join(map(shown, value)) + " }" if isinstance(value, tuple) else say_value(value)
+    return (
+        "{ " + ", ".join(map(shown, value)) + " }" if isinstance(value, tuple) else say_value(value)
+    )
 
 
 def describe_overflow(family: GameFamily, trajectory: Trajectory) -> list[str]:
@@ -172,8 +228,16 @@ def describe_overflow(family: GameFamily, trajectory: Trajectory) -> list[str]:
     if not trajectory.worlds:
         return [f"in phase start: {said}"]
     world = trajectory.worlds[-1]
-    told = [acting(trajectory.game, world.step, trajectory.actions[-1])] if len(trajectory.actions) > len(trajectory.outcomes) else []
-    return [*told, f"  {said}: the result is larger than the largest float32, {LARGEST}, or no number", *_reals(world)]
+    told = (
+        [acting(trajectory.game, world.step, trajectory.actions[-1])]
+        if len(trajectory.actions) > len(trajectory.outcomes)
+        else []
+    )
+    return [
+        *told,
+        f"  {said}: the result is larger than the largest float32, {LARGEST}, or no number",
+        *_reals(world),
+    ]
 
 
 def _reals(world: World) -> Iterator[str]:

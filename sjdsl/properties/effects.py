@@ -5,13 +5,25 @@ from collections.abc import Iterator
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import all_fields, body_sort, written_field
 
-Part = tuple[str, ...]  # ("agent", field), ("cell", kind, field), ("mover", sort, field), ("world", field), or one of those below
-PLACE, HEADING, MOVED, AWAY, STEP = ("place",), ("heading",), ("moved",), ("away",), ("step",)  # places of agents and movers alike
+Part = tuple[
+    str, ...
+]  # ("agent", field), ("cell", kind, field), ("mover", sort, field), ("world", field), or one of those below
+PLACE, HEADING, MOVED, AWAY, STEP = (
+    ("place",),
+    ("heading",),
+    ("moved",),
+    ("away",),
+    ("step",),
+)  # places of agents and movers alike
 
 
 def is_untouched(e: ir.Expr, game: ir.Game, sent_away: bool = False) -> bool:
     """Returns whether no rule writes anything that the expression reads. `sent_away`: a `send` that takes no time here takes some elsewhere."""
-    away = {part_of("away", body_sort(n.who)) for n in ir.walk(game) if isinstance(n, ir.Send)} if sent_away else set()
+    away = (
+        {part_of("away", body_sort(n.who)) for n in ir.walk(game) if isinstance(n, ir.Send)}
+        if sent_away
+        else set()
+    )
     return not reads_and_blocks(e, game) & {*writes(game), *away}
 
 
@@ -36,9 +48,14 @@ def reads(node: ir.Node) -> Iterator[Part]:
                 yield from _field(n)
             case ir.Attribute(name="heading" | "moved" | "away"):
                 yield part_of(n.name, body_sort(n.owner))
-            case ir.Attribute(name="row" | "col", owner=owner) if not (isinstance(owner, ir.Member) and owner.sort.what == "cell"):
+            case ir.Attribute(name="row" | "col", owner=owner) if not (
+                isinstance(owner, ir.Member) and owner.sort.what == "cell"
+            ):
                 yield PLACE
-            case ir.Distance() if any(isinstance(place, ir.Member) and place.sort.what != "cell" for place in (n.left, n.right)):
+            case ir.Distance() if any(
+                isinstance(place, ir.Member) and place.sort.what != "cell"
+                for place in (n.left, n.right)
+            ):
                 yield PLACE
             case ir.Step():
                 yield STEP
@@ -62,7 +79,9 @@ def writes(game: ir.Game) -> Iterator[Part]:
     """Yields what the schedule can write. Agents can be away only if a `send` takes time or an agent is removed."""
     yield STEP
     if any(isinstance(turn, ir.Tick) for turn in game.schedule):
-        yield from (field_part(f.held_by.what, f.held_by.name, f.name) for f in all_fields(game) if f.timer)
+        yield from (
+            field_part(f.held_by.what, f.held_by.name, f.name) for f in all_fields(game) if f.timer
+        )
     for n in (node for turn in game.schedule for node in ir.walk(turn)):
         yield from written_by(n)
 
@@ -90,7 +109,10 @@ def written_by(n: ir.Node) -> Iterator[Part]:
 
 
 def _field(read: ir.FieldRead) -> Iterator[Part]:
-    yield from (field_part(read.held_by.what, name, read.name) for name in read.held_by.names or (read.held_by.name,))
+    yield from (
+        field_part(read.held_by.what, name, read.name)
+        for name in read.held_by.names or (read.held_by.name,)
+    )
 
 
 def field_part(place: str, kind: str, name: str) -> Part:

@@ -41,7 +41,11 @@ class EpisodeRunner:
 
     def __init__(self, family: GameFamily, seed: int):
         self.family, self.seed = family, seed
-        self.checks = {number: check for number, check in enumerate(family.own.checks) if check.sort == "expect"}
+        self.checks = {
+            number: check
+            for number, check in enumerate(family.own.checks)
+            if check.sort == "expect"
+        }
 
     @cached_property
     def _player(self) -> "EpisodePlayer":
@@ -69,7 +73,9 @@ class EpisodeRunner:
 
     def scenario(self, policies: Sequence[ir.Policy], episode: int) -> Scenario:
         """Returns an episode as a scenario for the interpreter."""
-        own = tuple(policies[agent % len(policies)] for agent in range(self.family.own.agents.number))
+        own = tuple(
+            policies[agent % len(policies)] for agent in range(self.family.own.agents.number)
+        )
         return Scenario(self.seed, episode, policies=own)
 
     def written_out(self, episode: Episode, steps: int) -> Scenario:
@@ -82,14 +88,24 @@ class EpisodeRunner:
             return play(self.family.own, self.written_out(episode, step)).worlds[step]
         from sjdsl.properties.state_conversion import world_of
 
-        return world_of(self._player.env, self._player.state_before(episode.actions, self.seed, episode.number, step))
+        return world_of(
+            self._player.env,
+            self._player.state_before(episode.actions, self.seed, episode.number, step),
+        )
 
     def interpreted(self, policies: Sequence[ir.Policy], number: int) -> Episode:
         """Plays one episode on the interpreter."""
-        trajectory = play(self.family.own, self.scenario(policies, number), self.length, list(self.checks.values()))
+        trajectory = play(
+            self.family.own,
+            self.scenario(policies, number),
+            self.length,
+            list(self.checks.values()),
+        )
         left = None if trajectory.left is None else len(trajectory.outcomes)
         values = {number: trajectory.values(check) for number, check in self.checks.items()}
-        return Episode(number, values, trajectory.actions, dict((trajectory.totals or [{}])[-1]), left)
+        return Episode(
+            number, values, trajectory.actions, dict((trajectory.totals or [{}])[-1]), left
+        )
 
     def overflow(self, episode: Episode) -> Trajectory:
         """Returns the end of an episode in which a real leaves float32: the state before, and the step."""
@@ -97,30 +113,54 @@ class EpisodeRunner:
         scenario, game = self.written_out(episode, episode.left + 1), self.family.own
         if "_player" not in vars(self):
             return play(game, scenario, checks=list(self.checks.values()))
-        trajectory = Trajectory(game, params_of(game, ()), [self.world_before(episode, episode.left)], [dict(episode.totals)])
+        trajectory = Trajectory(
+            game,
+            params_of(game, ()),
+            [self.world_before(episode, episode.left)],
+            [dict(episode.totals)],
+        )
         trajectory.actions.append(episode.actions[episode.left])
         try:
-            _, outcome = step(game, trajectory.worlds[-1], trajectory.actions[-1], trajectory.params, draws_of(scenario, episode.left))
+            _, outcome = step(
+                game,
+                trajectory.worlds[-1],
+                trajectory.actions[-1],
+                trajectory.params,
+                draws_of(scenario, episode.left),
+            )
             trajectory.outcomes.append(outcome)
         except LeavesFloat32 as left:
             trajectory.left = left
-        trajectory.left = trajectory.left or LeavesFloat32(next((c for c in game.checks if c.origin is not None), game), episode.left)
+        trajectory.left = trajectory.left or LeavesFloat32(
+            next((c for c in game.checks if c.origin is not None), game), episode.left
+        )
         return trajectory
 
     def compiled(self, policies: Sequence[ir.Policy], first: int, number: int) -> list[Episode]:
         """Plays episodes of the compiled game, side by side."""
-        played, found, own = self._player.play(policies, self.seed, first, number), [], {event.name for event in self.family.own.events}
+        played, found, own = (
+            self._player.play(policies, self.seed, first, number),
+            [],
+            {event.name for event in self.family.own.events},
+        )
         for i in range(number):
             left = int(played.left[i]) if played.left[i] < played.length[i] else None
             steps, values, at = int(played.length[i]) if left is None else left, {}, 0
             for check_number, check in self.checks.items():
                 columns = played.values[i, : steps + 1, at : at + len(check.values)]
                 values[check_number] = [
-                    tuple(bool(x) if e.type.kind == "condition" else x for x, e in zip(row, check.values, strict=True))
+                    tuple(
+                        bool(x) if e.type.kind == "condition" else x
+                        for x, e in zip(row, check.values, strict=True)
+                    )
                     for row in columns.tolist()
                 ]
                 at += len(check.values)
-            totals = {total: int(counted[i]) for total, counted in played.totals.items() if total[0] in own}
+            totals = {
+                total: int(counted[i])
+                for total, counted in played.totals.items()
+                if total[0] in own
+            }
             actions = [tuple(a) for a in played.actions[i, : steps + (left is not None)].tolist()]
             found.append(Episode(first + i, values, actions, totals, left))
         return found

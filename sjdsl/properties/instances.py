@@ -25,7 +25,9 @@ class GameFamily:
     Raises CompileError with every problem of the file.
     """
 
-    def __init__(self, source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None):
+    def __init__(
+        self, source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
+    ):
         self.composition = compose(source, variants)
         made = build_composition(self.composition, overrides)
         self.own, self.warnings = made.game, made.warnings
@@ -39,9 +41,16 @@ class GameFamily:
             self._built[key] = self._build(self.own.rows, sizes=sizes)
         return self._built[key]
 
-    def _build(self, rows: tuple[str, ...], agents: int | None = None, sizes: Mapping[str, Any] | None = None) -> ir.Game | None:
+    def _build(
+        self,
+        rows: tuple[str, ...],
+        agents: int | None = None,
+        sizes: Mapping[str, Any] | None = None,
+    ) -> ir.Game | None:
         try:
-            overrides = Overrides({**self._sizes, **(sizes or {})}, agents, rows, row_spans(rows, "map"))
+            overrides = Overrides(
+                {**self._sizes, **(sizes or {})}, agents, rows, row_spans(rows, "map")
+            )
             return build_composition(self.composition, overrides).game
         except CompileError:
             return None
@@ -70,12 +79,20 @@ class GameFamily:
     def number_is_a_size(self) -> bool:
         """Whether one size is the number of agents."""
         number = self.composition.number
-        return isinstance(number, ast.Path) and not number.steps and number.name.text in self.composition.constants
+        return (
+            isinstance(number, ast.Path)
+            and not number.steps
+            and number.name.text in self.composition.constants
+        )
 
     def in_all_numbers(self) -> Iterator[ir.Game]:
         """Yields the game on its own map with each number of agents that the file allows there; if that is neither fixed nor a size, as it is."""
         yield self.own
-        others = [n for n in range(1, MAX_AGENTS + 1) if n != self.own.agents.number] if self.number_is_a_size else []
+        others = (
+            [n for n in range(1, MAX_AGENTS + 1) if n != self.own.agents.number]
+            if self.number_is_a_size
+            else []
+        )
         for game in (self._build(self.own.rows, agents) for agents in others):
             if game is not None:
                 yield game

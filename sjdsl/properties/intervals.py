@@ -12,14 +12,29 @@ INSTANCES = 2.0**22  # of a statement, at most: a cell of the largest map and an
 def may_leave_float32(game: ir.Game) -> bool:
     """Returns whether the ranges don't exclude that a real of the rules, metrics or checks leaves float32, also where all instances add it."""
     parts = (*phases_of(game), *game.measures, *game.checks)
-    reals = (node for part in parts for node in ir.walk(part) if ir.is_expression(node) and node.type.kind == "real")
+    reals = (
+        node
+        for part in parts
+        for node in ir.walk(part)
+        if ir.is_expression(node) and node.type.kind == "real"
+    )
     return not all(stays_in_float32(e, INSTANCES) for e in reals)
 
 
 def rounds_only_numbers(game: ir.Game) -> bool:
     """Returns whether no rule makes a whole number of infinity or NaN, which could be outside the range of a field."""
-    nodes = (node for phase in phases_of(game) for node in ir.walk(phase) if isinstance(node, ir.Arithmetic))
-    return all(stays_in_float32(arg) for node in nodes if CALCULATIONS[node.fn].kind == "whole" for arg in node.args)
+    nodes = (
+        node
+        for phase in phases_of(game)
+        for node in ir.walk(phase)
+        if isinstance(node, ir.Arithmetic)
+    )
+    return all(
+        stays_in_float32(arg)
+        for node in nodes
+        if CALCULATIONS[node.fn].kind == "whole"
+        for arg in node.args
+    )
 
 
 def decide(e: ir.Expr) -> bool | None:

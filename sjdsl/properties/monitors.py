@@ -32,13 +32,24 @@ def find_violation(check: ir.Check, values: Sequence[Sequence[Any]]) -> Violatio
     """
     match check.sort:
         case "always":
-            return next((Violation(t) for t, (holds,) in enumerate(values) if t and not holds), None)
+            return next(
+                (Violation(t) for t, (holds,) in enumerate(values) if t and not holds), None
+            )
         case "once":
             since = next((t for t, (trigger, _) in enumerate(values) if t and trigger), len(values))
-            return next((Violation(t, since) for t in range(since, len(values)) if not values[t][1]), None)
+            return next(
+                (Violation(t, since) for t in range(since, len(values)) if not values[t][1]), None
+            )
         case "conserved":
             first = values[0][0]
-            return next((Violation(t, 0) for t, (value,) in enumerate(values) if not _same(value, first, DRIFT)), None)
+            return next(
+                (
+                    Violation(t, 0)
+                    for t, (value,) in enumerate(values)
+                    if not _same(value, first, DRIFT)
+                ),
+                None,
+            )
         case "monotone":
             return _turn(values, rising=check.words[0] == "rising")
         case _:
@@ -63,20 +74,28 @@ def _turn(values: Sequence[Sequence[Any]], rising: bool) -> Violation | None:
             continue
         for (other_value, other_argument), since in seen.items():
             change = sign * (here[0] - other_value) * (1 if here[1] > other_argument else -1)
-            if change < 0 and not _same(here[0], other_value) and not _same(here[1], other_argument):
+            if (
+                change < 0
+                and not _same(here[0], other_value)
+                and not _same(here[1], other_argument)
+            ):
                 return Violation(t, since)
         seen[here] = t
     return None
 
 
-def add_totals(before: Totals, events: Mapping[str, Any], game: ir.Game) -> dict[tuple[str, str | None], int]:
+def add_totals(
+    before: Totals, events: Mapping[str, Any], game: ir.Game
+) -> dict[tuple[str, str | None], int]:
     """Returns the totals after a step that counted `events`, as the interpreter's outcome has them."""
     totals = dict(before)
     for event in game.events:
         counts = events[event.name]
         rows = counts if event.per_agent else [counts]
         for i, (word, _) in enumerate(counts_of(event)):
-            totals[event.name, word] = totals.get((event.name, word), 0) + sum(row[i] if event.by else row for row in rows)
+            totals[event.name, word] = totals.get((event.name, word), 0) + sum(
+                row[i] if event.by else row for row in rows
+            )
     return totals
 
 

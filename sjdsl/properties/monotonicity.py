@@ -22,7 +22,9 @@ def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
     """Returns whether a `monotone` is proved; False: it is not known."""
     value, argument = check.values
     wanted: Slope = "rising" if check.words[0] == "rising" else "falling"
-    known = tuple(fact for test in game.checks if test.sort == "require" for fact in facts(test.values[0]))
+    known = tuple(
+        fact for test in game.checks if test.sort == "require" for fact in facts(test.values[0])
+    )
     if _slope(value, text(argument), known) in ("level", wanted):
         return True
     atoms = _atoms(value) | _atoms(argument)
@@ -32,7 +34,11 @@ def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
     own, other = _slope(value, atom, known), _slope(argument, atom, known)
     if own is None or other is None:
         return False
-    return own == "level" or other == "level" or (own if other == "rising" else OPPOSITE[own]) == wanted
+    return (
+        own == "level"
+        or other == "level"
+        or (own if other == "rising" else OPPOSITE[own]) == wanted
+    )
 
 
 def _is_fixed(e: ir.Node) -> bool:
@@ -65,10 +71,16 @@ def _slope(e: ir.Expr, of: str, known: Sequence[Fact]) -> Slope | None:
         case ir.Named():
             return _slope(e.value, of, known)
         case ir.Arithmetic(args=args) if _stays(range_of(e)):
-            parts = [Moving(slope, range_of(a)) for a in args if (slope := _slope(a, of, known)) is not None]
+            parts = [
+                Moving(slope, range_of(a))
+                for a in args
+                if (slope := _slope(a, of, known)) is not None
+            ]
             if len(parts) < len(args):
                 return None
-            return CALCULATIONS[e.fn].slope(parts, lambda one, other: compares(args[one], "<", args[other], known))
+            return CALCULATIONS[e.fn].slope(
+                parts, lambda one, other: compares(args[one], "<", args[other], known)
+            )
         case _:
             return None
 

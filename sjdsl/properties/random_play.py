@@ -33,7 +33,9 @@ def random_params(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ...
             named = {n.name for n in ir.walk(check) if isinstance(n, ir.ParamRef)}
             changed = tuple((name, value) for name, value in changed if name not in named)
     values = own | dict(changed)
-    fitting = all(holds(c.values[0], values) for c in requires) and not (changed and beyond_int32(game, values))
+    fitting = all(holds(c.values[0], values) for c in requires) and not (
+        changed and beyond_int32(game, values)
+    )
     return changed if fitting else ()
 
 
@@ -44,9 +46,15 @@ def _value(own: Any, type_: ir.Type, random: Random) -> Value:
     if type_.kind == "word":
         return random.choice(type_.words)
     ends = [x for x in (type_.low, type_.high) if abs(x) < 2**31]
-    inside = [x for x in (COUNTS if type_.kind == "int" else WORTHS) if type_.low <= x <= type_.high]
+    inside = [
+        x for x in (COUNTS if type_.kind == "int" else WORTHS) if type_.low <= x <= type_.high
+    ]
     if len(ends) == 2:
-        inside.append((type_.low + type_.high) // 2 if type_.kind == "int" else random.uniform(type_.low, type_.high))
+        inside.append(
+            (type_.low + type_.high) // 2
+            if type_.kind == "int"
+            else random.uniform(type_.low, type_.high)
+        )
     value = random.choice([own, *ends, *inside])
     return int(value) if type_.kind == "int" else float(value)
 
@@ -58,7 +66,20 @@ def random_scenario(game: ir.Game, steps: int, random: Random) -> Scenario:
     bias, actions = list[Bias](), list[tuple[int, ...]]()
     while len(actions) < steps:
         bias += ["fair" if random.random() < FAIR else random.choice(BIASES)] * SEGMENT
-        habits = [random.choice(special) if special and random.random() < HABIT else random.randrange(len(names)) for _ in agents]
-        actions += [tuple(h if random.random() < HABIT else random.randrange(len(names)) for h in habits) for _ in range(SEGMENT)]
+        habits = [
+            random.choice(special)
+            if special and random.random() < HABIT
+            else random.randrange(len(names))
+            for _ in agents
+        ]
+        actions += [
+            tuple(h if random.random() < HABIT else random.randrange(len(names)) for h in habits)
+            for _ in range(SEGMENT)
+        ]
     params = random_params(game, random) if random.random() < CHANGED else ()
-    return Scenario(random.randrange(2**16), params=params, bias=tuple(bias[:steps]), actions=tuple(actions[:steps]))
+    return Scenario(
+        random.randrange(2**16),
+        params=params,
+        bias=tuple(bias[:steps]),
+        actions=tuple(actions[:steps]),
+    )

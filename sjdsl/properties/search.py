@@ -13,10 +13,18 @@ from sjdsl.properties.statements import StatementId
 from sjdsl.properties.trajectory import Scenario, Trajectory, play, up_to
 from sjdsl.properties.verdict import Effort, Progress
 
-ALONE, BEFORE = 10, 2  # steps on the interpreter for each example: where nothing is compiled, and before the compiled game is played
+ALONE, BEFORE = (
+    10,
+    2,
+)  # steps on the interpreter for each example: where nothing is compiled, and before the compiled game is played
 LENGTHS = (5, 10, 20, 50, 100)  # steps of its trajectories
-SCRIPTED, FEW = 400, 20  # steps by policies of the file while statements have not run; where nothing is compiled (finding paths is slow)
-AGAIN = 2000  # steps that are played again at most to find actions that a counterexample doesn't need
+SCRIPTED, FEW = (
+    400,
+    20,
+)  # steps by policies of the file while statements have not run; where nothing is compiled (finding paths is slow)
+AGAIN = (
+    2000  # steps that are played again at most to find actions that a counterexample doesn't need
+)
 
 
 @dataclass(frozen=True)
@@ -49,18 +57,28 @@ class Search:
 
         `reals`: whether it is played on until a real leaves float32.
         """
-        self.family, self.effort, self._needed, self._progress = family, effort, needed or {}, progress
+        self.family, self.effort, self._needed, self._progress = (
+            family,
+            effort,
+            needed or {},
+            progress,
+        )
         self._reals = reals
         self.left, self.found = list(numbers), dict[int, Counterexample]()
         self.steps, self.ran, self.triggered = 0, set[StatementId](), set[int]()
-        self._random, self._is_compiled = Random(effort.seed), effort.compiled and find_spec("jax") is not None
+        self._random, self._is_compiled = (
+            Random(effort.seed),
+            effort.compiled and find_spec("jax") is not None,
+        )
 
     def run(self) -> None:
         """Plays everything. What has been found is there, too, if this is interrupted."""
         budget = self.effort.examples * (BEFORE if self._is_compiled else ALONE)
         while budget > 0 and (self.left or not self._has_all(set())):
             self._progress(f"{self.steps} steps of random play")
-            scenario = random_scenario(self.family.own, min(budget, self._random.choice(LENGTHS)), self._random)
+            scenario = random_scenario(
+                self.family.own, min(budget, self._random.choice(LENGTHS)), self._random
+            )
             self._look_at(scenario, len(scenario.actions), self.left)
             budget -= len(scenario.actions)
         if self._is_compiled and (self.left or not self._has_all(set())):
@@ -69,31 +87,64 @@ class Search:
             worlds = WorldSearch(self.family, self.left, self.effort, self._progress)
             for number, scenario in worlds.run(self._has_all):
                 self._look_at(scenario, len(scenario.actions), [number])
-            self.steps, self.ran, self.triggered = self.steps + worlds.steps, self.ran | worlds.ran, self.triggered | worlds.triggered
-        names, steps = [policy.name for policy in self.family.own.policies], SCRIPTED if self._is_compiled else FEW
-        for followed in [*([name] for name in names), *((names, names[::-1]) if len(names) > 1 else ())]:  # dealt out to the agents
+            self.steps, self.ran, self.triggered = (
+                self.steps + worlds.steps,
+                self.ran | worlds.ran,
+                self.triggered | worlds.triggered,
+            )
+        names, steps = (
+            [policy.name for policy in self.family.own.policies],
+            SCRIPTED if self._is_compiled else FEW,
+        )
+        for followed in [
+            *([name] for name in names),
+            *((names, names[::-1]) if len(names) > 1 else ()),
+        ]:  # dealt out to the agents
             if self.missing():
-                policies = (ir.Policy(name="scripted", scripted=followed[i % len(followed)]) for i in range(self.family.own.agents.number))
-                self._look_at(Scenario(self._random.randrange(2**16), policies=tuple(policies)), steps, self.left, self._has_all)
+                policies = (
+                    ir.Policy(name="scripted", scripted=followed[i % len(followed)])
+                    for i in range(self.family.own.agents.number)
+                )
+                self._look_at(
+                    Scenario(self._random.randrange(2**16), policies=tuple(policies)),
+                    steps,
+                    self.left,
+                    self._has_all,
+                )
 
     def missing(self) -> set[StatementId]:
         """Returns the statements that checks without a counterexample depend on and that never ran."""
-        return set[StatementId]().union(*(needed for i, needed in self._needed.items() if i not in self.found)) - self.ran
+        return (
+            set[StatementId]().union(
+                *(needed for i, needed in self._needed.items() if i not in self.found)
+            )
+            - self.ran
+        )
 
     def _has_all(self, ran: set[StatementId]) -> bool:
         """Returns whether nothing is missing once these statements have run, too."""
         return self.missing() <= ran and (FLOATS in self.found or not self._reals)
 
     def _look_at(
-        self, scenario: Scenario, steps: int, numbers: Sequence[int], is_enough: Callable[[set[StatementId]], bool] = lambda _: False
+        self,
+        scenario: Scenario,
+        steps: int,
+        numbers: Sequence[int],
+        is_enough: Callable[[set[StatementId]], bool] = lambda _: False,
     ) -> None:
         """Plays a scenario on the interpreter, and notes the statements that ran and what violates checks."""
         checks = self.family.own.checks
-        trajectory = play(self.family.own, scenario, steps, [checks[i] for i in numbers if i != FLOATS], is_enough)
+        trajectory = play(
+            self.family.own, scenario, steps, [checks[i] for i in numbers if i != FLOATS], is_enough
+        )
         self.steps += len(trajectory.outcomes)
         self.ran |= trajectory.ran
         self.triggered |= {
-            i for i in numbers if i != FLOATS and checks[i].sort == "once" and any(v[0] for v in trajectory.values(checks[i])[1:])
+            i
+            for i in numbers
+            if i != FLOATS
+            and checks[i].sort == "once"
+            and any(v[0] for v in trajectory.values(checks[i])[1:])
         }
         written = replace(scenario, actions=tuple(trajectory.actions), policies=())
         for number in {*numbers, FLOATS} - self.found.keys():
@@ -125,10 +176,17 @@ def simplified(found: Counterexample) -> Counterexample:
 def _acting(found: Counterexample) -> list[tuple[int, int]]:
     """Returns the steps and agents in which an agent does something, in order."""
     stay = found.trajectory.game.agents.actions.index("stay")
-    return [(t, agent) for t, step in enumerate(found.scenario.actions) for agent, action in enumerate(step) if action != stay]
+    return [
+        (t, agent)
+        for t, step in enumerate(found.scenario.actions)
+        for agent, action in enumerate(step)
+        if action != stay
+    ]
 
 
-def _without(acting: Sequence[tuple[int, int]], found: Counterexample, left: int) -> tuple[Counterexample, int]:
+def _without(
+    acting: Sequence[tuple[int, int]], found: Counterexample, left: int
+) -> tuple[Counterexample, int]:
     """Returns a counterexample without these actions if it is one, else as it was; and how many of `left` steps are left to play."""
     actions = [list(step) for step in found.scenario.actions]
     acting = [(t, agent) for t, agent in acting if t < len(actions)]
@@ -142,21 +200,31 @@ def _without(acting: Sequence[tuple[int, int]], found: Counterexample, left: int
     return _played_as(scenario, found, since) or found, left - cost
 
 
-def _played_as(scenario: Scenario, found: Counterexample, since: int | None = None) -> Counterexample | None:
+def _played_as(
+    scenario: Scenario, found: Counterexample, since: int | None = None
+) -> Counterexample | None:
     """Returns the counterexample that a changed scenario gives to the same check; its steps before `since` are those of `found`."""
     if scenario == found.scenario:
         return None
     game, number = found.trajectory.game, found.number
     checks = [] if number == FLOATS else [game.checks[number]]
     begun = None if since is None else found.trajectory
-    return _counterexample(number, scenario, play(game, scenario, checks=checks, begun=begun, since=since or 0))
+    return _counterexample(
+        number, scenario, play(game, scenario, checks=checks, begun=begun, since=since or 0)
+    )
 
 
-def _counterexample(number: int, scenario: Scenario, trajectory: Trajectory) -> Counterexample | None:
+def _counterexample(
+    number: int, scenario: Scenario, trajectory: Trajectory
+) -> Counterexample | None:
     """Returns the counterexample that a trajectory gives to a check, cut off at the violation."""
     if number == FLOATS:
         where = None if trajectory.left is None else Violation(len(trajectory.worlds))
     else:
         check = trajectory.game.checks[number]
         where = find_violation(check, trajectory.values(check)) if trajectory.worlds else None
-    return None if where is None else Counterexample(number, up_to(scenario, where.at), trajectory, where)
+    return (
+        None
+        if where is None
+        else Counterexample(number, up_to(scenario, where.at), trajectory, where)
+    )

@@ -20,7 +20,10 @@ def world_of(env: Environment, state: Any, params: dict[str, Value] | None = Non
         step=int(state.step),
         cells={(k.name, f.name): _many(state, f) for k in game.kinds for f in k.fields},
         agents={f.name: _many(state, f) for f in game.agents.fields},
-        fields={f.name: _held(np.asarray(getattr(state, attribute_name(f))), f.type) for f in game.fields},
+        fields={
+            f.name: _held(np.asarray(getattr(state, attribute_name(f))), f.type)
+            for f in game.fields
+        },
         position=agents.position,
         heading=np.asarray(state.heading).tolist(),
         moved=agents.moved,
@@ -39,13 +42,19 @@ def _herd(sort: ir.Sort, fields: tuple[ir.VarField, ...], env: Environment, stat
     return Herd(
         position=[Cell(p // cols - pad, p % cols - pad) if p else None for p in at],
         moved=[False] * len(at) if moved is None else np.asarray(moved).tolist(),
-        away=[None if p else away for p, away in zip(at, _away(env, state, sort, len(at)), strict=True)],
+        away=[
+            None if p else away
+            for p, away in zip(at, _away(env, state, sort, len(at)), strict=True)
+        ],
         fields={field.name: _many(state, field) for field in fields},
     )
 
 
 def _many(state: Any, declared: ir.VarField) -> list[Value]:
-    return [_held(entry, declared.type) for entry in np.asarray(getattr(state, attribute_name(declared)))]
+    return [
+        _held(entry, declared.type)
+        for entry in np.asarray(getattr(state, attribute_name(declared)))
+    ]
 
 
 def _held(stored: np.ndarray, type_: ir.Type) -> Value:
@@ -62,7 +71,9 @@ def _held(stored: np.ndarray, type_: ir.Type) -> Value:
             return None if stored < 0 else Cell(*divmod(int(stored), 256))
         case "agents":
             words = enumerate(np.atleast_1d(stored).tolist())  # large sets are kept in several
-            return frozenset(32 * number + bit for number, word in words for bit in range(32) if word >> bit & 1)
+            return frozenset(
+                32 * number + bit for number, word in words for bit in range(32) if word >> bit & 1
+            )
         case "real":
             return np.float32(stored)
         case _:
@@ -75,4 +86,7 @@ def _away(env: Environment, state: Any, sort: ir.Sort, many: int) -> list[Away]:
         return [Away(0, None, None)] * many
     pools = {number: pool for pool, number in pool_numbers(env.game).items()}
     told = zip(*(np.asarray(getattr(state, name)).tolist() for name in names), strict=True)
-    return [Away(ticks, pools[pool], FACINGS[facing]) if ticks else Away(0, None, None) for ticks, pool, facing in told]
+    return [
+        Away(ticks, pools[pool], FACINGS[facing]) if ticks else Away(0, None, None)
+        for ticks, pool, facing in told
+    ]

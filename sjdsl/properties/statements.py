@@ -9,7 +9,9 @@ from sjdsl.compiler.ir.queries import contains
 from sjdsl.interpreter.account import Account
 from sjdsl.properties.effects import Part, reads, reads_and_blocks, written_by
 
-StatementId = tuple[str, str, int]  # (use of a phase in the schedule, file, offset): one statement in one use of a phase
+StatementId = tuple[
+    str, str, int
+]  # (use of a phase in the schedule, file, offset): one statement in one use of a phase
 STARTING = "start"
 
 
@@ -40,7 +42,9 @@ def leaf_statements(game: ir.Game) -> tuple[LeafStatement, ...]:
     return tuple(found)
 
 
-def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) -> Iterator[LeafStatement]:
+def _leaves(
+    body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]
+) -> Iterator[LeafStatement]:
     for statement in body:
         match statement:
             case ir.Let():
@@ -50,9 +54,15 @@ def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) ->
             case ir.Each() | ir.First():
                 yield from _leaves(statement.body, label, (*around, statement.domain))
             case ir.Pick():
-                yield from _leaves((*statement.body, *statement.otherwise), label, (*around, statement.number, statement.domain))
+                yield from _leaves(
+                    (*statement.body, *statement.otherwise),
+                    label,
+                    (*around, statement.number, statement.domain),
+                )
             case ir.Match():
-                yield from _leaves(statement.body, label, (*around, statement.left, statement.right))
+                yield from _leaves(
+                    statement.body, label, (*around, statement.left, statement.right)
+                )
             case ir.When() | ir.Chance():
                 tests: tuple[ir.Node, ...] = ()
                 for branch in statement.branches:
@@ -65,7 +75,9 @@ def _leaves(body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]) ->
                 yield LeafStatement(statement_id(label, statement), statement, around)
 
 
-def statements_needed_by(check: ir.Check, game: ir.Game, leaves: Iterable[LeafStatement]) -> frozenset[StatementId]:
+def statements_needed_by(
+    check: ir.Check, game: ir.Game, leaves: Iterable[LeafStatement]
+) -> frozenset[StatementId]:
     """Returns the statements on which a check depends: those that write what it reads, those that write what these read, and so on."""
     wanted: set[Part] = {part for e in check.values for part in reads_and_blocks(e, game)}
     waiting, found = list(leaves), set[StatementId]()
@@ -112,7 +124,11 @@ def count_statements(game: ir.Game) -> tuple[ir.Game, dict[str, StatementId]]:
         for statement in body:
             name = statement_id(label, statement)
             if name in statements and name not in events.values():
-                event = next(f"ran_{i}" for i in range(len(events), len(events) + len(taken) + 1) if f"ran_{i}" not in taken)
+                event = next(
+                    f"ran_{i}"
+                    for i in range(len(events), len(events) + len(taken) + 1)
+                    if f"ran_{i}" not in taken
+                )
                 events[event] = name
                 taken.add(event)
                 found.append(ir.Tally(event=event, origin=statement.origin))
@@ -121,7 +137,11 @@ def count_statements(game: ir.Game) -> tuple[ir.Game, dict[str, StatementId]]:
 
     def inside(node: Any, label: str) -> Any:
         """Returns a statement, or a branch of one, with counts in it."""
-        bodies = {part: counted(getattr(node, part), label) for part in ("body", "otherwise") if getattr(node, part, ())}
+        bodies = {
+            part: counted(getattr(node, part), label)
+            for part in ("body", "otherwise")
+            if getattr(node, part, ())
+        }
         if branches := getattr(node, "branches", ()):
             bodies["branches"] = tuple(inside(branch, label) for branch in branches)
         return node.model_copy(update=bodies) if bodies else node

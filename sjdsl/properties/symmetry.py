@@ -34,8 +34,13 @@ def _forbidden_by_number(family: GameFamily) -> ast.Forbid | None:
     declared = {action.name: action.arguments for action in family.own.agents.with_arguments}
     for forbid in composition.forbids.values():
         for chosen in forbid.actions:
-            for tree, argument in zip(chosen.arguments or (), declared.get(chosen.name.text, ()), strict=False):
-                is_name = isinstance(tree, ast.Path) and tree.name.text not in {*composition.constants, *composition.defines}
+            for tree, argument in zip(
+                chosen.arguments or (), declared.get(chosen.name.text, ()), strict=False
+            ):
+                is_name = isinstance(tree, ast.Path) and tree.name.text not in {
+                    *composition.constants,
+                    *composition.defines,
+                }
                 if argument.type.kind == "agent" and not is_name:
                     return forbid
     return None
@@ -44,7 +49,9 @@ def _forbidden_by_number(family: GameFamily) -> ast.Forbid | None:
 def _why_asymmetric(sort: ir.Sort, game: ir.Game) -> str:
     for rule in (*game.schedule, game.agents, *game.kinds):
         for node in ir.walk(rule):
-            if told := _reads_number(node, sort) or (_names_agents(node, game) if sort == AGENTS else ""):
+            if told := _reads_number(node, sort) or (
+                _names_agents(node, game) if sort == AGENTS else ""
+            ):
                 return f"line {_line(node, rule)} {told}"
     return ""
 
@@ -54,15 +61,25 @@ def why_symmetric(check: ir.Check, game: ir.Game) -> str:
     sort = _sort_of(check)
     whose = "an agent's number" if sort == AGENTS else f"the number of a `{sort.name}`"
     told = [node for node in ir.walk(game.start) if _reads_number(node, sort)]
-    start = f"; `phase start` does, in line {_line(told[0], game.start)}, and is not part of this" if told else ""
+    start = (
+        f"; `phase start` does, in line {_line(told[0], game.start)}, and is not part of this"
+        if told
+        else ""
+    )
     return f"no rule of a step reads {whose}{start}"
 
 
 def order_of_sending(check: ir.Check, game: ir.Game) -> tuple[list[ir.Send], list[ir.Send]]:
     """Returns where it matters that lower numbers are sent first: where the cells that fit differ from one to another, and if cells run out."""
     nodes = (node for rule in (*game.schedule, game.agents, *game.kinds) for node in ir.walk(rule))
-    sends = [node for node in nodes if isinstance(node, ir.Send) and body_sort(node.who) == _sort_of(check)]
-    return [send for send in sends if variables_around(send.domain)], [send for send in sends if send.stay]
+    sends = [
+        node
+        for node in nodes
+        if isinstance(node, ir.Send) and body_sort(node.who) == _sort_of(check)
+    ]
+    return [send for send in sends if variables_around(send.domain)], [
+        send for send in sends if send.stay
+    ]
 
 
 def _sort_of(check: ir.Check) -> ir.Sort:
@@ -80,7 +97,9 @@ def _reads_number(node: ir.Node, sort: ir.Sort) -> str:
     match node:
         case ir.Attribute(name="index", owner=owner) if body_sort(owner) == sort:
             return f"reads `{'agent' if sort == AGENTS else sort.name}.index`"
-        case ir.ParamRef(name=name) if sort == AGENTS and any(level.sort == "agent" for level in node.type.by):
+        case ir.ParamRef(name=name) if sort == AGENTS and any(
+            level.sort == "agent" for level in node.type.by
+        ):
             return f"reads `{name}`, a table by agent"
         case _:
             return ""
@@ -91,7 +110,9 @@ def _names_agents(node: ir.Node, game: ir.Game) -> str:
     match node:
         case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=number)):
             return f"names agent {number:g} by its number"
-        case ir.Forbid() if any(0 < len(group & set(node.actions)) < len(group) for group in _alike_but_for_agents(game)):
+        case ir.Forbid() if any(
+            0 < len(group & set(node.actions)) < len(group) for group in _alike_but_for_agents(game)
+        ):
             return "forbids an action on some agents, which it names by their numbers"
         case _:
             return ""

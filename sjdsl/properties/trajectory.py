@@ -12,7 +12,14 @@ from sjdsl.interpreter.state import Outcome, Value, World, default_params
 from sjdsl.interpreter.step import Totals, read, reset, step
 from sjdsl.interpreter.threefry import Draws
 from sjdsl.policies import interpreted
-from sjdsl.properties.biased_draws import Bias, BiasedDraws, episode_key, policy_bits, reset_key, step_key
+from sjdsl.properties.biased_draws import (
+    Bias,
+    BiasedDraws,
+    episode_key,
+    policy_bits,
+    reset_key,
+    step_key,
+)
 from sjdsl.properties.monitors import add_totals
 from sjdsl.properties.statements import StatementId, statements_run
 
@@ -66,7 +73,10 @@ class Trajectory:
 
     def add(self, world: World, totals: Totals, checks: Sequence[ir.Check]) -> None:
         """Adds a state. Raises LeavesFloat32, and adds nothing, if a check cannot be read in it."""
-        read_now = [tuple(self._read(e, world, totals, len(self.worlds)) for e in check.values) for check in checks]
+        read_now = [
+            tuple(self._read(e, world, totals, len(self.worlds)) for e in check.values)
+            for check in checks
+        ]
         for check, values in zip(checks, read_now, strict=True):
             self.known.setdefault(id(check), []).append(values)
         self.worlds.append(world)
@@ -86,13 +96,17 @@ class Trajectory:
         return self._read(e, self.worlds[at], self.totals[at], at)
 
     def _read(self, e: ir.Expr, world: World, totals: Totals, at: int) -> Value:
-        return read(self.game, world, e, totals, (self.worlds[at - 1], self.totals[at - 1]) if at else None)
+        return read(
+            self.game, world, e, totals, (self.worlds[at - 1], self.totals[at - 1]) if at else None
+        )
 
 
 def params_of(game: ir.Game, given: Sequence[tuple[str, Value]]) -> dict[str, Value]:
     """Returns the parameters of a scenario as the interpreter has them."""
     types = {p.name: p.type for p in game.params}
-    return default_params(game) | {name: real(value) if types[name].kind == "real" else value for name, value in given}
+    return default_params(game) | {
+        name: real(value) if types[name].kind == "real" else value for name, value in given
+    }
 
 
 def draws_of(scenario: Scenario, at: int) -> Draws:
@@ -129,15 +143,28 @@ def play(
     try:
         if begun is None:
             zeros = add_totals({}, _nothing(game), game)
-            trajectory.add(reset(game, trajectory.params, draws_of(scenario, -1), accounts.append), zeros, checks)
+            trajectory.add(
+                reset(game, trajectory.params, draws_of(scenario, -1), accounts.append),
+                zeros,
+                checks,
+            )
         else:
             trajectory.take_over(begun, since, checks)
-        for number in range(len(trajectory.outcomes), len(scenario.actions) if steps is None else steps):
+        for number in range(
+            len(trajectory.outcomes), len(scenario.actions) if steps is None else steps
+        ):
             if trajectory.is_over or is_enough(trajectory.ran):
                 break
             world = trajectory.worlds[-1]
             trajectory.actions.append(_actions(game, scenario, world, number))
-            after, outcome = step(game, world, trajectory.actions[-1], trajectory.params, draws_of(scenario, number), accounts.append)
+            after, outcome = step(
+                game,
+                world,
+                trajectory.actions[-1],
+                trajectory.params,
+                draws_of(scenario, number),
+                accounts.append,
+            )
             trajectory.add(after, add_totals(trajectory.totals[-1], outcome.events, game), checks)
             trajectory.outcomes.append(outcome)
             trajectory.ran |= statements_run(accounts)
@@ -161,7 +188,9 @@ def script_of(policy: ir.Policy, game: ir.Game) -> ir.ScriptedPolicy | None:
     return next((script for script in game.policies if script.name == policy.scripted), None)
 
 
-def choose(policy: ir.Policy, game: ir.Game, world: World, agent: int, bits: tuple[int, int]) -> int:
+def choose(
+    policy: ir.Policy, game: ir.Game, world: World, agent: int, bits: tuple[int, int]
+) -> int:
     """Returns what an agent with this policy does in a state."""
     script = script_of(policy, game)
     if script is not None:
@@ -174,10 +203,16 @@ def _actions(game: ir.Game, scenario: Scenario, world: World, number: int) -> tu
     if not scenario.policies:
         return scenario.actions[number]
     bits = policy_bits(episode_key(scenario.seed, scenario.episode), number, game.agents.number)
-    return tuple(choose(policy, game, world, agent, bits[agent]) for agent, policy in enumerate(scenario.policies))
+    return tuple(
+        choose(policy, game, world, agent, bits[agent])
+        for agent, policy in enumerate(scenario.policies)
+    )
 
 
 def _nothing(game: ir.Game) -> dict[str, Any]:
     agents = range(game.agents.number)
     zeros = {e.name: [0] * len(e.by) if e.by else 0 for e in game.events}
-    return {e.name: [zeros[e.name] for _ in agents] if e.per_agent else zeros[e.name] for e in game.events}
+    return {
+        e.name: [zeros[e.name] for _ in agents] if e.per_agent else zeros[e.name]
+        for e in game.events
+    }

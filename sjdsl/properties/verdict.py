@@ -67,4 +67,6 @@ def make_verdict(
 ) -> Verdict:
     """Returns a verdict on a check, or on a statement, with the file and line where it is written."""
     file, line = ("", 0) if node.origin is None else (node.origin.file, node.origin.line)
-    return Verdict(family.text_of(node), file, line, passed, how, reason, tuple(trace), untested, scenario)
+    return Verdict(
+        family.text_of(node), file, line, passed, how, reason, tuple(trace), untested, scenario
+    )

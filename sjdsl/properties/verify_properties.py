@@ -10,7 +10,13 @@ from sjdsl.compiler.ir.queries import counts_of, event_named
 from sjdsl.compiler.ir.ranges import are_numbers
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.extras import is_installed
-from sjdsl.properties.counterexample import LARGEST, describe_counterexample, describe_episode, describe_overflow, episode_opening
+from sjdsl.properties.counterexample import (
+    LARGEST,
+    describe_counterexample,
+    describe_episode,
+    describe_overflow,
+    episode_opening,
+)
 from sjdsl.properties.effects import is_untouched
 from sjdsl.properties.engines import Episode, EpisodeRunner
 from sjdsl.properties.instances import GameFamily
@@ -56,12 +62,19 @@ class Verification:
         self.family, self._progress, effort = family, progress, effort or Effort()
         checks, leaves = family.own.checks, leaf_statements(family.own)
         self.numbers = [i for i in range(len(checks)) if only is None or i in only]
-        self._known = {i: verdict for i in self.numbers if (verdict := decide_statically(family, i)) is not None}
+        self._known = {
+            i: verdict
+            for i in self.numbers
+            if (verdict := decide_statically(family, i)) is not None
+        }
         played = [i for i in self.numbers if i not in self._known]
         self._needed = {i: statements_needed_by(checks[i], family.own, leaves) for i in played}
         states = [i for i in played if checks[i].sort != "expect"]
         self._reals_may_leave = only is None and may_leave_float32(family.own)
-        self._search, self.has_played = Search(family, states, effort, self._needed, progress, self._reals_may_leave), False
+        self._search, self.has_played = (
+            Search(family, states, effort, self._needed, progress, self._reals_may_leave),
+            False,
+        )
         self._runner, self._faults = EpisodeRunner(family, effort.seed), list[Verdict]()
         self._full = effort.full
 
@@ -74,14 +87,22 @@ class Verification:
                 verdict = self._expectation(number)
             else:
                 verdict = (
-                    self._passed(number) if number not in self._finished_search.found else self._failed(self._finished_search.found[number])
+                    self._passed(number)
+                    if number not in self._finished_search.found
+                    else self._failed(self._finished_search.found[number])
                 )
-            self._known[number] = replace(verdict, untested=self._untested(number)) if verdict.passed else verdict
+            self._known[number] = (
+                replace(verdict, untested=self._untested(number)) if verdict.passed else verdict
+            )
         return self._known[number]
 
     def decided(self) -> dict[int, Verdict]:
         """Returns the verdicts that are certain by now: after an interruption, what need not be played again."""
-        return self._known | {i: self._failed(found) for i, found in self._search.found.items() if i not in (FLOATS, *self._known)}
+        return self._known | {
+            i: self._failed(found)
+            for i, found in self._search.found.items()
+            if i not in (FLOATS, *self._known)
+        }
 
     def report(self) -> Report:
         """Returns all verdicts. A game whose reals may leave float32 is played for that, even if every check has a verdict without play."""
@@ -89,7 +110,11 @@ class Verification:
         if self._reals_may_leave and not self._faults:
             _ = self._finished_search
         ran, leaves = self._search.ran, leaf_statements(self.family.own) if self.has_played else ()
-        idle = {leaf.statement.origin.line for leaf in leaves if leaf.statement_id not in ran and leaf.statement.origin is not None}
+        idle = {
+            leaf.statement.origin.line
+            for leaf in leaves
+            if leaf.statement_id not in ran and leaf.statement.origin is not None
+        }
         return Report(verdicts, self._search.steps, tuple(sorted(idle)), self.faults)
 
     @property
@@ -108,26 +133,55 @@ class Verification:
 
     def _passed(self, number: int) -> Verdict:
         check, search = self.family.own.checks[number], self._finished_search
-        never = "; its first condition never held" if check.sort == "once" and number not in search.triggered else ""
-        return make_verdict(self.family, check, True, "examples", f"{search.steps:,} steps of random play{never}")
+        never = (
+            "; its first condition never held"
+            if check.sort == "once" and number not in search.triggered
+            else ""
+        )
+        return make_verdict(
+            self.family, check, True, "examples", f"{search.steps:,} steps of random play{never}"
+        )
 
     def _failed(self, found: Counterexample) -> Verdict:
         trace, scenario = describe_counterexample(self.family, found, self._full), found.scenario
         if found.number == FLOATS:
-            return replace(self._overflow(found.trajectory, "examples"), trace=tuple(trace), scenario=scenario)
+            return replace(
+                self._overflow(found.trajectory, "examples"), trace=tuple(trace), scenario=scenario
+            )
         said = f"fails after step {found.where.at - 1}" if found.where.at else "fails at the start"
-        return make_verdict(self.family, self.family.own.checks[found.number], False, "examples", said, trace, scenario=scenario)
+        return make_verdict(
+            self.family,
+            self.family.own.checks[found.number],
+            False,
+            "examples",
+            said,
+            trace,
+            scenario=scenario,
+        )
 
     def _overflow(self, trajectory: Trajectory, how: How) -> Verdict:
         """Returns the verdict on a real that leaves float32 at the end of a trajectory."""
         assert trajectory.left is not None
         said = f"in step {trajectory.left.before}" if trajectory.worlds else "in phase start"
-        return make_verdict(self.family, trajectory.left.node, False, how, f"a real leaves float32, which ends at {LARGEST}, {said}")
+        return make_verdict(
+            self.family,
+            trajectory.left.node,
+            False,
+            how,
+            f"a real leaves float32, which ends at {LARGEST}, {said}",
+        )
 
     def _untested(self, number: int) -> tuple[str, ...]:
         """Returns the lines that a check depends on and that never ran, with their text; in which use, if their phase is used several times."""
-        check, rules, leaves = self.family.own.checks[number], Rules(self.family.composition.sources), leaf_statements(self.family.own)
-        uses, never = Counter(leaf.statement_id[1:] for leaf in leaves), self._needed[number] - self._finished_search.ran
+        check, rules, leaves = (
+            self.family.own.checks[number],
+            Rules(self.family.composition.sources),
+            leaf_statements(self.family.own),
+        )
+        uses, never = (
+            Counter(leaf.statement_id[1:] for leaf in leaves),
+            self._needed[number] - self._finished_search.ran,
+        )
         lines = [
             f"{rules.place(leaf.statement)}  {rules.text(leaf.statement)}"
             + f"  (in {leaf.statement_id[0]})" * (uses[leaf.statement_id[1:]] > 1)
@@ -135,7 +189,9 @@ class Verification:
             if leaf.statement_id in never
         ]
         if check.sort == "once" and number not in self._finished_search.triggered:
-            lines.append(f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}")
+            lines.append(
+                f"{rules.place(check)}  the first condition never held: {rules.text(check.values[0])}"
+            )
         return tuple(dict.fromkeys(lines))
 
     def _expectation(self, number: int) -> Verdict:
@@ -147,28 +203,68 @@ class Verification:
         try:
             episodes = runner.play(check.policies, 0, check.episodes)
         except NotSupported as error:
-            return make_verdict(family, check, None, "not decided", f"the compiled game cannot play this yet: {error}")
+            return make_verdict(
+                family,
+                check,
+                None,
+                "not decided",
+                f"the compiled game cannot play this yet: {error}",
+            )
         if (gone := next((e for e in episodes if e.left is not None), None)) is not None:
             trajectory = runner.overflow(gone)
             told, scenario = (
-                [episode_opening(family, gone, check.policies), *describe_overflow(family, trajectory)],
+                [
+                    episode_opening(family, gone, check.policies),
+                    *describe_overflow(family, trajectory),
+                ],
                 runner.written_out(gone, len(gone.actions)),
             )
-            self._faults.append(replace(self._overflow(trajectory, "episodes"), trace=tuple(told), scenario=scenario))
-            return make_verdict(family, check, None, "not decided", "its episodes cannot be judged: a real leaves float32")
+            self._faults.append(
+                replace(
+                    self._overflow(trajectory, "episodes"), trace=tuple(told), scenario=scenario
+                )
+            )
+            return make_verdict(
+                family,
+                check,
+                None,
+                "not decided",
+                "its episodes cannot be judged: a real leaves float32",
+            )
         missed, many = [e for e in episodes if not e.values[number][-1][0]], len(episodes)
-        share = "" if missed else f" (at least {100 * least_share(many):.1f}% of all, with {CONFIDENCE:.0%} confidence)"
-        said = "; ".join([f"{many - len(missed)} of {many} episodes{share}", *_means(check, episodes, family.own)])
+        share = (
+            ""
+            if missed
+            else f" (at least {100 * least_share(many):.1f}% of all, with {CONFIDENCE:.0%} confidence)"
+        )
+        said = "; ".join(
+            [
+                f"{many - len(missed)} of {many} episodes{share}",
+                *_means(check, episodes, family.own),
+            ]
+        )
         if not missed:
             return make_verdict(family, check, True, "episodes", said)
         values = [value for (value,) in missed[0].values[number]]
         held = [t for t, value in enumerate(values) if value]
         where = Violation(max(held) + 1) if held else Violation(len(values) - 1)
-        trace = describe_episode(family, runner, missed[0], check.policies, number, where, self._full)
-        return make_verdict(family, check, False, "episodes", said, trace, scenario=runner.written_out(missed[0], where.at))
+        trace = describe_episode(
+            family, runner, missed[0], check.policies, number, where, self._full
+        )
+        return make_verdict(
+            family,
+            check,
+            False,
+            "episodes",
+            said,
+            trace,
+            scenario=runner.written_out(missed[0], where.at),
+        )
 
 
-def verify_properties(family: GameFamily, effort: Effort | None = None, only: Collection[int] | None = None) -> Report:
+def verify_properties(
+    family: GameFamily, effort: Effort | None = None, only: Collection[int] | None = None
+) -> Report:
     """Returns the verdicts on a game's checks. Raises CompileError for a game that cannot be compiled exactly."""
     return Verification(family, effort, only).report()
 
@@ -179,16 +275,36 @@ def decide_statically(family: GameFamily, number: int) -> Verdict | None:
     match check.sort:
         case "require":
             return make_verdict(
-                family, check, True, "decided", "it holds for the parameters of the file; others are checked when they are set"
+                family,
+                check,
+                True,
+                "decided",
+                "it holds for the parameters of the file; others are checked when they are set",
             )
         case "symmetric":
             return _symmetric(family, check)
-        case "always" | "once" if _in_all_sizes(family, number, lambda game: bool(decide(game.checks[number].values[-1]))):
-            return make_verdict(family, check, True, "proved", "the ranges of the values it reads imply it")
-        case "conserved" if is_untouched(check.values[0], game, family.sends_later) and are_numbers(check.values[0]):
-            return make_verdict(family, check, True, "proved", "no rule writes anything that the check reads")
-        case "monotone" if _in_all_sizes(family, number, lambda game: decide_monotone(game.checks[number], game)):
-            return make_verdict(family, check, True, "proved", "every operation that leads from one to the other is monotone")
+        case "always" | "once" if _in_all_sizes(
+            family, number, lambda game: bool(decide(game.checks[number].values[-1]))
+        ):
+            return make_verdict(
+                family, check, True, "proved", "the ranges of the values it reads imply it"
+            )
+        case "conserved" if is_untouched(check.values[0], game, family.sends_later) and are_numbers(
+            check.values[0]
+        ):
+            return make_verdict(
+                family, check, True, "proved", "no rule writes anything that the check reads"
+            )
+        case "monotone" if _in_all_sizes(
+            family, number, lambda game: decide_monotone(game.checks[number], game)
+        ):
+            return make_verdict(
+                family,
+                check,
+                True,
+                "proved",
+                "every operation that leads from one to the other is monotone",
+            )
         case _:
             return None
 
@@ -209,18 +325,27 @@ def _symmetric(family: GameFamily, check: ir.Check) -> Verdict:
     """Returns the verdict on a symmetry: it is proved if no rule of a step reads a number, unless who is sent first takes cells from the others."""
     if told := why_asymmetric(check, family):
         return make_verdict(family, check, False, "decided", told)
-    because, (chosen, crowded) = why_symmetric(check, family.own), order_of_sending(check, family.own)
+    because, (chosen, crowded) = (
+        why_symmetric(check, family.own),
+        order_of_sending(check, family.own),
+    )
     if chosen:
         but = f"in line {chosen[0].span.line} some cells suit only some agents, and lower-numbered agents choose first: the effect of this is not tested"
         return make_verdict(family, check, True, "decided", f"{because}; but {but}")
-    but = f" (should free cells run out in line {crowded[0].span.line}, lower numbers come first)" if crowded else ""
+    but = (
+        f" (should free cells run out in line {crowded[0].span.line}, lower numbers come first)"
+        if crowded
+        else ""
+    )
     return make_verdict(family, check, True, "proved", because + but)
 
 
 def _means(check: ir.Check, episodes: list[Episode], game: ir.Game) -> list[str]:
     """Returns the means over episodes of the events that a check reads."""
     found = []
-    for name, word in dict.fromkeys((n.name, n.word) for n in ir.walk(check) if isinstance(n, ir.EventTotal)):
+    for name, word in dict.fromkeys(
+        (n.name, n.word) for n in ir.walk(check) if isinstance(n, ir.EventTotal)
+    ):
         words = [word] if word else [word for word, _ in counts_of(event_named(game, name))]
         mean = sum(e.totals[name, w] for e in episodes for w in words) / len(episodes)
         found.append(f"{name}{f'[{word}]' if word else ''} {mean:.4g} on average")

@@ -26,7 +26,9 @@ from sjdsl.properties.statements import StatementId
 from sjdsl.properties.trajectory import Scenario
 from sjdsl.properties.verdict import Effort, Progress
 
-WORK = 2**19 + 2**17  # cells of the map times steps, of all worlds together, for each trajectory that is asked for
+WORK = (
+    2**19 + 2**17
+)  # cells of the map times steps, of all worlds together, for each trajectory that is asked for
 SMALL = 32  # cells; a smaller map takes as long
 AT_ONCE = 2**17  # cells of all worlds together
 MOST, LEAST = 2048, 64  # worlds
@@ -90,7 +92,10 @@ class WorldSearch:
         self._program = Program(self.family, self._checks)
         cells = max(SMALL, len(game.rows) * len(game.rows[0]))
         self.worlds = max(LEAST, min(MOST, 2 ** ((AT_ONCE // cells).bit_length() - 1)))
-        self._segments = max(self.effort.examples * WORK // (cells * self.worlds), self._program.length) // STEPS + 1
+        self._segments = (
+            max(self.effort.examples * WORK // (cells * self.worlds), self._program.length) // STEPS
+            + 1
+        )
         self._random, self._rng = Random(self.effort.seed), np.random.default_rng(self.effort.seed)
         self._sets: list[tuple[tuple[str, Any], ...]] = []
         self._past: list[Segment] = []
@@ -106,9 +111,14 @@ class WorldSearch:
         for number in range(self._segments):
             self.progress(f"{self.steps} steps of random play")
             bias = self._bias(worlds.episode, whole)
-            actions = self._actions((rng.random(self.worlds) < QUIET) | (np.arange(self.worlds) < whole) & (worlds.episode // 8 % 2 == 1))
+            actions = self._actions(
+                (rng.random(self.worlds) < QUIET)
+                | (np.arange(self.worlds) < whole) & (worlds.episode // 8 % 2 == 1)
+            )
             played = self._program.play(worlds, bias, self.effort.seed, actions)
-            self._past.append(Segment(worlds.node, bias.astype(np.uint8), actions.astype(np.uint16)))
+            self._past.append(
+                Segment(worlds.node, bias.astype(np.uint8), actions.astype(np.uint16))
+            )
             self.steps += self.worlds * STEPS
             self.ran |= {self._program.statements[i] for i in np.flatnonzero(played.ran.any(0))}
             wrong, triggered = self._wrong(worlds, played)
@@ -120,7 +130,9 @@ class WorldSearch:
             if self._left <= {FLOATS} and is_enough(self.ran):
                 return
             node = number * self.worlds + np.arange(self.worlds)
-            worlds = worlds._replace(state=played.state, totals=played.totals, triggered=triggered, node=node)
+            worlds = worlds._replace(
+                state=played.state, totals=played.totals, triggered=triggered, node=node
+            )
             archive.add(worlds, np.flatnonzero(~played.over), played.summary)
             ended = np.flatnonzero(played.over[:whole])
             if len(ended) > len(spare):
@@ -134,31 +146,50 @@ class WorldSearch:
 
     def _begin(self) -> Worlds:
         """Returns worlds at the start of episodes."""
-        sets = [() if i < SETS // 2 else random_params(self.family.own, self._random) for i in range(SETS)]
+        sets = [
+            () if i < SETS // 2 else random_params(self.family.own, self._random)
+            for i in range(SETS)
+        ]
         given = len(self._sets) + np.arange(self.worlds) % SETS
         self._sets += sets
         episode = self._begun + np.arange(self.worlds)
         self._begun += self.worlds
-        return self._program.begin([sets[i % SETS] for i in range(self.worlds)], given, episode, self.effort.seed)
+        return self._program.begin(
+            [sets[i % SETS] for i in range(self.worlds)], given, episode, self.effort.seed
+        )
 
     def _bias(self, episode: np.ndarray, whole: int) -> np.ndarray:
         """Returns the bias of the draws of each world; half of the whole episodes have one bias throughout."""
-        changing = self._rng.integers(0, len(BIASES), self.worlds) * (self._rng.random(self.worlds) < UNFAIR)
+        changing = self._rng.integers(0, len(BIASES), self.worlds) * (
+            self._rng.random(self.worlds) < UNFAIR
+        )
         steady = (np.arange(self.worlds) < whole) & (episode % 2 == 1)
         return np.where(steady, episode // 2 % len(BIASES), changing).astype(np.uint32)
 
     def _actions(self, quiet: np.ndarray) -> np.ndarray:
         """Returns random actions, `[B, STEPS, N]` int32: some worlds have agents with habits, in some all do the same. quiet: only moves."""
-        rng, shape, names = self._rng, (self.worlds, STEPS, self._program.agents), self.family.own.agents.actions
+        rng, shape, names = (
+            self._rng,
+            (self.worlds, STEPS, self._program.agents),
+            self.family.own.agents.actions,
+        )
         moves = np.array([action for action, name in enumerate(names) if name in MOVES])
         any_action, habit = (
-            np.where(quiet[:, None, None], rng.choice(moves, size), rng.integers(0, len(names), size))
+            np.where(
+                quiet[:, None, None], rng.choice(moves, size), rng.integers(0, len(names), size)
+            )
             for size in (shape, (self.worlds, 1, shape[2]))
         )
-        actions = np.where(rng.random(shape) < rng.choice(HABITS, (self.worlds, 1, 1)), habit, any_action)
-        return np.where(rng.random((self.worlds, 1, 1)) < ALIKE, actions[:, :, :1], actions).astype(np.int32)
+        actions = np.where(
+            rng.random(shape) < rng.choice(HABITS, (self.worlds, 1, 1)), habit, any_action
+        )
+        return np.where(rng.random((self.worlds, 1, 1)) < ALIKE, actions[:, :, :1], actions).astype(
+            np.int32
+        )
 
-    def _wrong(self, worlds: Worlds, played: "Played") -> tuple[list[tuple[int, np.ndarray]], np.ndarray]:
+    def _wrong(
+        self, worlds: Worlds, played: "Played"
+    ) -> tuple[list[tuple[int, np.ndarray]], np.ndarray]:
         """Returns the steps `[B, STEPS]` in which each check is violated, and the worlds `[B, K]` in which a `once` applies from now on."""
         live, triggered = ~played.was_over, worlds.triggered.copy()
         wrong, at = [(FLOATS, live & ~played.finite)], 0
@@ -172,11 +203,16 @@ class WorldSearch:
                 case "conserved":
                     bad = ~np.isclose(values, first, DRIFT, DRIFT)[:, :, 0]
                 case "once":
-                    holds = np.logical_or.accumulate(live & (values[:, :, 0] != 0), 1) | triggered[:, i, None]
+                    holds = (
+                        np.logical_or.accumulate(live & (values[:, :, 0] != 0), 1)
+                        | triggered[:, i, None]
+                    )
                     self.triggered |= {number} if holds.any() else set()
                     triggered[:, i], bad = holds[:, -1], holds & (values[:, :, 1] == 0)
                 case _:
-                    bad = _wrong_ways(np.concatenate([first, values], 1), check.words[0] == "rising")
+                    bad = _wrong_ways(
+                        np.concatenate([first, values], 1), check.words[0] == "rising"
+                    )
             wrong.append((number, live & bad & played.finite.cumprod(1, dtype=bool)))
         return wrong, triggered
 
@@ -186,11 +222,19 @@ class WorldSearch:
         past = list[tuple[Bias, tuple[int, ...]]]()
         while node >= 0:
             one, i = self._past[node // self.worlds], node % self.worlds
-            past = [(BIASES[one.bias[i]], tuple(actions)) for actions in one.actions[i].tolist()] + past
+            past = [
+                (BIASES[one.bias[i]], tuple(actions)) for actions in one.actions[i].tolist()
+            ] + past
             node = int(one.before[i])
         past = past[: len(past) - STEPS + steps]
         bias, actions = tuple(bias for bias, _ in past), tuple(actions for _, actions in past)
-        return Scenario(self.effort.seed, int(worlds.episode[world]), self._sets[worlds.given[world]], bias, actions)
+        return Scenario(
+            self.effort.seed,
+            int(worlds.episode[world]),
+            self._sets[worlds.given[world]],
+            bias,
+            actions,
+        )
 
 
 class Archive:
@@ -204,7 +248,9 @@ class Archive:
         """Keeps a world of each summary; where there is no more room, in place of those that were seen most often."""
         summaries, at, times = np.unique(summary[which], return_index=True, return_counts=True)
         if self.worlds is None:
-            self.worlds = jax.tree.map(lambda x: np.zeros((self._most, *x.shape[1:]), x.dtype), worlds)
+            self.worlds = jax.tree.map(
+                lambda x: np.zeros((self._most, *x.shape[1:]), x.dtype), worlds
+            )
         new = [s for s in summaries.tolist() if s not in self.rows]
         if more := max(0, len(self.rows) + len(new) - self._most):
             names = list(self.rows)
@@ -259,51 +305,101 @@ class Program:
         self._segment = jax.jit(jax.vmap(self._played))
         self._start = jax.jit(jax.vmap(self._play.begin))
 
-    def begin(self, sets: Sequence[tuple[tuple[str, Any], ...]], given: np.ndarray, episode: np.ndarray, seed: int) -> Worlds:
+    def begin(
+        self,
+        sets: Sequence[tuple[tuple[str, Any], ...]],
+        given: np.ndarray,
+        episode: np.ndarray,
+        seed: int,
+    ) -> Worlds:
         """Returns the first states of some episodes, with these parameters."""
         own = self._play.env.params
         names = {p.name: param_attribute(p.name) for p in self._game.params}
         types = {p.name: p.type for p in self._game.params}
         different = [{names[n]: _stored(value, types[n]) for n, value in one} for one in sets]
         values = {
-            name: [np.asarray(one.get(name, getattr(own, name)), getattr(own, name).dtype) for one in different] for name in names.values()
+            name: [
+                np.asarray(one.get(name, getattr(own, name)), getattr(own, name).dtype)
+                for one in different
+            ]
+            for name in names.values()
         }
         params = replace(own, **{name: np.stack(value) for name, value in values.items()})
-        state, totals, first = jax.tree.map(np.array, self._start(params, episode_keys(seed, episode)))
+        state, totals, first = jax.tree.map(
+            np.array, self._start(params, episode_keys(seed, episode))
+        )
         triggered = np.zeros((len(episode), self._checks), np.bool_)
-        return Worlds(state, totals, params, first, triggered, given, episode, np.full(len(episode), -1))
+        return Worlds(
+            state, totals, params, first, triggered, given, episode, np.full(len(episode), -1)
+        )
 
     def play(self, worlds: Worlds, bias: np.ndarray, seed: int, actions: np.ndarray) -> Played:
         """Plays STEPS steps of each world."""
-        played = self._segment(worlds.state, worlds.totals, worlds.params, episode_keys(seed, worlds.episode), bias, actions)
+        played = self._segment(
+            worlds.state,
+            worlds.totals,
+            worlds.params,
+            episode_keys(seed, worlds.episode),
+            bias,
+            actions,
+        )
         return Played(*jax.tree.map(np.array, played))
 
-    def _played(self, state: Any, totals: dict[str, Array], params: Any, key: Array, bias: Array, actions: Array) -> tuple[Any, ...]:
+    def _played(
+        self,
+        state: Any,
+        totals: dict[str, Array],
+        params: Any,
+        key: Array,
+        bias: Array,
+        actions: Array,
+    ) -> tuple[Any, ...]:
         def advance(carry: Any, chosen: Array) -> Any:
             before, earlier, over = carry
             after = self._play.step(before, earlier, params, key, bias, chosen)
             ran = jnp.array([after.events[name] > 0 for name in self._play.counted], bool) & ~over
-            state, totals = jax.tree.map(lambda old, new: jnp.where(over, old, new), (before, earlier), (after.state, after.totals))
+            state, totals = jax.tree.map(
+                lambda old, new: jnp.where(over, old, new),
+                (before, earlier),
+                (after.state, after.totals),
+            )
             return (state, totals, over | after.over), (after.values, over, after.finite, ran)
 
-        (state, totals, over), (values, was_over, finite, ran) = jax.lax.scan(advance, (state, totals, jnp.bool_(False)), actions)
-        return state, totals, over, values, was_over, finite, ran.any(0), self._summary(state, values[-1], ran.any(0), params)
+        (state, totals, over), (values, was_over, finite, ran) = jax.lax.scan(
+            advance, (state, totals, jnp.bool_(False)), actions
+        )
+        return (
+            state,
+            totals,
+            over,
+            values,
+            was_over,
+            finite,
+            ran.any(0),
+            self._summary(state, values[-1], ran.any(0), params),
+        )
 
     def _summary(self, state: Any, values: Array, ran: Array, params: Any) -> Array:
         """Returns a hash of a state: its fields, the kinds on which agents and movers are, what checks read, the part of the episode; and of what ran."""
         sorts = body_sorts(self._game)
         places = {attribute_of("position", sort) for sort in sorts}
-        left_out = {attribute_of(name, sort) for name in ("heading", "moved", "away", "away_pool", "away_facing") for sort in sorts} | {
-            "step"
-        }
+        left_out = {
+            attribute_of(name, sort)
+            for name in ("heading", "moved", "away", "away_pool", "away_facing")
+            for sort in sorts
+        } | {"step"}
         age = state.step * AGES // jnp.maximum(1, self._module.episode_length(params))
         parts = [age, _some(jnp.where(jnp.isfinite(values), values, 0)), ran]
         for name in state.__dataclass_fields__:
             if name not in left_out and not name.startswith("mark_"):
                 held = getattr(state, name)
                 parts.append(_counts(_some(self._kinds[held] if name in places else held)))
-        numbers = jnp.concatenate([part.reshape(-1).astype(jnp.int32) for part in parts]).astype(jnp.uint32)
-        factors = np.random.default_rng(0).integers(0, 2**32, numbers.size, np.uint32) | np.uint32(1)
+        numbers = jnp.concatenate([part.reshape(-1).astype(jnp.int32) for part in parts]).astype(
+            jnp.uint32
+        )
+        factors = np.random.default_rng(0).integers(0, 2**32, numbers.size, np.uint32) | np.uint32(
+            1
+        )
         mixed = (numbers + np.uint32(COUNTED)) * factors
         return jnp.sum((mixed ^ (mixed >> 15)) * np.uint32(0x9E3779B1))
 

@@ -25,7 +25,9 @@ KEPT = 4096  # pictures of cells, and as many of figures
 STEPS = np.array(DIRECTIONS)
 
 
-def draw_board(look: Look, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None) -> np.ndarray:
+def draw_board(
+    look: Look, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None
+) -> np.ndarray:
     """Returns the board of one moment, `[H * tile, W * tile, 3]` uint8; the arguments are those of `appearance_of`."""
     seen, size = appearance_of(look, snapshot, actions, before), look.tile
     tiles = np.stack([draw_tile(drawing, size) for drawing in seen.drawings])
@@ -59,14 +61,23 @@ def draw_figure(figure: Figure | Beam, size: int) -> np.ndarray:
         side = size * FINE
         image = Image.new("RGBA", (side, side))
         pen, font = ImageDraw.Draw(image), ImageFont.load_default(side * height)
-        pen.text((side * x, side * y), str(figure.number), (*number_ink(figure), 255), font, anchor="mm", stroke_width=FINE / 5)
+        pen.text(
+            (side * x, side * y),
+            str(figure.number),
+            (*number_ink(figure), 255),
+            font,
+            anchor="mm",
+            stroke_width=FINE / 5,
+        )
         picture.alpha_composite(image.resize((size, size), Image.Resampling.BOX))
     return np.asarray(picture)
 
 
 def _rasterised(svg: str) -> Image.Image:
     """Returns SVG as pixels with opacity, as many as it says."""
-    return Image.open(BytesIO(bytes(svg_to_bytes(svg_string=svg, skip_system_fonts=True)))).convert("RGBA")
+    return Image.open(BytesIO(bytes(svg_to_bytes(svg_string=svg, skip_system_fonts=True)))).convert(
+        "RGBA"
+    )
 
 
 def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile: int) -> np.ndarray:
@@ -77,7 +88,9 @@ def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile:
       tile: pixels of a cell's side.
     """
     height, width = board.shape[0] // tile, board.shape[1] // tile
-    tiles = np.zeros((height + 1, width + 1, tile, tile, 3), np.uint8)  # the last row and column are off the map
+    tiles = np.zeros(
+        (height + 1, width + 1, tile, tile, 3), np.uint8
+    )  # the last row and column are off the map
     tiles[:height, :width] = board.reshape(height, tile, width, tile, 3).swapaxes(1, 2)
     ahead = np.arange(window.ahead, -window.behind - 1, -1)[:, None, None]
     right = np.arange(-window.left, window.right + 1)[None, :, None]
@@ -100,4 +113,6 @@ def where_seen(seen: np.ndarray, windows: np.ndarray) -> np.ndarray:
     """
     number, rows, cols = seen.shape
     cells = (number, rows, windows.shape[1] // rows, cols, windows.shape[2] // cols, 3)
-    return np.where(seen[:, :, None, :, None, None], windows.reshape(cells), 0).reshape(windows.shape)
+    return np.where(seen[:, :, None, :, None, None], windows.reshape(cells), 0).reshape(
+        windows.shape
+    )

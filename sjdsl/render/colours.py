@@ -30,7 +30,9 @@ def hexadecimal(colour: Colour) -> str:
     return "#{:02x}{:02x}{:02x}".format(*colour)
 
 
-_LOOKS = tomllib.loads(files("sjdsl.render").joinpath("looks.toml").read_text(encoding="utf-8"))  # where each list is explained
+_LOOKS = tomllib.loads(
+    files("sjdsl.render").joinpath("looks.toml").read_text(encoding="utf-8")
+)  # where each list is explained
 
 
 def _by_name(table: str) -> dict[str, Colour]:
@@ -49,17 +51,35 @@ def _alike(table: str) -> dict[str, str]:
 WORDS = {name: read_colour(name) for name in NAMED} | _by_name("words")
 SPRITES, KINDS = _by_name("sprites"), _by_name("kinds")
 ALIKE, PICTURED = _alike("alike"), _alike("pictured")
-TILES, SOLID_TILES, MARKS, INKS, TINTS, AGENTS = map(_in_order, ("tiles", "solid_tiles", "marks", "inks", "tints", "agents"))
-COVERING = frozenset({"wall", "water", "block", "table", "door"})  # sprites that leave nothing of the ground
+TILES, SOLID_TILES, MARKS, INKS, TINTS, AGENTS = map(
+    _in_order, ("tiles", "solid_tiles", "marks", "inks", "tints", "agents")
+)
+COVERING = frozenset(
+    {"wall", "water", "block", "table", "door"}
+)  # sprites that leave nothing of the ground
 FILLING = COVERING | {"floor"}  # sprites as large as their cell; the others stand in it
-SHAPES = ("disc", "diamond", "square", "triangle", "ring", "cross", "hexagon", "wedge")  # sprites of words that have none of their own
+SHAPES = (
+    "disc",
+    "diamond",
+    "square",
+    "triangle",
+    "ring",
+    "cross",
+    "hexagon",
+    "wedge",
+)  # sprites of words that have none of their own
 
-PLANTS = frozenset({"tree", "bush", "shrub", "oak", "hedge", "plant"})  # kinds that are told apart by what grows on one ground
+PLANTS = frozenset(
+    {"tree", "bush", "shrub", "oak", "hedge", "plant"}
+)  # kinds that are told apart by what grows on one ground
 
 # Words that are colours: a field with no others shows its first word like the rest.
 COLOURS = frozenset({*NAMED, "gray"})
 
-BARS = (INKS[7], *INKS[1:4])  # of the numbers of a cell, in order: at its foot, its head, its left and its right side
+BARS = (
+    INKS[7],
+    *INKS[1:4],
+)  # of the numbers of a cell, in order: at its foot, its head, its left and its right side
 
 OUTSIDE: Colour = (250, 250, 250)
 PALE: Colour = (214, 216, 220)  # of nobody's beam
@@ -80,7 +100,9 @@ def kind_colours(game: ir.Game, plain: tuple[str, ...] = (), main: str = "") -> 
             colours[kind.name] = KINDS["ground"]
             continue
         parts = [ALIKE.get(part, part) for part in reversed(kind.name.split("_"))]
-        wanted = [KINDS[part] for part in parts if part in KINDS] + [KINDS["sea"]] * ("water" in parts)
+        wanted = [KINDS[part] for part in parts if part in KINDS] + [KINDS["sea"]] * (
+            "water" in parts
+        )
         free = [colour for colour in (*wanted, *palette) if colour not in colours.values()]
         colours[kind.name] = (free or palette)[0]
     return colours | dict.fromkeys(plain, colours.get(main, TILES[0]))
@@ -95,8 +117,13 @@ def word_colours(words: tuple[str, ...], inks: tuple[Colour, ...] = INKS) -> tup
     """Returns a colour for each word of a field; the first is plain and its colour only counts where all words have one."""
     spare = [ink for ink in inks if ink not in {WORDS.get(word) for word in words}]
     others = [word for word in words[1:] if word not in WORDS]
-    numbers = {word: number for number, word in enumerate([*others, *(w for w in words[:1] if w not in WORDS)])}
-    return tuple(WORDS[word] if word in WORDS else spare[numbers[word] % len(spare)] for word in words)
+    numbers = {
+        word: number
+        for number, word in enumerate([*others, *(w for w in words[:1] if w not in WORDS)])
+    }
+    return tuple(
+        WORDS[word] if word in WORDS else spare[numbers[word] % len(spare)] for word in words
+    )
 
 
 def mark_colours(labels: tuple[str, ...]) -> tuple[Colour, ...]:
@@ -104,7 +131,9 @@ def mark_colours(labels: tuple[str, ...]) -> tuple[Colour, ...]:
     colours: list[Colour] = []
     for label in labels:
         free = [colour for colour in MARKS if colour not in colours]
-        natural = next((WORDS[part] for part in re.split(r"[^a-z0-9]+", label) if part in WORDS), None)
+        natural = next(
+            (WORDS[part] for part in re.split(r"[^a-z0-9]+", label) if part in WORDS), None
+        )
         colours.append(natural if natural and natural not in colours else (free or MARKS)[0])
     return tuple(colours)
 

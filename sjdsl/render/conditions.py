@@ -5,7 +5,14 @@ from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import number_text
 
-COMPARED = {"==": "{} {}", "!=": "{} not {}", "<": "{} under {}", "<=": "{} at most {}", ">": "{} over {}", ">=": "{} at least {}"}
+COMPARED = {
+    "==": "{} {}",
+    "!=": "{} not {}",
+    "<": "{} under {}",
+    "<=": "{} at most {}",
+    ">": "{} over {}",
+    ">=": "{} at least {}",
+}
 OF_ROW = {"sum": "all {}", "min": "least {}", "max": "most {}"}
 
 
@@ -28,7 +35,9 @@ def _part(e: ir.Expr) -> str:
             return f"not {' or '.join(words)}"
         case ir.Same(left=left, right=ir.Nobody() | ir.Nowhere()) | ir.IsEmpty(container=left):
             return f"no {_value(left)}"
-        case ir.Not(value=ir.Same(left=left, right=ir.Nobody() | ir.Nowhere()) | ir.IsEmpty(container=left)):
+        case ir.Not(
+            value=ir.Same(left=left, right=ir.Nobody() | ir.Nowhere()) | ir.IsEmpty(container=left)
+        ):
             return _value(left)
         case ir.Same(left=left, right=right):
             return f"{_value(left)} same as {_value(right)}"
@@ -38,7 +47,9 @@ def _part(e: ir.Expr) -> str:
             return _value(entry)
         case ir.Compare(fn=">" | "==" as fn, left=left, right=ir.Number(value=0)):
             return f"{'some' if fn == '>' else 'no'} {_value(left)}"
-        case ir.Compare(fn=">" | "<" as fn, left=ir.At(row=row, key=one), right=ir.At(row=same, key=other)) if form(row) == form(same):
+        case ir.Compare(
+            fn=">" | "<" as fn, left=ir.At(row=row, key=one), right=ir.At(row=same, key=other)
+        ) if form(row) == form(same):
             return f"{_value(row)}: {'more' if fn == '>' else 'less'} {_value(one)} than {_value(other)}"
         case ir.Compare(fn=fn, left=left, right=right):
             return COMPARED[fn].format(_value(left), _value(right))

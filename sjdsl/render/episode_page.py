@@ -57,11 +57,18 @@ def make_page(game: ir.Game, moments: Iterable[Moment], speed: float = SPEED) ->
     data = {**episode_data(game, moments), "speed": speed}
     # JSON that ends no script element, whatever texts a game has
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True, keep_trailing_newline=True)
+    environment = jinja2.Environment(
+        undefined=jinja2.StrictUndefined, autoescape=True, keep_trailing_newline=True
+    )
     page = environment.from_string(_asset("episode.html"))
     script = "\n".join(map(_asset, SCRIPTS))
     return EpisodePage(
-        page.render(title=data["title"], style=Markup(_asset("episode.css")), data=Markup(text), script=Markup(script)),  # as they are
+        page.render(
+            title=data["title"],
+            style=Markup(_asset("episode.css")),
+            data=Markup(text),
+            script=Markup(script),
+        ),  # as they are
     )
 
 
@@ -124,18 +131,28 @@ class Artist:
         self._before = shot
         numbers = np.array([self.picture_of(vector_tile(drawing)) for drawing in seen.drawings])
         cells = numbers[seen.cells].reshape(-1)
-        changed = np.arange(cells.size) if self._last is None else np.flatnonzero(cells != self._last)
+        changed = (
+            np.arange(cells.size) if self._last is None else np.flatnonzero(cells != self._last)
+        )
         self._last = cells
-        self.colours = [hexadecimal(figure.colour) for figure in draw_figures(self.look, shot)["agent"]]
+        self.colours = [
+            hexadecimal(figure.colour) for figure in draw_figures(self.look, shot)["agent"]
+        ]
         return {
             "step": shot.step,
             "cells": np.stack([changed, cells[changed]], axis=1).reshape(-1).tolist(),
-            "figures": [[self.picture_of(vector_figure(figure)), row, col] for figure, row, col in seen.figures],
+            "figures": [
+                [self.picture_of(vector_figure(figure)), row, col]
+                for figure, row, col in seen.figures
+            ],
             "actions": list(moment.actions),
             "rewards": _rounded(moment.reward),
             "returns": _rounded(shot.returns),
             "held": [self._held(shot, agent) for agent in range(self.look.num_agents)],
-            "own": [[[r.name, r.text(shot, agent)] for r in self.look.own] for agent in range(self.look.num_agents)],
+            "own": [
+                [[r.name, r.text(shot, agent)] for r in self.look.own]
+                for agent in range(self.look.num_agents)
+            ],
             "world": [[reading.name, reading.text(shot)] for reading in self.look.world],
             "events": [[name, np.asarray(count).tolist()] for name, count in moment.events.items()],
             "done": moment.done,
@@ -144,14 +161,26 @@ class Artist:
     def _held(self, snapshot: Snapshot, agent: int) -> list[list[Any]]:
         names = [row.name for row in self.look.held for _ in row.words]
         things = zip(names, held_entries(self.look, snapshot, agent), strict=True)
-        figures = [(name, Figure(None, thing.colour, thing.sprite), amount) for name, (thing, amount) in things if amount]
-        return [[name, self.picture_of(vector_figure(figure)), amount] for name, figure, amount in figures]
+        figures = [
+            (name, Figure(None, thing.colour, thing.sprite), amount)
+            for name, (thing, amount) in things
+            if amount
+        ]
+        return [
+            [name, self.picture_of(vector_figure(figure)), amount]
+            for name, figure, amount in figures
+        ]
 
     def legend(self, shown: Sequence[Snapshot] | None = None) -> list[list[Any]]:
         """Returns what can be seen on the board, or is in one of the moments that are shown: [picture, text]."""
         entries = legend_entries(self.look, shown)
         return [
-            [self.picture_of(vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER)), text]
+            [
+                self.picture_of(
+                    vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER)
+                ),
+                text,
+            ]
             for seen, text in entries
         ]
 

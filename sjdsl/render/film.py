@@ -37,7 +37,9 @@ class Painter:
     status: Status
     legend: Image.Image
 
-    def draw(self, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None) -> Image.Image:
+    def draw(
+        self, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None
+    ) -> Image.Image:
         """Returns the picture of one moment; all pictures of a game have the same size.
 
         Args:
@@ -46,7 +48,9 @@ class Painter:
         """
         board = Image.fromarray(draw_board(self.look, snapshot, actions, before))
         status = self.status.draw(snapshot)
-        picture = Image.new("RGB", (self.width, board.height + status.height + self.legend.height), OUTSIDE)
+        picture = Image.new(
+            "RGB", (self.width, board.height + status.height + self.legend.height), OUTSIDE
+        )
         picture.paste(board, ((self.width - board.width) // 2, 0))
         picture.paste(status, (0, board.height))
         picture.paste(self.legend, (0, board.height + status.height))
@@ -65,7 +69,9 @@ def draw_film(env: Environment, moments: Iterable[Moment]) -> Iterator[Image.Ima
     kept = list(moments)
     painter = make_painter(env, [moment.snapshot for moment in kept])
     for before, moment in zip([None, *kept], kept, strict=False):
-        yield painter.draw(moment.snapshot, moment.actions, None if before is None else before.snapshot)
+        yield painter.draw(
+            moment.snapshot, moment.actions, None if before is None else before.snapshot
+        )
 
 
 def draw_legend(look: Look, width: int, shown: Sequence[Snapshot] | None = None) -> Image.Image:
@@ -89,20 +95,34 @@ def draw_legend(look: Look, width: int, shown: Sequence[Snapshot] | None = None)
     for number, line in enumerate(lines):
         for left, swatch, text in line:
             strip.paste(Image.fromarray(swatch), (left, number * LINE + 2))
-            pen.text((left + SWATCH + 4, number * LINE + 2 + SWATCH // 2), text, INK, FONT, anchor="lm")
+            pen.text(
+                (left + SWATCH + 4, number * LINE + 2 + SWATCH // 2), text, INK, FONT, anchor="lm"
+            )
     return strip
 
 
-def save_gif(frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS) -> None:
+def save_gif(
+    frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS
+) -> None:
     """Writes frames as an endless GIF with one palette, so that what does not change does not flicker."""
     palette = _palette(frames)
     plain = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     durations = [milliseconds] * (len(plain) - 1) + [8 * milliseconds]
     with written_whole(Path(path)) as file:
-        plain[0].save(file, format="GIF", save_all=True, append_images=plain[1:], duration=durations, loop=0, optimize=True)
+        plain[0].save(
+            file,
+            format="GIF",
+            save_all=True,
+            append_images=plain[1:],
+            duration=durations,
+            loop=0,
+            optimize=True,
+        )
 
 
-def save_mp4(frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS) -> None:
+def save_mp4(
+    frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS
+) -> None:
     """Writes frames as an H.264 film. Raises ModuleNotFoundError without the package `av` (`sjdsl[video]`)."""
     with needs("video"):
         import av
@@ -112,7 +132,11 @@ def save_mp4(frames: Sequence[Image.Image], path: Path | str, milliseconds: int 
         stream = film.add_stream("libx264", rate=Fraction(1000, milliseconds))
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
         for frame in frames:
-            film.mux(stream.encode(av.VideoFrame.from_image(frame.convert("RGB").crop((0, 0, width, height)))))
+            film.mux(
+                stream.encode(
+                    av.VideoFrame.from_image(frame.convert("RGB").crop((0, 0, width, height)))
+                )
+            )
         film.mux(stream.encode())
 
 

@@ -29,7 +29,10 @@ class Letters:
 
     def legend(self) -> list[str]:
         """Returns what each character stands for: `r soil: ripe`."""
-        cells = [f"{sign} {kind}: {', '.join(state)}" if state else f"{sign} {kind}" for (kind, state), sign in self.characters.items()]
+        cells = [
+            f"{sign} {kind}: {', '.join(state)}" if state else f"{sign} {kind}"
+            for (kind, state), sign in self.characters.items()
+        ]
         return [*cells, *(f"{character} {sort}" for sort, character in self.movers.items())]
 
     def legend_line(self) -> str:
@@ -39,7 +42,10 @@ class Letters:
     def states(self, board: Board, snapshot: Snapshot) -> Iterator[tuple[Cell, str, int, State]]:
         """Yields each cell of the map with its kind, its number among the cells of its kind, and the words of its shown fields."""
         for kind, cells in board.cells.items():
-            words = [[f.type.words[number] for number in snapshot.values[f"{kind}_{f.name}"].tolist()] for f in self.shown[kind]]
+            words = [
+                [f.type.words[number] for number in snapshot.values[f"{kind}_{f.name}"].tolist()]
+                for f in self.shown[kind]
+            ]
             for number, cell in enumerate(cells):
                 yield cell, kind, number, tuple(word[number] for word in words)
 
@@ -50,11 +56,15 @@ def make_letters(game: ir.Game) -> Letters:
     shown: dict[str, tuple[ir.VarField, ...]] = {}
     for kind in game.kinds:
         fields = tuple(f for f in kind.fields if f.type.kind == "word" and not f.type.by)
-        shown[kind.name] = fields if prod(len(f.type.words) for f in fields) <= STATES else fields[:1]
+        shown[kind.name] = (
+            fields if prod(len(f.type.words) for f in fields) <= STATES else fields[:1]
+        )
     movers = {sort.name: sort.glyph for sort in game.movers}
     for meaning in game.glyphs:
         starts = starts_of(game, meaning)
-        characters.setdefault((meaning.kind, tuple(str(starts[f.name]) for f in shown[meaning.kind])), meaning.glyph)
+        characters.setdefault(
+            (meaning.kind, tuple(str(starts[f.name]) for f in shown[meaning.kind])), meaning.glyph
+        )
     for name, fields in shown.items():
         base = next((state for (kind, state) in characters if kind == name), ("",) * len(fields))
         for state in product(*(f.type.words for f in fields)):
@@ -67,7 +77,9 @@ def make_letters(game: ir.Game) -> Letters:
 def _free(words: Sequence[str], used: Collection[str]) -> str:
     """Returns a character that is not used: the first letter of a word, small or large, one of its others, or any."""
     letters = "".join(word[0] + word[0].upper() for word in words) + "".join(words) + SPARE
-    return next((c for c in letters if c not in used and c not in ARROWS and c.isalnum()), NONE_LEFT)
+    return next(
+        (c for c in letters if c not in used and c not in ARROWS and c.isalnum()), NONE_LEFT
+    )
 
 
 def draw(letters: Letters, board: Board, world: World) -> list[str]:
@@ -84,7 +96,9 @@ def board_rows(letters: Letters, board: Board, snapshot: Snapshot) -> list[str]:
     return [f"{line}  {' '.join(map(str, numbers))}".rstrip() for line, numbers in lines]
 
 
-def with_figures(rows: list[list[str]], snapshot: Snapshot, movers: Mapping[str, str], arrows: str) -> list[tuple[str, tuple[int, ...]]]:
+def with_figures(
+    rows: list[list[str]], snapshot: Snapshot, movers: Mapping[str, str], arrows: str
+) -> list[tuple[str, tuple[int, ...]]]:
     """Returns each row of cells with agents and movers on them, and the numbers of its agents from left to right.
 
     Args:
@@ -97,4 +111,7 @@ def with_figures(rows: list[list[str]], snapshot: Snapshot, movers: Mapping[str,
         rows[row][col] = arrows[snapshot.heading[number]] if sort == "agent" else movers[sort]
         if sort == "agent":
             beside[row].append((col, number))
-    return [("".join(row), tuple(agent for _, agent in sorted(own))) for row, own in zip(rows, beside, strict=True)]
+    return [
+        ("".join(row), tuple(agent for _, agent in sorted(own)))
+        for row, own in zip(rows, beside, strict=True)
+    ]

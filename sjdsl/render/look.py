@@ -9,7 +9,13 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
-from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph, marking_phases, title_of, written_field
+from sjdsl.compiler.ir.queries import (
+    blocks_always,
+    kinds_by_glyph,
+    marking_phases,
+    title_of,
+    written_field,
+)
 from sjdsl.render.colours import (
     COLOURS,
     INKS,
@@ -26,7 +32,16 @@ from sjdsl.render.colours import (
 from sjdsl.render.colours import word_colours as colours_of
 from sjdsl.render.conditions import in_words
 from sjdsl.render.readings import Reading, agent_readings, world_readings
-from sjdsl.render.usual import Picture, is_taken, main_kind, named_sprite, spawn_kinds, usual_body, usual_movers, usual_words
+from sjdsl.render.usual import (
+    Picture,
+    is_taken,
+    main_kind,
+    named_sprite,
+    spawn_kinds,
+    usual_body,
+    usual_movers,
+    usual_words,
+)
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
@@ -66,7 +81,9 @@ class FieldLook:
 
     def is_drawn(self, word: int) -> bool:
         """Returns whether a shape or a tint shows this word: all but the plain one, and that, too, if it is a colour like all others."""
-        shown = word != self.plain or (self.words[word] in WORDS if self.sort == "tint" else set(self.words) <= COLOURS)
+        shown = word != self.plain or (
+            self.words[word] in WORDS if self.sort == "tint" else set(self.words) <= COLOURS
+        )
         return shown and self.words[word] not in self.left_out
 
 
@@ -160,7 +177,11 @@ def make_look(game: ir.Game) -> Look:
     colour_field, seen = _colour_field(game), seen_fields(game)
     words = () if colour_field is None else colour_field.type.words
     rules = tuple(_rule(look) for look in game.looks if look.what == "agent")
-    fields = [field for field in game.agents.fields if field is not colour_field and ("agent", field.name) in seen]
+    fields = [
+        field
+        for field in game.agents.fields
+        if field is not colour_field and ("agent", field.name) in seen
+    ]
     carried = tuple(_apart(_carried(fields, "agent", rules, game), carried=True))
     held = tuple(_held(fields, game))
     coloured = () if colour_field is None else (colour_field,)
@@ -172,9 +193,14 @@ def make_look(game: ir.Game) -> Look:
         tile=max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE)),
         kinds=tuple(_kind_looks(game)),
         marks=tuple(zip(labels, mark_colours(labels), strict=True)),
-        acting={phase.label: tuple(sorted(_marking_actions(phase, game))) for phase in marking_phases(game)},
+        acting={
+            phase.label: tuple(sorted(_marking_actions(phase, game)))
+            for phase in marking_phases(game)
+        },
         actions=tuple(game.agents.actions),
-        colour_field=None if colour_field is None else (f"agent_{colour_field.name}", colours_of(words)),
+        colour_field=None
+        if colour_field is None
+        else (f"agent_{colour_field.name}", colours_of(words)),
         roles=words,
         roles_in_looks=frozenset() if colour_field is None else words_in_looks(colour_field, rules),
         carried=carried,
@@ -189,7 +215,13 @@ def make_look(game: ir.Game) -> Look:
                 name=sort.name,
                 sprite=body.sprite,
                 colour=body.colour,
-                rules=(own := tuple(_rule(look) for look in game.looks if look.what == "mover" and look.name == sort.name)),
+                rules=(
+                    own := tuple(
+                        _rule(look)
+                        for look in game.looks
+                        if look.what == "mover" and look.name == sort.name
+                    )
+                ),
                 carried=tuple(_apart(_carried_by(sort, seen, own, game), carried=True)),
             )
             for sort, body in zip(game.movers, usual_movers(game), strict=True)
@@ -205,8 +237,16 @@ def seen_fields(game: ir.Game) -> frozenset[tuple[str, str]]:
     found: set[tuple[str, str]] = set()
     for observable in game.observables:
         if observable.what in ("cell", "mover"):
-            read = (node for label in observable.labels for node in ir.walk(label) if isinstance(node, ir.FieldRead))
-            found |= {(observable.kind, observable.field), *((kind, node.name) for node in read for kind in _kinds_of(node.owner))}
+            read = (
+                node
+                for label in observable.labels
+                for node in ir.walk(label)
+                if isinstance(node, ir.FieldRead)
+            )
+            found |= {
+                (observable.kind, observable.field),
+                *((kind, node.name) for node in read for kind in _kinds_of(node.owner)),
+            }
         elif observable.what in ("own", "other", "everyone"):
             found.add(("agent", observable.field))
     return frozenset(found)
@@ -214,14 +254,26 @@ def seen_fields(game: ir.Game) -> frozenset[tuple[str, str]]:
 
 def merged_words(kind: str, field: ir.VarField, game: ir.Game) -> frozenset[str]:
     """Returns the words of a field of cells that agents can't tell apart: they see only labels, and no label reads these words."""
-    seen = [observable for observable in game.observables if observable.what == "cell" and observable.kind == kind]
-    if field.type.kind != "word" or any(observable.field == field.name and not observable.labels for observable in seen):
+    seen = [
+        observable
+        for observable in game.observables
+        if observable.what == "cell" and observable.kind == kind
+    ]
+    if field.type.kind != "word" or any(
+        observable.field == field.name and not observable.labels for observable in seen
+    ):
         return frozenset()
-    conditions = [label.condition for observable in seen for label in observable.labels if label.condition is not None]
+    conditions = [
+        label.condition
+        for observable in seen
+        for label in observable.labels
+        if label.condition is not None
+    ]
     nodes = [node for condition in conditions for node in ir.walk(condition)]
     asking = [node for node in nodes if isinstance(node, ir.Same | ir.InWords) and _words(node)]
     reads, worded = (
-        sum(isinstance(n, ir.FieldRead) and n.name == field.name for n in some) for some in (nodes, map(_compared_value, asking))
+        sum(isinstance(n, ir.FieldRead) and n.name == field.name for n in some)
+        for some in (nodes, map(_compared_value, asking))
     )
     rest = {*field.type.words} - {word for node in asking for word in _words(node)}
     return frozenset(rest) if len(rest) > 1 and reads == worded else frozenset()
@@ -239,7 +291,9 @@ def _kinds_of(owner: ir.Expr | None) -> tuple[str, ...]:
     return owner.sort.names if isinstance(owner, ir.Member) and owner.sort.what == "cell" else ()
 
 
-def _marking_actions(node: ir.Node, game: ir.Game, chosen: frozenset[int] = frozenset()) -> Iterator[int]:
+def _marking_actions(
+    node: ir.Node, game: ir.Game, chosen: frozenset[int] = frozenset()
+) -> Iterator[int]:
     """Yields the numbers of the actions with which agents mark in a part of the rules. chosen: those that the conditions around it require."""
     if isinstance(node, ir.Mark):
         yield from chosen
@@ -248,7 +302,11 @@ def _marking_actions(node: ir.Node, game: ir.Game, chosen: frozenset[int] = froz
         if isinstance(read, ir.Chose):
             chosen |= {read.action}
         elif isinstance(read, ir.ChoseWith):
-            chosen |= {number for number, name in enumerate(game.agents.actions) if name.split("(")[0] == read.action}
+            chosen |= {
+                number
+                for number, name in enumerate(game.agents.actions)
+                if name.split("(")[0] == read.action
+            }
     for part in ir.children(node):
         if isinstance(part, ir.Statement | ir.Branch):
             yield from _marking_actions(part, game, chosen)
@@ -268,7 +326,9 @@ def _kind_looks(game: ir.Game) -> Iterator[KindLook]:
             shapes = 0
             for field in kind.fields:
                 is_row = bool(field.type.by) and field.type.kind not in ("int", "real")
-                is_read = field.type.kind != "word" and any(field.name in rule.reads for rule in rules)
+                is_read = field.type.kind != "word" and any(
+                    field.name in rule.reads for rule in rules
+                )
                 if (kind.name, field.name) in seen and not (field.timer or is_row or is_read):
                     tinted = any(other.sort == "tint" for other in fields)
                     left_out = words_in_looks(field, rules) | merged_words(kind.name, field, game)
@@ -277,7 +337,17 @@ def _kind_looks(game: ir.Game) -> Iterator[KindLook]:
             fields = list(_apart(fields))
             ground, starting = grounds[kind.name], kind.name in spawns
             body = usual_body(kind, ground, spawns)
-            yield KindLook(kind.name, ground, body, blocks_always(kind), tuple(fields), rules, rows, cols, starting)
+            yield KindLook(
+                kind.name,
+                ground,
+                body,
+                blocks_always(kind),
+                tuple(fields),
+                rules,
+                rows,
+                cols,
+                starting,
+            )
 
 
 def _rule(look: ir.Look) -> Rule:
@@ -286,7 +356,11 @@ def _rule(look: ir.Look) -> Rule:
     if badge is not None:
         sprite = badge.sprite or "disc"
         shown = Picture(sprite, read_colour(badge.colour) if badge.colour else SPRITES[sprite])
-    read = () if look.condition is None else [node.name for node in ir.walk(look.condition) if isinstance(node, ir.FieldRead)]
+    read = (
+        ()
+        if look.condition is None
+        else [node.name for node in ir.walk(look.condition) if isinstance(node, ir.FieldRead)]
+    )
     return Rule(
         condition=look.condition,
         reads=frozenset(read),
@@ -299,8 +373,15 @@ def _rule(look: ir.Look) -> Rule:
 
 def words_in_looks(field: ir.VarField, rules: tuple[Rule, ...]) -> frozenset[str]:
     """Returns the words of a field that some look reads."""
-    parts = [part for rule in rules if rule.condition is not None and field.name in rule.reads for part in conjuncts(rule.condition)]
-    return frozenset(word for part in parts if not isinstance(part, ir.Not) for word in _words(part)) & {*field.type.words}
+    parts = [
+        part
+        for rule in rules
+        if rule.condition is not None and field.name in rule.reads
+        for part in conjuncts(rule.condition)
+    ]
+    return frozenset(
+        word for part in parts if not isinstance(part, ir.Not) for word in _words(part)
+    ) & {*field.type.words}
 
 
 def _words(part: ir.Expr) -> frozenset[str]:
@@ -309,12 +390,21 @@ def _words(part: ir.Expr) -> frozenset[str]:
         case ir.InWords():
             return frozenset(part.words)
         case ir.Same():
-            return frozenset(side.value for side in (part.left, part.right) if isinstance(side, ir.Word))
+            return frozenset(
+                side.value for side in (part.left, part.right) if isinstance(side, ir.Word)
+            )
         case _:
             return frozenset(node.value for node in ir.walk(part) if isinstance(node, ir.Word))
 
 
-def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, tinted: bool, left_out: frozenset[str]) -> FieldLook:
+def _field(
+    field: ir.VarField,
+    kind: str,
+    game: ir.Game,
+    shapes: int,
+    tinted: bool,
+    left_out: frozenset[str],
+) -> FieldLook:
     """Returns how a field of cells is drawn. `tinted`: the ground shows another field already; two colours in one would be a third."""
     attribute = f"{kind}_{field.name}"
     match field.type.kind:
@@ -326,13 +416,29 @@ def _field(field: ir.VarField, kind: str, game: ir.Game, shapes: int, tinted: bo
             words = field.type.words
             colours = tint_colours(words) if sort == "tint" else colours_of(words)
             plain = next((number for number, word in enumerate(words) if word in NOTHING), 0)
-            return FieldLook(field.name, attribute, sort, "word", words, colours, pictures, plain=plain, left_out=left_out)
+            return FieldLook(
+                field.name,
+                attribute,
+                sort,
+                "word",
+                words,
+                colours,
+                pictures,
+                plain=plain,
+                left_out=left_out,
+            )
         case "agents":
             return FieldLook(field.name, attribute, "bar", "agents", full=game.agents.number)
         case "cell":
             return FieldLook(field.name, attribute, "bar", "number", full=float(1 << 16))
         case "agent":
-            return FieldLook(field.name, attribute, "edge", "agent", colours=tuple(map(agent_colour, range(game.agents.number))))
+            return FieldLook(
+                field.name,
+                attribute,
+                "edge",
+                "agent",
+                colours=tuple(map(agent_colour, range(game.agents.number))),
+            )
         case _:
             most = field.type.high if np.isfinite(field.type.high) else 10.0
             return FieldLook(field.name, attribute, "bar", "number", full=max(1.0, most))
@@ -353,13 +459,19 @@ def _apart(fields: Iterable[FieldLook], carried: bool = False) -> Iterator[Field
         for word in filter(field.is_carried if carried else field.is_drawn, range(len(pictures))):
             picture = pictures[word]
             if picture in used:
-                others = (Picture(sprite, colour) for colour in (picture.colour, *INKS) for sprite in SHAPES)
+                others = (
+                    Picture(sprite, colour)
+                    for colour in (picture.colour, *INKS)
+                    for sprite in SHAPES
+                )
                 pictures[word] = next((other for other in others if other not in used), picture)
             used.add(pictures[word])
         yield replace(field, pictures=tuple(pictures))
 
 
-def _carried(fields: Sequence[ir.VarField], prefix: str, rules: tuple[Rule, ...], game: ir.Game) -> Iterator[FieldLook]:
+def _carried(
+    fields: Sequence[ir.VarField], prefix: str, rules: tuple[Rule, ...], game: ir.Game
+) -> Iterator[FieldLook]:
     """Yields the words that an agent or a mover shows as badges. `prefix`: of their attributes."""
     shapes = 0
     for field in fields:
@@ -367,52 +479,99 @@ def _carried(fields: Sequence[ir.VarField], prefix: str, rules: tuple[Rule, ...]
             words, attribute = field.type.words, f"{prefix}_{field.name}"
             pictures = _as_looked(words, usual_words(field, False, shapes), game)
             start, asked = words.index(str(field.start)), words_in_looks(field, rules)
-            yield FieldLook(field.name, attribute, "shape", "word", words, pictures=pictures, start=start, left_out=asked)
+            yield FieldLook(
+                field.name,
+                attribute,
+                "shape",
+                "word",
+                words,
+                pictures=pictures,
+                start=start,
+                left_out=asked,
+            )
             shapes += len(pictures) - 1
 
 
-def _carried_by(sort: ir.Movers, seen: frozenset[tuple[str, str]], rules: tuple[Rule, ...], game: ir.Game) -> Iterator[FieldLook]:
+def _carried_by(
+    sort: ir.Movers, seen: frozenset[tuple[str, str]], rules: tuple[Rule, ...], game: ir.Game
+) -> Iterator[FieldLook]:
     """Yields the words that a mover shows as badges; its heading is seen by the way it looks."""
-    fields = [field for field in sort.fields if field.name != "heading" and (sort.name, field.name) in seen]
+    fields = [
+        field
+        for field in sort.fields
+        if field.name != "heading" and (sort.name, field.name) in seen
+    ]
     yield from _carried(fields, sort.name, rules, game)
 
 
 def _held(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[FieldLook]:
     """Yields what the agents have of each of several words."""
     for field in fields:
-        if field.type.kind in ("int", "real") and [level.sort for level in field.type.by] == ["word"]:
+        if field.type.kind in ("int", "real") and [level.sort for level in field.type.by] == [
+            "word"
+        ]:
             words = field.type.by[0].names
             row = ir.Type(kind="word", words=("nothing", *words))
-            usual = usual_words(ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=row), False)[1:]
-            yield FieldLook(field.name, f"agent_{field.name}", "shape", "number", words, pictures=_as_looked(words, usual, game))
+            usual = usual_words(
+                ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=row), False
+            )[1:]
+            yield FieldLook(
+                field.name,
+                f"agent_{field.name}",
+                "shape",
+                "number",
+                words,
+                pictures=_as_looked(words, usual, game),
+            )
 
 
-def _as_looked(words: Sequence[str], usual: Sequence[Picture], game: ir.Game) -> tuple[Picture, ...]:
+def _as_looked(
+    words: Sequence[str], usual: Sequence[Picture], game: ir.Game
+) -> tuple[Picture, ...]:
     """Returns for each word the sprite that a look shows where it asks for the word, so that what is carried looks as what lies about.
 
     Other words, and those that are named after a sprite, keep their usual one.
     """
     found = dict(zip(words, usual, strict=True))
     for rule in map(_rule, game.looks):
-        shown = rule.badge or (Picture(rule.sprite, rule.colour or SPRITES[rule.sprite]) if rule.sprite else None)
+        shown = rule.badge or (
+            Picture(rule.sprite, rule.colour or SPRITES[rule.sprite]) if rule.sprite else None
+        )
         if shown is not None and rule.condition is not None:
-            asked = [word for part in map(_words, conjuncts(rule.condition)) if len(part) == 1 for word in part]
+            asked = [
+                word
+                for part in map(_words, conjuncts(rule.condition))
+                if len(part) == 1
+                for word in part
+            ]
             found |= {word: shown for word in asked if word in found and named_sprite(word) is None}
     return tuple(found[word] for word in words)
 
 
 def _colour_field(game: ir.Game) -> ir.VarField | None:
     """Returns the field that colours the agents: one that no phase changes, whose words are colours if there is such, else a role."""
-    fields = [f for f in game.agents.fields if f.type.kind == "word" and not f.type.by and len(f.type.words) > 1]
-    fields = [f for f in fields if len({*colours_of(f.type.words)}) == len(f.type.words)]  # or roles would look alike
-    lasting = [f for f in fields if not any(_sets(turn, ir.Sort("agent"), f.name) for turn in game.schedule)]
+    fields = [
+        f
+        for f in game.agents.fields
+        if f.type.kind == "word" and not f.type.by and len(f.type.words) > 1
+    ]
+    fields = [
+        f for f in fields if len({*colours_of(f.type.words)}) == len(f.type.words)
+    ]  # or roles would look alike
+    lasting = [
+        f
+        for f in fields
+        if not any(_sets(turn, ir.Sort("agent"), f.name) for turn in game.schedule)
+    ]
     coloured = [f for f in fields if set(f.type.words) <= COLOURS]
     return next(iter([f for f in coloured if f in lasting] + lasting + coloured), None)
 
 
 def _sets(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
     """Returns whether some of the rules set a field; one of a kind that no rule sets is part of the landscape."""
-    written = (written_field(node.target) for node in ir.walk(rules) if isinstance(node, ir.Set | ir.Add))
+    written = (
+        written_field(node.target) for node in ir.walk(rules) if isinstance(node, ir.Set | ir.Add)
+    )
     return any(field.name == name and field.held_by.overlaps(owner) for field in written)
 
 
@@ -427,7 +586,11 @@ def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
         case ir.Nobody():
             return -1
         case ir.FieldRead():
-            return np.asarray(e.type.words)[fields[e.name]] if e.type.kind == "word" else fields[e.name]
+            return (
+                np.asarray(e.type.words)[fields[e.name]]
+                if e.type.kind == "word"
+                else fields[e.name]
+            )
         case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
             return _value(e.row, fields)[:, e.row.type.by[0].place_of(key)]  # type: ignore[arg-type]
         case ir.SumRow():

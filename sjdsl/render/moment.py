@@ -68,7 +68,11 @@ class Moment:
 
 def shown_defines(game: ir.Game) -> list[ir.Observable]:
     """Returns the defines that agents are shown."""
-    return [o for o in game.observables if o.what == "world" and o.value is not None and not isinstance(o.value, ir.Step)]
+    return [
+        o
+        for o in game.observables
+        if o.what == "world" and o.value is not None and not isinstance(o.value, ir.Step)
+    ]
 
 
 def take_snapshot(env: "Environment", state: Any, returns: np.ndarray) -> Snapshot:
@@ -97,7 +101,10 @@ def take_snapshot(env: "Environment", state: Any, returns: np.ndarray) -> Snapsh
         held=held,
         returns=np.asarray(returns),
         movers={sort.name: places(values[f"{sort.name}_position"]) for sort in game.movers},
-        marks={phase.label: _mask(game, *places(values[f"mark_{phase.name}"])) for phase in marking_phases(game)},
+        marks={
+            phase.label: _mask(game, *places(values[f"mark_{phase.name}"]))
+            for phase in marking_phases(game)
+        },
         told=_told(env, state, row),
     )
 
@@ -109,8 +116,16 @@ def _told(env: "Environment", state: Any, row: np.ndarray) -> dict[str, str]:
         return {}
     module: Any = env.module
     tokens = np.asarray(_tokens_of(module)(state, env.params))[int(np.argmax(row >= 0))]
-    shown = ((plane, int(tokens[number, 0, 0])) for number, plane in enumerate(planes(env.game)) if plane.what == "world")
-    return {plane.name: plane.labels[value] if plane.labels else str(value) for plane, value in shown if plane.name in names}
+    shown = (
+        (plane, int(tokens[number, 0, 0]))
+        for number, plane in enumerate(planes(env.game))
+        if plane.what == "world"
+    )
+    return {
+        plane.name: plane.labels[value] if plane.labels else str(value)
+        for plane, value in shown
+        if plane.name in names
+    }
 
 
 @cache
@@ -125,14 +140,19 @@ def snapshot_of(game: ir.Game, world: World, returns: Sequence[float] | np.ndarr
     """Returns what a picture shows of a state of the interpreter, as `take_snapshot` does of a compiled one."""
 
     def places(cells: Sequence[Cell | tuple[int, int] | None]) -> tuple[np.ndarray, np.ndarray]:
-        row, col = np.array([(-1, -1) if cell is None else cell for cell in cells], int).reshape(-1, 2).T
+        row, col = (
+            np.array([(-1, -1) if cell is None else cell for cell in cells], int).reshape(-1, 2).T
+        )
         return row, col
 
     row, col = places(world.position)
     held = np.zeros(len(world.position), bool)
     if game.agents.forbids:
         held = np.sum(action_mask(game, world), axis=1) == 1
-    marked = {phase.label: [(row, col) for name, row, col in world.marks if name == phase.name] for phase in marking_phases(game)}
+    marked = {
+        phase.label: [(row, col) for name, row, col in world.marks if name == phase.name]
+        for phase in marking_phases(game)
+    }
     return Snapshot(
         step=world.step,
         values={attribute_name(f): np.array(stored_values(f, world)) for f in all_fields(game)},
@@ -143,7 +163,11 @@ def snapshot_of(game: ir.Game, world: World, returns: Sequence[float] | np.ndarr
         returns=np.array(returns, float),
         movers={sort: places(herd.position) for sort, herd in world.movers.items()},
         marks={label: _mask(game, *places(cells)) for label, cells in marked.items()},
-        told={o.field: _said(evaluate(o.value, Instance(board_of(game), world))) for o in shown_defines(game) if o.value is not None},
+        told={
+            o.field: _said(evaluate(o.value, Instance(board_of(game), world)))
+            for o in shown_defines(game)
+            if o.value is not None
+        },
     )
 
 
@@ -161,7 +185,11 @@ def _mask(game: ir.Game, row: np.ndarray, col: np.ndarray) -> np.ndarray:
 
 
 def moment_of(
-    game: ir.Game, world: World, returns: Sequence[float] | np.ndarray, actions: Sequence[int] = (), outcome: Outcome | None = None
+    game: ir.Game,
+    world: World,
+    returns: Sequence[float] | np.ndarray,
+    actions: Sequence[int] = (),
+    outcome: Outcome | None = None,
 ) -> Moment:
     """Returns a moment of the interpreter: the start of an episode without an outcome. `returns`: with the reward of this step."""
     snapshot = snapshot_of(game, world, returns)
@@ -170,7 +198,10 @@ def moment_of(
     events: dict[str, np.ndarray] = {}
     for event in game.events:
         counts = np.asarray(outcome.events[event.name])
-        events |= {name: counts if word is None else counts[..., i] for i, (word, name) in enumerate(counts_of(event))}
+        events |= {
+            name: counts if word is None else counts[..., i]
+            for i, (word, name) in enumerate(counts_of(event))
+        }
     return Moment(
         snapshot,
         tuple(actions),

@@ -26,7 +26,9 @@ def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Ite
     return (moment.snapshot for moment in play_moments(env, policy, num_steps, seed))
 
 
-def play_moments(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Iterator[Moment]:
+def play_moments(
+    env: Environment, policy: Policy, num_steps: int, seed: int = 0
+) -> Iterator[Moment]:
     """Yields every moment of the same episodes, with the actions and the rewards; the arguments are those of `play`."""
     remembering, played = with_memory(policy), 0
     act = jax.jit(partial(take_actions, env, remembering))
@@ -38,8 +40,12 @@ def play_moments(env: Environment, policy: Policy, num_steps: int, seed: int = 0
         while played < num_steps and not moment.done:
             number = int(moment.snapshot.step)
             memory, actions = act(memory, keys.of_choices(number), observation, state)
-            observation, state, reward, done, info = env.step_env(keys.of_step(number), state, actions)
-            moment = next_moment(env, state, moment.snapshot.returns, actions, reward, bool(done), info["events"])
+            observation, state, reward, done, info = env.step_env(
+                keys.of_step(number), state, actions
+            )
+            moment = next_moment(
+                env, state, moment.snapshot.returns, actions, reward, bool(done), info["events"]
+            )
             yield moment
             played += 1
         if played == num_steps:
@@ -53,8 +59,22 @@ def first_moment(env: Environment, state: Any) -> Moment:
     return Moment(take_snapshot(env, state, nothing), (), nothing, {}, False)
 
 
-def next_moment(env: Environment, state: Any, returns: np.ndarray, actions: Any, reward: Any, done: bool, events: dict[str, Any]) -> Moment:
+def next_moment(
+    env: Environment,
+    state: Any,
+    returns: np.ndarray,
+    actions: Any,
+    reward: Any,
+    done: bool,
+    events: dict[str, Any],
+) -> Moment:
     """Returns the moment after a step. `returns`: those before it, `[N]`."""
     paid = np.asarray(reward)
     counted = {name: np.asarray(count) for name, count in events.items() if np.any(count)}
-    return Moment(take_snapshot(env, state, returns + paid), tuple(np.asarray(actions).tolist()), paid, counted, done)
+    return Moment(
+        take_snapshot(env, state, returns + paid),
+        tuple(np.asarray(actions).tolist()),
+        paid,
+        counted,
+        done,
+    )

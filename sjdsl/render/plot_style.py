@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sjdsl.render.colours import AGENTS, INK, PAPER, WORDS, Colour, agent_colour, hexadecimal, mixed, read_colour
+from sjdsl.render.colours import (
+    AGENTS,
+    INK,
+    PAPER,
+    WORDS,
+    Colour,
+    agent_colour,
+    hexadecimal,
+    mixed,
+    read_colour,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +36,9 @@ def _is_seen(colour: Colour) -> bool:
     return float(np.dot(colour, _LUMINANCE)) < 175
 
 
-PALETTE = tuple(hexadecimal(colour) for colour in (AGENTS[1], AGENTS[0], *AGENTS[2:]) if _is_seen(colour))
+PALETTE = tuple(
+    hexadecimal(colour) for colour in (AGENTS[1], AGENTS[0], *AGENTS[2:]) if _is_seen(colour)
+)
 
 
 def line_colour(number: int) -> str:
@@ -79,14 +91,30 @@ class Label:
 
 def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
     """Writes the name of each line right of the plot, at the height of its end, or as near to it as no other name is."""
-    labels = sorted((label for label in labels if label.text and np.isfinite(label.at)), key=lambda label: label.at)
+    labels = sorted(
+        (label for label in labels if label.text and np.isfinite(label.at)),
+        key=lambda label: label.at,
+    )
     if not labels:
         return
     texts = [fill(label.text, LABEL) for label in labels]
     axes.get_ylim()  # transLimits doesn't bring limits that follow the data up to date
-    ends = axes.transLimits.transform([(0, axes.transScale.transform((1, label.at))[1]) for label in labels])[:, 1]
-    style: Any = {"xycoords": "axes fraction", "va": "center", "fontsize": "small", "linespacing": 1.0, "annotation_clip": False}
-    for label, text, place in zip(labels, texts, apart(list(ends), [_LINE * (text.count("\n") + 1) for text in texts]), strict=True):
+    ends = axes.transLimits.transform(
+        [(0, axes.transScale.transform((1, label.at))[1]) for label in labels]
+    )[:, 1]
+    style: Any = {
+        "xycoords": "axes fraction",
+        "va": "center",
+        "fontsize": "small",
+        "linespacing": 1.0,
+        "annotation_clip": False,
+    }
+    for label, text, place in zip(
+        labels,
+        texts,
+        apart(list(ends), [_LINE * (text.count("\n") + 1) for text in texts]),
+        strict=True,
+    ):
         axes.annotate(text, (1.02, place), color=label.colour, **style)
 
 
@@ -97,8 +125,12 @@ def apart(wanted: Sequence[float], heights: Sequence[float]) -> list[float]:
     """
     from scipy.optimize import isotonic_regression  # here: importing it takes a while
 
-    below = np.cumsum(heights) - np.divide(heights, 2)  # how high the middle of each would be if all stood on one another
-    middles: list[float] = (np.maximum(isotonic_regression(np.subtract(wanted, below)).x, 0) + below).tolist()
+    below = np.cumsum(heights) - np.divide(
+        heights, 2
+    )  # how high the middle of each would be if all stood on one another
+    middles: list[float] = (
+        np.maximum(isotonic_regression(np.subtract(wanted, below)).x, 0) + below
+    ).tolist()
     return middles
 
 

@@ -55,7 +55,11 @@ def _said(value: np.ndarray, type_: ir.Type) -> str:
     if type_.by:
         level = type_.by[0]
         entries = [_said(entry, element(type_)) for entry in value]
-        return " ".join(entries if level.sort != "word" else [f"{name} {entry}" for name, entry in zip(level.names, entries, strict=True)])
+        return " ".join(
+            entries
+            if level.sort != "word"
+            else [f"{name} {entry}" for name, entry in zip(level.names, entries, strict=True)]
+        )
     match type_.kind:
         case "word":
             return type_.words[int(value)]
@@ -63,7 +67,12 @@ def _said(value: np.ndarray, type_: ir.Type) -> str:
             return "nobody" if value < 0 else str(int(value))
         case "agents":
             numbers = enumerate(np.atleast_1d(value).tolist())
-            members = [place * BITS + bit for place, number in numbers for bit in range(BITS) if int(number) >> bit & 1]
+            members = [
+                place * BITS + bit
+                for place, number in numbers
+                for bit in range(BITS)
+                if int(number) >> bit & 1
+            ]
             return "+".join(map(str, members)) or "nobody"
         case "cell":
             return "nowhere" if value < 0 else str(divmod(int(value), CELLS))

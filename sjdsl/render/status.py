@@ -86,7 +86,14 @@ class Status:
             body = Image.fromarray(draw_figure(replace(figure, heading=0, badges=()), SWATCH))
             strip.paste(body, (start, above), body)
             for item, left, line in self.own:
-                _put(strip, pen, item, item.text(snapshot, agent), start + SWATCH + BETWEEN + left, above + LINE * line)
+                _put(
+                    strip,
+                    pen,
+                    item,
+                    item.text(snapshot, agent),
+                    start + SWATCH + BETWEEN + left,
+                    above + LINE * line,
+                )
         return strip
 
 
@@ -100,11 +107,22 @@ def make_status(look: Look, width: int, shown: Sequence[Snapshot] | None = None)
         widest = max(map(FONT.getlength, texts)) if texts else unknown
         return replace(blank, room=max(least, round(widest)))
 
-    world = [item([None], 0, UNKNOWN, label=reading.name, reading=reading) for reading in look.world]
+    world = [
+        item([None], 0, UNKNOWN, label=reading.name, reading=reading) for reading in look.world
+    ]
     own = [item(agents, LEAST, LEAST)]
     for row in look.held:
         for entry in range(len(row.words)):
-            own.append(item(agents, LEAST - BETWEEN, LEAST - BETWEEN, label="" if entry else row.name, row=row, entry=entry))
+            own.append(
+                item(
+                    agents,
+                    LEAST - BETWEEN,
+                    LEAST - BETWEEN,
+                    label="" if entry else row.name,
+                    row=row,
+                    entry=entry,
+                )
+            )
     own += [item(agents, 0, LEAST, label=reading.name, reading=reading) for reading in look.own]
     room = width - 2 * MARGIN - SWATCH - BETWEEN
     placed = tuple(flow(own, room))
@@ -128,14 +146,22 @@ def lines_of(placed: Sequence[tuple[Item, int, int]]) -> int:
     return max((line + 1 for _, _, line in placed), default=0)
 
 
-def write(pen: ImageDraw.ImageDraw, text: str, at: tuple[int, int], room: int, bold: bool = False) -> None:
+def write(
+    pen: ImageDraw.ImageDraw, text: str, at: tuple[int, int], room: int, bold: bool = False
+) -> None:
     """Writes a text to the right of a point, smaller if it is wider than `room` pixels."""
     length = FONT.getlength(text)
-    font = FONT if length <= max(1, room) else ImageFont.load_default(max(1.0, FONT_SIZE * room / length))
+    font = (
+        FONT
+        if length <= max(1, room)
+        else ImageFont.load_default(max(1.0, FONT_SIZE * room / length))
+    )
     pen.text(at, text, INK, font, anchor="lm", stroke_width=0.3 if bold else 0)
 
 
-def _put(strip: Image.Image, pen: ImageDraw.ImageDraw, item: Item, text: str, left: int, top: int) -> None:
+def _put(
+    strip: Image.Image, pen: ImageDraw.ImageDraw, item: Item, text: str, left: int, top: int
+) -> None:
     """Draws an item from its top left corner on."""
     middle = top + SWATCH // 2
     if item.label:

@@ -18,8 +18,22 @@ BAR = 0.13
 BODY, OBJECT, HALF, BADGE = 0.88, 0.74, 0.5, 0.42  # sides of sprites, as shares of a cell's side
 SMALL_BADGE = 1 / 3  # of more badges than there are corners
 CORNERS = 4
-BADGE_CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0), (1, 0.5), (0, 0.5), (0.5, 0), (0.5, 1))  # row and column of each badge of a cell, in order
-BEHIND = (((1, 1), (1, 0)), ((1, 0), (0, 0)), ((0, 0), (0, 1)), ((0, 1), (1, 1)))  # of an agent, by its heading: never over its eyes
+BADGE_CORNERS = (
+    (1, 1),
+    (1, 0),
+    (0, 1),
+    (0, 0),
+    (1, 0.5),
+    (0, 0.5),
+    (0.5, 0),
+    (0.5, 1),
+)  # row and column of each badge of a cell, in order
+BEHIND = (
+    ((1, 1), (1, 0)),
+    ((1, 0), (0, 0)),
+    ((0, 0), (0, 1)),
+    ((0, 1), (1, 1)),
+)  # of an agent, by its heading: never over its eyes
 BEAM_OPACITY, BEAM_EDGE = 0.45, 0.09
 BADGE_INSIDE = 0.74  # of the disc that a badge lies on
 GRIDDED = 8  # pixels from which on cells are told apart by lines
@@ -28,7 +42,10 @@ PALE = 0.62  # how much of a held agent is white
 DARK = 150  # brightness below which a number is written in white
 PALER = (
     '<filter id="pale" color-interpolation-filters="sRGB"><feComponentTransfer>'
-    + "".join(f'<feFunc{part} type="linear" slope="{1 - PALE / 2}" intercept="{PALE / 2}"/>' for part in "RGB")
+    + "".join(
+        f'<feFunc{part} type="linear" slope="{1 - PALE / 2}" intercept="{PALE / 2}"/>'
+        for part in "RGB"
+    )
     + "</feComponentTransfer></filter>"
 )
 KEPT = 4096  # texts of cells, and as many of figures
@@ -42,21 +59,45 @@ def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
         line = mixed(drawing.ground, INK, 0.08)
         parts += [_box(0, size - 1, size, 1, line), _box(size - 1, 0, 1, size, line)]
     if drawing.body is not None:
-        parts.append(_placed(drawing.body, 1.0 if drawing.body.sprite in FILLING else BODY, (0.5, 0.5), size))
+        parts.append(
+            _placed(drawing.body, 1.0 if drawing.body.sprite in FILLING else BODY, (0.5, 0.5), size)
+        )
     width = max(1, round(size * EDGE))
     for depth, colour in enumerate((drawing.edge, *drawing.inner)):
         if colour is not None:
             start, side = depth * width, size - 2 * depth * width
             far = start + side - width
-            boxes = ((start, start, side, width), (start, far, side, width), (start, start, width, side), (far, start, width, side))
+            boxes = (
+                (start, start, side, width),
+                (start, far, side, width),
+                (start, start, width, side),
+                (far, start, width, side),
+            )
             parts += [_box(*box, colour) for box in boxes]
-    parts += [_placed(picture, *slot, size) for picture, slot in zip(drawing.objects, _slots(len(drawing.objects)), strict=False)]
+    parts += [
+        _placed(picture, *slot, size)
+        for picture, slot in zip(drawing.objects, _slots(len(drawing.objects)), strict=False)
+    ]
     width = max(1, round(size * BAR))
-    for place, eighths in drawing.bars:  # the length of a bar says how much, its colour and its side what; further ones lie inside
+    for (
+        place,
+        eighths,
+    ) in (
+        drawing.bars
+    ):  # the length of a bar says how much, its colour and its side what; further ones lie inside
         depth, side = divmod(place, len(BARS))
-        length, near, far = max(1, round(size * eighths / BAR_STEPS)), depth * width, size - (depth + 1) * width
+        length, near, far = (
+            max(1, round(size * eighths / BAR_STEPS)),
+            depth * width,
+            size - (depth + 1) * width,
+        )
         across, along = (length, width), (width, length)
-        boxes = ((0, far, *across), (0, near, *across), (near, size - length, *along), (far, size - length, *along))
+        boxes = (
+            (0, far, *across),
+            (0, near, *across),
+            (near, size - length, *along),
+            (far, size - length, *along),
+        )
         parts.append(_box(*boxes[side], BARS[side]))
     return _whole([*parts, *_badges(drawing.badges, size, BADGE_CORNERS)], size)
 
@@ -68,9 +109,23 @@ def vector_figure(figure: Figure | Beam, ground: Colour | None = None, size: int
     if isinstance(figure, Beam):
         width = max(1, round(size * BEAM_EDGE))
         far = size - width
-        boxes = ((0, 0, size, width), (far, 0, width, size), (0, far, size, width), (0, 0, width, size))
-        edges = [_box(*box, figure.edge) for box, side in zip(boxes, figure.sides, strict=True) if side]
-        return _whole([*parts, f'<g opacity="{BEAM_OPACITY}">{_box(0, 0, size, size, figure.fill)}</g>', *edges], size)
+        boxes = (
+            (0, 0, size, width),
+            (far, 0, width, size),
+            (0, far, size, width),
+            (0, 0, width, size),
+        )
+        edges = [
+            _box(*box, figure.edge) for box, side in zip(boxes, figure.sides, strict=True) if side
+        ]
+        return _whole(
+            [
+                *parts,
+                f'<g opacity="{BEAM_OPACITY}">{_box(0, 0, size, size, figure.fill)}</g>',
+                *edges,
+            ],
+            size,
+        )
     body = _sprite(figure.sprite, _filling(figure), 0, 0, size)
     if figure.heading:
         body = f'<g transform="rotate({90 * figure.heading} {size / 2} {size / 2})">{body}</g>'
@@ -127,7 +182,9 @@ def sprite_source(name: str) -> str:
 @cache
 def _inside(name: str, colour: str) -> str:
     """Returns what a sprite consists of, in a colour, in coordinates of 0 .. 100."""
-    return re.sub(r"\s*\n\s*", "", re.sub(r"<svg\b[^>]*>|</svg>", "", sprite_source(name))).replace("currentColor", colour)
+    return re.sub(r"\s*\n\s*", "", re.sub(r"<svg\b[^>]*>|</svg>", "", sprite_source(name))).replace(
+        "currentColor", colour
+    )
 
 
 def _placed(picture: Picture, share: float, centre: tuple[float, float], size: int) -> str:
@@ -148,15 +205,24 @@ def _slots(count: int) -> list[tuple[float, tuple[float, float]]]:
     return [(1 / across, (row, col)) for row in middles for col in middles]
 
 
-def _badges(badges: tuple[Picture, ...], size: int, corners: Sequence[tuple[float, float]]) -> list[str]:
+def _badges(
+    badges: tuple[Picture, ...], size: int, corners: Sequence[tuple[float, float]]
+) -> list[str]:
     """Returns small sprites at the edges of a cell, each on a pale disc so that it is seen on any ground."""
     crowded = len(badges) > CORNERS
     side = max(3, round(size * (SMALL_BADGE if crowded else BADGE)))
     inner = max(2, round(side * BADGE_INSIDE))
     found = []
     for picture, (row, col) in zip(badges, corners, strict=False):
-        left, top, edge = round(col * (size - side)), round(row * (size - side)), (side - inner) // 2
-        found.append(_sprite("disc", PAPER, left, top, side) + _sprite(picture.sprite, picture.colour, left + edge, top + edge, inner))
+        left, top, edge = (
+            round(col * (size - side)),
+            round(row * (size - side)),
+            (side - inner) // 2,
+        )
+        found.append(
+            _sprite("disc", PAPER, left, top, side)
+            + _sprite(picture.sprite, picture.colour, left + edge, top + edge, inner)
+        )
     return found
 
 

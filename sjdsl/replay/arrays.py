@@ -11,11 +11,32 @@ from math import prod
 
 import numpy as np
 
-METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # of others, LZMA takes as much memory as the file says
+METHODS = (
+    zipfile.ZIP_STORED,
+    zipfile.ZIP_DEFLATED,
+)  # of others, LZMA takes as much memory as the file says
 # What a damaged file raises in zipfile, zlib and NumPy; a member that is encrypted raises RuntimeError.
 FAULTS = (
-    *(zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, struct.error, OSError, EOFError, RuntimeError, MemoryError),
-    *(KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError, SyntaxError, tokenize.TokenError),
+    *(
+        zipfile.BadZipFile,
+        zipfile.LargeZipFile,
+        zlib.error,
+        struct.error,
+        OSError,
+        EOFError,
+        RuntimeError,
+        MemoryError,
+    ),
+    *(
+        KeyError,
+        IndexError,
+        ValueError,
+        TypeError,
+        AttributeError,
+        OverflowError,
+        SyntaxError,
+        tokenize.TokenError,
+    ),
 )
 
 
@@ -55,7 +76,10 @@ def _content(file: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
 def _array(content: bytes) -> np.ndarray:
     """Returns the array of a `.npy` file, whose header must say what follows it: NumPy makes room for as much as it says."""
     file = io.BytesIO(content)
-    read_header = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    read_header = {
+        (1, 0): np.lib.format.read_array_header_1_0,
+        (2, 0): np.lib.format.read_array_header_2_0,
+    }
     shape, _, dtype = read_header[np.lib.format.read_magic(file)](file)
     if dtype.hasobject or prod(shape) * dtype.itemsize != len(content) - file.tell():
         raise ValueError("it is not the array that it says it is")

@@ -62,7 +62,12 @@ class DatasetWriter:
         """Starts a file. `header`: its number of episodes, its arrays and its digests are replaced by those of what is added."""
         self.path, self._header = path, header
         self._open = ExitStack()
-        self._zip = zipfile.ZipFile(self._open.enter_context(written_whole(path)), "w", zipfile.ZIP_DEFLATED, allowZip64=True)
+        self._zip = zipfile.ZipFile(
+            self._open.enter_context(written_whole(path)),
+            "w",
+            zipfile.ZIP_DEFLATED,
+            allowZip64=True,
+        )
         self.returns: list[np.ndarray] = []
         self.steps = 0
         self._names: list[str] = []
@@ -72,15 +77,23 @@ class DatasetWriter:
         """Appends an episode. Raises ValueError if it is too large, or has other arrays than those before."""
         place = _place_of(len(self.returns))
         arrays = {"actions": episode.actions, "rewards": episode.rewards}
-        arrays |= {"terminated": np.array(episode.terminated), "truncated": np.array(episode.truncated), "seed": np.array(episode.seed)}
+        arrays |= {
+            "terminated": np.array(episode.terminated),
+            "truncated": np.array(episode.truncated),
+            "seed": np.array(episode.seed),
+        }
         if episode.observations is not None:
             arrays["observations"] = episode.observations
         arrays |= {f"events/{name}": count for name, count in episode.events.items()}
         size = sum(array.nbytes for array in arrays.values())
         if size > LARGEST // 2:  # leaves room for the arrays' headers, a few hundred bytes each
-            raise ValueError(f"an episode of {size:,} bytes is too large for a file of episodes: record without observations")
+            raise ValueError(
+                f"an episode of {size:,} bytes is too large for a file of episodes: record without observations"
+            )
         if self.returns and [*arrays] != self._names:
-            raise ValueError(f"the arrays of all episodes have the same names: {', '.join(self._names)}")
+            raise ValueError(
+                f"the arrays of all episodes have the same names: {', '.join(self._names)}"
+            )
         self._names = [*arrays]
         for name, array in arrays.items():
             self._write(f"{place}/{name}", array)
@@ -91,7 +104,12 @@ class DatasetWriter:
     def __enter__(self) -> "DatasetWriter":
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         wanted = kind is None or (issubclass(kind, KeyboardInterrupt) and bool(self.returns))
         if not wanted:
             with suppress(OSError):
@@ -99,12 +117,19 @@ class DatasetWriter:
             self._open.__exit__(kind, error, trace)
             return
         with self._open:
-            digests = np.frombuffer(b"".join(digest for one in self._digests for digest in one), np.uint8)
-            ends = {"returns": np.array(self.returns), "digests": digests.reshape(len(self.returns), len(self._names), DIGEST_SIZE)}
+            digests = np.frombuffer(
+                b"".join(digest for one in self._digests for digest in one), np.uint8
+            )
+            ends = {
+                "returns": np.array(self.returns),
+                "digests": digests.reshape(len(self.returns), len(self._names), DIGEST_SIZE),
+            }
             for name, array in ends.items():
                 self._write(name, array)
             of_ends = {name: array_digest(array).hex() for name, array in ends.items()}
-            header = self._header.model_copy(update={"episodes": len(self.returns), "arrays": self._names, "digests": of_ends})
+            header = self._header.model_copy(
+                update={"episodes": len(self.returns), "arrays": self._names, "digests": of_ends}
+            )
             self._write(HEADER, np.array(header.model_dump_json()))
             self._zip.close()
 
@@ -112,7 +137,9 @@ class DatasetWriter:
         member = zipfile.ZipInfo(f"{name}.npy")  # without the time of day
         member.compress_type = zipfile.ZIP_DEFLATED
         with self._zip.open(member, "w", force_zip64=True) as file:
-            np.lib.format.write_array(file, np.ascontiguousarray(array) if array.ndim else array, allow_pickle=False)
+            np.lib.format.write_array(
+                file, np.ascontiguousarray(array) if array.ndim else array, allow_pickle=False
+            )
 
 
 class Dataset:
@@ -132,18 +159,30 @@ class Dataset:
         try:
             with zipfile.ZipFile(self.path) as file:
                 self._names = set(file.namelist())
-                self.header = Header.model_validate_json(str(read_arrays(file, [HEADER], LARGEST_HEADER)[HEADER]))
-                ends = read_arrays(file, ENDS if self.header.arrays is not None else ["returns"], LARGEST)
+                self.header = Header.model_validate_json(
+                    str(read_arrays(file, [HEADER], LARGEST_HEADER)[HEADER])
+                )
+                ends = read_arrays(
+                    file, ENDS if self.header.arrays is not None else ["returns"], LARGEST
+                )
         except TooLarge as error:
             raise RecordingError(f"{path} cannot be read: {error}") from None
         except OSError as error:
             raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
         except FAULTS:
-            raise RecordingError(f"{path} holds no recorded episodes; `sjdsl record GAME -o {self.path.name}` writes some") from None
+            raise RecordingError(
+                f"{path} holds no recorded episodes; `sjdsl record GAME -o {self.path.name}` writes some"
+            ) from None
         self.returns = ends["returns"]
         self._digests = ends.get("digests", np.zeros((0, 0, DIGEST_SIZE), np.uint8))
-        if self.returns.ndim != 2 or len(self.returns) != self.header.episodes or self.returns.dtype != np.float64:
-            raise RecordingError(f"{path} is damaged: it doesn't hold the returns of {self.header.episodes} episodes")
+        if (
+            self.returns.ndim != 2
+            or len(self.returns) != self.header.episodes
+            or self.returns.dtype != np.float64
+        ):
+            raise RecordingError(
+                f"{path} is damaged: it doesn't hold the returns of {self.header.episodes} episodes"
+            )
         self._check_members(ends)
 
     def __len__(self) -> int:
@@ -159,23 +198,51 @@ class Dataset:
           IndexError: there are fewer episodes. RecordingError: the file is damaged.
         """
         if not -len(self) <= number < len(self):
-            raise IndexError(f"{self.path} has no episode {number}: it has {len(self)}, counted from 0")
+            raise IndexError(
+                f"{self.path} has no episode {number}: it has {len(self)}, counted from 0"
+            )
         place = f"{_place_of(number % len(self))}/"
         try:
             with zipfile.ZipFile(self.path) as file:
-                names = [name.removesuffix(".npy") for name in sorted(self._names) if name.startswith(place)]
-                parts = {name.removeprefix(place): array for name, array in read_arrays(file, names, LARGEST).items()}
+                names = [
+                    name.removesuffix(".npy")
+                    for name in sorted(self._names)
+                    if name.startswith(place)
+                ]
+                parts = {
+                    name.removeprefix(place): array
+                    for name, array in read_arrays(file, names, LARGEST).items()
+                }
             for index, name in enumerate(self.header.arrays or ()):
                 if array_digest(parts[name]) != self._digests[number][index].tobytes():
                     raise ValueError(f"its {name} are not those that were written")
-            events = {name.removeprefix("events/"): parts.pop(name) for name in list(parts) if name.startswith("events/")}
-            seed, terminated, truncated = int(parts.pop("seed")), bool(parts.pop("terminated")), bool(parts.pop("truncated"))
+            events = {
+                name.removeprefix("events/"): parts.pop(name)
+                for name in list(parts)
+                if name.startswith("events/")
+            }
+            seed, terminated, truncated = (
+                int(parts.pop("seed")),
+                bool(parts.pop("terminated")),
+                bool(parts.pop("truncated")),
+            )
             seen = parts.pop("observations", None)
-            episode = Episode(seed=seed, observations=seen, events=events, terminated=terminated, truncated=truncated, **parts)
+            episode = Episode(
+                seed=seed,
+                observations=seen,
+                events=events,
+                terminated=terminated,
+                truncated=truncated,
+                **parts,
+            )
         except FAULTS as error:
-            raise RecordingError(f"episode {number} of {self.path} cannot be read: {error}") from None
+            raise RecordingError(
+                f"episode {number} of {self.path} cannot be read: {error}"
+            ) from None
         if not _is_whole(episode):
-            raise RecordingError(f"episode {number} of {self.path} is damaged: its arrays aren't those of one episode")
+            raise RecordingError(
+                f"episode {number} of {self.path} is damaged: its arrays aren't those of one episode"
+            )
         return episode
 
     def _check_members(self, ends: Mapping[str, np.ndarray]) -> None:
@@ -184,16 +251,32 @@ class Dataset:
         A file of an earlier version, whose header accounts for none, is read with a warning.
         """
         if self.header.arrays is None:
-            warnings.warn(f"{self.path} has no digests, like files of earlier versions: damage can't be detected", stacklevel=3)
+            warnings.warn(
+                f"{self.path} has no digests, like files of earlier versions: damage can't be detected",
+                stacklevel=3,
+            )
             return
-        episodes = (f"{_place_of(number)}/{name}" for number in range(len(self)) for name in self.header.arrays)
+        episodes = (
+            f"{_place_of(number)}/{name}"
+            for number in range(len(self))
+            for name in self.header.arrays
+        )
         if self._names != {f"{name}.npy" for name in (HEADER, *ends, *episodes)}:
-            raise RecordingError(f"{self.path} is damaged: its arrays are not those that its header names")
+            raise RecordingError(
+                f"{self.path} is damaged: its arrays are not those that its header names"
+            )
         shape = (len(self), len(self.header.arrays), DIGEST_SIZE)
         if self._digests.shape != shape or self._digests.dtype != np.uint8:
-            raise RecordingError(f"{self.path} is damaged: it doesn't hold the digests of {len(self)} episodes")
-        if any(array_digest(array).hex() != self.header.digests.get(name) for name, array in ends.items()):
-            raise RecordingError(f"{self.path} is damaged: its returns or digests are not those that were written")
+            raise RecordingError(
+                f"{self.path} is damaged: it doesn't hold the digests of {len(self)} episodes"
+            )
+        if any(
+            array_digest(array).hex() != self.header.digests.get(name)
+            for name, array in ends.items()
+        ):
+            raise RecordingError(
+                f"{self.path} is damaged: its returns or digests are not those that were written"
+            )
 
     def recording(self, number: int) -> Recording:
         """Returns an episode as a recording that can be replayed."""
@@ -212,8 +295,15 @@ def _is_whole(episode: Episode) -> bool:
     return (
         (len(shape), episode.actions.dtype.kind) == (2, "i")
         and (episode.rewards.shape, episode.rewards.dtype.kind) == (shape, "f")
-        and (seen is None or (seen.ndim, seen.shape[:2], seen.dtype.name) == (5, (shape[0] + 1, shape[1]), "uint8"))
-        and all(count.shape in (shape, shape[:1]) and count.dtype.kind in "iu" for count in episode.events.values())
+        and (
+            seen is None
+            or (seen.ndim, seen.shape[:2], seen.dtype.name)
+            == (5, (shape[0] + 1, shape[1]), "uint8")
+        )
+        and all(
+            count.shape in (shape, shape[:1]) and count.dtype.kind in "iu"
+            for count in episode.events.values()
+        )
     )
 
 

@@ -35,4 +35,10 @@ class Episode:
     def recording(self, environment: Mapping[str, Any], game_hash: str) -> Recording:
         """Returns the episode as `sjdsl play --record` keeps one. `environment`: the arguments of `sjdsl.make`."""
         actions, returns = self.actions.tolist(), self.returns.tolist()
-        return Recording(environment=dict(environment), hash=game_hash, seed=self.seed, actions=actions, returns=returns)
+        return Recording(
+            environment=dict(environment),
+            hash=game_hash,
+            seed=self.seed,
+            actions=actions,
+            returns=returns,
+        )

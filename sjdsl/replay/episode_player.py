@@ -9,7 +9,13 @@ import numpy as np
 
 from sjdsl.render.moment import Moment
 from sjdsl.render.playing import first_moment, next_moment
-from sjdsl.replay.recording import Recording, RecordingError, check_actions, check_returns, check_rules
+from sjdsl.replay.recording import (
+    Recording,
+    RecordingError,
+    check_actions,
+    check_returns,
+    check_rules,
+)
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.episode_keys import EpisodeKeys
 
@@ -33,7 +39,9 @@ class EpisodePlayer:
     def now(self) -> Moment:
         """Returns the current moment, as after a step without rewards."""
         moment = first_moment(self.env, self.state)
-        return replace(moment, snapshot=replace(moment.snapshot, returns=self.returns), done=self.done)
+        return replace(
+            moment, snapshot=replace(moment.snapshot, returns=self.returns), done=self.done
+        )
 
     def step(self, actions: Sequence[int]) -> Moment:
         """Takes one step.
@@ -44,12 +52,18 @@ class EpisodePlayer:
         chosen = [int(action) for action in actions]
         if self.done:
             raise ValueError("the episode is over")
-        if len(chosen) != self.env.num_agents or not all(0 <= action < self.env.num_actions for action in chosen):
-            raise ValueError(f"actions must be {self.env.num_agents} numbers from 0 to {self.env.num_actions - 1}, not {chosen}")
+        if len(chosen) != self.env.num_agents or not all(
+            0 <= action < self.env.num_actions for action in chosen
+        ):
+            raise ValueError(
+                f"actions must be {self.env.num_agents} numbers from 0 to {self.env.num_actions - 1}, not {chosen}"
+            )
         self.observation, self.state, reward, done, info = self.env.step_env(
             self.keys.of_step(len(self.actions)), self.state, np.array(chosen, np.int32)
         )
-        moment = next_moment(self.env, self.state, self.returns, chosen, reward, bool(done), info["events"])
+        moment = next_moment(
+            self.env, self.state, self.returns, chosen, reward, bool(done), info["events"]
+        )
         self.actions.append(chosen)
         self.returns, self.done = moment.snapshot.returns, moment.done
         return moment
@@ -57,7 +71,13 @@ class EpisodePlayer:
     def recording(self, environment: Mapping[str, Any]) -> Recording:
         """Returns the episode so far. `environment`: the arguments of `sjdsl.make`."""
         returns = [float(value) for value in self.returns]
-        return Recording(environment=dict(environment), hash=self.env.hash, seed=self.seed, actions=self.actions, returns=returns)
+        return Recording(
+            environment=dict(environment),
+            hash=self.env.hash,
+            seed=self.seed,
+            actions=self.actions,
+            returns=returns,
+        )
 
 
 def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
@@ -72,6 +92,8 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     yield player.now()
     for actions in recording.actions:
         if player.done:
-            raise RecordingError(f"the episode ends after {len(player.actions)} steps, but {len(recording.actions)} were recorded")
+            raise RecordingError(
+                f"the episode ends after {len(player.actions)} steps, but {len(recording.actions)} were recorded"
+            )
         yield player.step(actions)
     check_returns(recording, player.returns.tolist())

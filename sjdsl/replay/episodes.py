@@ -18,7 +18,9 @@ MAX_BYTES = 256 * 2**20  # of observations held at once, unless one episode has 
 MAX_TOGETHER = 32
 
 
-def play_episodes(env: Environment, policy: Policy, seed: int, episodes: int, observation: Observation = "tokens") -> Iterator[Episode]:
+def play_episodes(
+    env: Environment, policy: Policy, seed: int, episodes: int, observation: Observation = "tokens"
+) -> Iterator[Episode]:
     """Yields the episodes of the seeds `seed`, `seed + 1`, … played with a policy.
 
     As many are played at once as have at most 256 MB of observations (one episode, if it alone has more).
@@ -31,11 +33,15 @@ def play_episodes(env: Environment, policy: Policy, seed: int, episodes: int, ob
     play = jax.jit(jax.vmap(_make_play(env, policy, observation)))
     together = min(episodes, episodes_at_once(env, observation))
     for first in range(0, episodes, together):
-        seeds = [seed + first + number for number in range(together)]  # the last batch may have too many, so that all have one program
+        seeds = [
+            seed + first + number for number in range(together)
+        ]  # the last batch may have too many, so that all have one program
         keys = jnp.stack([jax.random.key(number) for number in seeds])
         played = jax.device_get(play(keys))
         for number in range(min(together, episodes - first)):
-            yield _cut(seeds[number], jax.tree.map(lambda leaf, number=number: leaf[number], played))
+            yield _cut(
+                seeds[number], jax.tree.map(lambda leaf, number=number: leaf[number], played)
+            )
 
 
 def episodes_at_once(env: Environment, observation: Observation = "tokens") -> int:
@@ -46,24 +52,41 @@ def episodes_at_once(env: Environment, observation: Observation = "tokens") -> i
     return max(1, min(MAX_TOGETHER, MAX_BYTES // max(size, 1)))
 
 
-def _make_play(env: Environment, policy: Policy, observation: Observation) -> Callable[[Array], dict[str, Any]]:
+def _make_play(
+    env: Environment, policy: Policy, observation: Observation
+) -> Callable[[Array], dict[str, Any]]:
     """Returns a function from an episode's key to its steps; those after its end are meaningless."""
     remembering = with_memory(policy)
 
     def shown(tokens: Array) -> Any:
         if observation == "none":
             return ()
-        return tokens if observation == "tokens" else to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8))
+        return (
+            tokens
+            if observation == "tokens"
+            else to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8))
+        )
 
     def play(key: Array) -> dict[str, Any]:
         keys = EpisodeKeys(key, jax.random.fold_in)
 
         def step(carry: Any, number: Array) -> tuple[Any, dict[str, Any]]:
             state, seen, memory = carry
-            memory, actions = take_actions(env, remembering, memory, keys.of_choices(number), seen, state)
+            memory, actions = take_actions(
+                env, remembering, memory, keys.of_choices(number), seen, state
+            )
             seen, state, reward, _, info = env.step_env(keys.of_step(number), state, actions)
-            kept = {"terminated": info["terminated"], "truncated": info["truncated"], "events": info["events"]}
-            return (state, seen, memory), {**kept, "after": shown(seen), "actions": actions.astype(jnp.int32), "rewards": reward}
+            kept = {
+                "terminated": info["terminated"],
+                "truncated": info["truncated"],
+                "events": info["events"],
+            }
+            return (state, seen, memory), {
+                **kept,
+                "after": shown(seen),
+                "actions": actions.astype(jnp.int32),
+                "rewards": reward,
+            }
 
         seen, state = env.reset(keys.start())
         start = (state, seen, remembering.start)

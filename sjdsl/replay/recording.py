@@ -90,5 +90,9 @@ def check_actions(recording: Recording, num_agents: int, num_actions: int) -> No
 
 def check_returns(recording: Recording, returns: Sequence[float]) -> None:
     """Raises RecordingError if a replay gives other returns than were recorded."""
-    if len(returns) != len(recording.returns) or not np.allclose(returns, recording.returns, rtol=1e-5, atol=1e-5):
-        raise RecordingError(f"the replay gave returns {list(map(float, returns))}, but {recording.returns} were recorded")
+    if len(returns) != len(recording.returns) or not np.allclose(
+        returns, recording.returns, rtol=1e-5, atol=1e-5
+    ):
+        raise RecordingError(
+            f"the replay gave returns {list(map(float, returns))}, but {recording.returns} were recorded"
+        )

@@ -12,5 +12,10 @@ if TYPE_CHECKING:
     from .report import write_report as write_report
 
 __getattr__ = lazy_names(
-    __name__, {"loading": ("load", "load_curves"), "refusals": ("ResultsError", "ResultsWarning"), "report": ("write_report",)}
+    __name__,
+    {
+        "loading": ("load", "load_curves"),
+        "refusals": ("ResultsError", "ResultsWarning"),
+        "report": ("write_report",),
+    },
 )

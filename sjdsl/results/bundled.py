@@ -25,7 +25,9 @@ def _game(name: str, variant: str) -> ir.Game | None:
     if name not in bundled():
         return None
     try:
-        return build(read_source(find_game(name)), tuple(variant.split("+")) if variant else ()).game
+        return build(
+            read_source(find_game(name)), tuple(variant.split("+")) if variant else ()
+        ).game
     except CompileError:
         return None
 
@@ -42,13 +44,17 @@ def variant_now(name: str, rules: str) -> str | None:
     if name not in bundled():
         return None
     variants = ["", *compose(read_source(find_game(name))).variants]
-    return next((variant for variant in variants if (rules_now(name, variant) or ("",))[0] == rules), None)
+    return next(
+        (variant for variant in variants if (rules_now(name, variant) or ("",))[0] == rules), None
+    )
 
 
 def numbers_now(name: str, variant: str) -> dict[str, Any]:
     """Returns the values of a bundled game's parameters by their Python names; none of another game."""
     game = _game(name, variant)
-    return {} if game is None else {param_attribute(param.name): param.value for param in game.params}
+    return (
+        {} if game is None else {param_attribute(param.name): param.value for param in game.params}
+    )
 
 
 def other_numbers(described: Mapping[str, Any]) -> list[str]:
@@ -60,9 +66,15 @@ def other_numbers(described: Mapping[str, Any]) -> list[str]:
     Returns:
       Those numbers; for the rules of no bundled variant, the ones that differ from the bundled game's; none for another game.
     """
-    usual = numbers_now(described["name"], variant_now(described["name"], current_hash(described["hash"])) or "")
+    usual = numbers_now(
+        described["name"], variant_now(described["name"], current_hash(described["hash"])) or ""
+    )
     params: Mapping[str, Any] = described["params"]
-    return [as_assignment(name, params[name]) for name in sorted(usual.keys() & params.keys()) if not _same(params[name], usual[name])]
+    return [
+        as_assignment(name, params[name])
+        for name in sorted(usual.keys() & params.keys())
+        if not _same(params[name], usual[name])
+    ]
 
 
 def as_assignment(name: str, value: Any) -> str:
@@ -85,7 +97,9 @@ def is_usual(name: str, variant: str, param: str, value: Any) -> bool:
         return False
     if _is_numeric(value) and _is_numeric(usual[param]):
         return _same(value, usual[param])
-    return bool(np.array_equal(np.asarray(value, object), np.asarray(usual[param], object)))  # words
+    return bool(
+        np.array_equal(np.asarray(value, object), np.asarray(usual[param], object))
+    )  # words
 
 
 def _is_numeric(value: Any) -> bool:

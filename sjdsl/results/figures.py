@@ -51,7 +51,9 @@ class Cell:
     @property
     def origins(self) -> tuple[str, ...]:
         """Seeds, steps, the preset if there is one, and hardware, in words."""
-        hardware = " and ".join("unnamed CPU" if name == "cpu" else name for name in self.hardware.split(" and "))
+        hardware = " and ".join(
+            "unnamed CPU" if name == "cpu" else name for name in self.hardware.split(" and ")
+        )
         return counted(self.seeds, "seed"), f"{short(self.steps)} steps", self.preset, hardware
 
     @property
@@ -82,16 +84,26 @@ def interval(mean: float, low: float | None, high: float | None) -> Figure:
     """Returns `163.2 [160.1, 166.3]`; just the mean if a bound is None, NaN or infinite, as for one sample."""
     if low is None or high is None or not (math.isfinite(low) and math.isfinite(high)):
         return Figure(number(mean), {"mean": mean})
-    return Figure(f"{number(mean)} [{number(low)}, {number(high)}]", {"mean": mean, "low": low, "high": high})
+    return Figure(
+        f"{number(mean)} [{number(low)}, {number(high)}]", {"mean": mean, "low": low, "high": high}
+    )
 
 
 def of_cell(cell: Cell | None) -> Figure:
     """Returns the figure of a cell: empty for None, `failed` if a seed has failed."""
     if cell is None:
         return EMPTY
-    behind = {"seeds": cell.seeds, "failed": cell.failed, "steps": cell.steps, "hardware": cell.hardware, "run": cell.run}
+    behind = {
+        "seeds": cell.seeds,
+        "failed": cell.failed,
+        "steps": cell.steps,
+        "hardware": cell.hardware,
+        "run": cell.run,
+    }
     if cell.estimate is None:
-        return Figure(f"failed: {cell.failed} of {cell.seeds} seeds" if cell.seeds > 1 else "failed", behind)
+        return Figure(
+            f"failed: {cell.failed} of {cell.seeds} seeds" if cell.seeds > 1 else "failed", behind
+        )
     shown = interval(cell.estimate.mean, cell.estimate.low, cell.estimate.high)
     return Figure(shown.text, {**shown.numbers, **behind})
 
@@ -100,7 +112,11 @@ def of_comparison(found: Comparison | None) -> tuple[Figure, Figure]:
     """Returns a difference with its interval, and p; both empty for None."""
     if found is None:
         return EMPTY, EMPTY
-    p = EMPTY if found.p is None else Figure("< 0.001" if found.p < 0.001 else number(found.p), {"": found.p})
+    p = (
+        EMPTY
+        if found.p is None
+        else Figure("< 0.001" if found.p < 0.001 else number(found.p), {"": found.p})
+    )
     return interval(found.difference, found.low, found.high), p
 
 
@@ -111,16 +127,22 @@ def unlike_settings(cells: Mapping[str, Cell | None], but: Collection[str] = ())
       cells: by the name of their column.
       but: settings that are meant to differ.
     """
-    settings = {place: json.loads(cell.settings) for place, cell in cells.items() if cell is not None}
+    settings = {
+        place: json.loads(cell.settings) for place, cell in cells.items() if cell is not None
+    }
     found = []
     for name in sorted({name for own in settings.values() for name in own} - {*but}):
         places: dict[str, list[str]] = {}
         for place, own in settings.items():
-            places.setdefault(json.dumps(own[name]) if name in own else "the default", []).append(place)
+            places.setdefault(json.dumps(own[name]) if name in own else "the default", []).append(
+                place
+            )
         fresh = places.get("the default", [])
         if name == "init_from" and fresh and len(places) > 1:
             begun = ", ".join(place for place in settings if place not in fresh)
-            found.append(f"the seeds of {begun} started from a trained policy; those of {', '.join(fresh)} didn't.")
+            found.append(
+                f"the seeds of {begun} started from a trained policy; those of {', '.join(fresh)} didn't."
+            )
         elif len(places) > 1:
             said = (f"{value} in {', '.join(named)}" for value, named in places.items())
             found.append(f"`{name}` is {'; '.join(said)}.")
@@ -144,7 +166,9 @@ class Table:
             {
                 f"{heading} {name}".strip(): value
                 for heading, cell in zip(self.headings, row, strict=True)
-                for name, value in (cell.numbers.items() if isinstance(cell, Figure) else [("", cell)])
+                for name, value in (
+                    cell.numbers.items() if isinstance(cell, Figure) else [("", cell)]
+                )
             }
             for row in self.rows
         ]

@@ -38,7 +38,16 @@ from sjdsl.library.stored_hashes import current_hash
 from sjdsl.results.bundled import as_assignment, is_usual, other_numbers, variant_now
 from sjdsl.results.presets import preset_of
 from sjdsl.results.refusals import ResultsError, ResultsWarning
-from sjdsl.results.settings import CHECKPOINTS, GAME_NUMBERS, NOT_A_WAY, WAY, flat_numbers, numbers_of, stored_numbers, with_settings
+from sjdsl.results.settings import (
+    CHECKPOINTS,
+    GAME_NUMBERS,
+    NOT_A_WAY,
+    WAY,
+    flat_numbers,
+    numbers_of,
+    stored_numbers,
+    with_settings,
+)
 from sjdsl.results.stored_experiments import CrossPlay, Diagram
 from sjdsl.short_paths import short_names
 from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
@@ -58,31 +67,87 @@ Rows = list[dict[str, Any]]
 Found = tuple[Rows, Rows]  # evaluations, and points of learning curves
 
 SETTING = ("game", "hash", "variant", "params", "map", "num_agents")
-OF_SEED = ("preset", "seed", "status", "steps", "hardware", "folder", "episodes", "collective_return", "low", "high")
+OF_SEED = (
+    "preset",
+    "seed",
+    "status",
+    "steps",
+    "hardware",
+    "folder",
+    "episodes",
+    "collective_return",
+    "low",
+    "high",
+)
 COLUMNS = ("record", *SETTING, "run", *WAY, "settings", *OF_SEED)
 POINT = ("run", "seed", "env_steps", "collective_return", "folder")
-TEXTS = {"record", *SETTING[:-1], "run", *WAY[:3], "network", "settings", "preset", "status", "hardware", "folder", GAME_NUMBERS}
+TEXTS = {
+    "record",
+    *SETTING[:-1],
+    "run",
+    *WAY[:3],
+    "network",
+    "settings",
+    "preset",
+    "status",
+    "hardware",
+    "folder",
+    GAME_NUMBERS,
+}
 TEXTS |= {"mixture", "policy", "unit", "cooperators", "defectors", "outcome", "reason", "caution"}
 COUNTS = {"num_agents", "total_timesteps", "seed", "steps", "episodes", "units", "env_steps"}
 NUMBERS = {"exchange_ratio", "svo_weight", "svo_angle", "stage", "collective_return", "low", "high"}
 # Columns that identify a result.
-KEY = ("record", "game", "hash", "params", "num_agents", "run", "seed", "mixture", "policy", "cooperators", "defectors")
+KEY = (
+    "record",
+    "game",
+    "hash",
+    "params",
+    "num_agents",
+    "run",
+    "seed",
+    "mixture",
+    "policy",
+    "cooperators",
+    "defectors",
+)
 CONTRASTS = ("A", "B", "fear", "greed")
 OF_EXPERIMENT = (
-    *("mixture", "policy", "mean", "unit", "units", "cooperators", "defectors", "outcome", "fear", "greed", "reason", "caution"),
+    *(
+        "mixture",
+        "policy",
+        "mean",
+        "unit",
+        "units",
+        "cooperators",
+        "defectors",
+        "outcome",
+        "fear",
+        "greed",
+        "reason",
+        "caution",
+    ),
     *(f"{name}_{end}" for name in CONTRASTS for end in ("mean", "low", "high")),
 )
 
 RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a report
 SWEEP, CELLS, FAILED = "sweep.json", "cells", "failed"
 ASKED, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
-EPISODES = 30  # at least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`
+EPISODES = (
+    30  # at least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`
+)
 POINTS = 40  # at most, of the learning curve of a seed
 DIGITS = 6  # significant digits of a figure, here and in a CSV
 # Settings that runs of earlier versions lack, with the values they had.
 AS_EVER = {"own": {}, "loss": "ppo"}
 # Settings that runs of earlier versions have and nothing reads, with their values: the names of ways in stored results are made with them.
-FORMER_VALUES = {"team_reward": "mean", "similarity_clip": [3.0, 0.5], "individual_kl": [0.2, 2.0], "team_kl": [1.5, 0.0], "roles": []}
+FORMER_VALUES = {
+    "team_reward": "mean",
+    "similarity_clip": [3.0, 0.5],
+    "individual_kl": [0.2, 2.0],
+    "team_kl": [1.5, 0.0],
+    "roles": [],
+}
 START = "started from"  # in the rows of runs that are read: the policy that a seed started from
 KINDS = "the folder of a run, a sweep, a Schelling diagram, a cross-play, or the `data` of a report"
 
@@ -110,7 +175,9 @@ def load_curves(*folders: str | Path) -> "pd.DataFrame":
     return load_both(folders)[1]
 
 
-def load_both(folders: Iterable[str | Path], more: Iterable[dict[str, Any]] = ()) -> tuple["pd.DataFrame", "pd.DataFrame"]:
+def load_both(
+    folders: Iterable[str | Path], more: Iterable[dict[str, Any]] = ()
+) -> tuple["pd.DataFrame", "pd.DataFrame"]:
     """Returns what `load`, without the columns of single settings, and `load_curves` return, from one reading.
 
     Args:
@@ -136,12 +203,18 @@ def read_frame(path: Path, columns: Iterable[str]) -> "pd.DataFrame":
 
 def write_frame(frame: "pd.DataFrame") -> str:
     """Returns a table as CSV, with figures in six digits, and without folders, which are of one machine."""
-    return str(frame.drop(columns="folder", errors="ignore").to_csv(index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"))
+    return str(
+        frame.drop(columns="folder", errors="ignore").to_csv(
+            index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"
+        )
+    )
 
 
 def _typed(frame: "pd.DataFrame") -> "pd.DataFrame":
     texts = {name: "string" for name in frame if name in TEXTS}
-    kinds = {name: "Int64" if name in COUNTS else "float" for name in frame if name in COUNTS | NUMBERS}
+    kinds = {
+        name: "Int64" if name in COUNTS else "float" for name in frame if name in COUNTS | NUMBERS
+    }
     frame = frame.astype({**texts, **kinds})
     frame[[*texts]] = frame[[*texts]].fillna("").astype(object)
     return frame
@@ -150,24 +223,36 @@ def _typed(frame: "pd.DataFrame") -> "pd.DataFrame":
 def _evaluations(rows: Rows) -> "pd.DataFrame":
     """Returns the table of rows, each result once, with the column `GAME_NUMBERS`."""
     more = sorted({name for row in rows for name in row} - {*COLUMNS, *OF_EXPERIMENT, GAME_NUMBERS})
-    experiments = OF_EXPERIMENT if any(row["record"] in ("mixture", "diagram") for row in rows) else ()
+    experiments = (
+        OF_EXPERIMENT if any(row["record"] in ("mixture", "diagram") for row in rows) else ()
+    )
     frame = _typed(pd.DataFrame(rows, columns=[*COLUMNS, *experiments, *more, GAME_NUMBERS]))
     numbers = [*frame.select_dtypes("float")]
     frame[numbers] = frame[numbers].map(lambda value: float(f"{value:.{DIGITS}g}"))
     key = [name for name in KEY if name in frame]
-    frame = frame.iloc[np.argsort(frame.status == "done", kind="stable")]  # of two rows the last one stays
-    told = frame[frame.duplicated(key, keep=False) & frame.status.isin(("done", ""))].drop(columns=["folder", GAME_NUMBERS])
+    frame = frame.iloc[
+        np.argsort(frame.status == "done", kind="stable")
+    ]  # of two rows the last one stays
+    told = frame[frame.duplicated(key, keep=False) & frame.status.isin(("done", ""))].drop(
+        columns=["folder", GAME_NUMBERS]
+    )
     for names, same in told.groupby(key, dropna=False):
         if len(same.drop_duplicates()) > 1:
             what = " ".join(str(name) for name in names if not pd.isna(name) and name != "")
-            _warn(f"{what} was found twice with different figures; those of the folder named later are used")
+            _warn(
+                f"{what} was found twice with different figures; those of the folder named later are used"
+            )
     frame = frame.drop_duplicates(key, keep="last")
     return _named_variants(frame).sort_values(key, kind="stable", ignore_index=True)
 
 
 def _named_variants(frame: "pd.DataFrame") -> "pd.DataFrame":
     """Returns the table with the variant of each experiment: that of runs with the same rules, else of the bundled game."""
-    trained = frame[frame.record == "seed"].drop_duplicates(["game", "hash"]).set_index(["game", "hash"])[["variant", "map"]]
+    trained = (
+        frame[frame.record == "seed"]
+        .drop_duplicates(["game", "hash"])
+        .set_index(["game", "hash"])[["variant", "map"]]
+    )
     for place, row in frame[frame.record.isin(("mixture", "diagram"))].iterrows():
         if (row.game, row.hash) in trained.index:
             frame.loc[place, ["variant", "map"]] = trained.loc[(row.game, row.hash)].to_list()
@@ -177,10 +262,18 @@ def _named_variants(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _curves(rows: Rows, points: Rows) -> "pd.DataFrame":
-    done = [{name: row[name] for name in ("run", "seed", "folder")} for row in rows if row.get("status") == "done"]
-    kept = pd.DataFrame(done, columns=["run", "seed", "folder"]).drop_duplicates(["run", "seed"], keep="last")
+    done = [
+        {name: row[name] for name in ("run", "seed", "folder")}
+        for row in rows
+        if row.get("status") == "done"
+    ]
+    kept = pd.DataFrame(done, columns=["run", "seed", "folder"]).drop_duplicates(
+        ["run", "seed"], keep="last"
+    )
     found = pd.DataFrame(points, columns=POINT).merge(kept)
-    return found.drop_duplicates(["run", "seed", "env_steps"], keep="last").sort_values(["run", "seed", "env_steps"], ignore_index=True)
+    return found.drop_duplicates(["run", "seed", "env_steps"], keep="last").sort_values(
+        ["run", "seed", "env_steps"], ignore_index=True
+    )
 
 
 def _read_all(folders: Iterable[str | Path]) -> Found:
@@ -222,7 +315,11 @@ def _read(path: Path) -> Found:
     reader = _reader(path)
     if reader is not None:
         return reader(path)
-    inside = [part for part in sorted(path.iterdir()) if _reader(part) is not None] if path.is_dir() else []
+    inside = (
+        [part for part in sorted(path.iterdir()) if _reader(part) is not None]
+        if path.is_dir()
+        else []
+    )
     if not inside:
         raise ResultsError(f"`{path}` holds no results; name {KINDS}")
     return _read_each(inside)
@@ -249,14 +346,27 @@ def _stored(path: Path) -> Found:
     frame = read_frame(path / RESULTS, set(COLUMNS) - {"folder"})
     unknown = sorted(set(frame.status) - {"done", "failed", "unfinished", ""})
     if unknown:
-        raise ResultsError(f"{path / RESULTS}: `status` is done, failed or unfinished, not `{unknown[0]}`")
+        raise ResultsError(
+            f"{path / RESULTS}: `status` is done, failed or unfinished, not `{unknown[0]}`"
+        )
     for settings in set(frame.settings) - {""}:
         if not _is_table(settings):
-            raise ResultsError(f"{path / RESULTS}: `settings` must be JSON with names, not `{settings[:80]}`")
-    tables = [frame.assign(hash=frame.hash.map(current_hash)), read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None]
-    rows, points = ([] if table is None else table.assign(folder=str(path)).to_dict("records") for table in tables)
+            raise ResultsError(
+                f"{path / RESULTS}: `settings` must be JSON with names, not `{settings[:80]}`"
+            )
+    tables = [
+        frame.assign(hash=frame.hash.map(current_hash)),
+        read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None,
+    ]
+    rows, points = (
+        [] if table is None else table.assign(folder=str(path)).to_dict("records")
+        for table in tables
+    )
     known = [{name: value for name, value in row.items() if not pd.isna(value)} for row in rows]
-    return [row | {GAME_NUMBERS: stored_numbers(row)} if row["record"] == "seed" else row for row in known], points
+    return [
+        row | {GAME_NUMBERS: stored_numbers(row)} if row["record"] == "seed" else row
+        for row in known
+    ], points
 
 
 def _is_table(text: str) -> bool:
@@ -275,12 +385,16 @@ def _sweep(path: Path) -> Found:
     there = [name for name in stages if (path / CELLS / name / MANIFEST).is_file()]
     absent = len(stages) - len(there)
     if absent:
-        _warn(f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} not trained yet")
+        _warn(
+            f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} not trained yet"
+        )
     for name in stages:
         if (path / FAILED / f"{name}.json").is_file():
             _warn(f"the cell `{name}` of the sweep `{path}` has failed")
     found = [_run(path / CELLS / name, stages[name]) for name in there]
-    return [row for rows, _ in found for row in rows], [point for _, points in found for point in points]
+    return [row for rows, _ in found for row in rows], [
+        point for _, points in found for point in points
+    ]
 
 
 def _cell(path: Path) -> Found:
@@ -296,9 +410,14 @@ def _stages(path: Path) -> dict[str, int | None]:
         stored = read_json(path / SWEEP)
         if any(Path(name).name != name for name in stored["cells"]):
             raise ValueError("a cell is named by a path")
-        return {name: int(cell["stage"]) if stored.get("protocol") == "svo" else None for name, cell in stored["cells"].items()}
+        return {
+            name: int(cell["stage"]) if stored.get("protocol") == "svo" else None
+            for name, cell in stored["cells"].items()
+        }
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ResultsError(f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})") from None
+        raise ResultsError(
+            f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})"
+        ) from None
 
 
 # Runs.
@@ -310,7 +429,10 @@ def _run(path: Path, stage: int | None = None) -> Found:
         earlier = [read_manifest(folder) for folder in stage_folders(path)[:-1]]
         ids = ids_of(manifest, stage, earlier)
         steps_before = sum(_steps(one) for one in earlier)
-        found = [_seed(folder, seed, ids, manifest, steps_before) for seed, folder in _folders(path, manifest["config"])]
+        found = [
+            _seed(folder, seed, ids, manifest, steps_before)
+            for seed, folder in _folders(path, manifest["config"])
+        ]
         rows = [row for row, _ in found]
         for row in rows:
             _check(row)
@@ -324,7 +446,9 @@ def _run(path: Path, stage: int | None = None) -> Found:
     return rows, [point for _, points in found for point in points]
 
 
-def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Sequence[Mapping[str, Any]] = ()) -> dict[str, Any]:
+def ids_of(
+    manifest: Mapping[str, Any], stage: int | None = None, earlier: Sequence[Mapping[str, Any]] = ()
+) -> dict[str, Any]:
     """Returns the game, way of training and settings of a run, by column, from its manifest.
 
     Args:
@@ -333,8 +457,16 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
     """
     game, config = manifest["game"], manifest["config"]
     made = manifest.get("provenance") or {}
-    way = {key: value for key, value in config.items() if key not in NOT_A_WAY and not key.startswith(CHECKPOINTS)}
-    way = {key: value for key, value in way.items() if key not in FORMER_VALUES and (key not in AS_EVER or value != AS_EVER[key])}
+    way = {
+        key: value
+        for key, value in config.items()
+        if key not in NOT_A_WAY and not key.startswith(CHECKPOINTS)
+    }
+    way = {
+        key: value
+        for key, value in way.items()
+        if key not in FORMER_VALUES and (key not in AS_EVER or value != AS_EVER[key])
+    }
     start = way.get("init_from")
     if start:
         way["init_from"] = "a policy"
@@ -343,7 +475,13 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
     elif manifest.get("stage", 1) > 1:
         way["stages"] = f"stage {manifest['stage']} of a run"
     named = way if way["algorithm"] == "vdn" else way | FORMER_VALUES
-    everything = {"hash": game["hash"], "params": game["params"], "agents": game["num_agents"], "config": named, "stage": stage}
+    everything = {
+        "hash": game["hash"],
+        "params": game["params"],
+        "agents": game["num_agents"],
+        "config": named,
+        "stage": stage,
+    }
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
     reward, angles = str(config["reward"]), config.get("svo_angle", [])
     ids = {
@@ -352,7 +490,11 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
         "variant": made.get("variant") or "",
         "params": " ".join(_numbers(game, made)),
         GAME_NUMBERS: numbers_of(game, flat_numbers(made.get("params") or {})),
-        "map": Path(made["map"]).name if isinstance(made.get("map"), str) else "own" if made.get("map") else "",
+        "map": Path(made["map"]).name
+        if isinstance(made.get("map"), str)
+        else "own"
+        if made.get("map")
+        else "",
         "num_agents": game["num_agents"],
         "run": f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
         "algorithm": config["algorithm"],
@@ -370,7 +512,11 @@ def ids_of(manifest: Mapping[str, Any], stage: int | None = None, earlier: Seque
         ids |= {"svo_angle": angles[0]} if len(set(angles)) == 1 else {}
     usual = stored_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
     columns = {*WAY} - ({"svo_angle"} if reward == "svo" and "svo_angle" not in ids else set())
-    own = {key: value for key, value in sorted(way.items()) if key not in columns and value != usual.get(key)}
+    own = {
+        key: value
+        for key, value in sorted(way.items())
+        if key not in columns and value != usual.get(key)
+    }
     return ids | {"settings": _compact(own)} | ({START: str(start)} if start else {})
 
 
@@ -383,13 +529,24 @@ def _stage(manifest: Mapping[str, Any], last: Mapping[str, Any]) -> dict[str, An
     game, made = manifest["game"], manifest.get("provenance") or {}
     settings = {key: value for key, value in manifest["config"].items() if value != last.get(key)}
     settings["init_from"] = "a policy" if settings.get("init_from") else ""
-    return {"hash": game["hash"], "params": " ".join(_numbers(game, made)), "num_agents": game["num_agents"], **settings}
+    return {
+        "hash": game["hash"],
+        "params": " ".join(_numbers(game, made)),
+        "num_agents": game["num_agents"],
+        **settings,
+    }
 
 
 def _check(row: Mapping[str, Any]) -> None:
     """Raises ValueError, TypeError or OverflowError for a value of the wrong type for its column."""
     for name, value in row.items():
-        of_kind = isinstance(value, str) if name in TEXTS else isinstance(value, int) and abs(value) < 2**63 if name in COUNTS else True
+        of_kind = (
+            isinstance(value, str)
+            if name in TEXTS
+            else isinstance(value, int) and abs(value) < 2**63
+            if name in COUNTS
+            else True
+        )
         if value is not None and not of_kind:
             raise ValueError(f"its {name} is {value!r}")
         if value is not None and name in NUMBERS:
@@ -403,9 +560,15 @@ def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
     """
     if "game" not in made:
         return other_numbers(game)
-    asked = flat_numbers(made.get("params") or {}) | ({} if made.get("num_agents") is None else {"num_agents": made["num_agents"]})
+    asked = flat_numbers(made.get("params") or {}) | (
+        {} if made.get("num_agents") is None else {"num_agents": made["num_agents"]}
+    )
     variant = made.get("variant") or ""
-    return [as_assignment(name, value) for name, value in sorted(asked.items()) if not is_usual(game["name"], variant, name, value)]
+    return [
+        as_assignment(name, value)
+        for name, value in sorted(asked.items())
+        if not is_usual(game["name"], variant, name, value)
+    ]
 
 
 def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
@@ -413,7 +576,11 @@ def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
     first, number = int(config["seed"]), int(config["seeds"])
     if not 1 <= number <= MOST_SEEDS:
         raise ValueError(f"it has {number} seeds")
-    return [(first, path)] if number == 1 else [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
+    return (
+        [(first, path)]
+        if number == 1
+        else [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
+    )
 
 
 def _steps(manifest: Mapping[str, Any]) -> int:
@@ -421,7 +588,9 @@ def _steps(manifest: Mapping[str, Any]) -> int:
     return int(manifest["updates"] * manifest["derived"]["steps_per_update"])
 
 
-def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str, Any], steps_before: int) -> tuple[dict[str, Any], Rows]:
+def _seed(
+    folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str, Any], steps_before: int
+) -> tuple[dict[str, Any], Rows]:
     """Returns the row of a seed, and its learning curve where it is done. steps_before: in earlier stages."""
     if seed in {entry["seed"] for entry in manifest.get("diverged", ())}:
         status = "failed"
@@ -430,7 +599,13 @@ def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str
     device = manifest.get("device") or {}
     number, kind = device.get("count", 1), device.get("kind", "unknown")
     steps, returns = _curve(folder)
-    row = {"record": "seed", **ids, "seed": seed, "status": status, "hardware": f"{number} x {kind}" if number > 1 else str(kind)}
+    row = {
+        "record": "seed",
+        **ids,
+        "seed": seed,
+        "status": status,
+        "hardware": f"{number} x {kind}" if number > 1 else str(kind),
+    }
     row["folder"] = str(folder)
     if status != "done":
         return row | {"steps": int(max(steps, default=0)), "episodes": 0}, []
@@ -438,7 +613,16 @@ def _seed(folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str
     row |= {"steps": steps_before + _steps(manifest), "episodes": episodes}
     row |= {"collective_return" if name == RETURN else name: value for name, value in means.items()}
     named = zip(steps, returns, strict=True)
-    points = [{"run": ids["run"], "seed": seed, "env_steps": int(x), "collective_return": y, "folder": str(folder)} for x, y in named]
+    points = [
+        {
+            "run": ids["run"],
+            "seed": seed,
+            "env_steps": int(x),
+            "collective_return": y,
+            "folder": str(folder),
+        }
+        for x, y in named
+    ]
     return row, points
 
 
@@ -465,7 +649,9 @@ def _evaluation(path: Path) -> tuple[dict[str, float], int]:
     stored = read_evaluation(path)
     if stored is None or stored.greedy is not None:
         return {}, 0
-    means = {name: figure.mean for name, figure in stored.summary.items() if " of agent " not in name}
+    means = {
+        name: figure.mean for name, figure in stored.summary.items() if " of agent " not in name
+    }
     return {name: mean for name, mean in means.items() if mean is not None}, stored.episodes
 
 
@@ -477,16 +663,26 @@ def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
     done = [row for row in rows if row["status"] == "done"]
     failed = [row["seed"] for row in rows if row["status"] == "failed"]
     if failed:
-        _warn(f"{seeds_in_words(failed)} of `{path}` diverged (non-finite loss): this run has no mean")
+        _warn(
+            f"{seeds_in_words(failed)} of `{path}` diverged (non-finite loss): this run has no mean"
+        )
     wanting = [row for row in done if "collective_return" not in row]
     damaged = [row for row in wanting if not (Path(row["folder"]) / POLICIES).is_dir()]
     if damaged:
-        _warn(f"left out of `{path}`: {seeds_in_words(row['seed'] for row in damaged)}, without `{POLICIES}`")
+        _warn(
+            f"left out of `{path}`: {seeds_in_words(row['seed'] for row in damaged)}, without `{POLICIES}`"
+        )
     if len(wanting) > len(damaged):
-        _warn(f"`{path}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {path}`")
-    few = [row["episodes"] for row in done if "collective_return" in row and row["episodes"] < EPISODES]
+        _warn(
+            f"`{path}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {path}`"
+        )
+    few = [
+        row["episodes"] for row in done if "collective_return" in row and row["episodes"] < EPISODES
+    ]
     if few:
-        _warn(f"`{path}` was evaluated in {min(few)} episodes a seed, others in {EPISODES}: run `sjdsl evaluate {path}`")
+        _warn(
+            f"`{path}` was evaluated in {min(few)} episodes a seed, others in {EPISODES}: run `sjdsl evaluate {path}`"
+        )
 
 
 # Experiments with policies.
@@ -495,13 +691,17 @@ def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
 def _experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay]) -> Rows:
     file = path / name
     if not file.is_file():
-        _warn(f"`{path}` is an experiment that isn't finished: it is left out. Its command, run again, resumes it")
+        _warn(
+            f"`{path}` is an experiment that isn't finished: it is left out. Its command, run again, resumes it"
+        )
         return []
     try:
         stored = kind.model_validate(read_json(file))
     except ValidationError as error:
         fault = error.errors()[0]
-        raise ResultsError(f"{file} cannot be read, for `{'.'.join(map(str, fault['loc']))}`: {fault['msg']}; play it again") from None
+        raise ResultsError(
+            f"{file} cannot be read, for `{'.'.join(map(str, fault['loc']))}`: {fault['msg']}; play it again"
+        ) from None
     except (OSError, ValueError) as error:
         raise ResultsError(f"{file} cannot be read: {error}; play it again") from None
     for note in stored.notes:
@@ -515,7 +715,10 @@ def _experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay]) ->
 
 def _diagram(stored: Diagram) -> Rows:
     verdict = stored.verdict
-    row = {"record": "diagram", **stored.model_dump(include={"cooperators", "defectors", "unit", "units", "episodes"})}
+    row = {
+        "record": "diagram",
+        **stored.model_dump(include={"cooperators", "defectors", "unit", "units", "episodes"}),
+    }
     row |= {**verdict.model_dump(), "caution": verdict.caution or ""}
     for contrast, figure in stored.contrasts:
         row |= {f"{contrast}_{end}": value for end, value in figure}
@@ -528,10 +731,32 @@ def _cross_play(stored: CrossPlay) -> Rows:
     plain = not other_numbers(stored.game.model_dump())
     for mixture in stored.mixtures:
         unit, episodes = mixture.unit or stored.unit, mixture.episodes
-        over = {"unit": unit, "units": len(stored.keys) if unit == "training seed" else episodes, "episodes": episodes}
+        over = {
+            "unit": unit,
+            "units": len(stored.keys) if unit == "training seed" else episodes,
+            "episodes": episodes,
+        }
         for policy, figure in mixture.policies.items():
-            rows.append({"record": "mixture", "mixture": mixture.mixture, "policy": policy, **dict(figure), **over})
+            rows.append(
+                {
+                    "record": "mixture",
+                    "mixture": mixture.mixture,
+                    "policy": policy,
+                    **dict(figure),
+                    **over,
+                }
+            )
         if plain and {*mixture.slots} == {*mixture.policies} == {"random"}:
-            alone = {end: None if value is None else stored.game.num_agents * value for end, value in mixture.policies["random"]}
-            rows.append({"record": "random", "collective_return": alone.pop("mean"), **alone, "episodes": episodes})
+            alone = {
+                end: None if value is None else stored.game.num_agents * value
+                for end, value in mixture.policies["random"]
+            }
+            rows.append(
+                {
+                    "record": "random",
+                    "collective_return": alone.pop("mean"),
+                    **alone,
+                    "episodes": episodes,
+                }
+            )
     return rows

@@ -36,13 +36,26 @@ class Section:
     pictures: tuple[Picture, ...] = ()
 
 
-def page_text(title: str, made: str, sections: Iterable[Section], method: Sequence[str], notes: Sequence[str], folder: str = "") -> str:
+def page_text(
+    title: str,
+    made: str,
+    sections: Iterable[Section],
+    method: Sequence[str],
+    notes: Sequence[str],
+    folder: str = "",
+) -> str:
     """Returns the page: its heading, its sections, the method with what made the page, and notes.
 
     Args:
       folder: the folder of pictures and tables relative to the page: empty, or ending in `/`.
     """
-    parts = [f"# {title}", *(f"## {section.title}\n\n{body_text(section, folder)}" for section in sections), "## Method", *method, made]
+    parts = [
+        f"# {title}",
+        *(f"## {section.title}\n\n{body_text(section, folder)}" for section in sections),
+        "## Method",
+        *method,
+        made,
+    ]
     if notes:
         parts += ["## Notes", "\n".join(f"* {inert(_sentence(note))}" for note in notes)]
     return "\n\n".join(parts) + "\n"
@@ -53,19 +66,29 @@ def body_text(section: Section, folder: str = "") -> str:
     parts = [inert(paragraph) for paragraph in section.text]
     for table in section.tables:
         parts += [f"{table.title} ([CSV]({folder}{TABLES}/{table.name}.csv)):", _table_text(table)]
-    parts += [f"![{inert(picture.title)}]({folder}{FIGURES}/{picture.name}.png)" for picture in section.pictures]
+    parts += [
+        f"![{inert(picture.title)}]({folder}{FIGURES}/{picture.name}.png)"
+        for picture in section.pictures
+    ]
     return "\n\n".join(parts)
 
 
 def _table_text(table: Table) -> str:
     rule = ("---",) * table.labels + ("--:",) * (len(table.headings) - table.labels)
-    rows = (tuple(_escaped(cell.text if isinstance(cell, Figure) else cell) for cell in row) for row in table.rows)
+    rows = (
+        tuple(_escaped(cell.text if isinstance(cell, Figure) else cell) for cell in row)
+        for row in table.rows
+    )
     return "\n".join(f"| {' | '.join(row)} |" for row in (table.headings, rule, *rows))
 
 
 def file_texts(sections: Iterable[Section]) -> dict[str, str]:
     """Returns the CSV of each table by file name."""
-    return {f"{TABLES}/{table.name}.csv": _csv(table.records) for section in sections for table in section.tables}
+    return {
+        f"{TABLES}/{table.name}.csv": _csv(table.records)
+        for section in sections
+        for table in section.tables
+    }
 
 
 def drawn(sections: Iterable[Section]) -> dict[str, bytes]:
@@ -73,7 +96,10 @@ def drawn(sections: Iterable[Section]) -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     for picture in (picture for section in sections for picture in section.pictures):
         drawing = picture.draw()
-        files |= {f"{FIGURES}/{picture.name}.{ending}": picture_bytes(drawing, ending) for ending in ENDINGS}
+        files |= {
+            f"{FIGURES}/{picture.name}.{ending}": picture_bytes(drawing, ending)
+            for ending in ENDINGS
+        }
     return files
 
 
@@ -82,7 +108,10 @@ def _csv(records: Sequence[dict[str, Any]]) -> str:
     names = list(dict.fromkeys(name for record in records for name in record))
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(names)
-    writer.writerows([f"{v:.6g}" if isinstance(v, float) else v for v in map(record.get, names)] for record in records)
+    writer.writerows(
+        [f"{v:.6g}" if isinstance(v, float) else v for v in map(record.get, names)]
+        for record in records
+    )
     return text.getvalue()
 
 

@@ -22,19 +22,32 @@ def preset_of(game: str, settings: Mapping[str, Any]) -> str:
     Args:
       settings: the settings that affect learning, as JSON values.
     """
-    if settings["algorithm"] not in KEYS_OF or Path(str(settings["reward"])).suffix:  # custom ones are files, which are not run here
+    if (
+        settings["algorithm"] not in KEYS_OF or Path(str(settings["reward"])).suffix
+    ):  # custom ones are files, which are not run here
         return ""
-    presets = _presets(game, json.dumps({name: settings[name] for name in ASKED if name in settings}))
-    return "/".join(name for name, like in presets.items() if all(like.get(key) == value for key, value in settings.items()))
+    presets = _presets(
+        game, json.dumps({name: settings[name] for name in ASKED if name in settings})
+    )
+    return "/".join(
+        name
+        for name, like in presets.items()
+        if all(like.get(key) == value for key, value in settings.items())
+    )
 
 
 @cache
 def _presets(game: str, asked: str) -> Mapping[str, Mapping[str, Any]]:
     """Returns the configurations of all presets that accept the settings `asked`, by name."""
     found = {}
-    for name in sorted(entry.name.removesuffix(".toml") for entry in files("sjdsl.trainers").joinpath("presets").iterdir()):
+    for name in sorted(
+        entry.name.removesuffix(".toml")
+        for entry in files("sjdsl.trainers").joinpath("presets").iterdir()
+    ):
         try:
-            found[name] = load_preset(name, json.loads(asked), game, asked=()).config.model_dump(mode="json")
+            found[name] = load_preset(name, json.loads(asked), game, asked=()).config.model_dump(
+                mode="json"
+            )
         except ConfigError:
             continue
     return found

@@ -44,22 +44,44 @@ def write_report(sources: Path | Sequence[Path], output: Path, command: str) -> 
       ResultsError: as `load`; or the folder holds something.
     """
     if output.exists() and (not output.is_dir() or any(output.iterdir())):
-        raise ResultsError(f"`{output}` is {'not empty' if output.is_dir() else 'a file, expected a folder'}; name another place")
+        raise ResultsError(
+            f"`{output}` is {'not empty' if output.is_dir() else 'a file, expected a folder'}; name another place"
+        )
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResultsWarning)
         frame, curves = load_both(several(sources))
-    notes = [str(warning.message) for warning in caught if issubclass(warning.category, ResultsWarning)]
+    notes = [
+        str(warning.message) for warning in caught if issubclass(warning.category, ResultsWarning)
+    ]
     few = [run for _, rows in games(frame) for run, seeds in rows.groupby("run") if len(seeds) < 2]
-    notes += [f"too few seeds for an interval, which needs at least two: {', '.join(few)}"] if few else []
+    notes += (
+        [f"too few seeds for an interval, which needs at least two: {', '.join(few)}"]
+        if few
+        else []
+    )
     sections = report_sections(frame, curves)
-    contents: dict[str, bytes] = {name: text.encode() for name, text in file_texts(sections).items()}
+    contents: dict[str, bytes] = {
+        name: text.encode() for name, text in file_texts(sections).items()
+    }
     pictures = drawn(sections)
-    contents |= pictures | {f"{DATA}/{RESULTS}": write_frame(frame).encode(), f"{DATA}/{CURVES}": write_frame(curves).encode()}
-    method = (*METHOD, f"The data behind the page are in [{DATA}]({DATA}): the same command on them makes the page again.")
+    contents |= pictures | {
+        f"{DATA}/{RESULTS}": write_frame(frame).encode(),
+        f"{DATA}/{CURVES}": write_frame(curves).encode(),
+    }
+    method = (
+        *METHOD,
+        f"The data behind the page are in [{DATA}]({DATA}): the same command on them makes the page again.",
+    )
     page = page_text("Results", f"Written by `{command}`.", sections, method, notes)
     contents[PAGE] = page.encode()
     for name, content in contents.items():
         (output / name).parent.mkdir(parents=True, exist_ok=True)
         write_whole(output / name, content)
     seeds = int((frame.record == "seed").sum())
-    return Report(frame.run.replace("", None).nunique(), seeds, len(file_texts(sections)), len(pictures) // 2, tuple(notes))
+    return Report(
+        frame.run.replace("", None).nunique(),
+        seeds,
+        len(file_texts(sections)),
+        len(pictures) // 2,
+        tuple(notes),
+    )

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sjdsl.render.plot_style import line_colour
-from sjdsl.results.figures import Cell, Figure, Table, counted, interval, of_cell, of_comparison, short
+from sjdsl.results.figures import (
+    Cell,
+    Figure,
+    Table,
+    counted,
+    interval,
+    of_cell,
+    of_comparison,
+    short,
+)
 from sjdsl.results.loading import CONTRASTS
 from sjdsl.results.page import Picture, Section
 from sjdsl.results.selecting import Setting, cell_of, games, in_words, setting_of
@@ -27,9 +36,13 @@ if TYPE_CHECKING:
 
 BEHIND = "seeds, steps, preset, hardware"
 SHORT_NAMES = "A policy's name is the part of its path that tells it apart in its game; the CSV has whole paths."
-OF_POLICIES = ", of these policies only"  # intervals over episodes say nothing about other training seeds
+OF_POLICIES = (
+    ", of these policies only"  # intervals over episodes say nothing about other training seeds
+)
 Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # words, and two cells
-Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]  # game -> way of training -> its cell, and the scores of its seeds
+Scores = Mapping[
+    Any, Mapping[str, tuple[Cell, np.ndarray]]
+]  # game -> way of training -> its cell, and the scores of its seeds
 
 
 def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
@@ -37,9 +50,13 @@ def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
     runs = [(in_words(seeds.iloc[0]), seeds) for _, seeds in rows.groupby("run")]
     for words, seeds in sorted(runs, key=lambda pair: (pair[0].casefold(), pair[1].iloc[0].run)):
         own = seeds.iloc[0]
-        others = [other.iloc[0] for name, other in runs if name == words and other.iloc[0].run != own.run]
+        others = [
+            other.iloc[0] for name, other in runs if name == words and other.iloc[0].run != own.run
+        ]
         settings = [_all_settings(row) for row in (own, *others)]
-        apart = [name for name in differing(settings) if name in settings[0] or name.startswith(OWN)]
+        apart = [
+            name for name in differing(settings) if name in settings[0] or name.startswith(OWN)
+        ]
         values = [as_written(settings[0].get(name, "default")) or "none" for name in apart]
         said = ", ".join(f"{name} {value}" for name, value in zip(apart, values, strict=True))
         if others and not said:
@@ -59,19 +76,44 @@ def returns(frame: "pd.DataFrame") -> Section:
         for words, seeds in ways(own):
             cell = cell_of(seeds)
             rows += [(setting.label, words, of_cell(cell), cell.origin)] if cell is not None else []
-    table = Table("returns", "Collective return", ("game", "way of training", "collective return", BEHIND), rows, 2)
+    table = Table(
+        "returns",
+        "Collective return",
+        ("game", "way of training", "collective return", BEHIND),
+        rows,
+        2,
+    )
     return Section("Returns", (), (table,) if rows else ())
 
 
-def compared_table(name: str, title: str, words: Sequence[str], columns: tuple[str, str], lines: Sequence[Pair]) -> Table:
+def compared_table(
+    name: str, title: str, words: Sequence[str], columns: tuple[str, str], lines: Sequence[Pair]
+) -> Table:
     """Returns a table of pairs of cells, with their difference, its 95 % interval, and p."""
     rows: list[tuple[str | Figure, ...]] = []
     for said, first, second in lines:
-        known = first is not None and second is not None and first.estimate is not None and second.estimate is not None
-        found = compare(first.values, second.values) if known and first is not None and second is not None else None
-        behind = "; ".join(dict.fromkeys(cell.origin for cell in (first, second) if cell is not None))
+        known = (
+            first is not None
+            and second is not None
+            and first.estimate is not None
+            and second.estimate is not None
+        )
+        found = (
+            compare(first.values, second.values)
+            if known and first is not None and second is not None
+            else None
+        )
+        behind = "; ".join(
+            dict.fromkeys(cell.origin for cell in (first, second) if cell is not None)
+        )
         rows.append((*said, of_cell(first), of_cell(second), *of_comparison(found), behind))
-    return Table(name, title, (*words, *columns, f"{columns[1]} - {columns[0]}", "p (Welch)", BEHIND), rows, len(words))
+    return Table(
+        name,
+        title,
+        (*words, *columns, f"{columns[1]} - {columns[0]}", "p (Welch)", BEHIND),
+        rows,
+        len(words),
+    )
 
 
 def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
@@ -83,18 +125,31 @@ def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
         lines = []
         for words, seeds in ways(whole):
             if (line := _line(words, curves[curves.run == seeds.iloc[0].run])) is not None:
-                lines.append(replace(line, colour=colours.setdefault(words, line_colour(len(colours)))))
+                lines.append(
+                    replace(line, colour=colours.setdefault(words, line_colour(len(colours))))
+                )
         if lines:
             name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
-            seeds_of = {line.label.rpartition(", ")[2] for line in lines}  # told once if all have as many
+            seeds_of = {
+                line.label.rpartition(", ")[2] for line in lines
+            }  # told once if all have as many
             if len(seeds_of) == 1:
                 lines = [replace(line, label=line.label.rpartition(", ")[0]) for line in lines]
             note = f"Lines: means over {seeds_of.pop() if len(seeds_of) == 1 else 'seeds'}. Bands: 95 % intervals."
-            draw = partial(draw_panels, split_lines(lines, "collective return of an episode"), setting.label, note)
+            draw = partial(
+                draw_panels,
+                split_lines(lines, "collective return of an episode"),
+                setting.label,
+                note,
+            )
             pictures.append(Picture(name, setting.label, draw))
-    text = ["Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no band."]
+    text = [
+        "Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no band."
+    ]
     if (frame.algorithm == "vdn").any():
-        text.append("The curves of VDN are from episodes in which it explores. The tables evaluate its last policies without exploration.")
+        text.append(
+            "The curves of VDN are from episodes in which it explores. The tables evaluate its last policies without exploration."
+        )
     if (frame.status == "failed").any():
         text.append("Ways of training with a failed seed have no curve.")
     return Section("Learning curves", tuple(text), pictures=tuple(pictures))
@@ -110,7 +165,9 @@ def _line(words: str, points: "pd.DataFrame") -> Line | None:
     if values.shape[1] < 2:
         return Line(label, steps, values[:, 0])
     found = [estimate(row) for row in values]
-    mean, low, high = (np.array([getattr(figure, end) for figure in found]) for end in ("mean", "low", "high"))
+    mean, low, high = (
+        np.array([getattr(figure, end) for figure in found]) for end in ("mean", "low", "high")
+    )
     return Line(label, steps, mean, low, high, least=float(values.min()))
 
 
@@ -119,20 +176,33 @@ def over_games(frame: "pd.DataFrame") -> Section:
     scores = {}
     for setting, own in games(frame):
         cells = {words: cell for words, seeds in ways(own) if (cell := cell_of(seeds)) is not None}
-        best = max((cell.estimate.mean for cell in cells.values() if cell.estimate is not None), default=0.0)
+        best = max(
+            (cell.estimate.mean for cell in cells.values() if cell.estimate is not None),
+            default=0.0,
+        )
         scores[setting.label] = scored(frame, setting, best, cells)
     what = "A score is (return - random) / (best - random): 0 is a random policy, 1 the best way of training here."
     return section_over_games(scores, what, chosen_games(scores))
 
 
-def scored(frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[str, Cell]) -> dict[str, tuple[Cell, np.ndarray]]:
+def scored(
+    frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[str, Cell]
+) -> dict[str, tuple[Cell, np.ndarray]]:
     """Returns the scores of cells with at least two seeds, between a random policy and `best`; empty if no random policy was played."""
-    random = frame[(frame.record == "random") & (frame.game == setting.game) & (frame.hash == setting.hash)].collective_return
+    random = frame[
+        (frame.record == "random") & (frame.game == setting.game) & (frame.hash == setting.hash)
+    ].collective_return
     if random.empty or setting.params or best <= random.iloc[-1]:
         return {}
     zero = random.iloc[-1]
-    several = {way: cell for way, cell in cells.items() if cell.estimate is not None and len(cell.values) > 1}
-    return {way: (cell, (np.array(cell.values) - zero) / (best - zero)) for way, cell in several.items()}
+    several = {
+        way: cell
+        for way, cell in cells.items()
+        if cell.estimate is not None and len(cell.values) > 1
+    }
+    return {
+        way: (cell, (np.array(cell.values) - zero) / (best - zero)) for way, cell in several.items()
+    }
 
 
 def section_over_games(scores: Scores, what: str, chosen: Sequence[str]) -> Section:
@@ -150,25 +220,47 @@ def section_over_games(scores: Scores, what: str, chosen: Sequence[str]) -> Sect
         cells, values = zip(*(scores[game][way] for game in chosen), strict=True)
         fewest = min(map(len, values))
         if max(map(len, values)) > fewest:
-            remarks.append(f"* For {way}, only the first {fewest} seeds of each game are used, as some games have no more.")
+            remarks.append(
+                f"* For {way}, only the first {fewest} seeds of each game are used, as some games have no more."
+            )
         tables[way] = np.stack([each[:fewest] for each in values], axis=1)
         steps = sorted({cell.steps for cell in cells})
         lengths = " to ".join(dict.fromkeys((short(steps[0]), short(steps[-1]))))
         origins = list(dict.fromkeys(", ".join(filter(None, cell.origins[2:])) for cell in cells))
-        behind[way] = f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, {' and '.join(origins)}"
+        behind[way] = (
+            f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, {' and '.join(origins)}"
+        )
     if len(chosen) < 2 or not tables:
         none = "Too few results yet: this takes at least two games with a random policy, and a way of training with two seeds in each."
         return Section("Over games", (*text, none))
     if left_out:
-        remarks.append(f"* Left out, because they were not run in all of these games: {'; '.join(left_out)}.")
+        remarks.append(
+            f"* Left out, because they were not run in all of these games: {'; '.join(left_out)}."
+        )
     text += [f"Games: {'; '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
-    means = [(way, interval(*found), behind[way]) for way, found in interquartile_means(tables).items()]
-    made = [Table("over_games", "Interquartile mean of the scores", ("way of training", "interquartile mean", BEHIND), means)]
+    means = [
+        (way, interval(*found), behind[way]) for way, found in interquartile_means(tables).items()
+    ]
+    made = [
+        Table(
+            "over_games",
+            "Interquartile mean of the scores",
+            ("way of training", "interquartile mean", BEHIND),
+            means,
+        )
+    ]
     if len(tables) > 1:
         title = "Probability that a seed of the first way earns more than one of the second, averaged over games"
-        rows = [(first, second, interval(*found)) for (first, second), found in improvements(tables).items()]
-        made.append(Table("improvement", title, ("way of training", "over", "probability"), rows, 2))
-    picture = Picture("performance_profiles", "performance profiles", partial(draw_profiles, tables))
+        rows = [
+            (first, second, interval(*found))
+            for (first, second), found in improvements(tables).items()
+        ]
+        made.append(
+            Table("improvement", title, ("way of training", "over", "probability"), rows, 2)
+        )
+    picture = Picture(
+        "performance_profiles", "performance profiles", partial(draw_profiles, tables)
+    )
     return Section("Over games", tuple(text), tuple(made), (picture,))
 
 
@@ -179,7 +271,11 @@ def chosen_games(scores: Mapping[Any, Mapping[str, Any]]) -> list[Any]:
     some ways have in common are considered, as larger ones would not have more ways.
     """
     order = list(scores)
-    played = {way: frozenset(game for game in order if way in scores[game]) for found in scores.values() for way in found}
+    played = {
+        way: frozenset(game for game in order if way in scores[game])
+        for found in scores.values()
+        for way in found
+    }
     common: set[frozenset[Any]] = set()
     for own in played.values():
         common |= {own} | {own & other for other in common}
@@ -187,7 +283,12 @@ def chosen_games(scores: Mapping[Any, Mapping[str, Any]]) -> list[Any]:
 
     def worth(chosen: Sequence[Any]) -> tuple[Any, ...]:
         number = sum(set(chosen) <= own for own in played.values())
-        return number > 1, number * len(chosen), len(chosen), [-order.index(game) for game in chosen]
+        return (
+            number > 1,
+            number * len(chosen),
+            len(chosen),
+            [-order.index(game) for game in chosen],
+        )
 
     return max(sets, key=worth, default=[])
 
@@ -200,7 +301,11 @@ def diagrams(frame: "pd.DataFrame") -> Section:
         "others defect. Greed: the same while the others cooperate.",
         "The four intervals hold jointly at 95 %. In a dilemma, A and B are above 0, and so is fear or greed.",
         SHORT_NAMES,
-        *(f"{setting_of(row).label}: {row.caution}" for row in of_record(frame, "diagram") if row.caution),
+        *(
+            f"{setting_of(row).label}: {row.caution}"
+            for row in of_record(frame, "diagram")
+            if row.caution
+        ),
     ]
     headings = ("game", "cooperators", "defectors", "A", "B", "fear", "greed", "verdict", "over")
     table = Table("schelling", "Contrasts of the return of an agent", headings, rows, 3)
@@ -223,7 +328,9 @@ def diagram_rows(diagrams: Iterable[Any]) -> list[tuple[str | Figure, ...]]:
 
 
 def _diagram_row(row: Any, names: Mapping[str, str]) -> tuple[str | Figure, ...]:
-    contrasts = (interval(*(row[f"{name}_{end}"] for end in ("mean", "low", "high"))) for name in CONTRASTS)
+    contrasts = (
+        interval(*(row[f"{name}_{end}"] for end in ("mean", "low", "high"))) for name in CONTRASTS
+    )
     shape = " and ".join(name for name in ("fear", "greed") if row[name])
     verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
     policies = (_named(names[name], name) for name in (row.cooperators, row.defectors))
@@ -254,9 +361,23 @@ def cross_play(frame: "pd.DataFrame") -> Section:
         for row in found:
             mixture = Figure(_renamed(row.mixture, names), {"": row.mixture})
             earned = interval(row["mean"], row.low, row.high)
-            rows.append((setting_of(row).label, mixture, _named(names[row.policy], row.policy), earned, _sample_text(row)))
+            rows.append(
+                (
+                    setting_of(row).label,
+                    mixture,
+                    _named(names[row.policy], row.policy),
+                    earned,
+                    _sample_text(row),
+                )
+            )
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
-    table = Table("cross_play", "Return of an agent of a policy in a mixture, with its 95 % interval", headings, rows, 3)
+    table = Table(
+        "cross_play",
+        "Return of an agent of a policy in a mixture, with its 95 % interval",
+        headings,
+        rows,
+        3,
+    )
     return Section("Cross-play", (SHORT_NAMES,), (table,) if rows else ())
 
 

@@ -31,16 +31,28 @@ class Setting(NamedTuple):
     def label(self) -> str:
         """The game, with its differences from the current bundled one."""
         now = rules_now(self.game, self.variant)
-        changed = now[0] != self.hash if now is not None else self.game in bundled()  # a variant that is gone has other rules, too
+        changed = (
+            now[0] != self.hash if now is not None else self.game in bundled()
+        )  # a variant that is gone has other rules, too
         other = f"rules {self.hash[:6]}" if changed and not (self.params or self.map) else ""
-        agents = f"{self.num_agents} agents" if other and now is not None and now[1] != self.num_agents else ""
-        named = (f"variant {self.variant}" if self.variant else "", self.params, f"map {self.map}" if self.map else "")
+        agents = (
+            f"{self.num_agents} agents"
+            if other and now is not None and now[1] != self.num_agents
+            else ""
+        )
+        named = (
+            f"variant {self.variant}" if self.variant else "",
+            self.params,
+            f"map {self.map}" if self.map else "",
+        )
         return ", ".join(filter(None, (self.game, *named, other, agents)))
 
 
 def setting_of(row: Any) -> Setting:
     """Returns the game of a row."""
-    return Setting(*(row[name] for name in SETTING))  # not as attributes: a row of pandas has a method `map`
+    return Setting(
+        *(row[name] for name in SETTING)
+    )  # not as attributes: a row of pandas has a method `map`
 
 
 def seeds_of(frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -67,8 +79,14 @@ def cell_of(frame: "pd.DataFrame", figure: str = "collective_return") -> Cell | 
     Seeds with different settings are never averaged: of several runs, the cell is that of the one with the most steps, then the most seeds,
     then the settings of a preset.
     """
-    cells = [cell for _, rows in frame.groupby("run") if (cell := _of_run(rows, figure)) is not None]
-    return min(cells, key=lambda cell: (-cell.steps, -cell.seeds, cell.preset == "", cell.run), default=None)
+    cells = [
+        cell for _, rows in frame.groupby("run") if (cell := _of_run(rows, figure)) is not None
+    ]
+    return min(
+        cells,
+        key=lambda cell: (-cell.steps, -cell.seeds, cell.preset == "", cell.run),
+        default=None,
+    )
 
 
 def _of_run(rows: "pd.DataFrame", figure: str) -> Cell | None:
@@ -78,7 +96,9 @@ def _of_run(rows: "pd.DataFrame", figure: str) -> Cell | None:
     if not values and not failed:
         return None
     first, hardware = rows.iloc[0], " and ".join(dict.fromkeys(rows.hardware))
-    return Cell(first.run, values, failed, int(rows.steps.max()), first.preset, hardware, first.settings)
+    return Cell(
+        first.run, values, failed, int(rows.steps.max()), first.preset, hardware, first.settings
+    )
 
 
 def in_words(row: Any, sharing: bool = True) -> str:
@@ -97,6 +117,10 @@ def in_words(row: Any, sharing: bool = True) -> str:
         reward = f"exchange {row.exchange_ratio:g}"
     elif of_row == "svo":
         angle = "several angles" if row.svo_angle != row.svo_angle else f"{row.svo_angle:g}°"
-        reward = f"SVO {angle}, weight {row.svo_weight:g}" + (", choosing the weight" if row.stage == 1 else "")
-    apart = {SHARED: "", APART: ", separate parameters"}.get(row.sharing, f", parameters {row.sharing.replace('_', ' ')}")
+        reward = f"SVO {angle}, weight {row.svo_weight:g}" + (
+            ", choosing the weight" if row.stage == 1 else ""
+        )
+    apart = {SHARED: "", APART: ", separate parameters"}.get(
+        row.sharing, f", parameters {row.sharing.replace('_', ' ')}"
+    )
     return f"{name}, {reward}{from_stages}{apart if sharing else ''}"

@@ -16,9 +16,26 @@ from sjdsl.trainers.own_settings import OWN, spread
 with needs("results"):
     import pandas as pd
 
-WAY = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle", "stage", "network", "total_timesteps")
+WAY = (
+    "algorithm",
+    "reward",
+    "sharing",
+    "exchange_ratio",
+    "svo_weight",
+    "svo_angle",
+    "stage",
+    "network",
+    "total_timesteps",
+)
 # Settings that don't affect learning: seeds, and what is written when.
-NOT_A_WAY = ("seed", "seeds", "keep_policies", "policy_every", "evaluate_every", "evaluation_episodes")
+NOT_A_WAY = (
+    "seed",
+    "seeds",
+    "keep_policies",
+    "policy_every",
+    "evaluate_every",
+    "evaluation_episodes",
+)
 CHECKPOINTS = "checkpoint_"  # begins the names of more of these
 ANGLES = "svo_angles"  # of agents that differ in it; the column `svo_angle` has numbers
 GAME_NUMBERS = "numbers"  # a column while results are loaded: the numbers of a run's game as JSON
@@ -31,19 +48,37 @@ def settings_of(row: Any) -> dict[str, Any]:
     """
     usual, marks = _usual(row.algorithm)
     stored = json.loads(row.settings or "{}")
-    values = {**usual, **stored, "algorithm": row.algorithm, "reward": row.reward, "network": row.network}
-    unread = {name for name, mark in marks.items() if mark.setting in values and not mark.holds(values[mark.setting])}
+    values = {
+        **usual,
+        **stored,
+        "algorithm": row.algorithm,
+        "reward": row.reward,
+        "network": row.network,
+    }
+    unread = {
+        name
+        for name, mark in marks.items()
+        if mark.setting in values and not mark.holds(values[mark.setting])
+    }
     if "svo_angle" in stored:
         values[ANGLES] = stored["svo_angle"]
     left_out = {*WAY, *NOT_A_WAY, *unread}
-    return spread({name: value for name, value in values.items() if name not in left_out and not name.startswith(CHECKPOINTS)})
+    return spread(
+        {
+            name: value
+            for name, value in values.items()
+            if name not in left_out and not name.startswith(CHECKPOINTS)
+        }
+    )
 
 
 @cache
 def _usual(algorithm: str) -> tuple[Mapping[str, Any], Mapping[str, Only]]:
     """Returns the settings of an algorithm by default, and those that aren't always read; none if this version doesn't know it."""
     with suppress(ConfigError):
-        return stored_config({"algorithm": algorithm}).model_dump(mode="json"), dependent_settings(class_of(algorithm))
+        return stored_config({"algorithm": algorithm}).model_dump(mode="json"), dependent_settings(
+            class_of(algorithm)
+        )
     return {}, {}
 
 
@@ -54,8 +89,13 @@ def numbers_of(game: Mapping[str, Any], asked: Mapping[str, Any]) -> str:
       game: the game in a manifest, with `params`.
       asked: the numbers that were set, as `flat_numbers` returns them.
     """
-    single = {name: value for name, value in game["params"].items() if not isinstance(value, list | dict)}
-    rounded = {name: float(f"{value:.7g}") if isinstance(value, float) else value for name, value in single.items()}  # float32
+    single = {
+        name: value for name, value in game["params"].items() if not isinstance(value, list | dict)
+    }
+    rounded = {
+        name: float(f"{value:.7g}") if isinstance(value, float) else value
+        for name, value in single.items()
+    }  # float32
     return json.dumps(rounded | {name: as_number(value) for name, value in asked.items()})
 
 
@@ -63,13 +103,17 @@ def stored_numbers(row: Mapping[str, Any]) -> str:
     """Returns the same for a row of a stored table, from its column `params` and the bundled game with its rules."""
     variant = variant_now(row["game"], row["hash"])
     usual = {} if variant is None else numbers_now(row["game"], variant)
-    single = {name: value for name, value in usual.items() if isinstance(value, bool | int | float | str)}
+    single = {
+        name: value for name, value in usual.items() if isinstance(value, bool | int | float | str)
+    }
     return json.dumps(single | _read_params(row.get("params", "")))
 
 
 def flat_numbers(params: Mapping[str, Any]) -> dict[str, Any]:
     """Returns numbers of a game with the entries of tables one by one: `regrow[red]`."""
-    return {place: entry for name, value in params.items() for place, entry in _entries(name, value)}
+    return {
+        place: entry for name, value in params.items() for place, entry in _entries(name, value)
+    }
 
 
 def _entries(name: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -82,7 +126,9 @@ def _entries(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 def _read_params(params: str) -> dict[str, Any]:
     pairs = (part.partition("=") for part in params.split())
-    return {name: as_number(value) for name, equals, value in pairs if equals and name != "num_agents"}
+    return {
+        name: as_number(value) for name, equals, value in pairs if equals and name != "num_agents"
+    }
 
 
 def differing(tables: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -96,7 +142,10 @@ def differing(tables: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def _differs(name: str, tables: Iterable[Mapping[str, Any]], unset_counts: bool) -> bool:
     values = [table.get(name) for table in tables if unset_counts or name in table]
-    return len({json.dumps(value) if isinstance(value, list | dict) else value for value in values}) > 1
+    return (
+        len({json.dumps(value) if isinstance(value, list | dict) else value for value in values})
+        > 1
+    )
 
 
 def with_settings(frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -107,17 +156,31 @@ def with_settings(frame: "pd.DataFrame") -> "pd.DataFrame":
     """
     runs = frame[frame.record == "seed"]
     settings = {place: settings_of(row) for place, row in runs.iterrows()}
-    numbers = {place: {f"{PARAM}{name}": value for name, value in json.loads(text).items()} for place, text in runs[GAME_NUMBERS].items()}
+    numbers = {
+        place: {f"{PARAM}{name}": value for name, value in json.loads(text).items()}
+        for place, text in runs[GAME_NUMBERS].items()
+    }
     names = differing([*settings.values()])
     for _, same_rules in runs.groupby(["game", "hash"]):
-        changed = {f"{PARAM}{name}" for params in same_rules.params for name in _read_params(params)}
+        changed = {
+            f"{PARAM}{name}" for params in same_rules.params for name in _read_params(params)
+        }
         tables = [numbers[place] for place in same_rules.index]
-        names += [name for name in sorted({*chain(*tables)}) if _differs(name, tables, unset_counts=name in changed)]
+        names += [
+            name
+            for name in sorted({*chain(*tables)})
+            if _differs(name, tables, unset_counts=name in changed)
+        ]
     of_row = [settings.get(place, {}) | numbers.get(place, {}) for place in frame.index]
-    columns = {name: column_of([table.get(name) for table in of_row]) for name in dict.fromkeys(names)}
+    columns = {
+        name: column_of([table.get(name) for table in of_row]) for name in dict.fromkeys(names)
+    }
     others = frame.drop(columns=GAME_NUMBERS)
     middle = others.columns.get_loc("settings") + 1
-    return pd.concat([others.iloc[:, :middle], pd.DataFrame(columns, frame.index), others.iloc[:, middle:]], axis=1)
+    return pd.concat(
+        [others.iloc[:, :middle], pd.DataFrame(columns, frame.index), others.iloc[:, middle:]],
+        axis=1,
+    )
 
 
 def column_of(values: Sequence[Any]) -> "pd.Series":

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 CONFIDENCE = 0.95
 RESAMPLES = 2000
-SEED = 0  # of the resamples of each way of training, so that its interval doesn't depend on the others
+SEED = (
+    0  # of the resamples of each way of training, so that its interval doesn't depend on the others
+)
 POINTS = 101  # of a performance profile
 Interval = tuple[float, float, float]  # the estimate, and the bounds of its 95 % interval
 Scores = Mapping[str, np.ndarray]  # way of training -> [seeds, games]
@@ -53,7 +55,9 @@ def compare(first: Sequence[float], second: Sequence[float]) -> Comparison:
         exact = float(after[0] - before[0])  # the means of equal values may be rounded
         return Comparison(exact, exact, exact, float(exact == 0))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # about a side that hardly varies, which is fine
+        warnings.simplefilter(
+            "ignore", RuntimeWarning
+        )  # about a side that hardly varies, which is fine
         test = stats.ttest_ind(after, before, equal_var=False)
         bounds = test.confidence_interval(CONFIDENCE)
     return Comparison(difference, float(bounds.low), float(bounds.high), float(test.pvalue))
@@ -75,19 +79,27 @@ def _rliable() -> Iterator[Any]:
 def _estimated(scores: Any, figure: Callable[..., float]) -> Interval:
     """Returns a statistic of `[seeds, games]` scores, or of a pair of them, with its interval from resampling the seeds of each game."""
     with _rliable() as library:
-        means, bounds = library.get_interval_estimates({"": scores}, lambda *drawn: np.array([figure(*drawn)]), reps=RESAMPLES)
+        means, bounds = library.get_interval_estimates(
+            {"": scores}, lambda *drawn: np.array([figure(*drawn)]), reps=RESAMPLES
+        )
     return float(means[""][0]), float(bounds[""][0][0]), float(bounds[""][1][0])
 
 
 def interquartile_means(scores: Scores) -> dict[str, Interval]:
     """Returns the mean of the middle half of the scores of each way of training, over seeds and games together."""
-    return {way: _estimated(table, lambda drawn: stats.trim_mean(drawn, 0.25, axis=None)) for way, table in scores.items()}
+    return {
+        way: _estimated(table, lambda drawn: stats.trim_mean(drawn, 0.25, axis=None))
+        for way, table in scores.items()
+    }
 
 
 def improvements(scores: Scores) -> dict[tuple[str, str], Interval]:
     """Returns the probability that a seed of one way of training scores more than one of another, averaged over games, by pair."""
     pairs = permutations(scores, 2)
-    return {(first, second): _estimated((scores[first], scores[second]), probability_of_improvement) for first, second in pairs}
+    return {
+        (first, second): _estimated((scores[first], scores[second]), probability_of_improvement)
+        for first, second in pairs
+    }
 
 
 def probability_of_improvement(first: np.ndarray, second: np.ndarray) -> float:
@@ -114,10 +126,14 @@ def draw_profiles(scores: Scores) -> "Figure":
             axes, labels = figure.add_subplot(1, len(groups), place), list[Label]()
             for way in group:
                 with _rliable() as library:
-                    profile, band = library.create_performance_profile({way: scores[way]}, scale, reps=RESAMPLES)
+                    profile, band = library.create_performance_profile(
+                        {way: scores[way]}, scale, reps=RESAMPLES
+                    )
                 axes.plot(scale, profile[way], color=colour[way], label=way)
                 axes.fill_between(scale, *band[way], color=colour[way], alpha=0.2, linewidth=0)
-                labels.append(Label(way, float(profile[way].mean()), colour[way]))  # the ends of all lines are near 0
+                labels.append(
+                    Label(way, float(profile[way].mean()), colour[way])
+                )  # the ends of all lines are near 0
             axes.set(xlabel="score", ylabel="share of seeds and games above it", ylim=(0, 1.02))
             name_lines(axes, labels)
         note_below(figure, "Bands: 95 % intervals.")

@@ -21,13 +21,17 @@ def refuse_beyond_int32(actions: Any) -> None:
     Raises ValueError.
     """
     for part in jax.tree.leaves(actions):
-        if isinstance(part, jax.core.Tracer) or not isinstance(part, int | np.integer | np.ndarray | jax.Array):
+        if isinstance(part, jax.core.Tracer) or not isinstance(
+            part, int | np.integer | np.ndarray | jax.Array
+        ):
             continue
         if not isinstance(part, int) and _fits_int32(part.dtype):
             continue
         for action in np.asarray(part).ravel().tolist():
             if isinstance(action, int) and not LOWEST <= action <= HIGHEST:
-                raise ValueError(f"an action is {action}, which is beyond int32; actions are numbers of `action_names`")
+                raise ValueError(
+                    f"an action is {action}, which is beyond int32; actions are numbers of `action_names`"
+                )
 
 
 def checked_actions(actions: Any, num_agents: int) -> Array:
@@ -37,12 +41,18 @@ def checked_actions(actions: Any, num_agents: int) -> Array:
       TypeError: they are no whole numbers. ValueError: there is not one for each agent.
     """
     if actions is None or isinstance(actions, Mapping):
-        raise TypeError(f"actions are numbers, one for each agent in their order, not {type(actions).__name__}")
+        raise TypeError(
+            f"actions are numbers, one for each agent in their order, not {type(actions).__name__}"
+        )
     given = jnp.asarray(actions)
     if not jnp.issubdtype(given.dtype, jnp.integer):
-        raise TypeError(f"actions are {given.dtype}, but must be whole numbers, the numbers of actions, such as int32")
+        raise TypeError(
+            f"actions are {given.dtype}, but must be whole numbers, the numbers of actions, such as int32"
+        )
     if given.shape != (num_agents,):
-        raise ValueError(f"actions have shape {given.shape}, one for each agent is wanted: ({num_agents},){_for_a_batch(given.ndim - 1)}")
+        raise ValueError(
+            f"actions have shape {given.shape}, one for each agent is wanted: ({num_agents},){_for_a_batch(given.ndim - 1)}"
+        )
     if _fits_int32(given.dtype):
         return given.astype(jnp.int32)
     return jnp.where((given < 0) | (given > HIGHEST), -1, given.astype(jnp.int32))
@@ -67,13 +77,17 @@ def check_state(module: GameModule, state: Any) -> None:
     for name in _names(state):
         shape, given = wanted[name].shape, np.shape(getattr(state, name))
         if shape != given:
-            raise ValueError(f"`{name}` of the state has shape {given}, not {shape}{_for_a_batch(len(given) - len(shape))}")
+            raise ValueError(
+                f"`{name}` of the state has shape {given}, not {shape}{_for_a_batch(len(given) - len(shape))}"
+            )
 
 
 def check_params(module: GameModule, usual: Any, params: Any) -> None:
     """Looks whether parameters are those of the game. Raises TypeError."""
     if _names(params) != _names(usual):
-        raise TypeError(f"these are not parameters of {module.NAME} but {_described(params)}: write env.params.replace(name=value)")
+        raise TypeError(
+            f"these are not parameters of {module.NAME} but {_described(params)}: write env.params.replace(name=value)"
+        )
 
 
 @lru_cache(maxsize=256)
@@ -108,10 +122,16 @@ def check_arrays(params: Any, own: Any) -> None:
     for name in (field.name for field in fields(own)):
         value, wanted = getattr(params, name), getattr(own, name)
         if not isinstance(value, int | float | np.generic | np.ndarray | jax.Array):
-            raise ValueError(f"`{name}` is {value!r}, and an array is wanted: {_array_text(wanted)}")
-        same_dtype = isinstance(value, int | float | np.generic) or jnp.result_type(value) == jnp.result_type(wanted)
+            raise ValueError(
+                f"`{name}` is {value!r}, and an array is wanted: {_array_text(wanted)}"
+            )
+        same_dtype = isinstance(value, int | float | np.generic) or jnp.result_type(
+            value
+        ) == jnp.result_type(wanted)
         if jnp.shape(value) != jnp.shape(wanted) or not same_dtype:
-            raise ValueError(f"`{name}` is {_array_text(value)}, and {_array_text(wanted)} is wanted")
+            raise ValueError(
+                f"`{name}` is {_array_text(value)}, and {_array_text(wanted)} is wanted"
+            )
 
 
 def _array_text(array: Any) -> str:

@@ -16,18 +16,35 @@ State = Any
 Params = Any
 
 
-def reset_where(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
+def reset_where(
+    reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State
+) -> State:
     """Returns the first state of an episode where `done`, else `state`."""
-    return by_platform(partial(_if_any_is_done, reset), partial(_always_computed, reset), done, words, params, state)
+    return by_platform(
+        partial(_if_any_is_done, reset),
+        partial(_always_computed, reset),
+        done,
+        words,
+        params,
+        state,
+    )
 
 
-def _always_computed(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
+def _always_computed(
+    reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State
+) -> State:
     """The form for GPUs, where a reset takes a few kernels more, and a branch would wait for the host."""
     stored = lax.optimization_barrier(done)
-    return jax.tree.map(lambda new, old: jnp.where(stored if jnp.ndim(old) else done, new, old), reset(params, words), state)
+    return jax.tree.map(
+        lambda new, old: jnp.where(stored if jnp.ndim(old) else done, new, old),
+        reset(params, words),
+        state,
+    )
 
 
-def _if_any_is_done(reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State) -> State:
+def _if_any_is_done(
+    reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State
+) -> State:
     """The form for CPUs: for a batch the resets are computed only if some environment is done.
 
     A `select` in every step would cost more than most phases. A second `vmap` around turns the choice back into a select; the values are
@@ -40,15 +57,26 @@ def _if_any_is_done(reset: Callable[[Params, Array], State], done: Array, words:
     cheap = custom_vmap(plain)
 
     @cheap.def_vmap
-    def batched(size: int, in_batched: Any, done: Array, words: Array, params: Params, state: State) -> tuple[State, Any]:
+    def batched(
+        size: int, in_batched: Any, done: Array, words: Array, params: Params, state: State
+    ) -> tuple[State, Any]:
         done_batched, words_batched, params_batched, state_batched = in_batched
-        state = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (size, *x.shape)), state, state_batched)
+        state = jax.tree.map(
+            lambda x, b: x if b else jnp.broadcast_to(x, (size, *x.shape)), state, state_batched
+        )
         done = done if done_batched else jnp.broadcast_to(done, (size,))
-        axes = (jax.tree.map(lambda b: 0 if b else None, params_batched), 0 if words_batched else None)
+        axes = (
+            jax.tree.map(lambda b: 0 if b else None, params_batched),
+            0 if words_batched else None,
+        )
 
         def fresh() -> State:
             new = jax.vmap(reset, in_axes=axes, axis_size=size)(params, words)
-            return jax.tree.map(lambda n, o: jnp.where(done.reshape((size,) + (1,) * (o.ndim - 1)), n, o), new, state)
+            return jax.tree.map(
+                lambda n, o: jnp.where(done.reshape((size,) + (1,) * (o.ndim - 1)), n, o),
+                new,
+                state,
+            )
 
         return either(jnp.any(done), fresh, lambda: state), jax.tree.map(lambda _: True, state)
 

@@ -33,7 +33,9 @@ def size_of_large_set(words: Array) -> Array:
     return count(words)
 
 
-@partial(jax.jit, static_argnums=1)  # one function of the program for each shape, however many rules count
+@partial(
+    jax.jit, static_argnums=1
+)  # one function of the program for each shape, however many rules count
 def times_in(sets: Array, agents: int) -> Array:
     """Returns how many of the sets each agent is in.
 
@@ -43,7 +45,11 @@ def times_in(sets: Array, agents: int) -> Array:
     Returns:
       `[agents]` int32.
     """
-    return by_platform(partial(_added_in_rows, agents=agents), partial(_added_at_once, agents=agents), sets.reshape(-1))
+    return by_platform(
+        partial(_added_in_rows, agents=agents),
+        partial(_added_at_once, agents=agents),
+        sets.reshape(-1),
+    )
 
 
 def _added_at_once(sets: Array, agents: int) -> Array:
@@ -51,8 +57,12 @@ def _added_at_once(sets: Array, agents: int) -> Array:
     width = max(2, sets.size.bit_length())
     some = min(WIDTH // width, width - 1)  # bits that one product takes that far apart
     apart, ones = (sum(1 << place * step for place in range(some)) for step in (width - 1, width))
-    words = [(sets >> first).astype(jnp.uint32) & ((1 << some) - 1) for first in range(0, agents, some)]
-    totals = [jnp.sum((word * jnp.uint32(apart)) & jnp.uint32(ones), dtype=jnp.uint32) for word in words]
+    words = [
+        (sets >> first).astype(jnp.uint32) & ((1 << some) - 1) for first in range(0, agents, some)
+    ]
+    totals = [
+        jnp.sum((word * jnp.uint32(apart)) & jnp.uint32(ones), dtype=jnp.uint32) for word in words
+    ]
     return field(totals, jnp.arange(agents, dtype=jnp.int32), width, some).astype(jnp.int32)
 
 
@@ -70,10 +80,14 @@ def _added_in_rows(sets: Array, agents: int) -> Array:
 
     rows = in_rows(sets)
     full = sets.size // LANES
-    parts = [rows[first : min(first + _ROWS_AT_ONCE, full)] for first in range(0, full, _ROWS_AT_ONCE)] + [[row] for row in rows[full:]]
+    parts = [
+        rows[first : min(first + _ROWS_AT_ONCE, full)] for first in range(0, full, _ROWS_AT_ONCE)
+    ] + [[row] for row in rows[full:]]
     counts = jnp.zeros(agents, jnp.int32)
     for part in parts:
-        counts = counts + jnp.sum(reduce(jnp.add, map(members, part)), axis=1, dtype=jnp.uint8).astype(jnp.int32)
+        counts = counts + jnp.sum(
+            reduce(jnp.add, map(members, part)), axis=1, dtype=jnp.uint8
+        ).astype(jnp.int32)
     return counts
 
 

@@ -18,8 +18,12 @@ from sjdsl.runtime.bits import set_of, unpack
 from sjdsl.runtime.forms import by_platform
 
 
-@partial(jax.jit, static_argnames=("ahead", "behind", "left", "right"))  # one function of the program, however many planes are seen
-def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind: int, left: int, right: int) -> Array:
+@partial(
+    jax.jit, static_argnames=("ahead", "behind", "left", "right")
+)  # one function of the program, however many planes are seen
+def windows(
+    plane: Array, position: Array, heading: Array, *, ahead: int, behind: int, left: int, right: int
+) -> Array:
     """Returns each agent's window of one plane.
 
     Args:
@@ -32,21 +36,35 @@ def windows(plane: Array, position: Array, heading: Array, *, ahead: int, behind
       row `ahead`, column `left`. Not in rows: XLA makes vector instructions of the last axis only, and a row is too short.
     """
     sides = (ahead, behind, left, right)
-    return by_platform(partial(_windows_cut, sides=sides), partial(_windows_looked_up, sides=sides), plane, position, heading)
+    return by_platform(
+        partial(_windows_cut, sides=sides),
+        partial(_windows_looked_up, sides=sides),
+        plane,
+        position,
+        heading,
+    )
 
 
-def _windows_looked_up(plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]) -> Array:
+def _windows_looked_up(
+    plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]
+) -> Array:
     """The form for GPUs: each cell of each window asks for its own cell of the plane, in one kernel."""
     ahead, behind, left, right = sides
     cols = plane.shape[1]
     row, col = np.mgrid[-ahead : behind + 1, -left : right + 1].reshape(2, -1)
-    turned = np.stack([row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]).astype(np.int32)
+    turned = np.stack(
+        [row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]
+    ).astype(np.int32)
     cells = position[:, None] + jnp.asarray(turned)[heading]
-    seen: Array = plane.reshape(-1).at[cells].get(mode="promise_in_bounds", wrap_negative_indices=False)
+    seen: Array = (
+        plane.reshape(-1).at[cells].get(mode="promise_in_bounds", wrap_negative_indices=False)
+    )
     return seen  # of who is nowhere: of anything, which the caller masks
 
 
-def _windows_cut(plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]) -> Array:
+def _windows_cut(
+    plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]
+) -> Array:
     """The form for CPUs: the plane is turned four ways once; then each window is one slice."""
     ahead, behind, left, right = sides
     rows, cols = plane.shape
@@ -54,7 +72,13 @@ def _windows_cut(plane: Array, position: Array, heading: Array, sides: tuple[int
     turned = []
     for k in range(4):
         view = jnp.rot90(plane, k)
-        turned.append(lax.pad(view, jnp.zeros((), plane.dtype), [(0, side - view.shape[0], 0), (0, side - view.shape[1], 0)]))
+        turned.append(
+            lax.pad(
+                view,
+                jnp.zeros((), plane.dtype),
+                [(0, side - view.shape[0], 0), (0, side - view.shape[1], 0)],
+            )
+        )
     planes = jnp.stack(turned)
     row, col = position // cols, position % cols
     # jnp.rot90 turns counter-clockwise: facing east (1), east becomes up
@@ -78,7 +102,9 @@ def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
       cells: `[S]` int32, ascending; constant: not traced.
       values: `[S]` uint8.
     """
-    return by_platform(partial(_filled_in_runs, cells), partial(_filled_by_number, cells), plane, values)
+    return by_platform(
+        partial(_filled_in_runs, cells), partial(_filled_by_number, cells), plane, values
+    )
 
 
 def _filled_by_number(cells: Array | np.ndarray, plane: Array, values: Array) -> Array:
@@ -108,7 +134,10 @@ def _filled_in_runs(cells: Array | np.ndarray, plane: Array, values: Array) -> A
 
     @filled.def_vmap
     def batched(size: int, in_batched: Any, plane: Array, values: Array) -> tuple[Array, bool]:
-        both = [x if b else jnp.broadcast_to(x, (size, *x.shape)) for x, b in zip((plane, values), in_batched, strict=True)]
+        both = [
+            x if b else jnp.broadcast_to(x, (size, *x.shape))
+            for x, b in zip((plane, values), in_batched, strict=True)
+        ]
         if size < LARGE_BATCH:
             return jax.vmap(lambda plane, values: _scattered(plane, cells, values))(*both), True
         return _from_runs(both[0], both[1], constant, first), True
@@ -123,7 +152,13 @@ LARGE_BATCH = 16  # environments: below, starting so many copies takes longer th
 
 def _scattered(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
     where = plane.at[cells]
-    return where.set(values, mode="promise_in_bounds", wrap_negative_indices=False, indices_are_sorted=True, unique_indices=True)
+    return where.set(
+        values,
+        mode="promise_in_bounds",
+        wrap_negative_indices=False,
+        indices_are_sorted=True,
+        unique_indices=True,
+    )
 
 
 def _from_runs(planes: Array, values: Array, cells: np.ndarray, first: np.ndarray) -> Array:

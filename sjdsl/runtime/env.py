@@ -9,7 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from sjdsl.runtime.arguments import check_arrays, check_params, check_state, checked_actions, refuse_beyond_int32
+from sjdsl.runtime.arguments import (
+    check_arrays,
+    check_params,
+    check_state,
+    checked_actions,
+    refuse_beyond_int32,
+)
 from sjdsl.runtime.auto_reset import reset_where
 from sjdsl.runtime.gpu_program import in_its_form
 from sjdsl.runtime.module import GameModule
@@ -42,7 +48,12 @@ class Environment:
     """
 
     def __init__(
-        self, module: GameModule, params: Params, observation: Encoding = "tokens", game: Any = None, admit: Admit | None = None
+        self,
+        module: GameModule,
+        params: Params,
+        observation: Encoding = "tokens",
+        game: Any = None,
+        admit: Admit | None = None,
     ) -> None:
         """Raises ValueError for an observation that is neither `tokens` nor `onehot`. `admit`: checks the values given to `with_params`."""
         if observation not in ("tokens", "onehot"):
@@ -53,9 +64,16 @@ class Environment:
         self.game = game
         self._admit = admit
         self.name, self.title, self.hash = module.NAME, module.TITLE, module.HASH
-        self.num_agents, self.num_actions, self.action_names = module.NUM_AGENTS, len(module.ACTIONS), module.ACTIONS
+        self.num_agents, self.num_actions, self.action_names = (
+            module.NUM_AGENTS,
+            len(module.ACTIONS),
+            module.ACTIONS,
+        )
         self.forbids_actions = module.FORBIDS_ACTIONS
-        self.token_planes, self.channel_names = module.TOKEN_PLANES, channel_names(module.TOKEN_PLANES)
+        self.token_planes, self.channel_names = (
+            module.TOKEN_PLANES,
+            channel_names(module.TOKEN_PLANES),
+        )
         depth = len(self.token_planes if observation == "tokens" else self.channel_names)
         self.observation_shape: tuple[int, int, int, int] = (self.num_agents, depth, *module.WINDOW)
         self.observation_dtype = np.dtype(np.uint8)
@@ -63,7 +81,9 @@ class Environment:
         self.step: Step = _refusing(jax.jit(in_its_form(self._step)))
         self.step_env: Step = _refusing(jax.jit(in_its_form(self._step_env)))
         self.observe: Callable[..., Array] = jax.jit(in_its_form(self._observe))
-        self._tokens: Callable[..., Array] = jax.jit(module.observe)  # one function of the program, however often a step observes
+        self._tokens: Callable[..., Array] = jax.jit(
+            module.observe
+        )  # one function of the program, however often a step observes
 
     @property
     def episode_length(self) -> int:
@@ -115,7 +135,9 @@ class Environment:
         state = self.module.reset(params, key_words(key))
         return self._observe(state, params), state
 
-    def _step(self, key: Array, state: State, actions: Array, params: Params | None = None) -> tuple[Array, State, Array, Array, Info]:
+    def _step(
+        self, key: Array, state: State, actions: Array, params: Params | None = None
+    ) -> tuple[Array, State, Array, Array, Info]:
         """One step; a finished episode is followed by the first state of the next.
 
         Args:
@@ -140,7 +162,9 @@ class Environment:
         info["terminal_state"] = ended
         return self._observe(state, params), state, reward, done, info
 
-    def _step_env(self, key: Array, state: State, actions: Array, params: Params | None = None) -> tuple[Array, State, Array, Array, Info]:
+    def _step_env(
+        self, key: Array, state: State, actions: Array, params: Params | None = None
+    ) -> tuple[Array, State, Array, Array, Info]:
         """As `step`, without the reset."""
         params = self._given(params)
         state, reward, done, info = self._transition(key_words(key), state, actions, params)
@@ -148,25 +172,42 @@ class Environment:
         info["terminal_state"] = state
         return observation, state, reward, done, info
 
-    def _transition(self, words: Array, state: State, actions: Array, params: Params) -> tuple[State, Array, Array, Info]:
+    def _transition(
+        self, words: Array, state: State, actions: Array, params: Params
+    ) -> tuple[State, Array, Array, Info]:
         check_state(self.module, state)
-        state, out = self.module.step(state, checked_actions(actions, self.num_agents), params, words)
+        state, out = self.module.step(
+            state, checked_actions(actions, self.num_agents), params, words
+        )
         metrics = self.module.measures(state, params)
         state = state.replace(step=state.step + 1)
         truncated = (state.step >= self.module.episode_length(params)) & ~out.ended
-        info = {"truncated": truncated, "terminated": out.ended, "events": self._events(out), "metrics": metrics}
+        info = {
+            "truncated": truncated,
+            "terminated": out.ended,
+            "events": self._events(out),
+            "metrics": metrics,
+        }
         return state, out.reward, truncated | out.ended, info
 
     def _events(self, out: Any) -> dict[str, Array]:
         """Returns the counts of a step by event; a `by` event gives `name[word]` for each word."""
-        counts = ((name, getattr(out, attribute), entry) for name, attribute, entry in self.module.EVENTS)
-        return {name: count if entry is None else count[..., entry] for name, count, entry in counts}
+        counts = (
+            (name, getattr(out, attribute), entry) for name, attribute, entry in self.module.EVENTS
+        )
+        return {
+            name: count if entry is None else count[..., entry] for name, count, entry in counts
+        }
 
     def _observe(self, state: State, params: Params | None = None) -> Array:
         """Returns the observation of a state."""
         check_state(self.module, state)
         tokens = self._tokens(state, self._given(params))
-        return tokens if self.observation == "tokens" else to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
+        return (
+            tokens
+            if self.observation == "tokens"
+            else to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
+        )
 
     def allowed_actions(self, state: State, params: Params | None = None) -> Array:
         """Returns which actions each agent may take: `[N, A]` bool."""
@@ -176,7 +217,9 @@ class Environment:
     def state_vector(self, state: State, params: Params | None = None) -> Array:
         """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic; what is in it: `runtime/state_vector.py`."""
         row, col = self.cells(state)
-        return state_vector(self.module, state, row, col, self.module.episode_length(self._given(params)))
+        return state_vector(
+            self.module, state, row, col, self.module.episode_length(self._given(params))
+        )
 
     @property
     def roles(self) -> tuple[int, ...] | None:
@@ -186,7 +229,9 @@ class Environment:
         """
         if self.module.ROLE is None:
             return None
-        states = jax.vmap(lambda key: self.reset(key)[1])(jax.vmap(jax.random.key)(jnp.arange(ALIKE)))
+        states = jax.vmap(lambda key: self.reset(key)[1])(
+            jax.vmap(jax.random.key)(jnp.arange(ALIKE))
+        )
         roles = np.asarray(getattr(states, self.module.ROLE))
         return tuple(int(role) for role in roles[0]) if (roles == roles[0]).all() else None
 
@@ -205,6 +250,11 @@ def _refusing(step: Any) -> Step:
         refuse_beyond_int32(actions)
         return step(key, state, actions, params)
 
-    for name in ("lower", "trace", "eval_shape", "clear_cache"):  # of a function that JAX has compiled
+    for name in (
+        "lower",
+        "trace",
+        "eval_shape",
+        "clear_cache",
+    ):  # of a function that JAX has compiled
         setattr(refusing, name, getattr(step, name))
     return refusing

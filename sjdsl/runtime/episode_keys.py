@@ -4,7 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-CHOICES = 2**32 - 1  # folded into the seed's key for the agents' choices; the start has 0, the steps 1, 2, 3, …
+CHOICES = (
+    2**32 - 1
+)  # folded into the seed's key for the agents' choices; the start has 0, the steps 1, 2, 3, …
 Key = TypeVar("Key")
 
 

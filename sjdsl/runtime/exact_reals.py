@@ -93,11 +93,16 @@ def rounded(sums: Array) -> Array:
     digits, _ = _carried(jnp.where(negative[..., None], -sums, sums))
     number = jnp.arange(DIGITS, dtype=jnp.int32).reshape((1,) * negative.ndim + (-1,))
     top = jnp.max(jnp.where(digits > 0, number, 0), axis=-1)
-    first, second, third = (jnp.sum(jnp.where(number == top[..., None] - i, digits, 0), axis=-1, dtype=jnp.int32) for i in range(3))
+    first, second, third = (
+        jnp.sum(jnp.where(number == top[..., None] - i, digits, 0), axis=-1, dtype=jnp.int32)
+        for i in range(3)
+    )
     below = jnp.any((number < top[..., None] - 2) & (digits > 0), axis=-1)
     high = first << DIGIT | second
     length = _exponent(_bits(high.astype(jnp.float32))) - (BIAS - 1)
-    more = jnp.clip(FRACTION + 1 - length, 0, DIGIT - 1)  # bits of the third digit that the significand has
+    more = jnp.clip(
+        FRACTION + 1 - length, 0, DIGIT - 1
+    )  # bits of the third digit that the significand has
     significand = high << more | third >> (DIGIT - more)
     rest, half = third & ((1 << (DIGIT - more)) - 1), 1 << (DIGIT - 1 - more)
     is_odd = (significand & 1) == 1
@@ -117,7 +122,9 @@ def _carried(sums: Array) -> tuple[Array, Array]:
 
 
 def _divided_on_cpu(dividend: Array, divisor: Array) -> Array:
-    return dividend / _real(_bits(divisor) + _zero(dividend))  # not by a constant, by whose inverse XLA would multiply
+    return dividend / _real(
+        _bits(divisor) + _zero(dividend)
+    )  # not by a constant, by whose inverse XLA would multiply
 
 
 def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
@@ -151,7 +158,9 @@ def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
 def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
     """Returns float32s. significand: 2^23 .. 2^24, of which 2^24 counts as the next exponent. What is too small is 0, too large infinity."""
     bits = ((exponent - 1).astype(jnp.uint32) << jnp.uint32(FRACTION)) + significand
-    size = jnp.where(exponent <= 0, jnp.uint32(0), jnp.where(exponent >= SPECIAL, jnp.uint32(INFINITE), bits))
+    size = jnp.where(
+        exponent <= 0, jnp.uint32(0), jnp.where(exponent >= SPECIAL, jnp.uint32(INFINITE), bits)
+    )
     return _real(size | negative.astype(jnp.uint32) << jnp.uint32(31))
 
 

@@ -11,7 +11,9 @@ import jax
 from jax import lax
 
 T = TypeVar("T")
-forced = jax.make_user_context(None)  # `with forced("gpu"):` and `with forced("cpu"):` choose the form, whatever the platform
+forced = jax.make_user_context(
+    None
+)  # `with forced("gpu"):` and `with forced("cpu"):` choose the form, whatever the platform
 
 
 def by_platform(cpu: Callable[..., T], gpu: Callable[..., T], *arguments: Any) -> T:
@@ -22,7 +24,9 @@ def by_platform(cpu: Callable[..., T], gpu: Callable[..., T], *arguments: Any) -
     chosen = forced.value or ("cpu" if jax.default_backend() == "cpu" else None)
     if chosen is not None:
         return {"cpu": cpu, "gpu": gpu}[chosen](*arguments)
-    result: T = lax.platform_dependent(*arguments, cpu=_all_in("cpu", cpu), default=_all_in("gpu", gpu))
+    result: T = lax.platform_dependent(
+        *arguments, cpu=_all_in("cpu", cpu), default=_all_in("gpu", gpu)
+    )
     return result
 
 

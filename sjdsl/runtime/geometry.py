@@ -21,7 +21,12 @@ def frame_size(rows: Rows, pad: int) -> tuple[int, int]:
 def cells_of(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
     """Returns the cells with one of the glyphs in reading order: `[S]` int32."""
     columns = len(rows[0]) + 2 * pad
-    found = [(r + pad) * columns + c + pad for r, row in enumerate(rows) for c, g in enumerate(row) if g in glyphs]
+    found = [
+        (r + pad) * columns + c + pad
+        for r, row in enumerate(rows)
+        for c, g in enumerate(row)
+        if g in glyphs
+    ]
     return np.array(found, np.int32)
 
 
@@ -40,7 +45,9 @@ def reading_order(rows: Rows, kinds: Sequence[str]) -> np.ndarray:
     Args:
       kinds: the glyphs of each kind.
     """
-    kind_of = [number for row in rows for g in row for number, glyphs in enumerate(kinds) if g in glyphs]
+    kind_of = [
+        number for row in rows for g in row for number, glyphs in enumerate(kinds) if g in glyphs
+    ]
     return np.argsort(np.argsort(kind_of, kind="stable")).astype(np.int32)
 
 
@@ -52,7 +59,9 @@ def values_of(rows: Rows, values: Mapping[str, float], dtype: str) -> np.ndarray
 def painted(rows: Rows, pad: int, values: Mapping[str, int]) -> np.ndarray:
     """Returns the frame with each glyph's value, 0 outside the map: `[cells]` uint8."""
     frame = np.zeros(frame_size(rows, pad), np.uint8)
-    frame[pad : pad + len(rows), pad : pad + len(rows[0])] = [[values[g] for g in row] for row in rows]
+    frame[pad : pad + len(rows), pad : pad + len(rows[0])] = [
+        [values[g] for g in row] for row in rows
+    ]
     return frame.reshape(-1)
 
 
@@ -108,7 +117,9 @@ def next_cells(rows: Rows, pad: int, glyphs: str, wraps: bool = False) -> np.nda
     return table.reshape(-1).astype(np.int32)
 
 
-def shape_offsets(rows: Rows, pad: int, cells: Sequence[tuple[int, int]], wraps: bool = False) -> np.ndarray:
+def shape_offsets(
+    rows: Rows, pad: int, cells: Sequence[tuple[int, int]], wraps: bool = False
+) -> np.ndarray:
     """Returns what to add to an agent's cell for each heading and (ahead, right) of a shape: `[4, K]` int32.
 
     wraps: of cells of the shape that are one cell of such a map all but the first are left out, and so is the agent's own cell but for
@@ -132,7 +143,14 @@ def turned(cells: Sequence[tuple[int, int]], heading: int) -> list[tuple[int, in
     return [(a * ahead[0] + c * right[0], a * ahead[1] + c * right[1]) for a, c in cells]
 
 
-def lane_reach(rows: Rows, pad: int, offsets: np.ndarray, lanes: Sequence[int], glyphs: str, wraps: bool = False) -> np.ndarray:
+def lane_reach(
+    rows: Rows,
+    pad: int,
+    offsets: np.ndarray,
+    lanes: Sequence[int],
+    glyphs: str,
+    wraps: bool = False,
+) -> np.ndarray:
     """Returns which shape cells are on the map and not behind a cell with one of the glyphs, which ends its lane.
 
     Args:
@@ -151,7 +169,9 @@ def lane_reach(rows: Rows, pad: int, offsets: np.ndarray, lanes: Sequence[int], 
             live = np.ones(here.size, bool)
             for _ in range(length):
                 target = here + offsets[heading, number]
-                bits[here, heading] |= (live & on_map[target]).astype(np.uint64) << np.uint64(number)
+                bits[here, heading] |= (live & on_map[target]).astype(np.uint64) << np.uint64(
+                    number
+                )
                 live &= ~blocked[target]
                 number += 1
     return bits.reshape(-1).astype(np.uint8 if offsets.shape[1] <= 8 else np.uint32)
@@ -181,7 +201,9 @@ def near_masks(around: np.ndarray, size: int) -> np.ndarray:
     return masks
 
 
-def view_offsets(rows: Rows, pad: int, ahead: int, behind: int, left: int, right: int) -> np.ndarray:
+def view_offsets(
+    rows: Rows, pad: int, ahead: int, behind: int, left: int, right: int
+) -> np.ndarray:
     """Returns what to add to an agent's cell for each heading and cell of its window, row by row: `[4, V]` int32."""
     return shape_offsets(rows, pad, _view(ahead, behind, left, right))
 
@@ -195,7 +217,13 @@ def view_steps_around(rows: Rows, ahead: int, behind: int, left: int, right: int
     """Returns how many steps each cell of a window is from the agent on a map that wraps, for each heading: `[4, V]` int32."""
     height, width = len(rows), len(rows[0])
     views = [turned(_view(ahead, behind, left, right), heading) for heading in range(4)]
-    return np.array([[min(r % height, -r % height) + min(c % width, -c % width) for r, c in cells] for cells in views], np.int32)
+    return np.array(
+        [
+            [min(r % height, -r % height) + min(c % width, -c % width) for r, c in cells]
+            for cells in views
+        ],
+        np.int32,
+    )
 
 
 def view_cells(ahead: int, behind: int, left: int, right: int, *own: int) -> np.ndarray:

@@ -25,7 +25,11 @@ from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.packed_masks import PackedMasks
 
 WARP = 32  # lanes of a GPU that work together: of a reduction of 2, 4, 8, 16 or 32 entries, or of more than 32, XLA makes a kernel
-COMPUTED = {"and", "eq", "shift_right_logical"}  # of constants while tracing: such as which of a block's two random numbers a draw is
+COMPUTED = {
+    "and",
+    "eq",
+    "shift_right_logical",
+}  # of constants while tracing: such as which of a block's two random numbers a draw is
 MOST = 8192  # comparisons of a place with a writer up to which these cost less than a scatter
 
 
@@ -47,14 +51,20 @@ def rewritten(function: Callable[..., Any]) -> Callable[..., Any]:
 
     def called(*arguments: Any) -> Any:
         leaves, tree = jax.tree.flatten(arguments)
-        program, shapes = jax.make_jaxpr(lambda *flat: function(*jax.tree.unflatten(tree, flat)), return_shape=True)(*leaves)
+        program, shapes = jax.make_jaxpr(
+            lambda *flat: function(*jax.tree.unflatten(tree, flat)), return_shape=True
+        )(*leaves)
         return jax.tree.unflatten(jax.tree.structure(shapes), _evaluated(program, leaves, {}))
 
     return called
 
 
 def _evaluated(
-    program: Any, arguments: Sequence[Any], functions: dict[Any, Any], constants: Sequence[Any] = (), masks: PackedMasks | None = None
+    program: Any,
+    arguments: Sequence[Any],
+    functions: dict[Any, Any],
+    constants: Sequence[Any] = (),
+    masks: PackedMasks | None = None,
 ) -> list[Any]:
     """Returns what a program gives.
 
@@ -64,17 +74,33 @@ def _evaluated(
       masks: what is known of those of the program that this one is a part of.
     """
     masks = masks or PackedMasks()
-    values = dict(zip([*program.jaxpr.constvars, *program.jaxpr.invars], [*program.consts, *arguments], strict=True))
+    values = dict(
+        zip(
+            [*program.jaxpr.constvars, *program.jaxpr.invars],
+            [*program.consts, *arguments],
+            strict=True,
+        )
+    )
     alike: dict[Any, Any] = {}  # arrays whose entries are all one scalar
-    told = [*zip(program.jaxpr.constvars, program.consts, strict=True), *zip(program.jaxpr.invars, constants, strict=False)]
-    known = {of: partial(np.asarray, value) for of, value in told if _has_numbers(value)}  # constants, computed when they are asked for
+    told = [
+        *zip(program.jaxpr.constvars, program.consts, strict=True),
+        *zip(program.jaxpr.invars, constants, strict=False),
+    ]
+    known = {
+        of: partial(np.asarray, value) for of, value in told if _has_numbers(value)
+    }  # constants, computed when they are asked for
     for equation in program.jaxpr.eqns:
         given = [of.val if isinstance(of, core.Literal) else values[of] for of in equation.invars]
         name, params = equation.primitive.name, equation.params
-        constant = [partial(np.asarray, of.val) if isinstance(of, core.Literal) else known.get(of) for of in equation.invars]
+        constant = [
+            partial(np.asarray, of.val) if isinstance(of, core.Literal) else known.get(of)
+            for of in equation.invars
+        ]
         if None not in constant:
             computed = cache(partial(_computed, equation, constant))
-            known |= {of: partial(_output, computed, place) for place, of in enumerate(equation.outvars)}
+            known |= {
+                of: partial(_output, computed, place) for place, of in enumerate(equation.outvars)
+            }
             if name in IDENTITIES or name in COMPUTED:
                 values |= zip(equation.outvars, computed(), strict=True)
                 continue
@@ -82,11 +108,16 @@ def _evaluated(
             if name in ("jit", "pjit"):
                 name, called = params["name"], params["jaxpr"]
                 if name == "_where":  # in place, for what masks say of it
-                    results = _evaluated(called, given, functions, [each and each() for each in constant], masks)
+                    results = _evaluated(
+                        called, given, functions, [each and each() for each in constant], masks
+                    )
                 elif name == "pack" and (words := masks.packed(given[0])) is not None:
                     results = [words]
                 else:
-                    arrays = [each() if each and jnp.ndim(value) else None for each, value in zip(constant, given, strict=True)]
+                    arrays = [
+                        each() if each and jnp.ndim(value) else None
+                        for each, value in zip(constant, given, strict=True)
+                    ]
                     results = _function(called, functions, arrays)(*given)
             elif name == "reduce_sum" and (number := masks.count(given[0])) is not None:
                 results = [number]
@@ -106,7 +137,11 @@ def _evaluated(
 
 def _has_numbers(value: Any) -> bool:
     """Returns whether a constant of a program, or an argument, has numbers while tracing; a key has none that NumPy knows."""
-    return value is not None and not isinstance(value, jax.core.Tracer) and not jnp.issubdtype(value.dtype, jax.dtypes.extended)
+    return (
+        value is not None
+        and not isinstance(value, jax.core.Tracer)
+        and not jnp.issubdtype(value.dtype, jax.dtypes.extended)
+    )
 
 
 def _output(computed: Callable[[], list[Any]], place: int) -> Any:
@@ -121,21 +156,40 @@ def _computed(equation: Any, constant: Sequence[Any]) -> list[Any]:
 
 
 def _function(program: Any, functions: dict[Any, Any], constants: Sequence[Any]) -> Any:
-    key = id(program), *(None if each is None else (each.shape, each.dtype, each.tobytes()) for each in constants)
+    key = (
+        id(program),
+        *(None if each is None else (each.shape, each.dtype, each.tobytes()) for each in constants),
+    )
     if key not in functions:
-        functions[key] = jax.jit(lambda *arguments: _evaluated(program, arguments, functions, constants))
+        functions[key] = jax.jit(
+            lambda *arguments: _evaluated(program, arguments, functions, constants)
+        )
     return functions[key]
 
 
 def _lowest(dtype: Any) -> Any:
-    return False if dtype.kind == "b" else -np.inf if jnp.issubdtype(dtype, jnp.floating) else np.iinfo(dtype).min
+    return (
+        False
+        if dtype.kind == "b"
+        else -np.inf
+        if jnp.issubdtype(dtype, jnp.floating)
+        else np.iinfo(dtype).min
+    )
 
 
 def _highest(dtype: Any) -> Any:
-    return True if dtype.kind == "b" else np.inf if jnp.issubdtype(dtype, jnp.floating) else np.iinfo(dtype).max
+    return (
+        True
+        if dtype.kind == "b"
+        else np.inf
+        if jnp.issubdtype(dtype, jnp.floating)
+        else np.iinfo(dtype).max
+    )
 
 
-IDENTITIES: dict[str, Callable[[Any], Any]] = {  # reductions, and what an entry is that changes nothing
+IDENTITIES: dict[
+    str, Callable[[Any], Any]
+] = {  # reductions, and what an entry is that changes nothing
     "reduce_sum": lambda _: 0,
     "reduce_or": lambda _: 0,
     "reduce_and": lambda dtype: ~np.zeros((), dtype),
@@ -154,9 +208,16 @@ def _longer(name: str, params: dict[str, Any], given: list[Any]) -> list[Any]:
     if size == 1 or size >= WARP or WARP % size:
         return given
     arrays = len(given) // 2 if name == "reduce" else 1
-    last = given[arrays:] if name == "reduce" else [jnp.asarray(IDENTITIES[name](given[0].dtype), given[0].dtype)]
+    last = (
+        given[arrays:]
+        if name == "reduce"
+        else [jnp.asarray(IDENTITIES[name](given[0].dtype), given[0].dtype)]
+    )
     edges = [(0, int(axis == axes[-1]), 0) for axis in range(given[0].ndim)]
-    return [*(lax.pad(array, entry, edges) for array, entry in zip(given, last, strict=False)), *given[arrays:]]
+    return [
+        *(lax.pad(array, entry, edges) for array, entry in zip(given, last, strict=False)),
+        *given[arrays:],
+    ]
 
 
 def _is_comparable(params: dict[str, Any], operand: Array, indices: Array, updates: Array) -> bool:
@@ -173,15 +234,24 @@ def _is_comparable(params: dict[str, Any], operand: Array, indices: Array, updat
     )
 
 
-def _compared(name: str, params: dict[str, Any], scalar: Any, operand: Array, indices: Array, updates: Array) -> Array:
+def _compared(
+    name: str, params: dict[str, Any], scalar: Any, operand: Array, indices: Array, updates: Array
+) -> Array:
     """Returns what a scatter does, writer by writer. scalar: what all of them write; None if they differ."""
     written = params["dimension_numbers"].scatter_dims_to_operand_dims
     places = [lax.broadcasted_iota(jnp.int32, operand.shape, dim) for dim in written]
     rows = indices.reshape(-1, len(written)).astype(jnp.int32)
-    here = [reduce(operator.and_, (place == row[dim] for dim, place in enumerate(places))) for row in rows]
+    here = [
+        reduce(operator.and_, (place == row[dim] for dim, place in enumerate(places)))
+        for row in rows
+    ]
     if name == "scatter" and scalar is not None:
         return jnp.where(reduce(operator.or_, here), scalar, operand)
     entry = [1 if dim in written else size for dim, size in enumerate(operand.shape)]
     for there, value in zip(here, updates.reshape(-1, *entry), strict=True):
-        operand = jnp.where(there, value, operand) if name == "scatter" else operand + jnp.where(there, value, jnp.zeros_like(value))
+        operand = (
+            jnp.where(there, value, operand)
+            if name == "scatter"
+            else operand + jnp.where(there, value, jnp.zeros_like(value))
+        )
     return operand

@@ -20,14 +20,20 @@ def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
     """
     starts, ends = np.asarray(first), blocked & on_map
     cell, lane = np.arange(starts.size), np.cumsum(starts)
-    before = (lane[:, None] == lane) & (cell < cell[:, None])  # [k, j]: j comes before k in its lane
+    before = (lane[:, None] == lane) & (
+        cell < cell[:, None]
+    )  # [k, j]: j comes before k in its lane
     if starts.size > WIDTH:
-        return on_map & ~jnp.any(ends[..., None, :] & before.reshape((1,) * (ends.ndim - 1) + before.shape), axis=-1)
+        return on_map & ~jnp.any(
+            ends[..., None, :] & before.reshape((1,) * (ends.ndim - 1) + before.shape), axis=-1
+        )
     asked = np.sum(before << cell, axis=1, dtype=np.uint32).reshape((1,) * (ends.ndim - 1) + (-1,))
     return on_map & ((as_bits(ends, jnp.uint32)[..., None] & asked) == 0)
 
 
-def nearest_in_lanes(eligible: Array, numbers: Array, lanes: tuple[int, ...]) -> tuple[Array, Array]:
+def nearest_in_lanes(
+    eligible: Array, numbers: Array, lanes: tuple[int, ...]
+) -> tuple[Array, Array]:
     """Returns the number at the nearest eligible cell of each lane of a shape, and in which lanes there is one.
 
     Args:
@@ -38,10 +44,14 @@ def nearest_in_lanes(eligible: Array, numbers: Array, lanes: tuple[int, ...]) ->
       `[..., L]` of the dtype of `numbers`, anything in lanes without an eligible cell, and `[..., L]` bool.
     """
     shape = (*eligible.shape[:-1], len(lanes), max(lanes))
-    if min(lanes) != max(lanes):  # shorter lanes are made as long as the longest, by cells that are not eligible
+    if min(lanes) != max(
+        lanes
+    ):  # shorter lanes are made as long as the longest, by cells that are not eligible
         ends = np.cumsum(lanes)[:, None]
         cell = ends - np.array(lanes)[:, None] + np.arange(max(lanes))
-        eligible = eligible[..., np.minimum(cell, ends - 1).reshape(-1)] & (cell < ends).reshape((1,) * (eligible.ndim - 1) + (-1,))
+        eligible = eligible[..., np.minimum(cell, ends - 1).reshape(-1)] & (cell < ends).reshape(
+            (1,) * (eligible.ndim - 1) + (-1,)
+        )
         numbers = numbers[..., np.minimum(cell, ends - 1).reshape(-1)]
     eligible, numbers = eligible.reshape(shape), numbers.reshape(shape)
     nearest = jnp.argmax(eligible, axis=-1, keepdims=True)

@@ -23,14 +23,18 @@ class GameModule(Protocol):
     FRAME: tuple[int, int]  # rows and columns of the map with that
     WINDOW: tuple[int, int]  # rows and columns that an agent sees
     TOKEN_PLANES: tuple[TokenPlane, ...]
-    EVENTS: tuple[tuple[str, str, int | None], ...]  # counts of a step: name, attribute of Outcome, entry of its last axis
+    EVENTS: tuple[
+        tuple[str, str, int | None], ...
+    ]  # counts of a step: name, attribute of Outcome, entry of its last axis
     FIELDS: tuple[StateField, ...]  # declared variables, in the order of the state vector
     ROLE: str | None  # attribute of State with the agents' roles, if no step writes it
 
     default_params: Callable[[], Any]
     initial_state: Callable[[], Any]  # all that is declared; nobody stands on the map
     reset: Callable[[Any, Array], Any]  # params, words -> state
-    step: Callable[[Any, Array, Any, Array], tuple[Any, Any]]  # state, actions [N], params, words -> state, outcome
+    step: Callable[
+        [Any, Array, Any, Array], tuple[Any, Any]
+    ]  # state, actions [N], params, words -> state, outcome
     observe: Callable[[Any, Any], Array]  # state, params -> [N, P, rows, columns] uint8
     measures: Callable[[Any, Any], dict[str, Array]]  # state, params -> float32 scalars
     allowed_actions: Callable[[Any, Any], Array]  # state, params -> [N, A] bool

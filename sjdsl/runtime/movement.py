@@ -30,7 +30,13 @@ def resolve(position: Array, target: Array, word: Array, exchange: bool = False)
         return target
     if n > PACKED:
         return _by_spreading(position, target, word, exchange)
-    return by_platform(partial(_by_spreading, exchange=exchange), partial(_by_walking, exchange=exchange), position, target, word)
+    return by_platform(
+        partial(_by_spreading, exchange=exchange),
+        partial(_by_walking, exchange=exchange),
+        position,
+        target,
+        word,
+    )
 
 
 def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> Array:
@@ -44,15 +50,21 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     if not exchange:
         lost = lost | (into & ((target[None, :] == position[:, None]) & moving[None, :]))
     # one sum for both: the number of the one that is waited for, one up, and above it how many reasons there are to stay
-    reasons = jnp.where(into, index[None, :] + 1, jnp.uint32(0)) + jnp.where(lost, jnp.uint32(256), jnp.uint32(0))
+    reasons = jnp.where(into, index[None, :] + 1, jnp.uint32(0)) + jnp.where(
+        lost, jnp.uint32(256), jnp.uint32(0)
+    )
     said = jnp.sum(reasons, axis=1, dtype=jnp.uint32)
     bits = max(1, (n - 1).bit_length())
     follows = jnp.where((said & 255) == 0, index, (said & 255) - 1)
     stays = ((said >= 256) | ~moving).astype(jnp.uint32)
-    entry = lax.optimization_barrier((follows | (stays << bits)).astype(jnp.uint8)).astype(jnp.uint32)
+    entry = lax.optimization_barrier((follows | (stays << bits)).astype(jnp.uint8)).astype(
+        jnp.uint32
+    )
     some = 32 // (bits + 1)  # entries of a word
     places = jnp.arange(some, dtype=jnp.uint32) * jnp.uint32(bits + 1)
-    table = [jnp.sum(entry[k : k + some] << places[: n - k], dtype=jnp.uint32) for k in range(0, n, some)]
+    table = [
+        jnp.sum(entry[k : k + some] << places[: n - k], dtype=jnp.uint32) for k in range(0, n, some)
+    ]
     at, stuck = index, jnp.zeros(n, jnp.uint32)
     for _ in range(n):
         held = table[0]
@@ -92,7 +104,9 @@ def _spread(into: Array, lost: Array) -> Array:
     stays = jnp.sum(jnp.where(lost, bit, jnp.uint32(0)), dtype=jnp.uint32)
 
     def waiting(_: int, stays: Array) -> Array:
-        return stays | jnp.sum(jnp.where((waits & stays) != 0, bit, jnp.uint32(0)), dtype=jnp.uint32)
+        return stays | jnp.sum(
+            jnp.where((waits & stays) != 0, bit, jnp.uint32(0)), dtype=jnp.uint32
+        )
 
     stays = lax.fori_loop(0, n - 1, waiting, settled(partial(waiting, 0), stays))
     result: Array = (stays & bit) != 0

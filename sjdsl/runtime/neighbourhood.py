@@ -10,7 +10,12 @@ import numpy as np
 from jax import Array
 
 Fold = Literal["sum", "max", "min", "any"]
-_FOLDS: dict[str, Callable[[Array, Array], Array]] = {"sum": jnp.add, "max": jnp.maximum, "min": jnp.minimum, "any": jnp.logical_or}
+_FOLDS: dict[str, Callable[[Array, Array], Array]] = {
+    "sum": jnp.add,
+    "max": jnp.maximum,
+    "min": jnp.minimum,
+    "any": jnp.logical_or,
+}
 
 
 def looked_up(values: Array, cells: Array) -> Array:
@@ -23,7 +28,11 @@ def looked_up(values: Array, cells: Array) -> Array:
       values: `[S, ...]`.
       cells: any shape, int32; past the end: the entry means nothing.
     """
-    entries: Array = jnp.concatenate([values, values[:1]]).at[cells].get(mode="promise_in_bounds", wrap_negative_indices=False)
+    entries: Array = (
+        jnp.concatenate([values, values[:1]])
+        .at[cells]
+        .get(mode="promise_in_bounds", wrap_negative_indices=False)
+    )
     return entries
 
 
@@ -40,7 +49,13 @@ def entries_at(table: Array, places: Array) -> Array:
     return looked_up(entries, jnp.arange(len(entries), dtype=jnp.int32))
 
 
-def over_neighbours(fold: Fold, table: Array, of_cell: Callable[..., Array], *fields: Array, around: Array | None = None) -> Array:
+def over_neighbours(
+    fold: Fold,
+    table: Array,
+    of_cell: Callable[..., Array],
+    *fields: Array,
+    around: Array | None = None,
+) -> Array:
     """Returns the sum, greatest, least or disjunction, over the cells around each cell, of what `of_cell` computes.
 
     The function is applied once for each cell of the shape, to all cells at once. Where the cells have numbers in a full rectangle,
@@ -76,20 +91,34 @@ def _beside(numbers: np.ndarray, fields: Sequence[Array]) -> Iterator[tuple[Arra
     steps = _steps(numbers, len(fields[0]))
     if steps is None or len(fields[0]) != len(numbers):
         for column in numbers.T:
-            yield jnp.asarray(column), *(looked_up(values, jnp.asarray(column)) for values in fields)
+            yield (
+                jnp.asarray(column),
+                *(looked_up(values, jnp.asarray(column)) for values in fields),
+            )
         return
     reach = max(1, *map(abs, steps))
     rings = [jnp.concatenate([values[-reach:], values, values[:reach]]) for values in fields]
     for column, step in zip(numbers.T, steps, strict=True):
-        yield jnp.asarray(column), *(ring[reach + step : reach + step + len(numbers)] for ring in rings)
+        yield (
+            jnp.asarray(column),
+            *(ring[reach + step : reach + step + len(numbers)] for ring in rings),
+        )
 
 
-def _beside_some(numbers: np.ndarray, fields: Sequence[Array], around: Array) -> Iterator[tuple[Array, ...]]:
+def _beside_some(
+    numbers: np.ndarray, fields: Sequence[Array], around: Array
+) -> Iterator[tuple[Array, ...]]:
     """Yields the same for some cells."""
     size = len(fields[0])
     steps = _steps(numbers, size)
     longer = [jnp.concatenate([values, values[:1]]) for values in fields]
-    there = jnp.asarray(np.sum((numbers < size) << np.arange(numbers.shape[1], dtype=np.uint32), axis=1, dtype=np.uint32))[around]
+    there = jnp.asarray(
+        np.sum(
+            (numbers < size) << np.arange(numbers.shape[1], dtype=np.uint32),
+            axis=1,
+            dtype=np.uint32,
+        )
+    )[around]
 
     @jax.jit
     def beside(place: int, step: int) -> Array:
@@ -97,12 +126,22 @@ def _beside_some(numbers: np.ndarray, fields: Sequence[Array], around: Array) ->
 
     for place, column in enumerate(numbers.T):
         number = jnp.asarray(column)[around] if steps is None else beside(place, steps[place])
-        yield number, *(values.at[number].get(mode="promise_in_bounds", wrap_negative_indices=False) for values in longer)
+        yield (
+            number,
+            *(
+                values.at[number].get(mode="promise_in_bounds", wrap_negative_indices=False)
+                for values in longer
+            ),
+        )
 
 
 def _steps(numbers: np.ndarray, size: int) -> list[int] | None:
     """Returns how far the cells of the shape are, by number, if each is as far from all cells that have it and less than all cells are."""
-    found = [np.unique(column[there] - there) for column in numbers.T for there in [np.flatnonzero(column < size)]]
+    found = [
+        np.unique(column[there] - there)
+        for column in numbers.T
+        for there in [np.flatnonzero(column < size)]
+    ]
     if numbers.shape[1] > 32 or any(len(steps) > 1 or np.any(abs(steps) > size) for steps in found):
         return None
     return [int(steps[0]) if len(steps) else 0 for steps in found]

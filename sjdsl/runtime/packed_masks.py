@@ -26,11 +26,19 @@ class PackedMasks:
     """How the masks `[S]` bool of a program follow from words, and the fields `[S]` that were set where such masks hold."""
 
     def __init__(self) -> None:
-        self._masks: dict[int, tuple[Any, Callable[[], Words]]] = {}  # id of a mask: itself (else another could have its id), its words
-        self._fields: dict[int, tuple[Any, Any, Any, Any]] = {}  # of a field: itself, what it was, the mask where it was set, to what
-        self._counted: dict[int, tuple[Any, Any]] = {}  # of the integers 0 and 1 of a mask: themselves, the mask
+        self._masks: dict[
+            int, tuple[Any, Callable[[], Words]]
+        ] = {}  # id of a mask: itself (else another could have its id), its words
+        self._fields: dict[
+            int, tuple[Any, Any, Any, Any]
+        ] = {}  # of a field: itself, what it was, the mask where it was set, to what
+        self._counted: dict[
+            int, tuple[Any, Any]
+        ] = {}  # of the integers 0 and 1 of a mask: themselves, the mask
 
-    def note(self, name: str, given: Sequence[Any], constants: Sequence[Constant | None], result: Any) -> None:
+    def note(
+        self, name: str, given: Sequence[Any], constants: Sequence[Constant | None], result: Any
+    ) -> None:
         """Notes what an equation says of a result with one axis. constants: of the operands, None for those that are none."""
         if jnp.ndim(result) != 1:
             return
@@ -39,10 +47,22 @@ class PackedMasks:
                 self._note(result, lambda: bits.apart(words))
             case "and" | "or", [one, other] if self._is_packed(one) or self._is_packed(other):
                 combined = lax.bitwise_and if name == "and" else lax.bitwise_or
-                self._note(result, lambda: list(map(combined, *(self._words(each, result.shape[0]) for each in (one, other)))))
+                self._note(
+                    result,
+                    lambda: list(
+                        map(
+                            combined, *(self._words(each, result.shape[0]) for each in (one, other))
+                        )
+                    ),
+                )
             case "not", [mask] if self._is_packed(mask):
-                self._note(result, lambda: _without(_all_of(mask.shape[0]), self._words(mask, mask.shape[0])))
-            case "select_n", [mask, before, _] if self._is_packed(mask) and (value := _number(constants[2])) is not None:
+                self._note(
+                    result,
+                    lambda: _without(_all_of(mask.shape[0]), self._words(mask, mask.shape[0])),
+                )
+            case "select_n", [mask, before, _] if (
+                self._is_packed(mask) and (value := _number(constants[2])) is not None
+            ):
                 self._fields[id(result)] = result, before, mask, value
             case "eq", [one, other]:
                 for field, constant in ((one, constants[1]), (other, constants[0])):
@@ -92,7 +112,10 @@ def _number(constant: Constant | None) -> Any:
 
 
 def _without(words: Words, others: Words) -> Words:
-    return [lax.bitwise_and(word, lax.bitwise_not(other)) for word, other in zip(words, others, strict=True)]
+    return [
+        lax.bitwise_and(word, lax.bitwise_not(other))
+        for word, other in zip(words, others, strict=True)
+    ]
 
 
 def _all_of(size: int) -> Words:

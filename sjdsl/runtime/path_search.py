@@ -34,12 +34,18 @@ class Moves:
     @property
     def turns_matter(self) -> bool:
         """Whether it depends on the heading which cells an agent can step to."""
-        return self.relative and len({step for step in self.steps if step is not None}) < len(DIRECTIONS)
+        return self.relative and len({step for step in self.steps if step is not None}) < len(
+            DIRECTIONS
+        )
 
 
-def moves_of(actions: Sequence[str], relative: bool, open_cells: np.ndarray, wraps: bool = False) -> Moves:
+def moves_of(
+    actions: Sequence[str], relative: bool, open_cells: np.ndarray, wraps: bool = False
+) -> Moves:
     """Returns the moves among the actions of a game. `open_cells`: `[H, W]` bool, cells that agents can ever enter."""
-    moves = [(number, name) for number, name in enumerate(actions) if name in STEPS or name in TURNS]
+    moves = [
+        (number, name) for number, name in enumerate(actions) if name in STEPS or name in TURNS
+    ]
     return Moves(
         actions=tuple(number for number, _ in moves),
         turns=tuple(TURNS.get(name, 0) for _, name in moves),
@@ -85,7 +91,11 @@ def wrapped(boards: Array, rows: int, cols: int, width: int) -> Array:
     rows, cols = rows % height, cols % width
     if rows:
         boards = shifted(boards, rows, 0, width) | shifted(boards, rows - height, 0, width)
-    return shifted(boards, 0, cols, width) | shifted(boards, 0, cols - width, width) if cols else boards
+    return (
+        shifted(boards, 0, cols, width) | shifted(boards, 0, cols - width, width)
+        if cols
+        else boards
+    )
 
 
 def _moved(boards: Array, axis: int, by: int) -> Array:
@@ -160,7 +170,9 @@ def first_moves(
     return arrived, found, best
 
 
-def destination(moves: Moves, step: int, heading: Array, row: Array, col: Array) -> tuple[Array, Array]:
+def destination(
+    moves: Moves, step: int, heading: Array, row: Array, col: Array
+) -> tuple[Array, Array]:
     """Returns the row and column that a step leads to, open or not."""
     facing = (heading * int(moves.relative) + step) % 4
     by = jnp.asarray(DIRECTIONS, jnp.int32)
@@ -183,7 +195,9 @@ def _expanded(moves: Moves, reached: Array, enterable: Array) -> Array:
         union = jnp.zeros_like(reached[:, plane])
         for turn, step in zip(moves.turns, moves.steps, strict=True):
             if step is not None:
-                union = union | before(plane, (plane * int(moves.relative) + step) % 4 if planes > 1 else step)
+                union = union | before(
+                    plane, (plane * int(moves.relative) + step) % 4 if planes > 1 else step
+                )
             elif planes > 1:
                 union = union | reached[:, (plane + turn) % 4]
         found.append(union)

@@ -59,7 +59,9 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
 
     def chosen(members: Array, key: Array) -> Array:
         agent, found = pick_of_set(members, draw(key))
-        return jnp.where(found, members.dtype.type(1) << agent.astype(members.dtype), members.dtype.type(0))
+        return jnp.where(
+            found, members.dtype.type(1) << agent.astype(members.dtype), members.dtype.type(0)
+        )
 
     @custom_vmap
     def picked(members: Array, key: Array) -> Array:
@@ -67,13 +69,19 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
         return result
 
     @picked.def_vmap
-    def batched(size: int, in_batched: list[bool], members: Array, key: Array) -> tuple[Array, bool]:
+    def batched(
+        size: int, in_batched: list[bool], members: Array, key: Array
+    ) -> tuple[Array, bool]:
         axes = tuple(0 if batched else None for batched in in_batched)
         each = jax.vmap(chosen, in_axes=axes, axis_size=size)
-        as_they_are = members if in_batched[0] else jnp.broadcast_to(members, (size, *members.shape))
+        as_they_are = (
+            members if in_batched[0] else jnp.broadcast_to(members, (size, *members.shape))
+        )
         return either(_several(members), lambda: each(members, key), lambda: as_they_are), True
 
-    result: Array = by_platform(picked, chosen, members, key)  # a GPU draws in any case: a branch would wait for the host
+    result: Array = by_platform(
+        picked, chosen, members, key
+    )  # a GPU draws in any case: a branch would wait for the host
     return result
 
 
@@ -88,7 +96,9 @@ def _several(members: Array) -> Array:
     XLA makes vector instructions of that, but of nothing along the last axis (docs/performance.md).
     """
     rows = in_rows(members)
-    rows[-1] = members[..., -rows[0].shape[-1] :]  # as long as the others: some sets are looked at twice
+    rows[-1] = members[
+        ..., -rows[0].shape[-1] :
+    ]  # as long as the others: some sets are looked at twice
     joined = reduce(lambda one, other: one | other, [row & (row - 1) for row in rows])
     while joined.ndim > 1:
         joined = lax.reduce(joined, joined.dtype.type(0), lax.bitwise_or, (0,))
@@ -108,7 +118,9 @@ def choose(member: Array, words: Array, number: Array) -> Array:
     return _unpacked(_chosen, member, words, number)
 
 
-def choose_by_chance(member: Array, words: Array, number: Array, key: Array, stream: int, limit: Array) -> Array:
+def choose_by_chance(
+    member: Array, words: Array, number: Array, key: Array, stream: int, limit: Array
+) -> Array:
     """Returns which of the members that `choose` picks draw less than a limit; only members that are picked draw.
 
     Args:
@@ -136,7 +148,9 @@ def _chosen(packed: Array, words: Array, number: Array) -> Array:
 
 
 @jax.jit  # as above
-def _chosen_by_chance(packed: Array, words: Array, number: Array, key: Array, stream: Array, limit: Array) -> Array:
+def _chosen_by_chance(
+    packed: Array, words: Array, number: Array, key: Array, stream: Array, limit: Array
+) -> Array:
     def draw_less(members: Array) -> Array:
         return (random_bits_at(key, stream, members.astype(jnp.uint32)) >> 1) < limit
 
@@ -146,7 +160,9 @@ def _chosen_by_chance(packed: Array, words: Array, number: Array, key: Array, st
 MOST_TURNS = 128  # turns that are unrolled
 
 
-def _chosen_that(passes: Callable[[Array], Array], packed: Array, words: Array, number: Array) -> Array:
+def _chosen_that(
+    passes: Callable[[Array], Array], packed: Array, words: Array, number: Array
+) -> Array:
     """Returns which members are picked and pass, `[..., W]` uint32. passes: the numbers of members, `[...]` or `[..., T]`, to which do."""
     one_by_one, at_once = partial(_chosen_turn_by_turn, passes), partial(_chosen_at_once, passes)
     if words.shape[-1] > MOST_TURNS:
@@ -154,25 +170,35 @@ def _chosen_that(passes: Callable[[Array], Array], packed: Array, words: Array, 
     return by_platform(one_by_one, at_once, packed, words, number)
 
 
-def _chosen_at_once(passes: Callable[[Array], Array], packed: Array, words: Array, number: Array) -> Array:
+def _chosen_at_once(
+    passes: Callable[[Array], Array], packed: Array, words: Array, number: Array
+) -> Array:
     """The form for GPUs: each turn makes what it drew among those left a number among all, turn by turn backwards."""
     words = lax.optimization_barrier(words)
-    left = [jnp.broadcast_to(one[..., None], words.shape) for one in bits.apart(packed)]  # each turn finds all that it needs by itself
+    left = [
+        jnp.broadcast_to(one[..., None], words.shape) for one in bits.apart(packed)
+    ]  # each turn finds all that it needs by itself
     total = reduce(lax.add, map(size_of_set, left))
     turn = np.arange(words.shape[-1], dtype=np.int32).reshape((1,) * number.ndim + (-1,))
     place = below(words, total - turn)
     for earlier, word in reversed(list(enumerate(bits.apart(words)))):
-        place = place + ((turn > earlier) & (place >= below(word[..., None], total - earlier))).astype(jnp.int32)
+        place = place + (
+            (turn > earlier) & (place >= below(word[..., None], total - earlier))
+        ).astype(jnp.int32)
     at, bit = bits.nth_of(left, place)
     one = at * bits.WIDTH + bit
     picked = (turn < jnp.minimum(number[..., None], total)) & passes(one)
     return bits.set_of(jnp.where(picked, one, -1), packed.shape[-1] * bits.WIDTH)
 
 
-def _chosen_turn_by_turn(passes: Callable[[Array], Array], packed: Array, words: Array, number: Array) -> Array:
+def _chosen_turn_by_turn(
+    passes: Callable[[Array], Array], packed: Array, words: Array, number: Array
+) -> Array:
     """The form for CPUs: as many turns as are taken."""
     total = bits.count(packed)
-    wanted = jnp.minimum(number, total)  # a turn takes one: after `turn` of them, total - turn are left
+    wanted = jnp.minimum(
+        number, total
+    )  # a turn takes one: after `turn` of them, total - turn are left
 
     def more(state: tuple[Array, Array, Array]) -> Array:
         return jnp.any(state[0] < wanted)
@@ -190,7 +216,9 @@ def _chosen_turn_by_turn(passes: Callable[[Array], Array], packed: Array, words:
     return result
 
 
-def place(cells: Array, free: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+def place(
+    cells: Array, free: Array, words: Array, position: Array, sent: Array
+) -> tuple[Array, Array]:
     """Returns the places after sending agents, in id order, each to one of the cells that are still free, all equally likely.
 
     Args:
@@ -204,7 +232,9 @@ def place(cells: Array, free: Array, words: Array, position: Array, sent: Array)
     return _place_among(cells, free, None, words, position, sent)
 
 
-def place_fitting(cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+def place_fitting(
+    cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array
+) -> tuple[Array, Array]:
     """Returns the places after sending agents as `place` does, each to one of the free cells that fit it.
 
     Args:
@@ -218,23 +248,31 @@ def place_fitting(cells: Array, free: Array, own: Array, words: Array, position:
 LONG = 16_384  # agents times cells from which on placing would be too long a program if it were unrolled
 
 
-def _place_among(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+def _place_among(
+    cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
+) -> tuple[Array, Array]:
     """Places agents as `place_fitting` does; own: None: all cells fit all."""
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
-    result: tuple[Array, Array] = _placed(cells, bits.pack(free), own, words, position, sent)  # packed here, as by `_unpacked`
+    result: tuple[Array, Array] = _placed(
+        cells, bits.pack(free), own, words, position, sent
+    )  # packed here, as by `_unpacked`
     return result
 
 
 @jax.jit  # as above
-def _placed(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+def _placed(
+    cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
+) -> tuple[Array, Array]:
     agents, size = position.shape[0], cells.shape[0]
     if agents > bits.WIDTH or agents * size > LONG:
         return _one_by_one(cells, free, own, words, position, sent)
     return by_platform(_one_by_one, _unrolled, cells, free, own, words, position, sent)
 
 
-def _one_by_one(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+def _one_by_one(
+    cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
+) -> tuple[Array, Array]:
     """The form for CPUs: a loop with a turn for each agent that is sent, not for each agent: most steps send nobody."""
     index = jnp.arange(position.shape[0], dtype=jnp.int32)
     fitting = None if own is None else bits.pack(own)
@@ -249,8 +287,17 @@ def _one_by_one(cells: Array, free: Array, own: Array | None, words: Array, posi
         number = bits.count(among)
         cell = bits.nth(among, below(_entry(words, who), number))
         there = (index == who) & left & (number > 0)
-        free = bits.without(free, cell) if fitting is None else jnp.where(number > 0, bits.without(free, cell), free)
-        return left & (index != who), free, jnp.where(there, _entry(cells, cell), position), placed | there
+        free = (
+            bits.without(free, cell)
+            if fitting is None
+            else jnp.where(number > 0, bits.without(free, cell), free)
+        )
+        return (
+            left & (index != who),
+            free,
+            jnp.where(there, _entry(cells, cell), position),
+            placed | there,
+        )
 
     start = (sent, free, position, jnp.zeros_like(sent))
     return lax.while_loop(waiting, place_one, settled(place_one, start))[2:]
@@ -260,7 +307,9 @@ AT_ONCE = 8  # agents that one kernel places on many cells: with 12, it takes mi
 FEW_WORDS = 4  # words of 32 cells: on so few, one kernel places all agents
 
 
-def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array) -> tuple[Array, Array]:
+def _unrolled(
+    cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
+) -> tuple[Array, Array]:
     """The form for GPUs: one agent after the other, on scalars, none of which is written to memory."""
     fitting = None if own is None else bits.pack(own)
     agents = position.shape[0]
@@ -268,20 +317,31 @@ def _unrolled(cells: Array, free: Array, own: Array | None, words: Array, positi
     left = bits.apart(free)
     stops = range(AT_ONCE - 1, agents - 1, AT_ONCE) if len(left) > FEW_WORDS else ()
     going = bits.as_bits(sent, jnp.uint32)
-    given = [jnp.uint32(0) for _ in range(0, agents, 2)]  # half a word for each agent: the number of its cell, one up; 0: none
+    given = [
+        jnp.uint32(0) for _ in range(0, agents, 2)
+    ]  # half a word for each agent: the number of its cell, one up; 0: none
     for who in range(agents):
-        among = left if fitting is None else [one & fit for one, fit in zip(left, bits.apart(fitting[who]), strict=True)]
+        among = (
+            left
+            if fitting is None
+            else [one & fit for one, fit in zip(left, bits.apart(fitting[who]), strict=True)]
+        )
         total = reduce(lax.add, map(size_of_set, among))
         number, bit = bits.nth_of(among, below(words[who], total))
         there = (((going >> who) & 1) != 0) & (total > 0)
         taken = jnp.where(there, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
         kept = lax.bitwise_not(taken)
-        left = [lax.select(lax.eq(number, np.int32(place)), lax.bitwise_and(one, kept), one) for place, one in enumerate(left)]
+        left = [
+            lax.select(lax.eq(number, np.int32(place)), lax.bitwise_and(one, kept), one)
+            for place, one in enumerate(left)
+        ]
         found = jnp.where(there, number * bits.WIDTH + bit + 1, 0).astype(jnp.uint32)
         given[who // 2] = given[who // 2] | (found << (who % 2 * 16))
         if who in stops:
             left, given = lax.optimization_barrier((left, given))
-    given = lax.optimization_barrier(given)  # stored, or the lane of each agent would compute them all
+    given = lax.optimization_barrier(
+        given
+    )  # stored, or the lane of each agent would compute them all
     site = bits.field(given, index, 16, 2).astype(jnp.int32) - 1
     placed = site >= 0
     return jnp.where(placed, _entry(cells, jnp.maximum(site, 0)), position), placed
@@ -307,7 +367,9 @@ def come_back(
       cells, free, position: as of `place`; own: as of `place_fitting`, None if each cell fits everybody.
     """
     position, placed = _place_among(cells, free, own, words, position, back)
-    facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing).astype(heading.dtype)
+    facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing).astype(
+        heading.dtype
+    )
     facing = jnp.where(away_facing == SAME_HEADING, heading, facing)
     return position, jnp.where(placed, facing, heading), placed
 
@@ -337,7 +399,9 @@ def pair(ranks: Array, alike: bool) -> Array:
     if most > MOST_PAIRS:
         return in_turn(ranks)
 
-    def unrolled(ranks: Array) -> Array:  # as of `pair_reached`, whose left members all reach everybody
+    def unrolled(
+        ranks: Array,
+    ) -> Array:  # as of `pair_reached`, whose left members all reach everybody
         everybody = jnp.broadcast_to(jnp.arange(right, dtype=jnp.int32)[None], ranks.shape)
         return _paired_unrolled(everybody, ranks, right, alike, most)
 
@@ -365,7 +429,9 @@ def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most
     return partner
 
 
-Pair = tuple[Array, Array, Array]  # a rank and two members: to decode a pair's number, XLA would add a kernel
+Pair = tuple[
+    Array, Array, Array
+]  # a rank and two members: to decode a pair's number, XLA would add a kernel
 
 
 def _first(*pairs: Array) -> Pair:
@@ -378,8 +444,14 @@ def _first(*pairs: Array) -> Pair:
 def _better(one: Pair, other: Pair) -> Pair:
     """Returns which of two pairs comes first."""
     (rank, a, b), (other_rank, other_a, other_b) = one, other
-    first = (rank > other_rank) | ((rank == other_rank) & ((a < other_a) | ((a == other_a) & (b < other_b))))
-    return jnp.where(first, rank, other_rank), jnp.where(first, a, other_a), jnp.where(first, b, other_b)
+    first = (rank > other_rank) | (
+        (rank == other_rank) & ((a < other_a) | ((a == other_a) & (b < other_b)))
+    )
+    return (
+        jnp.where(first, rank, other_rank),
+        jnp.where(first, a, other_a),
+        jnp.where(first, b, other_b),
+    )
 
 
 def _gone(lefts: Array, rights: Array, a: Array, b: Array, alike: bool) -> Array:
@@ -436,7 +508,9 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
 def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
     """Returns what `pair_reached` returns if each left member reaches one right member: only those who reach the same one compete."""
     rows = jnp.arange(reached.shape[0], dtype=jnp.int32)
-    earlier = (ranks[None] > ranks[:, None]) | ((ranks[None] == ranks[:, None]) & (rows[None] < rows[:, None]))
+    earlier = (ranks[None] > ranks[:, None]) | (
+        (ranks[None] == ranks[:, None]) & (rows[None] < rows[:, None])
+    )
     outdone = jnp.any((reached[None] == reached[:, None]) & earlier, axis=1)
     return jnp.where((ranks > 0) & ~outdone, reached, right)
 
@@ -454,7 +528,9 @@ def _reached_paired_in_turn(reached: Array, ranks: Array, right: int, alike: boo
         live, partner = state
         number = jnp.min(jnp.where(live == jnp.max(live), numbers, left * right))
         a, b = number // right, number % right
-        return jnp.where(_gone(rows[:, None], reached, a, b, alike), jnp.uint32(0), live), jnp.where(rows == a, b, partner)
+        return jnp.where(
+            _gone(rows[:, None], reached, a, b, alike), jnp.uint32(0), live
+        ), jnp.where(rows == a, b, partner)
 
     start = (ranks, jnp.full(left, right, jnp.int32))
     return lax.while_loop(more, take, settled(take, start))[1]
@@ -485,6 +561,10 @@ def drawn_by_lot(place: Array, rank: Array, size: int) -> Array:
     number = jnp.arange(place.shape[0], dtype=jnp.int32)
     best = jnp.zeros(size, jnp.uint32).at[place].max(rank)
     top = (rank > 0) & (rank == best[place])
-    first = jnp.full(size, place.shape[0], jnp.int32).at[place].min(jnp.where(top, number, place.shape[0]))
+    first = (
+        jnp.full(size, place.shape[0], jnp.int32)
+        .at[place]
+        .min(jnp.where(top, number, place.shape[0]))
+    )
     result: Array = number == first[place]
     return result

@@ -21,7 +21,11 @@ class TokenPlane:
     @property
     def channels(self) -> tuple[str, ...]:
         """Names of the one-hot channels this plane becomes, in order."""
-        return (self.name,) if self.encoding == "number" else tuple(f"{self.name}: {label}" for label in self.labels)
+        return (
+            (self.name,)
+            if self.encoding == "number"
+            else tuple(f"{self.name}: {label}" for label in self.labels)
+        )
 
 
 def channel_names(planes: tuple[TokenPlane, ...]) -> tuple[str, ...]:

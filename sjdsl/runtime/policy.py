@@ -24,11 +24,16 @@ class MemoryPolicy:
 
     def needs(self, allowed: Any, state: Any) -> tuple[Any, ...]:
         """Returns what its `act` reads besides memory, key and observation, in order."""
-        return (*((allowed,) if self.reads_allowed else ()), *((state,) if self.reads_state else ()))
+        return (
+            *((allowed,) if self.reads_allowed else ()),
+            *((state,) if self.reads_state else ()),
+        )
 
     def given(self, needed: tuple[Any, ...]) -> tuple[Any, Any]:
         """Returns what is allowed and the state, of what `needs` gave; None for what was not needed."""
-        return (needed[0] if self.reads_allowed else None), (needed[-1] if self.reads_state else None)
+        return (needed[0] if self.reads_allowed else None), (
+            needed[-1] if self.reads_state else None
+        )
 
 
 Policy = Callable[[Array, Array], Array] | MemoryPolicy
@@ -41,7 +46,9 @@ def with_memory(policy: Policy) -> MemoryPolicy:
     return MemoryPolicy((), lambda memory, key, observation: (memory, policy(key, observation)))
 
 
-def take_actions(env: Any, policy: MemoryPolicy, memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
+def take_actions(
+    env: Any, policy: MemoryPolicy, memory: Any, key: Array, observation: Array, state: Any
+) -> tuple[Any, Array]:
     """Returns the policy's memory and its actions `[N]` in a state of one environment; `observation` is what is seen of the state."""
     allowed = env.allowed_actions(state) if policy.reads_allowed else None
     return policy.act(memory, key, observation, *policy.needs(allowed, state))
@@ -61,28 +68,39 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
         allowed, state = mixed.given(given)
         actions = jnp.zeros(num_agents, jnp.int32)
         after = []
-        for (agents, policy), own, own_key in zip(policies, memory, jax.random.split(key, len(policies)), strict=True):
+        for (agents, policy), own, own_key in zip(
+            policies, memory, jax.random.split(key, len(policies)), strict=True
+        ):
             own, taken = policy.act(own, own_key, observation, *policy.needs(allowed, state))
             theirs = jnp.asarray(agents, jnp.int32)  # a part may be of nobody
             actions = actions.at[theirs].set(jnp.asarray(taken, jnp.int32)[theirs])
             after.append(own)
         return tuple(after), actions
 
-    mixed = MemoryPolicy(tuple(policy.start for _, policy in policies), act, reads_allowed, reads_state)
+    mixed = MemoryPolicy(
+        tuple(policy.start for _, policy in policies), act, reads_allowed, reads_state
+    )
     return mixed
 
 
 def stay_policy(env: Any) -> Callable[[Array, Array], Array]:
     """Returns the policy that always stays. Raises ValueError if the game has no action `stay`."""
     if "stay" not in env.action_names:
-        raise ValueError(f"{env.name} has no action `stay`; its actions are {', '.join(env.action_names)}")
+        raise ValueError(
+            f"{env.name} has no action `stay`; its actions are {', '.join(env.action_names)}"
+        )
     stay = jnp.full(env.num_agents, list(env.action_names).index("stay"), jnp.int32)
     return lambda _key, _observation: stay
 
 
 def random_policy(env: Any) -> Callable[[Array, Array], Array]:
     """Returns the policy that draws every action with equal probability."""
-    return lambda key, _observation: jax.random.randint(key, (env.num_agents,), 0, env.num_actions, jnp.int32)
+    return lambda key, _observation: jax.random.randint(
+        key, (env.num_agents,), 0, env.num_actions, jnp.int32
+    )
 
 
-UNTRAINED = {"random": random_policy, "stay": stay_policy}  # by the names that they have wherever a policy is asked for
+UNTRAINED = {
+    "random": random_policy,
+    "stay": stay_policy,
+}  # by the names that they have wherever a policy is asked for

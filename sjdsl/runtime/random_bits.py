@@ -26,11 +26,19 @@ def key_words(key: Array) -> Array:
         raise TypeError(f"{wanted}, not {key!r:.60}")
     typed = jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
     if key.shape != (() if typed else (2,)) or not (typed or key.dtype == jnp.uint32):
-        several = "; for a batch of environments, jax.vmap the call" if key.ndim > (0 if typed else 1) else ""
+        several = (
+            "; for a batch of environments, jax.vmap the call"
+            if key.ndim > (0 if typed else 1)
+            else ""
+        )
         raise ValueError(f"{wanted}, not {key.dtype}{list(key.shape)}{several}")
     if not typed:
         return key
-    return jax.random.key_data(key) if jax.random.key_impl(key) == "threefry2x32" else jax.random.bits(key, (2,), jnp.uint32)
+    return (
+        jax.random.key_data(key)
+        if jax.random.key_impl(key) == "threefry2x32"
+        else jax.random.bits(key, (2,), jnp.uint32)
+    )
 
 
 def random_bits_at(key: Array, stream: int | Array, numbers: Array) -> Array:
@@ -57,7 +65,9 @@ def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
     shape = (1,) * numbers.ndim
     k0, k1 = (word.reshape(shape) for word in jnp.split(key, 2))
     keys = (k0, k1, k0 ^ k1 ^ jnp.uint32(_PARITY))
-    x0 = jnp.broadcast_to(stream + keys[0], numbers.shape)  # as wide as x1: all rounds are one function of the program
+    x0 = jnp.broadcast_to(
+        stream + keys[0], numbers.shape
+    )  # as wide as x1: all rounds are one function of the program
     x1 = numbers + keys[1]
     for turn in range(ROUNDS):
         group, rotation = turn // 4, _ROTATIONS[turn % 8]
@@ -80,7 +90,9 @@ def random_bits(key: Array, stream: int, *shape: int) -> Array:
     Each block is computed twice, once for each of its two numbers. It then fuses with the operations on the numbers, which costs
     less than interleaving pairs.
     """
-    return random_bits_at(key, stream, jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape))
+    return random_bits_at(
+        key, stream, jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape)
+    )
 
 
 def threshold(probability: Array) -> Array:

@@ -56,7 +56,9 @@ def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
                 return members.astype(jnp.float32)
             shifts = jnp.arange(num_agents).astype(stored.dtype)
             one = jnp.ones((), stored.dtype)
-            return ((stored[..., None] >> shifts.reshape((1,) * stored.ndim + (-1,))) & one).astype(jnp.float32)
+            return ((stored[..., None] >> shifts.reshape((1,) * stored.ndim + (-1,))) & one).astype(
+                jnp.float32
+            )
         case "cell":
             somewhere = stored >= 0
             parts = (somewhere, (stored >> 8) / 255 * somewhere, (stored & 255) / 255 * somewhere)
@@ -65,7 +67,13 @@ def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
             here, (_, cols) = stored > 0, module.FRAME
             row, col = stored // cols - module.PAD, stored % cols - module.PAD
             shares = (row / max(len(module.MAP) - 1, 1), col / max(len(module.MAP[0]) - 1, 1))
-            return jnp.stack([here.astype(jnp.float32), *(jnp.where(here, share, 0).astype(jnp.float32) for share in shares)], axis=-1)
+            return jnp.stack(
+                [
+                    here.astype(jnp.float32),
+                    *(jnp.where(here, share, 0).astype(jnp.float32) for share in shares),
+                ],
+                axis=-1,
+            )
         case "condition":
             return stored.astype(jnp.float32)
         case "number":

@@ -30,12 +30,18 @@ def gains(position: Array, cells: Array, member: Array, cols: int) -> Array:
 
 
 @jax.jit  # as above
-def gains_around(position: Array, cells: Array, member: Array, cols: int, height: int, width: int) -> Array:
+def gains_around(
+    position: Array, cells: Array, member: Array, cols: int, height: int, width: int
+) -> Array:
     """Returns what `gains` does, on a map of that height and width that wraps."""
-    return _gained(position, cells, member, cols, lambda away, axis: shorter_way(away, (height, width)[axis]))
+    return _gained(
+        position, cells, member, cols, lambda away, axis: shorter_way(away, (height, width)[axis])
+    )
 
 
-def _gained(position: Array, cells: Array, member: Array, cols: int, way: Callable[[Array, int], Array]) -> Array:
+def _gained(
+    position: Array, cells: Array, member: Array, cols: int, way: Callable[[Array, int], Array]
+) -> Array:
     """Returns how much farther the nearest member is after a step in each direction. way: the one to go of rows (0) or columns (1) away."""
     rows_away = cells // cols - position[:, None] // cols
     cols_away = cells % cols - position[:, None] % cols
@@ -44,7 +50,10 @@ def _gained(position: Array, cells: Array, member: Array, cols: int, way: Callab
         steps = jnp.abs(way(rows_away - down, 0)) + jnp.abs(way(cols_away - right, 1))
         return jnp.min(jnp.where(member, steps, FAR), axis=1)
 
-    return jnp.stack([nearest(down, right) for down, right in DIRECTIONS], axis=1) - nearest(0, 0)[:, None]
+    return (
+        jnp.stack([nearest(down, right) for down, right in DIRECTIONS], axis=1)
+        - nearest(0, 0)[:, None]
+    )
 
 
 def is_one_of(cells: Array, taken: Array) -> Array:

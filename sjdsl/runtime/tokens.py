@@ -6,7 +6,9 @@ from jax import Array
 from sjdsl.runtime.planes import TokenPlane
 
 
-def to_channels(tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype, scale_numbers: bool = False) -> Array:
+def to_channels(
+    tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype, scale_numbers: bool = False
+) -> Array:
     """Returns the one-hot form of token planes.
 
     Args:
@@ -22,16 +24,25 @@ def to_channels(tokens: Array, planes: tuple[TokenPlane, ...], dtype: jnp.dtype,
     *lead, number, rows, cols = tokens.shape
     if number != len(planes):
         raise ValueError(f"tokens have {number} planes, {len(planes)} are described")
-    cells = tokens.reshape(*lead, number, rows * cols)  # in rows each would be too short for vector instructions
+    cells = tokens.reshape(
+        *lead, number, rows * cols
+    )  # in rows each would be too short for vector instructions
     channels = []
     for index, plane in enumerate(planes):
         value = cells[..., index, :]
         match plane.encoding:
             case "word":
-                channels += [(value == jnp.uint8(label)).astype(dtype) for label in range(len(plane.labels))]
+                channels += [
+                    (value == jnp.uint8(label)).astype(dtype) for label in range(len(plane.labels))
+                ]
             case "bits":
-                channels += [((value >> jnp.uint8(label)) & jnp.uint8(1)).astype(dtype) for label in range(len(plane.labels))]
+                channels += [
+                    ((value >> jnp.uint8(label)) & jnp.uint8(1)).astype(dtype)
+                    for label in range(len(plane.labels))
+                ]
             case "number":
                 scaled = value.astype(dtype)
-                channels.append(scaled / jnp.asarray(plane.high, dtype) if scale_numbers else scaled)
+                channels.append(
+                    scaled / jnp.asarray(plane.high, dtype) if scale_numbers else scaled
+                )
     return jnp.concatenate(channels, axis=-1).reshape(*lead, len(channels), rows, cols)

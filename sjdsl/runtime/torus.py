@@ -18,7 +18,9 @@ def shorter_way(difference: Array, length: int) -> Array:
     return jnp.where(2 * onward <= length, onward, onward - length)
 
 
-def cells_on(cell: Array, heading: Array, number: Array, height: int, width: int, pad: int) -> Array:
+def cells_on(
+    cell: Array, heading: Array, number: Array, height: int, width: int, pad: int
+) -> Array:
     """Returns the cells that are a number of cells from others in a direction.
 
     Args:

@@ -23,7 +23,10 @@ def settled(step: Callable[[T], T], start: T) -> T:
     while True:
         after = jax.eval_shape(step, start)
         wider = jax.tree.map(_with_axes_of, start, after)
-        if all(one is other for one, other in zip(jax.tree.leaves(wider), jax.tree.leaves(start), strict=True)):
+        if all(
+            one is other
+            for one, other in zip(jax.tree.leaves(wider), jax.tree.leaves(start), strict=True)
+        ):
             return start
         start = wider
 

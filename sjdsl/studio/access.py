@@ -28,7 +28,9 @@ class Access:
     def hosts(self) -> frozenset[str]:
         return frozenset(f"{name}:{self.port}" for name in (HOST, "localhost"))
 
-    def refusal(self, headers: Mapping[str, str], token: str | None, needs_token: bool = True) -> str | None:
+    def refusal(
+        self, headers: Mapping[str, str], token: str | None, needs_token: bool = True
+    ) -> str | None:
         """Returns why a request is refused, None if it is not.
 
         Another host: a name that somebody else has made to point at this machine (DNS rebinding). Another origin: another page in the
@@ -39,7 +41,10 @@ class Access:
         origin = headers.get("origin")
         if origin is not None and origin not in {f"http://{host}" for host in self.hosts}:
             return "another page may not use the studio"
-        if needs_token and not (token and secrets.compare_digest(token.encode("utf-8", "surrogatepass"), self.token.encode())):
+        if needs_token and not (
+            token
+            and secrets.compare_digest(token.encode("utf-8", "surrogatepass"), self.token.encode())
+        ):
             return "the address has no token, or an old one: open the address that `sjdsl studio` has printed"
         return None
 
@@ -63,6 +68,8 @@ def kept_token(folder: Path | None) -> str:
     token = secrets.token_urlsafe(SHORTEST)
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
-        with open(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600), "w", encoding="ascii") as file:
+        with open(
+            os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600), "w", encoding="ascii"
+        ) as file:
             file.write(token)
     return token

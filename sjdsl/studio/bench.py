@@ -23,7 +23,16 @@ from sjdsl.studio.keys import action_keys
 from sjdsl.studio.knobs import knobs, with_entries
 from sjdsl.studio.opened import Opened, interpreted_values, open_text
 from sjdsl.studio.painting import CannotPaint, glyphs, map_file, paint, write_number
-from sjdsl.studio.panels import checks_panel, curves_panel, diff_panel, python_panel, rules_panel, seen_panel, state_panel, trace_panel
+from sjdsl.studio.panels import (
+    checks_panel,
+    curves_panel,
+    diff_panel,
+    python_panel,
+    rules_panel,
+    seen_panel,
+    state_panel,
+    trace_panel,
+)
 from sjdsl.trace.choices import chooser
 from sjdsl.trace.rules import Rules
 
@@ -83,10 +92,16 @@ class Bench:
                 self._put(request)
             case ask.Paint():
                 if self._shows_counterexample:
-                    raise Refused("this is the map of a counterexample: begin again to see the game's own, and paint there")
+                    raise Refused(
+                        "this is the map of a counterexample: begin again to see the game's own, and paint there"
+                    )
                 return {"change": vars(paint(self.opened, request.row, request.col, request.glyph))}
             case ask.Write():
-                return {"change": vars(write_number(self.opened, request.name, request.entry, request.value))}
+                return {
+                    "change": vars(
+                        write_number(self.opened, request.name, request.entry, request.value)
+                    )
+                }
             case ask.Replay():
                 return self._put_on_board(*replayed(self.opened, request))
             case ask.Panel():
@@ -112,17 +127,30 @@ class Bench:
         except CompileError as error:
             errors = [d for d in error.diagnostics if d.severity == "error"]
             told = [
-                [d.span.line if d.span.file == path else None, d.message + (f"\nhelp: {d.hint}" if d.hint else "")]
+                [
+                    d.span.line if d.span.file == path else None,
+                    d.message + (f"\nhelp: {d.hint}" if d.hint else ""),
+                ]
                 for d in errors[:MOST_TOLD]
             ]
-            return {"version": request.version, "compiles": False, "errors": len(errors), "problems": told}
+            return {
+                "version": request.version,
+                "compiles": False,
+                "errors": len(errors),
+                "problems": told,
+            }
         kept = None if request.fresh or self._is_empty else self._kept(opened)
         try:
             episode = kept or begun(opened.game, opened.values, self.seed)
         except LeavesFloat32 as left:
             raise Refused(Rules(opened.build.sources).overflow(left)) from None
         self.opened, self._is_empty = opened, False
-        return {"version": request.version, "compiles": True, "kept": kept is not None, **self._put_on_board(opened, episode)}
+        return {
+            "version": request.version,
+            "compiles": True,
+            "kept": kept is not None,
+            **self._put_on_board(opened, episode),
+        }
 
     def _put_on_board(self, shown: Opened, episode: Episode) -> Answer:
         """Shows an episode of a game. Whoever drove the agents goes on if the game has such a policy."""
@@ -143,7 +171,11 @@ class Bench:
         if game_hash(before.game) == game_hash(now.game) and before.values == now.values:
             return replace(episode, game=now.game)
         world = carried(before.game, episode.now.world, now.game, now.values)
-        return None if world is None else resumed(now.game, world, episode.returns[episode.at], self.seed)
+        return (
+            None
+            if world is None
+            else resumed(now.game, world, episode.returns[episode.at], self.seed)
+        )
 
     def _described(self) -> Answer:
         """Returns what the page has to know of a game."""
@@ -155,13 +187,18 @@ class Bench:
             "height": len(game.rows),
             "width": len(game.rows[0]),
             "agents": game.agents.number,
-            "agents_are_free": isinstance(opened.composition.number, ast.Path),  # a `size` says how many
+            "agents_are_free": isinstance(
+                opened.composition.number, ast.Path
+            ),  # a `size` says how many
             "actions": list(game.agents.actions),
             "keys": action_keys(game.agents.actions, game.agents.relative),
             "policies": _policies(game),
             "others": self.others,
             "seed": self.seed,
-            "variants": [[v.name.text, v.title.text if v.title else ""] for v in opened.composition.variants.values()],
+            "variants": [
+                [v.name.text, v.title.text if v.title else ""]
+                for v in opened.composition.variants.values()
+            ],
             "chosen": list(opened.composition.chosen),
             "numbers": knobs(game, shown.values),
             "left": list(opened.left),
@@ -186,7 +223,9 @@ class Bench:
         driven = {self._agent(agent): action for agent, action in request.actions.items()}
         if any(not 0 <= action < len(shown.game.agents.actions) for action in driven.values()):
             raise Refused("there is no such action")
-        actions = list(chooser(shown.game, self.others, self.seed)(episode.now.world.step, episode.now.world))
+        actions = list(
+            chooser(shown.game, self.others, self.seed)(episode.now.world.step, episode.now.world)
+        )
         for agent, action in driven.items():
             actions[agent] = action
         episode.step(actions, shown.values)
@@ -196,7 +235,9 @@ class Bench:
         game, values = self.on_board.game, self.on_board.values
         try:
             given = with_entries(game, values, request.name, request.value)
-            changed = replace(self.on_board, values=interpreted_values(game, {**values, request.name: given}))
+            changed = replace(
+                self.on_board, values=interpreted_values(game, {**values, request.name: given})
+            )
         except ValueError as error:
             raise Refused(str(error)) from None
         if not self._shows_counterexample:
@@ -212,7 +253,9 @@ class Bench:
             raise Refused("a mover stands there")
         place = [cell if number == agent else at for number, at in enumerate(world.position)]
         away = [None if number == agent else waits for number, waits in enumerate(world.away)]
-        self.episode = resumed(game, replace(world, position=place, away=away), episode.returns[episode.at], self.seed)
+        self.episode = resumed(
+            game, replace(world, position=place, away=away), episode.returns[episode.at], self.seed
+        )
 
     def _scene(self) -> Answer:
         """Returns the moment that is shown, the pictures that the page does not have yet, and how many moments there are."""
@@ -221,7 +264,8 @@ class Bench:
         new, self._sent = self._artist.pictures[self._sent :], len(self._artist.pictures)
         game = self.on_board.game
         return {
-            "scene": scene | {"places": [None if at is None else list(at) for at in episode.now.world.position]},
+            "scene": scene
+            | {"places": [None if at is None else list(at) for at in episode.now.world.position]},
             "pictures": new,
             "colours": self._artist.colours,
             "metrics": measured(game, episode.now.outcome),
@@ -233,7 +277,11 @@ class Bench:
 
     def _panel(self, request: ask.Panel) -> Answer:
         opened, shown, moment = self.opened, self.on_board, self.episode.now
-        cell = None if request.row is None or request.col is None else self._cell(request.row, request.col)
+        cell = (
+            None
+            if request.row is None or request.col is None
+            else self._cell(request.row, request.col)
+        )
         panels: dict[str, Callable[[], Answer]] = {
             "rules": lambda: rules_panel(opened),
             "python": lambda: python_panel(opened),

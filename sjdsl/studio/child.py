@@ -42,7 +42,10 @@ class Child:
                 line = b""
             if not line:
                 await self.stop()
-                return _lost(request, "the process that plays the game ended; it starts again with the next change")
+                return _lost(
+                    request,
+                    "the process that plays the game ended; it starts again with the next change",
+                )
             return line.decode()
 
     async def begin(self) -> None:
@@ -62,7 +65,13 @@ class Child:
     async def _start(self) -> Process:
         module = "sjdsl.studio.worker"
         self._process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", module, str(self._folder), stdin=PIPE, stdout=PIPE, limit=LONGEST_LINE
+            sys.executable,
+            "-m",
+            module,
+            str(self._folder),
+            stdin=PIPE,
+            stdout=PIPE,
+            limit=LONGEST_LINE,
         )
         assert self._process.stdout is not None
         await asyncio.wait_for(self._process.stdout.readline(), START)  # it has loaded
@@ -130,4 +139,6 @@ def number_of(request: str) -> int:
 
 def _lost(request: str, reason: str) -> str:
     """Returns the answer for a request that has none; `lost`: the page has to open its text again."""
-    return json.dumps({"id": number_of(request), "do": part_of(request, "do"), "refused": reason, "lost": True})
+    return json.dumps(
+        {"id": number_of(request), "do": part_of(request, "do"), "refused": reason, "lost": True}
+    )

@@ -32,33 +32,57 @@ def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     Raises NoReplay, TooLong, and LeavesFloat32 if a real leaves float32 at the very start.
     """
     if len(request.actions) >= LONGEST:
-        raise TooLong(f"the studio keeps {LONGEST} moments of an episode, and this counterexample has more")
+        raise TooLong(
+            f"the studio keeps {LONGEST} moments of an episode, and this counterexample has more"
+        )
     game = GameFamily(opened.source, opened.composition.chosen).own
     params = tuple((name, _held(value)) for name, value in request.params)
     types = {param.name: param.type for param in game.params}
-    if request.rows != game.rows or not all(name in types and _fits(value, types[name].by) for name, value in params):
+    if request.rows != game.rows or not all(
+        name in types and _fits(value, types[name].by) for name, value in params
+    ):
         raise NoReplay(
             "the rules have changed since: they do not take the map or the numbers of this counterexample; test the checks again"
         )
     count = len(game.agents.actions)
     if request.bias and len(request.bias) < len(request.actions):
         raise NoReplay("the counterexample is not whole: test the checks again")
-    if any(len(step) != game.agents.number or not all(0 <= action < count for action in step) for step in request.actions):
-        raise NoReplay("the rules have changed since: they do not take the actions of this counterexample; test the checks again")
+    if any(
+        len(step) != game.agents.number or not all(0 <= action < count for action in step)
+        for step in request.actions
+    ):
+        raise NoReplay(
+            "the rules have changed since: they do not take the actions of this counterexample; test the checks again"
+        )
     scenario = Scenario(request.seed, request.episode, params, request.bias, request.actions)
     trajectory = play(game, scenario)
     if not trajectory.worlds:
         assert trajectory.left is not None
         raise trajectory.left
     start = draws_of(scenario, -1)
-    moments = [Moment(None, (getattr(start, "k0", 0), getattr(start, "k1", 0)), trajectory.worlds[0], ())]
+    moments = [
+        Moment(None, (getattr(start, "k0", 0), getattr(start, "k1", 0)), trajectory.worlds[0], ())
+    ]
     returns = [[0.0] * game.agents.number]
     for before, after, actions, outcome in zip(
-        trajectory.worlds, trajectory.worlds[1:], trajectory.actions, trajectory.outcomes, strict=False
+        trajectory.worlds,
+        trajectory.worlds[1:],
+        trajectory.actions,
+        trajectory.outcomes,
+        strict=False,
     ):
         moments.append(Moment(before.step, (0, 0), after, (), actions, frozenset(), outcome))
-        returns.append([so_far + float(reward) for so_far, reward in zip(returns[-1], outcome.reward, strict=True)])
-    on_board = replace(opened, build=Build(game, opened.build.warnings, opened.build.sources), values=dict(trajectory.params))
+        returns.append(
+            [
+                so_far + float(reward)
+                for so_far, reward in zip(returns[-1], outcome.reward, strict=True)
+            ]
+        )
+    on_board = replace(
+        opened,
+        build=Build(game, opened.build.warnings, opened.build.sources),
+        values=dict(trajectory.params),
+    )
     return on_board, Episode(game, 0, moments, returns, scenario=scenario, written=len(moments) - 1)
 
 
@@ -70,7 +94,11 @@ def _plain(value: Any) -> Any:
 
 def _fits(value: Any, by: Sequence[Level]) -> bool:
     """Returns whether a value has an entry for each of the levels of a table."""
-    return not by or (isinstance(value, tuple) and len(value) == len(by[0]) and all(_fits(entry, by[1:]) for entry in value))
+    return not by or (
+        isinstance(value, tuple)
+        and len(value) == len(by[0])
+        and all(_fits(entry, by[1:]) for entry in value)
+    )
 
 
 def _held(value: Any) -> Any:

@@ -50,14 +50,21 @@ class Episode:
         Raises TooLong, and LeavesFloat32.
         """
         if self.at + 1 >= LONGEST:
-            raise TooLong(f"the studio keeps {LONGEST} moments of an episode: go back, or begin it again")
+            raise TooLong(
+                f"the studio keeps {LONGEST} moments of an episode: go back, or begin it again"
+            )
         key = keys_of(self.seed).of_step(self.now.world.step)
         world, outcome = step(self.game, self.now.world, actions, params, Threefry(*key))
-        moment, paid = Moment(self.now.world.step, key, world, (), tuple(actions), frozenset(), outcome), map(float, outcome.reward)
+        moment, paid = (
+            Moment(self.now.world.step, key, world, (), tuple(actions), frozenset(), outcome),
+            map(float, outcome.reward),
+        )
         del self.moments[self.at + 1 :], self.returns[self.at + 1 :]
         self.written = min(self.written, self.at)
         self.moments.append(moment)
-        self.returns.append([before + reward for before, reward in zip(self.returns[self.at], paid, strict=True)])
+        self.returns.append(
+            [before + reward for before, reward in zip(self.returns[self.at], paid, strict=True)]
+        )
         self.at += 1
 
     def traced(self) -> Moment:
@@ -66,9 +73,19 @@ class Episode:
         if moment.outcome is not None:
             before = self.moments[self.at - 1].world
             if self.scenario is not None and self.at <= self.written:
-                return take_step(self.game, before, moment.actions, moment.world.params, draws_of(self.scenario, self.at - 1))
+                return take_step(
+                    self.game,
+                    before,
+                    moment.actions,
+                    moment.world.params,
+                    draws_of(self.scenario, self.at - 1),
+                )
             return follow(self.game, before, moment.world.params, moment.key, list(moment.actions))
-        return begin(self.game, moment.world.params, moment.key) if moment.world.step == 0 and not self.is_put else moment
+        return (
+            begin(self.game, moment.world.params, moment.key)
+            if moment.world.step == 0 and not self.is_put
+            else moment
+        )
 
     def go(self, number: int) -> None:
         """Shows another moment; the nearest there is."""
@@ -77,12 +94,16 @@ class Episode:
     def drawn(self, number: int) -> Drawn:
         """Returns a moment as pictures and pages have it."""
         moment = self.moments[number]
-        return moment_of(self.game, moment.world, self.returns[number], moment.actions, moment.outcome)
+        return moment_of(
+            self.game, moment.world, self.returns[number], moment.actions, moment.outcome
+        )
 
 
 def metric_names(game: ir.Game) -> list[tuple[str, bool]]:
     """Returns the metrics of a game by name, each with whether it is an event, whose counts add up."""
-    return [(name, True) for event in game.events for _, name in counts_of(event)] + [(m.name, False) for m in game.measures]
+    return [(name, True) for event in game.events for _, name in counts_of(event)] + [
+        (m.name, False) for m in game.measures
+    ]
 
 
 def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
@@ -101,7 +122,12 @@ def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
 def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
     """Returns the start of an episode. Raises LeavesFloat32."""
     key = keys_of(seed).start()
-    return Episode(game, seed, [Moment(None, key, copied(reset(game, params, Threefry(*key))), ())], [[0.0] * game.agents.number])
+    return Episode(
+        game,
+        seed,
+        [Moment(None, key, copied(reset(game, params, Threefry(*key))), ())],
+        [[0.0] * game.agents.number],
+    )
 
 
 def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:

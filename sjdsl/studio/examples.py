@@ -58,12 +58,18 @@ def new_game(path: str, like: str, folder: Folder) -> list[str]:
             home, inside = place_of(like, folder.root)
             texts = copied_files(Folder(home).inside(inside), place.stem)
         else:
-            texts = {name: text for name, text in starting_files(place.stem).items() if name.endswith((".sj", ".txt"))}
+            texts = {
+                name: text
+                for name, text in starting_files(place.stem).items()
+                if name.endswith((".sj", ".txt"))
+            }
     except ValueError as error:
         raise FileRefused(str(error)) from None
     except CompileError as error:
         raise FileRefused(f"`{like}` cannot be copied: {error.diagnostics[0].message}") from None
-    return _write_missing({(place.parent / name).as_posix(): text for name, text in texts.items()}, folder)
+    return _write_missing(
+        {(place.parent / name).as_posix(): text for name, text in texts.items()}, folder
+    )
 
 
 def _write_missing(wanted: Mapping[str, str], folder: Folder) -> list[str]:
@@ -72,7 +78,9 @@ def _write_missing(wanted: Mapping[str, str], folder: Folder) -> list[str]:
     for needed, text in wanted.items():
         try:
             if folder.read(needed)[0] != text:
-                raise FileRefused(f"there is another file `{needed}` in this folder: move it away, or start the studio in an empty folder")
+                raise FileRefused(
+                    f"there is another file `{needed}` in this folder: move it away, or start the studio in an empty folder"
+                )
         except FileRefused:
             if (folder.root / needed).exists():
                 raise
@@ -95,7 +103,10 @@ def _needed(home: Folder, path: PurePosixPath) -> Iterator[tuple[str, str]]:
             return
         for node in walk(file):
             if isinstance(node, ast.Map) and node.file is not None:
-                yield (place.parent / node.file.text).as_posix(), home.read((path.parent / node.file.text).as_posix())[0]
+                yield (
+                    (place.parent / node.file.text).as_posix(),
+                    home.read((path.parent / node.file.text).as_posix())[0],
+                )
         if file.game.extends is None:
             return
         path = path.parent / file.game.extends.text

@@ -11,7 +11,9 @@ from sjdsl.studio.folder import Changed, FileRefused, Folder
 Answer = dict[str, Any]
 
 
-def answered(folder: Folder, method: str, address: str, query: Mapping[str, str], body: str | bytes = "") -> tuple[int, Answer]:
+def answered(
+    folder: Folder, method: str, address: str, query: Mapping[str, str], body: str | bytes = ""
+) -> tuple[int, Answer]:
     """Returns the HTTP status and the answer of a request; `refused` with the reason if it cannot be done."""
     try:
         given = json.loads(body or "{}")
@@ -31,25 +33,44 @@ def answered(folder: Folder, method: str, address: str, query: Mapping[str, str]
         return 400, {"refused": "the text has a character that no file can hold"}
 
 
-def _done(folder: Folder, method: str, address: str, query: Mapping[str, str], given: Answer) -> Answer:
+def _done(
+    folder: Folder, method: str, address: str, query: Mapping[str, str], given: Answer
+) -> Answer:
     """Returns the answer. Raises FileRefused, KeyError for a field that is missing, and UnicodeEncodeError."""
     match method, address:
-        case "GET", "/games":  # those that can be opened: the folder's own, the bundled ones, and those of the tour
+        case (
+            "GET",
+            "/games",
+        ):  # those that can be opened: the folder's own, the bundled ones, and those of the tour
             return {"games": folder.games(), "examples": examples(), "tour": tour.games()}
         case "GET", "/tour":
             return {"steps": tour.steps()}
-        case "GET", "/file":  # of the folder, of an example or of the tour; its URI is for the language server
+        case (
+            "GET",
+            "/file",
+        ):  # of the folder, of an example or of the tour; its URI is for the language server
             place, path = place_of(query["path"], folder.root)
             text, digest = Folder(place).read(path)
             return {"text": text, "digest": digest, "uri": (place / path).as_uri()}
         case "PUT", "/file":
-            return {"digest": folder.write(str(given["path"]), str(given["text"]), given.get("digest"))}
-        case "POST", "/copy":  # the text of an example, as it has been changed, as a new file, with the files that it needs
+            return {
+                "digest": folder.write(str(given["path"]), str(given["text"]), given.get("digest"))
+            }
+        case (
+            "POST",
+            "/copy",
+        ):  # the text of an example, as it has been changed, as a new file, with the files that it needs
             if folder.inside(str(given["path"])).exists():
                 raise FileRefused(f"there is a file `{given['path']}` already: choose another name")
             copied = copy_beside(str(given["example"]), folder)
-            return {"digest": folder.write(str(given["path"]), str(given["text"]), None), "copied": copied}
-        case "POST", "/new":  # a game of the name that the file has: the starting one of `sjdsl new`, or a renamed copy of another
+            return {
+                "digest": folder.write(str(given["path"]), str(given["text"]), None),
+                "copied": copied,
+            }
+        case (
+            "POST",
+            "/new",
+        ):  # a game of the name that the file has: the starting one of `sjdsl new`, or a renamed copy of another
             made = new_game(str(given["path"]), str(given["like"]), folder)
             return {"digest": folder.read(str(given["path"]))[1], "copied": made}
         case _:

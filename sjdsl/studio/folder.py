@@ -11,7 +11,9 @@ from sjdsl.files import games_below, line_end, read_bytes, write_whole
 SUFFIXES = (".sj", ".txt")
 LARGEST = 400_000  # bytes of a file
 MOST = 500  # files that are listed
-_writing = Lock()  # so that of several who write from the same text one succeeds: the server answers in threads
+_writing = (
+    Lock()
+)  # so that of several who write from the same text one succeeds: the server answers in threads
 
 
 class FileRefused(Exception):
@@ -30,7 +32,9 @@ class Folder:
 
     def games(self) -> list[str]:
         """Returns the games, by their paths inside, those in nearer folders first; at most 500."""
-        return [path.relative_to(self.root).as_posix() for path in islice(games_below(self.root), MOST)]
+        return [
+            path.relative_to(self.root).as_posix() for path in islice(games_below(self.root), MOST)
+        ]
 
     def read(self, name: str) -> tuple[str, str]:
         """Returns the text of a file and its digest. Raises FileRefused."""
@@ -59,7 +63,11 @@ class Folder:
             if len(data) > LARGEST:
                 raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
             if now != before:
-                raise Changed(f"`{name}` was changed by somebody else since it was opened" if now else f"`{name}` is not there any more")
+                raise Changed(
+                    f"`{name}` was changed by somebody else since it was opened"
+                    if now
+                    else f"`{name}` is not there any more"
+                )
             try:
                 write_whole(path, data)
             except OSError as error:

@@ -2,8 +2,22 @@
 
 from collections.abc import Sequence
 
-FACING = {"up": "forward", "down": "backward", "left": "turn_left", "right": "turn_right", "comma": "step_left", "full_stop": "step_right"}
-COMPASS = {"up": "forward", "down": "backward", "left": "step_left", "right": "step_right", "comma": "turn_left", "full_stop": "turn_right"}
+FACING = {
+    "up": "forward",
+    "down": "backward",
+    "left": "turn_left",
+    "right": "turn_right",
+    "comma": "step_left",
+    "full_stop": "step_right",
+}
+COMPASS = {
+    "up": "forward",
+    "down": "backward",
+    "left": "step_left",
+    "right": "step_right",
+    "comma": "turn_left",
+    "full_stop": "turn_right",
+}
 STAY = {"space": "stay"}
 OWN = [*"123456789", *"abcdefghijklmnoprstuvwxyz", *"ABCDEFGHIJKLMNOPQRSTUVWXYZ"]
 

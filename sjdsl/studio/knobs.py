@@ -43,7 +43,9 @@ def _entries(value: Any, written: Any, by: tuple[Level, ...], is_word: bool) -> 
         yield [[], value, written] if is_word else [[], float(value), float(written)]
         return
     for key, inner, other in zip(by[0].keys, value, written, strict=True):
-        yield from ([[key, *names], *found] for names, *found in _entries(inner, other, by[1:], is_word))
+        yield from (
+            [[key, *names], *found] for names, *found in _entries(inner, other, by[1:], is_word)
+        )
 
 
 def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, given: Any) -> Any:
@@ -56,9 +58,16 @@ def _filled(now: Any, by: tuple[Level, ...], given: Any) -> Any:
     if not by or not isinstance(given, Mapping):
         return given
     before = dict(zip(by[0].keys, now, strict=True))
-    inner = {key: _filled(before[key], by[1:], value) if key in before else value for key, value in given.items()}
+    inner = {
+        key: _filled(before[key], by[1:], value) if key in before else value
+        for key, value in given.items()
+    }
     return {key: _plain(value, by[1:]) for key, value in before.items()} | inner
 
 
 def _plain(value: Any, by: tuple[Level, ...]) -> Any:
-    return {key: _plain(inner, by[1:]) for key, inner in zip(by[0].keys, value, strict=True)} if by else value
+    return (
+        {key: _plain(inner, by[1:]) for key, inner in zip(by[0].keys, value, strict=True)}
+        if by
+        else value
+    )

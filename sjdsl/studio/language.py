@@ -29,7 +29,12 @@ async def serve_language(socket: WebSocket, folder: Path) -> None:
             assert process.stdin is not None
             process.stdin.write(HEADER + str(len(message)).encode() + END + END + message)
             await process.stdin.drain()
-    except (WebSocketDisconnect, ConnectionError, asyncio.CancelledError, KeyError):  # KeyError: bytes in place of text
+    except (
+        WebSocketDisconnect,
+        ConnectionError,
+        asyncio.CancelledError,
+        KeyError,
+    ):  # KeyError: bytes in place of text
         pass
     finally:
         back.cancel()
@@ -56,6 +61,8 @@ async def _from_server(process: Process, socket: WebSocket) -> None:
 
 def _give_way(process: Process) -> None:
     """Puts a language server that has started behind the board, where there are fewer free processors than either would take."""
-    with contextlib.suppress(AttributeError, OSError):  # not every system has priorities of processes
+    with contextlib.suppress(
+        AttributeError, OSError
+    ):  # not every system has priorities of processes
         if os.getpriority(os.PRIO_PROCESS, process.pid) < os.getpriority(os.PRIO_PROCESS, 0) + NICE:
             os.setpriority(os.PRIO_PROCESS, process.pid, os.getpriority(os.PRIO_PROCESS, 0) + NICE)

@@ -28,7 +28,9 @@ class Opened:
         return self.build.game
 
 
-def open_text(source: Source, variants: tuple[str, ...], agents: int | None, params: Mapping[str, Any]) -> Opened:
+def open_text(
+    source: Source, variants: tuple[str, ...], agents: int | None, params: Mapping[str, Any]
+) -> Opened:
     """Returns the game of a text. Raises CompileError with every problem of the failing stage.
 
     agents: None for as many as the file says; params: numbers by name, sizes among them.
@@ -38,7 +40,9 @@ def open_text(source: Source, variants: tuple[str, ...], agents: int | None, par
     names = composition.number_names()
     known = {name for of in names for name in of}
     left = [name for name in params if name not in known]
-    sizes, rest = split_sizes(*names, {name: value for name, value in params.items() if name in known})
+    sizes, rest = split_sizes(
+        *names, {name: value for name, value in params.items() if name in known}
+    )
     build = build_composition(composition, Overrides(sizes, agents))
     taken: dict[str, Any] = {}
     for name, value in rest.items():
@@ -51,7 +55,9 @@ def open_text(source: Source, variants: tuple[str, ...], agents: int | None, par
         try:
             values = interpreted_values(build.game, taken)
             break
-        except ValueError:  # a `require` of several numbers, each of which is allowed: the last one set goes first
+        except (
+            ValueError
+        ):  # a `require` of several numbers, each of which is allowed: the last one set goes first
             if not taken:
                 raise
             left.append(taken.popitem()[0])
@@ -61,4 +67,7 @@ def open_text(source: Source, variants: tuple[str, ...], agents: int | None, par
 def interpreted_values(game: ir.Game, given: Mapping[str, Any]) -> dict[str, Value]:
     """Returns the value of every param as the interpreter has it; `given`: of some. Raises ValueError for one that the game does not take."""
     reals = {param.name for param in game.params if param.type.kind == "real"}
-    return {name: real(value) if name in reals else value for name, value in param_values(game, given).items()}
+    return {
+        name: real(value) if name in reals else value
+        for name, value in param_values(game, given).items()
+    }

@@ -35,8 +35,14 @@ def map_file(opened: Opened) -> str | None:
 
 def glyphs(opened: Opened) -> list[tuple[str, str]]:
     """Returns each glyph of the map with what it stands for: a kind, and values that are not as declared."""
-    starts = [(meaning, ", ".join(f"{name} {value}" for name, value in meaning.starts)) for meaning in opened.game.glyphs]
-    return [(meaning.glyph, f"{meaning.kind}: {values}" if values else meaning.kind) for meaning, values in starts]
+    starts = [
+        (meaning, ", ".join(f"{name} {value}" for name, value in meaning.starts))
+        for meaning in opened.game.glyphs
+    ]
+    return [
+        (meaning.glyph, f"{meaning.kind}: {values}" if values else meaning.kind)
+        for meaning, values in starts
+    ]
 
 
 def paint(opened: Opened, row: int, col: int, glyph: str) -> Change:
@@ -53,7 +59,9 @@ def paint(opened: Opened, row: int, col: int, glyph: str) -> Change:
         return Change(path, start, start + _units(before), before, glyph)
     line = written.rows[row]
     if line.span.file != opened.source.name:
-        raise CannotPaint(f"the map is written in `{PurePosixPath(line.span.file).name}`, which this game extends: open that one")
+        raise CannotPaint(
+            f"the map is written in `{PurePosixPath(line.span.file).name}`, which this game extends: open that one"
+        )
     text, at = opened.source.text, line.span.start + 1 + col
     if text[at] != before or text[line.span.start + 1 : line.span.end - 1] != line.text:
         raise CannotPaint("this row of the map is written with escapes: change it in the text")
@@ -73,11 +81,15 @@ def write_number(opened: Opened, name: str, entry: tuple[str, ...], value: str) 
     for key in entry:
         entries = {e.key.text: e.value for e in node.entries} if isinstance(node, ast.Table) else {}
         if key not in entries:
-            raise CannotPaint(f"`{name}` has no entry of its own for {key}: it is written together with others, so change it in the text")
+            raise CannotPaint(
+                f"`{name}` has no entry of its own for {key}: it is written together with others, so change it in the text"
+            )
         node = entries[key]
     span, text = node.span, opened.source.text
     if span.file != opened.source.name:
-        raise CannotPaint(f"`{name}` is written in `{PurePosixPath(span.file).name}`, which this game extends: open that one")
+        raise CannotPaint(
+            f"`{name}` is written in `{PurePosixPath(span.file).name}`, which this game extends: open that one"
+        )
     start = _units(text[: span.start])
     before = text[span.start : span.end]
     return Change(opened.source.name, start, start + _units(before), before, value)

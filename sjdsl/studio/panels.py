@@ -37,7 +37,9 @@ def python_panel(opened: Opened) -> dict[str, Any]:
     for line in compile_build(opened.build, opened.source).splitlines():
         if found := LINE.search(line):
             place = int(found[1])
-        elif not line.startswith("    ") or line.startswith("    return"):  # a comment is about all that follows, to the end of the phase
+        elif not line.startswith("    ") or line.startswith(
+            "    return"
+        ):  # a comment is about all that follows, to the end of the phase
             place = None
         lines.append([line, place])
     return {"lines": lines}
@@ -46,7 +48,10 @@ def python_panel(opened: Opened) -> dict[str, Any]:
 def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, Any]:
     """Returns the values of the world, of each agent and each mover, and of one cell."""
     game = opened.game
-    agents = [[("place", _place(world.position[a])), ("heading", HEADINGS[world.heading[a]])] for a in range(game.agents.number)]
+    agents = [
+        [("place", _place(world.position[a])), ("heading", HEADINGS[world.heading[a]])]
+        for a in range(game.agents.number)
+    ]
     for field in game.agents.fields:
         for agent, value in enumerate(world.agents[field.name]):
             agents[agent].append((field.name, say_value(value, field.type)))
@@ -60,10 +65,14 @@ def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, An
     if cell is not None:
         board = board_of(game)
         kind, number = board.kind_of[cell], board.number[cell]
-        values = [(f.name, say_value(world.cells[kind, f.name][number], f.type)) for f in kind_named(game, kind).fields]
+        values = [
+            (f.name, say_value(world.cells[kind, f.name][number], f.type))
+            for f in kind_named(game, kind).fields
+        ]
         shown = {"kind": kind, "place": list(cell), "values": values}
     return {
-        "world": [("step", str(world.step))] + [(f.name, say_value(world.fields[f.name], f.type)) for f in game.fields],
+        "world": [("step", str(world.step))]
+        + [(f.name, say_value(world.fields[f.name], f.type)) for f in game.fields],
         "agents": agents,
         "movers": movers,
         "cell": shown,
@@ -80,7 +89,12 @@ def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
     return {
         "agent": agent,
         "planes": [
-            {"name": plane.name, "encoding": plane.encoding, "labels": list(plane.labels), "values": picture[number].tolist()}
+            {
+                "name": plane.name,
+                "encoding": plane.encoding,
+                "labels": list(plane.labels),
+                "values": picture[number].tolist(),
+            }
             for number, plane in enumerate(planes(opened.game))
         ],
     }
@@ -118,26 +132,39 @@ def _effect(effect: Effect, world: World, explainer: Explainer) -> dict[str, Any
     concerned = (owner, effect.old, effect.new, stands)
     return {
         "said": say_effect(effect, explainer.here.board),
-        "cells": [list(cell) for cell in dict.fromkeys(place for place in concerned if isinstance(place, Cell))],
+        "cells": [
+            list(cell)
+            for cell in dict.fromkeys(place for place in concerned if isinstance(place, Cell))
+        ],
         "because": [_reason(reason) for reason in explainer.effect(effect)],
     }
 
 
 def _reason(reason: Reason) -> dict[str, Any]:
     """Returns why something happened: a sentence, its random bits in words, or nothing, and the reasons behind it."""
-    return {"text": reason.text, "bits": reason.bits, "because": [_reason(behind) for behind in reason.because]}
+    return {
+        "text": reason.text,
+        "bits": reason.bits,
+        "because": [_reason(behind) for behind in reason.because],
+    }
 
 
 def curves_panel(episode: Episode) -> dict[str, Any]:
     """Returns the returns of the agents at each moment so far, and the metrics of the step that led to it."""
-    return {"returns": episode.returns, "metrics": [measured(episode.game, moment.outcome) for moment in episode.moments]}
+    return {
+        "returns": episode.returns,
+        "metrics": [measured(episode.game, moment.outcome) for moment in episode.moments],
+    }
 
 
 def diff_panel(opened: Opened) -> dict[str, Any]:
     """Returns what the chosen variant changes in the game of the file, as `sjdsl diff` has it."""
     if not opened.composition.chosen:
         return {"text": None}
-    plain, chosen = read_written(opened.source), read_written(opened.source, opened.composition.chosen)
+    plain, chosen = (
+        read_written(opened.source),
+        read_written(opened.source, opened.composition.chosen),
+    )
     return {"text": report(plain, chosen)}
 
 
@@ -145,7 +172,11 @@ def checks_panel(opened: Opened) -> dict[str, Any]:
     """Returns the verdict on each check of the game as its text has it, with a counterexample in words and as what leads to it."""
     family = GameFamily(opened.source, opened.composition.chosen)
     found = verify_properties(family)
-    return {"verdicts": [_verdict(verdict, opened, family.own) for verdict in (*found.verdicts, *found.faults)]}
+    return {
+        "verdicts": [
+            _verdict(verdict, opened, family.own) for verdict in (*found.verdicts, *found.faults)
+        ]
+    }
 
 
 def _verdict(verdict: Verdict, opened: Opened, game: ir.Game) -> dict[str, Any]:

@@ -102,12 +102,17 @@ class Replay(Request):
     """Shows the counterexample to a check, as its verdict has it: the map it was found on, params that differ from the file's, all actions."""
 
     do: Literal["replay"]
-    rows: Annotated[tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(min_length=1, max_length=500)]
+    rows: Annotated[
+        tuple[Annotated[str, Field(min_length=1, max_length=500)], ...],
+        Field(min_length=1, max_length=500),
+    ]
     params: Annotated[tuple[tuple[NAME, Any], ...], Field(max_length=1000)] = ()
     seed: Annotated[int, Field(ge=0, lt=2**32)]
     episode: Annotated[int, Field(ge=0, lt=2**32)] = 0
     bias: Annotated[tuple[Bias, ...], Field(max_length=LONGEST)] = ()
-    actions: Annotated[tuple[Annotated[tuple[int, ...], Field(max_length=1000)], ...], Field(max_length=LONGEST)]
+    actions: Annotated[
+        tuple[Annotated[tuple[int, ...], Field(max_length=1000)], ...], Field(max_length=LONGEST)
+    ]
 
 
 class Panel(Request):
@@ -126,5 +131,7 @@ class Share(Request):
     do: Literal["share"]
 
 
-AnyRequest = Text | Step | Go | Begin | Others | Number | Put | Paint | Write | Replay | Panel | Share
+AnyRequest = (
+    Text | Step | Go | Begin | Others | Number | Put | Paint | Write | Replay | Panel | Share
+)
 READ: TypeAdapter[AnyRequest] = TypeAdapter(Annotated[AnyRequest, Field(discriminator="do")])

@@ -60,7 +60,11 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
         WebSocketRoute("/bench", _bench(spares)),
         WebSocketRoute("/language", lambda socket: serve_language(socket, inside.root)),
     ]
-    return Starlette(routes=routes, middleware=[Middleware(Guard, access=access)], lifespan=lambda _app: spares.kept())
+    return Starlette(
+        routes=routes,
+        middleware=[Middleware(Guard, access=access)],
+        lifespan=lambda _app: spares.kept(),
+    )
 
 
 class Guard:
@@ -75,7 +79,9 @@ class Guard:
             return
         request = Request(scope) if scope["type"] == "http" else WebSocket(scope, receive, send)
         needs_token = not scope["path"].startswith("/assets/")
-        reason = self._access.refusal(request.headers, request.query_params.get("token"), needs_token)
+        reason = self._access.refusal(
+            request.headers, request.query_params.get("token"), needs_token
+        )
         if reason is None:
             await self._app(scope, receive, send)
         elif isinstance(request, WebSocket):
@@ -86,9 +92,13 @@ class Guard:
 
 def _page(opened: str | None) -> Callable[[Request], Response]:
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
-    page = environment.from_string(files("sjdsl.studio").joinpath("page/studio.html").read_text(encoding="utf-8"))
+    page = environment.from_string(
+        files("sjdsl.studio").joinpath("page/studio.html").read_text(encoding="utf-8")
+    )
     given = {"opened": opened or "", "patterns": json.dumps(patterns())}
-    return lambda request: HTMLResponse(page.render(token=request.query_params["token"], **given), headers=HEADERS)
+    return lambda request: HTMLResponse(
+        page.render(token=request.query_params["token"], **given), headers=HEADERS
+    )
 
 
 def _asset(request: Request) -> Response:
@@ -96,7 +106,11 @@ def _asset(request: Request) -> Response:
     if name not in ASSETS:
         raise HTTPException(404)
     package, sort = ASSETS[name]
-    return Response(files(package).joinpath(f"page/{name}").read_text(encoding="utf-8"), media_type=sort, headers=HEADERS)
+    return Response(
+        files(package).joinpath(f"page/{name}").read_text(encoding="utf-8"),
+        media_type=sort,
+        headers=HEADERS,
+    )
 
 
 def _files(folder: Folder) -> Handler:
@@ -108,7 +122,9 @@ def _files(folder: Folder) -> Handler:
             body += part
             if len(body) > 2 * LARGEST:
                 return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
-        status, found = await run_in_threadpool(answered, folder, request.method, request.url.path, request.query_params, body)
+        status, found = await run_in_threadpool(
+            answered, folder, request.method, request.url.path, request.query_params, body
+        )
         return JSONResponse(found, status, HEADERS)
 
     return answer
@@ -132,7 +148,11 @@ def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
         try:
             for ended in (await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED))[0]:
                 ended.result()
-        except (WebSocketDisconnect, RuntimeError, asyncio.CancelledError):  # RuntimeError: it is closed where an answer is sent
+        except (
+            WebSocketDisconnect,
+            RuntimeError,
+            asyncio.CancelledError,
+        ):  # RuntimeError: it is closed where an answer is sent
             pass
         except KeyError:  # bytes in place of text
             await socket.close(UNREADABLE)

@@ -36,7 +36,9 @@ class Serverless:
 
         self._language = make_server()
         self._language.protocol.set_writer(_Writer(send), include_headers=False)
-        self._language.protocol.structure_message({"jsonrpc": "2.0", "id": 0, "method": "initialize", "params": {"capabilities": {}}})
+        self._language.protocol.structure_message(
+            {"jsonrpc": "2.0", "id": 0, "method": "initialize", "params": {"capabilities": {}}}
+        )
 
     def language(self, message: str, send: Send) -> None:
         """Gives the language server a message; what it says, now or later, is sent. Wants a running event loop."""

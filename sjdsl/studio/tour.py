@@ -5,7 +5,9 @@ from importlib.resources import files
 from pathlib import Path
 
 PREFIX = "tour:"  # of the path of a game of the tour, as the page has it
-FENCE = re.compile(r"^```(\w*)[^\n]*$", re.MULTILINE)  # after the language, what the tests of the page read
+FENCE = re.compile(
+    r"^```(\w*)[^\n]*$", re.MULTILINE
+)  # after the language, what the tests of the page read
 LINK = re.compile(r"\[([^\]]+)\]\([^)]+\)")
 
 
@@ -17,7 +19,9 @@ def tour_folder() -> Path:
 def steps() -> list[dict[str, str]]:
     """Returns the steps: `title`, `text` in Markdown without links, and `game`, the path of the game after it; of the opening none."""
     text = files("sjdsl.studio").joinpath("tour/tour.md").read_text(encoding="utf-8")
-    opening, *chapters = re.split(r"^## ", LINK.sub(r"\1", FENCE.sub(r"```\1", text)), flags=re.MULTILINE)
+    opening, *chapters = re.split(
+        r"^## ", LINK.sub(r"\1", FENCE.sub(r"```\1", text)), flags=re.MULTILINE
+    )
     found = [{"title": "A tour", "text": opening.split("\n", 1)[1].strip(), "game": ""}]
     for number, chapter in enumerate(chapters, 1):
         title, body = chapter.split("\n", 1)

@@ -20,7 +20,9 @@ MEMORY = 8 * 2**30  # bytes of addresses that a bench may take; JAX reserves som
 def main() -> None:
     """Says that it is ready, then answers every line of the standard input with one of the standard output, until there are no more."""
     _limit_memory()
-    os.environ.setdefault("JAX_PLATFORMS", "cpu")  # an accelerator is for whoever trains beside the studio
+    os.environ.setdefault(
+        "JAX_PLATFORMS", "cpu"
+    )  # an accelerator is for whoever trains beside the studio
     answers = sys.stdout
     sys.stdout = sys.stderr  # what anything prints is no answer
     bench = Bench(Path(sys.argv[1]))
@@ -44,12 +46,18 @@ def answered(bench: Bench, line: str) -> dict[str, object]:
     except ValidationError as error:
         wrong = error.errors()[0]
         place = ".".join(map(str, wrong["loc"]))
-        told = f"the page asked for something unknown{f', {place}' if place else ''}: {wrong['msg']}"
+        told = (
+            f"the page asked for something unknown{f', {place}' if place else ''}: {wrong['msg']}"
+        )
         return {"id": number_of(line), "refused": told[:1000]}
     try:
         return bench.answer(request)
     except MemoryError:
-        return {"id": request.id, "do": request.do, "refused": f"this takes more memory than the studio allows, {MEMORY // 2**30} GiB"}
+        return {
+            "id": request.id,
+            "do": request.do,
+            "refused": f"this takes more memory than the studio allows, {MEMORY // 2**30} GiB",
+        }
     except RecursionError:
         return {"id": request.id, "do": request.do, "refused": "the text is nested too deeply"}
     except Exception as error:  # what somebody has made so far is not lost for it

@@ -36,7 +36,9 @@ def read_axis(text: str) -> Axis:
     name, equals, listed = text.partition("=")
     values = tuple(value.strip() for value in split_values(listed))
     if not equals or not name.strip() or not all(values):
-        raise ExperimentError(f"`{text}` must have the form NAME=value,value,… with at least one value, as in reward=individual,common")
+        raise ExperimentError(
+            f"`{text}` must have the form NAME=value,value,… with at least one value, as in reward=individual,common"
+        )
     return Axis(check_name(name.strip()), values)
 
 
@@ -55,10 +57,15 @@ def split_values(text: str) -> list[str]:
 def check_name(name: str) -> str:
     """Returns the name of an axis. Raises ExperimentError if there is no such axis."""
     if name in SEEDS:
-        raise ExperimentError(f"`{name}` can't be an axis, as each cell has all seeds: use --seed and --seeds")
+        raise ExperimentError(
+            f"`{name}` can't be an axis, as each cell has all seeds: use --seed and --seeds"
+        )
     if any(name.startswith(prefix) and name != prefix for prefix in (PARAM, OWN)):
         return name
-    known = [*dict.fromkeys(key for keys in KEYS_OF.values() for key in keys if key not in SEEDS), VARIANT]
+    known = [
+        *dict.fromkeys(key for keys in KEYS_OF.values() for key in keys if key not in SEEDS),
+        VARIANT,
+    ]
     if name not in known:
         near = meant(name, [*known, PARAM, OWN], "")
         raise ExperimentError(
@@ -69,7 +76,9 @@ def check_name(name: str) -> str:
 
 def as_configured(value: Any) -> Any:
     """Returns the value of a configuration key as its own type reads it: without the brackets that kept its commas together."""
-    return value[1:-1] if isinstance(value, str) and value[:1] + value[-1:] in ("[]", "()") else value
+    return (
+        value[1:-1] if isinstance(value, str) and value[:1] + value[-1:] in ("[]", "()") else value
+    )
 
 
 def as_number(value: Any) -> Any:
@@ -86,4 +95,7 @@ def with_number(params: Mapping[str, Any], path: str, value: Any) -> dict[str, A
     if not words:
         return {**params, name: value}
     inner = params.get(name, {})
-    return {**params, name: with_number(inner if isinstance(inner, Mapping) else {}, "[".join(words), value)}
+    return {
+        **params,
+        name: with_number(inner if isinstance(inner, Mapping) else {}, "[".join(words), value),
+    }

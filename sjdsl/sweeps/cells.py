@@ -100,7 +100,9 @@ class SweepSpec:
 
     games: Sequence[str]  # names, or files
     axes: Sequence[Axis] = ()
-    settings: Mapping[str, Any] = field(default_factory=dict)  # of the configuration, of all cells; `seed` and `seeds` among them
+    settings: Mapping[str, Any] = field(
+        default_factory=dict
+    )  # of the configuration, of all cells; `seed` and `seeds` among them
     preset: str | None = None
     variant: str | None = None
     params: Mapping[str, Any] = field(default_factory=dict)  # numbers of the game
@@ -124,9 +126,15 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
     Raises:
       ExperimentError: the values don't fit each other, the algorithm or the game.
     """
-    keys = {name: as_configured(value) for name, value in chosen.items() if name != VARIANT and not name.startswith(PARAM)}
+    keys = {
+        name: as_configured(value)
+        for name, value in chosen.items()
+        if name != VARIANT and not name.startswith(PARAM)
+    }
     changes = {**spread(spec.settings), **keys}
-    where = f"{Path(game).stem} with {', '.join(f'{name} {value}' for name, value in chosen.items())}"
+    where = (
+        f"{Path(game).stem} with {', '.join(f'{name} {value}' for name, value in chosen.items())}"
+    )
     asked = {*keys}  # whether some cell reads each setting of all cells is for the plan to check
     try:
         preset = (
@@ -140,17 +148,27 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
     stages = []
     for stage in (*preset.earlier, preset):
         try:
-            provenance, own_name, digest = _describe_stage(game, stage.environment, chosen, spec, describe)
+            provenance, own_name, digest = _describe_stage(
+                game, stage.environment, chosen, spec, describe
+            )
         except ValueError as error:
             raise ExperimentError(f"{where}: {error}") from None
-        stages.append(CellStage(hash=digest, provenance=provenance, config=stage.config.model_dump(mode="json")))
+        stages.append(
+            CellStage(
+                hash=digest, provenance=provenance, config=stage.config.model_dump(mode="json")
+            )
+        )
     *earlier, last = stages
     listed = spread(last.config)
     values: dict[str, Any] = {}  # each written in one way: 0.5 for `.50`
     for name, value in chosen.items():
         known = listed.get(name, as_number(value) if name.startswith(PARAM) else value)
-        values[name] = known[0] if name in listed and isinstance(known, list) and len(known) == 1 else known
-    return Cell(name=name_of(own_name, values), game=own_name, values=values, earlier=earlier, **dict(last))
+        values[name] = (
+            known[0] if name in listed and isinstance(known, list) and len(known) == 1 else known
+        )
+    return Cell(
+        name=name_of(own_name, values), game=own_name, values=values, earlier=earlier, **dict(last)
+    )
 
 
 def _set_in_game(spec: SweepSpec) -> list[str]:
@@ -160,14 +178,20 @@ def _set_in_game(spec: SweepSpec) -> list[str]:
 
 
 def _describe_stage(
-    game: str, preset: Mapping[str, Any], chosen: Mapping[str, Any], spec: SweepSpec, describe: Describe
+    game: str,
+    preset: Mapping[str, Any],
+    chosen: Mapping[str, Any],
+    spec: SweepSpec,
+    describe: Describe,
 ) -> tuple[dict[str, Any], str, str]:
     """Returns what `describe` does of the game of a stage. preset: arguments of the environment."""
     params = {**preset.get("params", {}), **spec.params}
     for name, value in chosen.items():
         if name.startswith(PARAM):
             params = with_number(params, name.removeprefix(PARAM), as_number(value))
-    arguments = {name: value for name in (VARIANT, *OTHERS) if (value := getattr(spec, name)) is not None}
+    arguments = {
+        name: value for name in (VARIANT, *OTHERS) if (value := getattr(spec, name)) is not None
+    }
     arguments = {**preset, **arguments}
     others = {name: arguments[name] for name in OTHERS if name in arguments}
     return describe(game, chosen.get(VARIANT, arguments.get(VARIANT)), params, **others)
@@ -175,9 +199,16 @@ def _describe_stage(
 
 def name_of(game: str, values: Mapping[str, Any]) -> str:
     """Returns the name of a cell's folder: `coins_reward-exchange_exchange_ratio-0.25`."""
-    parts = [f"{_in_folder_name(name.removeprefix(PARAM))}-{_in_folder_name(value)}" for name, value in values.items()]
+    parts = [
+        f"{_in_folder_name(name.removeprefix(PARAM))}-{_in_folder_name(value)}"
+        for name, value in values.items()
+    ]
     whole = "_".join([game, *parts])
-    return whole if len(whole) <= LONGEST else f"{whole[:LONGEST]}_{sha256(whole.encode()).hexdigest()[:8]}"
+    return (
+        whole
+        if len(whole) <= LONGEST
+        else f"{whole[:LONGEST]}_{sha256(whole.encode()).hexdigest()[:8]}"
+    )
 
 
 def _in_folder_name(value: Any) -> str:

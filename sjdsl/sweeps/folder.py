@@ -84,11 +84,19 @@ def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
         raise ExperimentError(f"{folder} is a file, and a sweep is a folder; name another")
     before = read_json(folder / SWEEP)
     if before is None and (folder / SWEEP).exists():
-        raise ExperimentError(f"{folder / SWEEP} is damaged and can't be read. Name another folder, or remove this one")
+        raise ExperimentError(
+            f"{folder / SWEEP} is damaged and can't be read. Name another folder, or remove this one"
+        )
     if before is None:
-        inside = sorted(path.name for path in folder.iterdir() if not path.name.endswith(UNFINISHED)) if folder.is_dir() else []
+        inside = (
+            sorted(path.name for path in folder.iterdir() if not path.name.endswith(UNFINISHED))
+            if folder.is_dir()
+            else []
+        )
         if inside:
-            raise ExperimentError(f"{folder} is not empty and holds no sweep to resume ({', '.join(inside[:3])}); name another folder")
+            raise ExperimentError(
+                f"{folder} is not empty and holds no sweep to resume ({', '.join(inside[:3])}); name another folder"
+            )
         return dict(wanted)
     if fault := _fault(before, wanted):
         advice = "Ask for other cells with all else as it was, the games' files included, or name another folder"
@@ -100,19 +108,27 @@ def _fault(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
     """Returns the first difference for which the wanted sweep can't be added to the one from before; empty if there is none."""
     if fault := _format_fault(before):
         return fault
-    if fault := first_difference(*({key: sweep[key] for key in ("episodes", "versions")} for sweep in (before, wanted))):
+    if fault := first_difference(
+        *({key: sweep[key] for key in ("episodes", "versions")} for sweep in (before, wanted))
+    ):
         return fault
     for cell in cells_of(before):
         if cell.name not in wanted["cells"]:
             continue
-        if fault := first_difference(_without_paths(cell.described()), _without_paths(wanted["cells"][cell.name])):
+        if fault := first_difference(
+            _without_paths(cell.described()), _without_paths(wanted["cells"][cell.name])
+        ):
             return f"its cell {cell.name} has {fault}"
     return ""
 
 
 def _without_paths(described: Mapping[str, Any]) -> dict[str, Any]:
     """Returns what `sweep.json` says of a cell, without where its game and map are: they are identified by the hash of the rules."""
-    kept = {name: value for name, value in described["provenance"].items() if name not in ("game", "map")}
+    kept = {
+        name: value
+        for name, value in described["provenance"].items()
+        if name not in ("game", "map")
+    }
     earlier = [_without_paths(stage) for stage in described.get("earlier", ())]
     return {**described, "provenance": kept, "earlier": earlier}
 
@@ -214,7 +230,10 @@ def is_finished(path: Path) -> bool:
 def is_done(folder: Path, cell: Cell, episodes: int) -> bool:
     """Whether a cell's run is finished, with every seed, and each is evaluated."""
     path = run_dir(folder, cell)
-    return is_finished(path) and all(evaluation_of(own, seed, episodes) is not None for seed, own in seed_dirs(path, cell).items())
+    return is_finished(path) and all(
+        evaluation_of(own, seed, episodes) is not None
+        for seed, own in seed_dirs(path, cell).items()
+    )
 
 
 def evaluation_of(path: Path, seed: int, episodes: int) -> StoredEvaluation | None:
@@ -223,7 +242,12 @@ def evaluation_of(path: Path, seed: int, episodes: int) -> StoredEvaluation | No
     None if it is missing, damaged, or replaced by another: `sjdsl evaluate` writes the same file, with other seeds or episodes.
     """
     found = read_evaluation(path / EVALUATION)
-    if found is None or (found.policy, found.seed, found.greedy, found.episodes) != ("last", seed, None, episodes):
+    if found is None or (found.policy, found.seed, found.greedy, found.episodes) != (
+        "last",
+        seed,
+        None,
+        episodes,
+    ):
         return None
     return found
 
@@ -235,7 +259,9 @@ def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:
 
 def diverged_in(path: Path) -> str:
     """Returns which seeds of a run diverged when, in words; empty if none did, in any stage."""
-    diverged = [entry for folder in stage_folders(path) for entry in manifest_of(folder).get("diverged", ())]
+    diverged = [
+        entry for folder in stage_folders(path) for entry in manifest_of(folder).get("diverged", ())
+    ]
     return describe_divergence({entry["seed"]: entry["update"] for entry in diverged})
 
 
@@ -254,8 +280,14 @@ def retry(folder: Path, cell: Cell) -> None:
     """
     path = run_dir(folder, cell)
     manifest = manifest_of(path)
-    has_policies = all((seed / POLICIES / f"last{SUFFIX}").is_file() for seed in seed_dirs(path, cell).values())
-    if path.is_dir() and (not manifest or diverged_in(path) or (manifest.get("status") == FINISHED and not has_policies)):
+    has_policies = all(
+        (seed / POLICIES / f"last{SUFFIX}").is_file() for seed in seed_dirs(path, cell).values()
+    )
+    if path.is_dir() and (
+        not manifest
+        or diverged_in(path)
+        or (manifest.get("status") == FINISHED and not has_policies)
+    ):
         number = 1
         while (aside := folder / FAILED / f"{cell.name}_{number}").exists():
             number += 1

@@ -17,8 +17,17 @@ from sjdsl.experiments.refusals import ExperimentError
 VISIBLE = "CUDA_VISIBLE_DEVICES"
 RESERVING = "XLA_PYTHON_CLIENT_PREALLOCATE"
 # Variables by which the user has decided how much memory a process takes.
-MEMORY = (RESERVING, "XLA_CLIENT_MEM_FRACTION", "XLA_PYTHON_CLIENT_MEM_FRACTION", "XLA_PYTHON_CLIENT_ALLOCATOR")
-DRIVERS = ("/dev/nvidiactl", "/dev/nvidia0", "/dev/dxg")  # one of them is there if an NVIDIA GPU is; the last under WSL
+MEMORY = (
+    RESERVING,
+    "XLA_CLIENT_MEM_FRACTION",
+    "XLA_PYTHON_CLIENT_MEM_FRACTION",
+    "XLA_PYTHON_CLIENT_ALLOCATOR",
+)
+DRIVERS = (
+    "/dev/nvidiactl",
+    "/dev/nvidia0",
+    "/dev/dxg",
+)  # one of them is there if an NVIDIA GPU is; the last under WSL
 COUNT = "import jax; print(sum(device.platform == 'gpu' for device in jax.devices()))"
 
 
@@ -44,7 +53,11 @@ def usable_gpus() -> list[str]:
     if not any(Path(driver).exists() for driver in DRIVERS):
         return []
     asked = subprocess.run(
-        [sys.executable, "-c", COUNT], env={**os.environ, RESERVING: "false"}, capture_output=True, text=True, check=False
+        [sys.executable, "-c", COUNT],
+        env={**os.environ, RESERVING: "false"},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     if asked.returncode:
         reason = (asked.stderr.strip() or "it was killed").splitlines()[-1]
@@ -54,7 +67,9 @@ def usable_gpus() -> list[str]:
     if listed is None:
         return [str(number) for number in range(count)]
     names = [name.strip() for name in listed.split(",")]
-    parts_of_gpus = count == 1 and names[0].startswith("MIG-")  # of these, a process sees only the first
+    parts_of_gpus = count == 1 and names[0].startswith(
+        "MIG-"
+    )  # of these, a process sees only the first
     return names if parts_of_gpus else names[:count]
 
 
@@ -63,7 +78,9 @@ def variables_of_workers(gpus: Sequence[str], workers: int) -> list[dict[str, st
     if not gpus:
         return [{} for _ in range(workers)]
     shared = workers > len(gpus)
-    memory = {RESERVING: "false"} if shared and not any(name in os.environ for name in MEMORY) else {}
+    memory = (
+        {RESERVING: "false"} if shared and not any(name in os.environ for name in MEMORY) else {}
+    )
     return [{VISIBLE: gpus[number % len(gpus)], **memory} for number in range(workers)]
 
 
@@ -72,7 +89,9 @@ def describe_shares(gpus: Sequence[str], workers: int) -> str:
     if workers > len(gpus):
         return f"{workers} processes share {len(gpus)} GPU{'s' * (len(gpus) > 1)}"
     idle = len(gpus) - workers
-    return f"{workers} processes have a GPU each" + (f"; {idle} more {'are' if idle > 1 else 'is'} not used" if idle else "")
+    return f"{workers} processes have a GPU each" + (
+        f"; {idle} more {'are' if idle > 1 else 'is'} not used" if idle else ""
+    )
 
 
 @contextmanager

@@ -5,7 +5,9 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 LOCKS = "locks"  # folder of a sweep
-PATIENCE = 1.0  # seconds: a process that only checks whether a cell is running holds its lock for far less
+PATIENCE = (
+    1.0  # seconds: a process that only checks whether a cell is running holds its lock for far less
+)
 
 
 def take(sweep: Path, name: str) -> FileLock | None:

@@ -40,7 +40,9 @@ def _check_angles(cells: Sequence[Cell]) -> None:
             continue
         others = {name: value for name, value in cell.values.items() if name != "svo_angle"}
         if known.setdefault(f"{cell.game} {others}", cell) is not cell:
-            raise ExperimentError(f"{cell.name}: `svo_angle` has no effect while `svo_weight` is 0; sweep over weights above 0")
+            raise ExperimentError(
+                f"{cell.name}: `svo_angle` has no effect while `svo_weight` is 0; sweep over weights above 0"
+            )
 
 
 def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
@@ -48,35 +50,56 @@ def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
     configurations = [stage.configuration() for cell in cells for stage in cell.stages]
     unread = [config.unread for config in configurations]
     for name in spread(spec.settings):
-        if name.startswith(OWN) and not any(name.removeprefix(OWN) in dict(config.own) for config in configurations):
-            raise ExperimentError(f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your own takes it")
+        if name.startswith(OWN) and not any(
+            name.removeprefix(OWN) in dict(config.own) for config in configurations
+        ):
+            raise ExperimentError(
+                f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your own takes it"
+            )
         if all(only_of_others(name, type(config)) for config in configurations):
             owners = " and ".join(algorithm for algorithm, keys in KEYS_OF.items() if name in keys)
             raise ExperimentError(f"`{name}` does nothing in any cell: it is a key of {owners}")
-        if all(name in of_cell or only_of_others(name, type(config)) for config, of_cell in zip(configurations, unread, strict=True)):
+        if all(
+            name in of_cell or only_of_others(name, type(config))
+            for config, of_cell in zip(configurations, unread, strict=True)
+        ):
             mark = next(of_cell[name] for of_cell in unread if name in of_cell)
-            raise ExperimentError(f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is {mark.values}")
+            raise ExperimentError(
+                f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is {mark.values}"
+            )
 
 
 def _check(spec: SweepSpec) -> None:
     """Raises ExperimentError for what can be refused before a game is read."""
     if not spec.games:
-        raise ExperimentError("name the games to train in, as in `sjdsl sweep coins clean_up --axis reward=individual,common --run DIR`")
+        raise ExperimentError(
+            "name the games to train in, as in `sjdsl sweep coins clean_up --axis reward=individual,common --run DIR`"
+        )
     if twice := _first_repeated([Path(game).stem for game in spec.games]):
         raise ExperimentError(f"the game `{twice}` is named twice; cells are named by their games")
     if twice := _first_repeated([axis.name for axis in spec.axes]):
-        raise ExperimentError(f"the axis `{twice}` is given twice; name all its values at once: --axis {twice}=value,value")
+        raise ExperimentError(
+            f"the axis `{twice}` is given twice; name all its values at once: --axis {twice}=value,value"
+        )
     if not spec.axes:
         raise ExperimentError("say what varies: --axis NAME=value,value,…")
     if empty := [axis.name for axis in spec.axes if not axis.values]:
         raise ExperimentError(f"the axis `{empty[0]}` has no values; name one or more")
-    fixed = {*spread(spec.settings), *(f"{PARAM}{name}" for name in spec.params), *([VARIANT] if spec.variant is not None else [])}
+    fixed = {
+        *spread(spec.settings),
+        *(f"{PARAM}{name}" for name in spec.params),
+        *([VARIANT] if spec.variant is not None else []),
+    }
     for axis in spec.axes:
         if axis.name in fixed:
-            raise ExperimentError(f"`{axis.name}` is an axis, and is also set for all cells; do only one of the two")
+            raise ExperimentError(
+                f"`{axis.name}` is an axis, and is also set for all cells; do only one of the two"
+            )
     number = len(spec.games) * math.prod(len(axis.values) for axis in spec.axes)
     if number > MOST:
-        raise ExperimentError(f"this sweep has {number:,} cells, and {MOST:,} are the most; make the axes shorter")
+        raise ExperimentError(
+            f"this sweep has {number:,} cells, and {MOST:,} are the most; make the axes shorter"
+        )
 
 
 def _first_repeated(names: Sequence[str]) -> str | None:
@@ -91,5 +114,9 @@ def _check_names(cells: Sequence[Cell]) -> None:
         if other is cell:
             continue
         if other.values == cell.values:
-            raise ExperimentError(f"two cells are the same: {cell.name} is asked for twice; name each value of an axis once")
-        raise ExperimentError(f"two cells would have the same folder, {cell.name}: {dict(other.values)} and {dict(cell.values)}")
+            raise ExperimentError(
+                f"two cells are the same: {cell.name} is asked for twice; name each value of an axis once"
+            )
+        raise ExperimentError(
+            f"two cells would have the same folder, {cell.name}: {dict(other.values)} and {dict(cell.values)}"
+        )

@@ -19,7 +19,12 @@ from sjdsl.termination import TERMINATED, Terminated, raising_on_sigterm
 
 
 @raising_on_sigterm()
-def run_in_processes(folders: Sequence[Path], workers: int, gpus: Sequence[str] = (), run: Callable[[Path, Watch], Any] = run_cell) -> bool:
+def run_in_processes(
+    folders: Sequence[Path],
+    workers: int,
+    gpus: Sequence[str] = (),
+    run: Callable[[Path, Watch], Any] = run_cell,
+) -> bool:
     """Runs the cells in these folders in processes that share them: each goes through all, and runs those that nobody runs or has run.
 
     Their lines go to standard error. Returns whether all came to the end; one that is killed, or whose disk is full, leaves its cell stopped.
@@ -27,11 +32,17 @@ def run_in_processes(folders: Sequence[Path], workers: int, gpus: Sequence[str] 
     spawn = multiprocessing.get_context("spawn")
     number = min(workers, len(folders))
     shares = shares_of(_usable_cores(), number)
-    processes = [spawn.Process(target=_run_all, args=(run, folders, cores), daemon=True) for cores in shares]
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # they inherit this: Ctrl-C is for this process, which then ends them
+    processes = [
+        spawn.Process(target=_run_all, args=(run, folders, cores), daemon=True) for cores in shares
+    ]
+    signal.pthread_sigmask(
+        signal.SIG_BLOCK, {signal.SIGINT}
+    )  # they inherit this: Ctrl-C is for this process, which then ends them
     try:
         try:
-            for process, variables in zip(processes, variables_of_workers(gpus, number), strict=True):
+            for process, variables in zip(
+                processes, variables_of_workers(gpus, number), strict=True
+            ):
                 with with_variables(variables):  # they are set before JAX is imported there
                     process.start()
         finally:
@@ -61,7 +72,9 @@ def _usable_cores() -> list[int]:
 
 
 @raising_on_sigterm()
-def _run_all(run: Callable[[Path, Watch], Any], folders: Sequence[Path], cores: Sequence[int]) -> None:
+def _run_all(
+    run: Callable[[Path, Watch], Any], folders: Sequence[Path], cores: Sequence[int]
+) -> None:
     """Runs cells in this process, which has not started JAX yet: that starts as many threads as it has cores."""
     if cores:
         os.sched_setaffinity(0, cores)

@@ -9,7 +9,15 @@ from typing import Any
 import sjdsl
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.cells import Cell, Describe, SweepSpec
-from sjdsl.sweeps.folder import describe_sweep, merged, progress_of, read_sweep, retry, run_dir, write_sweep
+from sjdsl.sweeps.folder import (
+    describe_sweep,
+    merged,
+    progress_of,
+    read_sweep,
+    retry,
+    run_dir,
+    write_sweep,
+)
 from sjdsl.sweeps.gpus import describe_shares, gpus_for_workers
 from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.plan import plan_sweep
@@ -62,7 +70,10 @@ def sweep(
     if gpus:
         watch.tell(describe_shares(gpus, min(workers, len(cells))))
     for cell in cells if again else ():
-        if progress_of(path, cell, spec.episodes).state == "failed" and (lock := take(path, cell.name)) is not None:
+        if (
+            progress_of(path, cell, spec.episodes).state == "failed"
+            and (lock := take(path, cell.name)) is not None
+        ):
             try:
                 retry(path, cell)
             finally:
@@ -101,7 +112,19 @@ def check_sweep(spec: SweepSpec, cells: Sequence[Cell], folder: Path) -> None:
     merged(folder, describe_sweep(spec, cells))
     checked = set()
     for cell in cells:
-        kind = repr([(one.hash, {key: value for key, value in one.config.items() if not isinstance(value, float)}) for one in cell.stages])
+        kind = repr(
+            [
+                (
+                    one.hash,
+                    {
+                        key: value
+                        for key, value in one.config.items()
+                        if not isinstance(value, float)
+                    },
+                )
+                for one in cell.stages
+            ]
+        )
         if kind in checked:
             continue  # floats alone don't decide what fits
         checked.add(kind)
@@ -112,23 +135,42 @@ def check_sweep(spec: SweepSpec, cells: Sequence[Cell], folder: Path) -> None:
 
 
 def describe_with_make(
-    game: str, variant: str | None, params: Mapping[str, Any], map: str | None = None, num_agents: int | None = None
+    game: str,
+    variant: str | None,
+    params: Mapping[str, Any],
+    map: str | None = None,
+    num_agents: int | None = None,
 ) -> tuple[dict[str, Any], str, str]:
     """Returns the arguments of a game's environment, its name and its hash."""
     path = Path(game)
     name = str(path.resolve()) if path.suffix else game
     file = map and str(Path(map).resolve())
-    provenance = {"game": name, "variant": variant, "map": file, "num_agents": num_agents, "params": dict(params)}
+    provenance = {
+        "game": name,
+        "variant": variant,
+        "map": file,
+        "num_agents": num_agents,
+        "params": dict(params),
+    }
     env = sjdsl.make(name, variant, num_agents, params, file)
     return provenance, env.name, env.hash
 
 
-def _run(folder: Path, cells: Sequence[Cell], episodes: int, workers: int, gpus: Sequence[str], watch: Watch) -> None:
+def _run(
+    folder: Path,
+    cells: Sequence[Cell],
+    episodes: int,
+    workers: int,
+    gpus: Sequence[str],
+    watch: Watch,
+) -> None:
     """Runs cells until each is done or has failed, in this process or another; or until a process that it has started was killed."""
     reported: set[str] = set()
     while True:
         states = {cell.name: progress_of(folder, cell, episodes).state for cell in cells}
-        left = [run_dir(folder, cell) for cell in cells if states[cell.name] in ("waiting", "stopped")]
+        left = [
+            run_dir(folder, cell) for cell in cells if states[cell.name] in ("waiting", "stopped")
+        ]
         running = [name for name, state in states.items() if state == "running"]
         if workers > 1 and len(left) > (0 if gpus else 1):
             if not run_in_processes(left, workers, gpus):

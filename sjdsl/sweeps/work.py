@@ -81,7 +81,9 @@ def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
     ran = False
     if lock is not None:
         try:
-            if progress_of(sweep, cell, episodes).state not in OVER:  # another process may have finished it meanwhile
+            if (
+                progress_of(sweep, cell, episodes).state not in OVER
+            ):  # another process may have finished it meanwhile
                 ran = True
                 _run(sweep, cell, known, watch)
         finally:
@@ -90,9 +92,15 @@ def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
     write_results(sweep, known)
     progress = progress_of(sweep, cell, episodes)
     if ran and progress.state == "done":
-        returns = [float(row["collective_return"]) for row in results(sweep, known) if row["cell"] == cell.name]
+        returns = [
+            float(row["collective_return"])
+            for row in results(sweep, known)
+            if row["cell"] == cell.name
+        ]
         seeds = f"mean of {len(returns)} seeds" if len(returns) > 1 else "one seed"
-        watch.tell(f"{cell.name}: done, collective return {sum(returns) / len(returns):.4g} ({seeds})")
+        watch.tell(
+            f"{cell.name}: done, collective return {sum(returns) / len(returns):.4g} ({seeds})"
+        )
     elif ran and progress.state == "failed":
         watch.tell(f"{cell.name}: {progress.summary}")
     jax.clear_caches()  # compiled programs would fill the memory in the course of a long sweep
@@ -108,9 +116,15 @@ def _run(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> Non
             _train(sweep, cell, known, watch)
     except (DiskError, OSError):
         raise
-    except Exception as error:  # code of the user's own may raise anything: the other cells continue
+    except (
+        Exception
+    ) as error:  # code of the user's own may raise anything: the other cells continue
         if _is_open(sweep, cell):
-            record_failure(sweep, cell, str(error) if isinstance(error, REFUSALS) else f"{type(error).__name__}: {error}")
+            record_failure(
+                sweep,
+                cell,
+                str(error) if isinstance(error, REFUSALS) else f"{type(error).__name__}: {error}",
+            )
     _finish(sweep, cell, known["episodes"])
 
 
@@ -126,11 +140,26 @@ def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> N
     _clear_half_begun(path)
     if (path / MANIFEST).is_file():
         watch.tell(f"{cell.name}: training, {resumption(last_checkpoint(path))}")
-        resume(last.env, path, watch.progress, provenance=last.provenance, earlier=[stage.env for stage in earlier])
+        resume(
+            last.env,
+            path,
+            watch.progress,
+            provenance=last.provenance,
+            earlier=[stage.env for stage in earlier],
+        )
     else:
         watch.tell(f"{cell.name}: training")
         asked = {"episodes": known["episodes"]}
-        train(last.env, last.config, path, watch.progress, last.provenance, known["loggers"], asked, earlier=earlier)
+        train(
+            last.env,
+            last.config,
+            path,
+            watch.progress,
+            last.provenance,
+            known["loggers"],
+            asked,
+            earlier=earlier,
+        )
 
 
 def _clear_half_begun(path: Path) -> None:
@@ -144,7 +173,9 @@ def _clear_half_begun(path: Path) -> None:
     ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK, STAGES}
     others = [name for name in inside if name not in ours and not name.endswith(UNFINISHED)]
     if others:
-        raise ExperimentError(f"{path} holds {', '.join(others[:3])} but no {MANIFEST}; --retry moves it aside and starts again")
+        raise ExperimentError(
+            f"{path} holds {', '.join(others[:3])} but no {MANIFEST}; --retry moves it aside and starts again"
+        )
     shutil.rmtree(path / STAGES, ignore_errors=True)
     for name in inside:
         (path / name).unlink(missing_ok=True)
@@ -181,8 +212,14 @@ def evaluate_cell(sweep: Path, cell: Cell, episodes: int) -> None:
         parameters, described = read_parameters(policy_path(own, "last"), env)
         played = play(evaluation_key(seed), parameters)
         if not np.isfinite(played.returns).all():
-            raise ExperimentError(f"the returns of the last policy of seed {seed} are not finite, so they have no mean")
-        save_evaluation(played, own / EVALUATION, {"policy": "last", "update": described.update, "seed": seed, "greedy": None})
+            raise ExperimentError(
+                f"the returns of the last policy of seed {seed} are not finite, so they have no mean"
+            )
+        save_evaluation(
+            played,
+            own / EVALUATION,
+            {"policy": "last", "update": described.update, "seed": seed, "greedy": None},
+        )
 
 
 @lru_cache(maxsize=4)
@@ -195,7 +232,10 @@ def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, An
 
 def stages_of(cell: Cell, sweep: Path) -> list[Stage]:
     """Returns the stages of a cell of the sweep in a folder. Raises what `environment_of` does."""
-    return [Stage(environment_of(stage, sweep), stage.configuration(), located_in(sweep, stage)) for stage in cell.stages]
+    return [
+        Stage(environment_of(stage, sweep), stage.configuration(), located_in(sweep, stage))
+        for stage in cell.stages
+    ]
 
 
 def located_in(sweep: Path, cell: CellStage) -> dict[str, Any]:
@@ -207,7 +247,9 @@ def located_in(sweep: Path, cell: CellStage) -> dict[str, Any]:
     try:
         return locate_game(cell.provenance, cell.hash, sweep)
     except GameMoved as error:
-        raise ExperimentError(f"{error}; run the sweep's command again with the path that the game has now") from None
+        raise ExperimentError(
+            f"{error}; run the sweep's command again with the path that the game has now"
+        ) from None
 
 
 def environment_of(cell: CellStage, sweep: Path) -> Any:

@@ -18,7 +18,10 @@ from sjdsl.runtime.env import Environment
 from sjdsl.testing.differences import outcome_differences, state_differences
 from sjdsl.testing.values import loaded
 
-QUICK = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}  # compiling costs more than a few steps
+QUICK = {
+    "xla_backend_optimization_level": 0,
+    "xla_llvm_disable_expensive_passes": True,
+}  # compiling costs more than a few steps
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,10 @@ def compile_quickly(env: Environment) -> Compiled:
         return (observation, env.allowed_actions(state, params)), state, reward, done, told
 
     return Compiled(
-        env, jax.device_get(env.module.initial_state()), jax.jit(look, compiler_options=QUICK), jax.jit(whole_step, compiler_options=QUICK)
+        env,
+        jax.device_get(env.module.initial_state()),
+        jax.jit(look, compiler_options=QUICK),
+        jax.jit(whole_step, compiler_options=QUICK),
     )
 
 
@@ -69,7 +75,10 @@ def key_words(seed: int) -> tuple[int, int]:
 
 def interpreter_params(env: Environment, params: Any) -> dict[str, Any]:
     """Returns the parameters of the compiled step as the interpreter has them, the same numbers bit for bit."""
-    return {p.name: loaded(np.asarray(getattr(params, param_attribute(p.name))), p.type) for p in env.game.params}
+    return {
+        p.name: loaded(np.asarray(getattr(params, param_attribute(p.name))), p.type)
+        for p in env.game.params
+    }
 
 
 @dataclass
@@ -86,37 +95,66 @@ class Stepped:
     truncated: bool
 
 
-def take_step(compiled: Compiled, state: Any, world: World, actions: Sequence[int], numbers: Numbers, seed: int) -> Stepped:
+def take_step(
+    compiled: Compiled,
+    state: Any,
+    world: World,
+    actions: Sequence[int],
+    numbers: Numbers,
+    seed: int,
+) -> Stepped:
     """Takes a step on both engines with the same draws. Raises AssertionError if they come out differently."""
     env = compiled.env
     world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_words(seed)))
-    seen, state, reward, _, info = compiled.step(jax.random.key(seed), state, np.asarray(actions, np.int32), numbers.compiled)
-    differences = [*state_differences(env, state, world, *seen), *outcome_differences(env, reward, info, outcome)]
+    seen, state, reward, _, info = compiled.step(
+        jax.random.key(seed), state, np.asarray(actions, np.int32), numbers.compiled
+    )
+    differences = [
+        *state_differences(env, state, world, *seen),
+        *outcome_differences(env, reward, info, outcome),
+    ]
     if differences:
-        raise AssertionError("the compiled step and the interpreter differ:\n  " + "\n  ".join(differences))
+        raise AssertionError(
+            "the compiled step and the interpreter differ:\n  " + "\n  ".join(differences)
+        )
     return _stepped(env, state, world, (np.asarray(seen[0]), np.asarray(seen[1])), outcome)
 
 
-def look_at(compiled: Compiled, state: Any, world: World, params: Any) -> tuple[np.ndarray, np.ndarray]:
+def look_at(
+    compiled: Compiled, state: Any, world: World, params: Any
+) -> tuple[np.ndarray, np.ndarray]:
     """Returns the observation of a state and the allowed actions. Raises AssertionError if the state is not the world."""
     seen = compiled.look(state, params)
     differences = state_differences(compiled.env, state, world, *seen)
     if differences:
-        raise AssertionError("the compiled game and the interpreter differ:\n  " + "\n  ".join(differences))
+        raise AssertionError(
+            "the compiled game and the interpreter differ:\n  " + "\n  ".join(differences)
+        )
     return np.asarray(seen[0]), np.asarray(seen[1])
 
 
-def interpret_step(env: Environment, world: World, actions: Sequence[int], numbers: Numbers, seed: int) -> Stepped:
+def interpret_step(
+    env: Environment, world: World, actions: Sequence[int], numbers: Numbers, seed: int
+) -> Stepped:
     """Takes a step on the interpreter alone, with the draws that `take_step` would have; there is no compiled state."""
     world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_words(seed)))
     return _stepped(env, None, world, interpret_look(env, world), outcome)
 
 
-def _stepped(env: Environment, state: Any, world: World, seen: tuple[np.ndarray, np.ndarray], outcome: Outcome) -> Stepped:
+def _stepped(
+    env: Environment,
+    state: Any,
+    world: World,
+    seen: tuple[np.ndarray, np.ndarray],
+    outcome: Outcome,
+) -> Stepped:
     events: dict[str, Any] = {}
     for event in env.game.events:
         counts = np.asarray(outcome.events[event.name])
-        events |= {n: (counts if word is None else counts[..., i]).tolist() for i, (word, n) in enumerate(counts_of(event))}
+        events |= {
+            n: (counts if word is None else counts[..., i]).tolist()
+            for i, (word, n) in enumerate(counts_of(event))
+        }
     return Stepped(
         state,
         world,

@@ -35,7 +35,9 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     """
     match = _PATH.fullmatch(text.strip())
     owner, name, brackets = match.groups() if match else (None, text, "")
-    kinds = {kind.name: kind.fields for kind in game.kinds} | {sort.name: sort.fields for sort in game.movers}
+    kinds = {kind.name: kind.fields for kind in game.kinds} | {
+        sort.name: sort.fields for sort in game.movers
+    }
     owners = {"agent": game.agents.fields, **kinds}
     if owner is not None and owner not in owners:
         raise ValueError(f"`{text}`: the game has no `{owner}`{meant(owner, owners)}")
@@ -44,7 +46,11 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
         raise ValueError(f"`{text}`: {_no_field(owner, name, owners, game.fields)}")
     keys, by = re.findall(r"-?\w+", brackets), declared.type.by
     if len(keys) > len(by):
-        raise ValueError(f"`{text}`: `{name}` has {len(by)} indices" if by else f"`{text}`: `{name}` is one value, without an index")
+        raise ValueError(
+            f"`{text}`: `{name}` has {len(by)} indices"
+            if by
+            else f"`{text}`: `{name}` is one value, without an index"
+        )
     places = []
     for key, level in zip(keys, by, strict=False):
         if key not in level.keys:
@@ -53,11 +59,19 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     return FieldPath(text, declared, tuple(places))
 
 
-def _no_field(owner: str | None, name: str, owners: dict[str, tuple[ir.VarField, ...]], world: tuple[ir.VarField, ...]) -> str:
+def _no_field(
+    owner: str | None,
+    name: str,
+    owners: dict[str, tuple[ir.VarField, ...]],
+    world: tuple[ir.VarField, ...],
+) -> str:
     if owner:
         names = [f.name for f in owners[owner]]
         return f"`{owner}` has no field `{name}`{meant(name, names)}"
-    whole = [*(f.name for f in world), *(f"{o}.{f.name}" for o, fields in owners.items() for f in fields)]
+    whole = [
+        *(f.name for f in world),
+        *(f"{o}.{f.name}" for o, fields in owners.items() for f in fields),
+    ]
     return f"the game has no field `{name}`{meant(name, whole)}"
 
 
@@ -81,7 +95,15 @@ def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
         case "agent":
             return list(range(board.agents))
         case "mover":
-            return list(range(next(sort.number for sort in board.game.movers if sort.name == path.declared.held_by.name)))
+            return list(
+                range(
+                    next(
+                        sort.number
+                        for sort in board.game.movers
+                        if sort.name == path.declared.held_by.name
+                    )
+                )
+            )
         case "cell":
             return [tuple(cell) for cell in board.cells[path.declared.held_by.name]]
         case _:
@@ -111,14 +133,20 @@ def write_field(path: FieldPath, given: Any, board: Board, world: World) -> None
 
 
 def _with_given(path: FieldPath, name: str, given: Any, before: Any, board: Board) -> Any:
-    return _replaced(before, path.keys, held(name, given, path.entry_type, board.agents, _entry(before, path.keys)))
+    return _replaced(
+        before,
+        path.keys,
+        held(name, given, path.entry_type, board.agents, _entry(before, path.keys)),
+    )
 
 
 def by_owner(name: str, given: Any, owners: list[Any]) -> dict[Any, Any]:
     """Returns what is given for each agent or cell: of a list in order, of a mapping as it says, else the same for all."""
     if isinstance(given, list | tuple):
         if len(given) != len(owners):
-            raise ValueError(f"`{name}`: {len(given)} values are given, there are {len(owners)}; give some as a mapping")
+            raise ValueError(
+                f"`{name}`: {len(given)} values are given, there are {len(owners)}; give some as a mapping"
+            )
         return dict(zip(owners, given, strict=True))
     if isinstance(given, Mapping) and not (given and all(isinstance(key, str) for key in given)):
         for owner in given:

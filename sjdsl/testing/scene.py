@@ -12,7 +12,14 @@ from sjdsl.interpreter.state import HEADINGS, Herd, World
 from sjdsl.library.action_names import split_actions
 from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.engines import Compiled, Numbers, interpret_look, interpret_step, look_at, take_step
+from sjdsl.testing.engines import (
+    Compiled,
+    Numbers,
+    interpret_look,
+    interpret_step,
+    look_at,
+    take_step,
+)
 from sjdsl.testing.paths import by_owner, find_field, owners_of, read_field
 from sjdsl.testing.pictures import Row, compare_pictures, draw_cells, draw_picture, read_picture
 from sjdsl.testing.signs import Signs
@@ -59,7 +66,9 @@ class Scene:
         self.seed, self._past = seed, ""
         self._seen: tuple[np.ndarray, np.ndarray] | None = None
         self._set_params(params)
-        self.state = None if stage.interpreted else compiled_state(stage.env, stage.compiled.blank, world)
+        self.state = (
+            None if stage.interpreted else compiled_state(stage.env, stage.compiled.blank, world)
+        )
         self.reward: list[float] = []
         self.events: dict[str, Any] = {}
         self.metrics: dict[str, float] = {}
@@ -103,7 +112,9 @@ class Scene:
             if self.stage.interpreted:
                 stepped = interpret_step(self.env, self.world, chosen, self._numbers, self.seed)
             else:
-                stepped = take_step(self.stage.compiled, self.state, self.world, chosen, self._numbers, self.seed)
+                stepped = take_step(
+                    self.stage.compiled, self.state, self.world, chosen, self._numbers, self.seed
+                )
             self.state, self.world, self._seen = stepped.state, stepped.world, stepped.seen
             self.reward, self.events, self.metrics = stepped.reward, stepped.events, stepped.metrics
             self.terminated, self.truncated = stepped.terminated, stepped.truncated
@@ -130,7 +141,9 @@ class Scene:
             raise AssertionError(f"{self._when()}the map differs\n{difference}")
         for agent, sign in (under or {}).items():
             if self.under(agent) != sign:
-                raise AssertionError(f"{self._when()}agent {agent} stands on `{self.under(agent)}`, not on `{sign}`")
+                raise AssertionError(
+                    f"{self._when()}agent {agent} stands on `{self.under(agent)}`, not on `{sign}`"
+                )
         return self
 
     def has(self, expected: Mapping[str, Any]) -> "Scene":
@@ -179,7 +192,9 @@ class Scene:
         if not (-window.behind <= ahead <= window.ahead and -window.left <= right <= window.right):
             raise ValueError(f"{ahead} ahead, {right} to the right is outside the window")
         shown = planes[names.index(plane)]
-        value = int(self.observation[agent, names.index(plane), window.ahead - ahead, window.left + right])
+        value = int(
+            self.observation[agent, names.index(plane), window.ahead - ahead, window.left + right]
+        )
         match shown.encoding:
             case "bits":
                 return "+".join(label for bit, label in enumerate(shown.labels) if value >> bit & 1)
@@ -210,11 +225,17 @@ class Scene:
         if owners is None:
             return [] if same(found, wanted) else [f"{name} is {found}, not {wanted}"]
         values = dict(zip(owners, found, strict=True))
-        differing = [owner for owner, value in by_owner(name, wanted, owners).items() if not same(values[owner], value)]
+        differing = [
+            owner
+            for owner, value in by_owner(name, wanted, owners).items()
+            if not same(values[owner], value)
+        ]
         if not differing:
             return []
         return [
-            f"{name} is {found}, not {wanted}" if len(found) <= 8 else f"{name} of {o} is {values[o]}"
+            f"{name} is {found}, not {wanted}"
+            if len(found) <= 8
+            else f"{name} of {o} is {values[o]}"
             for o in differing[: 1 if len(found) <= 8 else 5]
         ]
 
@@ -231,7 +252,11 @@ class Scene:
         if rest and word in readers:
             value = readers[word](rest)
             return value, agents if isinstance(value, list) else None
-        whole = {"steps": self.world.step, "terminated": self.terminated, "truncated": self.truncated}
+        whole = {
+            "steps": self.world.step,
+            "terminated": self.terminated,
+            "truncated": self.truncated,
+        }
         if name in whole:
             return whole[name], None
         if name == "reward":

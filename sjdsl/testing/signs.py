@@ -42,14 +42,20 @@ class Signs:
 
     def draw(self, kind: str, here: Mapping[str, Any]) -> str:
         """Returns the sign of a cell: of those that fit, the one that speaks of most fields."""
-        fitting = [s for s in self.by_character.values() if s.kind == kind and all(here[n] == v for n, v in s.values.items())]
+        fitting = [
+            s
+            for s in self.by_character.values()
+            if s.kind == kind and all(here[n] == v for n, v in s.values.items())
+        ]
         if not fitting:
             return next(c for c in UNKNOWN if c not in self.by_character)
         return max(fitting, key=lambda sign: len(sign.values)).character
 
     def told(self, kind: str) -> set[str]:
         """Returns the fields that some sign of a kind speaks of."""
-        return {name for sign in self.by_character.values() if sign.kind == kind for name in sign.values}
+        return {
+            name for sign in self.by_character.values() if sign.kind == kind for name in sign.values
+        }
 
     def meaning(self, character: str, glyph: str) -> dict[str, Any]:
         """Returns the values to give to a cell shown so. What a look does not speak of is as on the map, where `glyph` stands."""
@@ -62,19 +68,27 @@ def make_signs(game: ir.Game, looks: Mapping[str, str], arrows: str) -> Signs:
     Raises ValueError: a character twice or not usable, a kind, field or value the game does not have.
     """
     if len(set(arrows)) != 4:
-        raise ValueError(f"`arrows` are four different characters, for north, east, south and west, not {arrows!r}")
+        raise ValueError(
+            f"`arrows` are four different characters, for north, east, south and west, not {arrows!r}"
+        )
     mine = {character: _look(game, character, text) for character, text in looks.items()}
     glyphs = {g.glyph: g for g in game.glyphs}
     movers = {sort.glyph: sort.name for sort in game.movers}
     for character in (*mine, *glyphs, *movers):
         if character in arrows:
             what = f"a `{movers[character]}`" if character in movers else "a cell"
-            raise ValueError(f"`{character}` is an arrow of an agent and stands for {what}: give the stage other `arrows`, four characters")
+            raise ValueError(
+                f"`{character}` is an arrow of an agent and stands for {what}: give the stage other `arrows`, four characters"
+            )
     for character, sign in mine.items():
         if character in movers:
-            raise ValueError(f"`{character}` stands for the movers `{movers[character]}` already: take another sign for `{sign}`")
+            raise ValueError(
+                f"`{character}` stands for the movers `{movers[character]}` already: take another sign for `{sign}`"
+            )
         if character in glyphs:
-            raise ValueError(f"`{character}` is a glyph of the game already, of `{glyphs[character].kind}`: take another sign for `{sign}`")
+            raise ValueError(
+                f"`{character}` is a glyph of the game already, of `{glyphs[character].kind}`: take another sign for `{sign}`"
+            )
     own = {character: _glyph(game, glyph, mine.values()) for character, glyph in glyphs.items()}
     return Signs(game, mine | own, arrows, movers)
 
@@ -85,7 +99,9 @@ def _look(game: ir.Game, character: str, text: str) -> Sign:
     name, *pairs = text.split() or [""]
     kind = next((k for k in game.kinds if k.name == name), None)
     if kind is None:
-        raise ValueError(f"look `{character}`: the game has no kind `{name}`{meant(name, [k.name for k in game.kinds])}")
+        raise ValueError(
+            f"look `{character}`: the game has no kind `{name}`{meant(name, [k.name for k in game.kinds])}"
+        )
     values = {}
     for pair in pairs:
         field_name, equals, value = pair.partition("=")
@@ -96,10 +112,16 @@ def _look(game: ir.Game, character: str, text: str) -> Sign:
                 f'look `{character}`: write "{name} field=value"; {f"`{name}` has no field `{field_name}`{meant(field_name, names)}" if names else f"`{name}` has no fields"}'
             )
         if declared.type.by or declared.type.kind == "agents":
-            raise ValueError(f"look `{character}`: `{name}.{field_name}` has many values; put it with `fields`")
-        values[field_name] = held(f"{name}.{field_name}", _read(value, declared.type), declared.type, game.agents.number)
+            raise ValueError(
+                f"look `{character}`: `{name}.{field_name}` has many values; put it with `fields`"
+            )
+        values[field_name] = held(
+            f"{name}.{field_name}", _read(value, declared.type), declared.type, game.agents.number
+        )
     if not values:
-        raise ValueError(f'look `{character}`: say which state it stands for, as "{name} field=value"')
+        raise ValueError(
+            f'look `{character}`: say which state it stands for, as "{name} field=value"'
+        )
     return Sign(character, name, values)
 
 
@@ -121,7 +143,11 @@ def _glyph(game: ir.Game, glyph: ir.GlyphMeaning, looks: Iterable[Sign]) -> Sign
     told = {name for g in game.glyphs if g.kind == kind.name for name, _ in g.starts}
     told |= {name for look in looks if look.kind == kind.name for name in look.values}
     starts = dict(glyph.starts)
-    return Sign(glyph.glyph, kind.name, {f.name: starts.get(f.name, _start(f)) for f in kind.fields if f.name in told})
+    return Sign(
+        glyph.glyph,
+        kind.name,
+        {f.name: starts.get(f.name, _start(f)) for f in kind.fields if f.name in told},
+    )
 
 
 def _start(declared: ir.VarField) -> Any:

@@ -60,7 +60,9 @@ class Stage:
         return environment_of(*self._built(placed_by_hand=True))
 
     def _built(self, placed_by_hand: bool) -> tuple[Build, dict[str, Any]]:
-        return build_game(self.game, self.variant, self.agents, self.params, self.map, placed_by_hand)
+        return build_game(
+            self.game, self.variant, self.agents, self.params, self.map, placed_by_hand
+        )
 
     @cached_property
     def signs(self) -> Signs:
@@ -85,7 +87,9 @@ class Stage:
         if key not in self._numbers:
             run_time = {p.name for p in self.env.game.params}
             fixed = {name: value for name, value in self.params.items() if name in run_time}
-            made = build_params(self.env.game, self.env.module, merged(fixed, params), check_requires=False)
+            made = build_params(
+                self.env.game, self.env.module, merged(fixed, params), check_requires=False
+            )
             self._numbers[key] = Numbers(made, interpreter_params(self.env, made))
         return self._numbers[key]
 
@@ -124,11 +128,15 @@ class Stage:
         Raises ValueError: what does not fit the game.
         """
         game, board = self.env.game, self.board
-        world = reset(game, self.numbers(params or {}).interpreted, Threefry(*key_words(0)), sends=False)
+        world = reset(
+            game, self.numbers(params or {}).interpreted, Threefry(*key_words(0)), sends=False
+        )
         rows, gone = read_picture(picture, self.signs), away or {}
         poses = numbered(rows, self.signs, board.agents, gone)
         put_picture(rows, poses, under or {}, self.signs, board, world)
-        world.position = [Cell(*poses[agent][:2]) if agent in poses else None for agent in range(board.agents)]
+        world.position = [
+            Cell(*poses[agent][:2]) if agent in poses else None for agent in range(board.agents)
+        ]
         world.heading = [poses[agent][2] if agent in poses else 0 for agent in range(board.agents)]
         for agent, told in gone.items():
             world.away[agent] = make_away(game, agent, *_ticks_and_phase(told))
@@ -137,10 +145,16 @@ class Stage:
             raise ValueError(f"the game has no movers `{sort}`{meant(sort, world.movers)}")
         for sort, cells in placed(rows, self.signs, numbers or {}, gone_movers).items():
             herd, away_here = world.movers[sort], gone_movers.get(sort, {})
-            herd.position, herd.moved, herd.fields["heading"] = cells, [False] * len(cells), ["north"] * len(cells)
+            herd.position, herd.moved, herd.fields["heading"] = (
+                cells,
+                [False] * len(cells),
+                ["north"] * len(cells),
+            )
             herd.away = [None] * len(cells)
             for number, told in away_here.items():
-                herd.away[number] = make_away(game, number, *_ticks_and_phase(told), Sort("mover", (sort,)))
+                herd.away[number] = make_away(
+                    game, number, *_ticks_and_phase(told), Sort("mover", (sort,))
+                )
         for path, given in (fields or {}).items():
             write_field(find_field(game, path), given, board, world)
         world.step, world.marks = step, []
@@ -153,7 +167,9 @@ class Stage:
         """
         _ = self._with_places
         given = self.numbers(params or {}).interpreted
-        scene = Scene(self, reset(self.env.game, given, Threefry(*key_words(seed))), params or {}, seed)
+        scene = Scene(
+            self, reset(self.env.game, given, Threefry(*key_words(seed))), params or {}, seed
+        )
         if not self.interpreted:
             scene.compare_start(seed)
         return scene

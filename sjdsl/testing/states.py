@@ -28,7 +28,9 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
     numbers = pool_numbers(env.game)
     for sort, herd in herds(world).items():
         poses = {
-            "position": [0 if p is None else (p.row + pad) * cols + p.col + pad for p in herd.position],
+            "position": [
+                0 if p is None else (p.row + pad) * cols + p.col + pad for p in herd.position
+            ],
             "moved": herd.moved,
             "away": [a.ticks if a else 0 for a in herd.away],
             "away_pool": [numbers[a.pool] if a and a.pool else 0 for a in herd.away],
@@ -37,12 +39,24 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
         named = {attribute_of(name, sort): values for name, values in poses.items()}
         changed |= {name: values for name, values in named.items() if hasattr(state, name)}
     for declared in all_fields(env.game):
-        values, dtype = np.asarray(stored_values(declared, world)), getattr(state, attribute_name(declared)).dtype
+        values, dtype = (
+            np.asarray(stored_values(declared, world)),
+            getattr(state, attribute_name(declared)).dtype,
+        )
         if declared.timer and values.max(initial=0) > np.iinfo(dtype).max:
-            raise ValueError(f"the timer `{declared.name}` holds up to {np.iinfo(dtype).max} steps in this game, not {values.max()}")
+            raise ValueError(
+                f"the timer `{declared.name}` holds up to {np.iinfo(dtype).max} steps in this game, not {values.max()}"
+            )
         changed[attribute_name(declared)] = values
-    like = {name: getattr(state, name) for name in changed}  # of no cells, a list does not tell the length of rows
-    return state.replace(**{name: np.asarray(v, like[name].dtype).reshape(like[name].shape) for name, v in changed.items()})
+    like = {
+        name: getattr(state, name) for name in changed
+    }  # of no cells, a list does not tell the length of rows
+    return state.replace(
+        **{
+            name: np.asarray(v, like[name].dtype).reshape(like[name].shape)
+            for name, v in changed.items()
+        }
+    )
 
 
 _numbered: list[tuple[ir.Game, dict[Pool, int]]] = []
@@ -54,7 +68,11 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
     for known, numbers in _numbered:
         if known is game:
             return numbers
-    numbers = {Pool(phase, pool.send.pool): pool.number for phase, pools in all_pools(game).items() for pool in pools}
+    numbers = {
+        Pool(phase, pool.send.pool): pool.number
+        for phase, pools in all_pools(game).items()
+        for pool in pools
+    }
     _numbered[:] = [(game, numbers), *_numbered[: KEPT - 1]]
     return numbers
 
@@ -62,15 +80,21 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
 def away_pools(game: ir.Game, sort: ir.Sort) -> dict[Pool, ir.Send]:
     """Returns the destinations that agents, or movers of a sort, can be away before, each with a statement that sends there."""
     sends = board_of(game).pools.items()
-    return {pool: send for pool, send in sends if send.after is not None and body_sort(send.who) == sort}
+    return {
+        pool: send for pool, send in sends if send.after is not None and body_sort(send.who) == sort
+    }
 
 
-def make_away(game: ir.Game, number: int, ticks: int, phase: str | None, sort: ir.Sort = AGENTS) -> Away:
+def make_away(
+    game: ir.Game, number: int, ticks: int, phase: str | None, sort: ir.Sort = AGENTS
+) -> Away:
     """Returns how an agent, or a mover of a sort, is away: for good (0 ticks), or sent by the phase of that name, or by the only one."""
     who = f"{sort.name} {number}"
     if ticks == 0:
         if not contains(game, ir.Remove):
-            raise ValueError(f"{who}: nobody is removed for good in this game, so give the ticks until it returns")
+            raise ValueError(
+                f"{who}: nobody is removed for good in this game, so give the ticks until it returns"
+            )
         return Away(0, None, None)
     pools, labels = away_pools(game, sort), {phase.name: phase.label for phase in phases_of(game)}
     phases = sorted({labels[pool.phase] for pool in pools})
@@ -79,11 +103,17 @@ def make_away(game: ir.Game, number: int, ticks: int, phase: str | None, sort: i
     if not phases:
         raise ValueError(f"{who}: nobody is sent away `after` some steps in this game")
     if phase is None and len(phases) > 1:
-        raise ValueError(f"{who}: say which phase sent it away ({', '.join(phases)}), as ({ticks}, {phases[0]!r})")
+        raise ValueError(
+            f"{who}: say which phase sent it away ({', '.join(phases)}), as ({ticks}, {phases[0]!r})"
+        )
     if phase not in (None, *phases):
-        raise ValueError(f"{who}: no phase `{phase}` sends it away `after` some steps; {', '.join(phases)} can")
+        raise ValueError(
+            f"{who}: no phase `{phase}` sends it away `after` some steps; {', '.join(phases)} can"
+        )
     fitting = [(pool, send) for pool, send in pools.items() if phase in (None, labels[pool.phase])]
     if len(fitting) > 1:
-        raise ValueError(f"{who}: the phase {phase or phases[0]} sends away to several destinations, and a scene can't say to which")
+        raise ValueError(
+            f"{who}: the phase {phase or phases[0]} sends away to several destinations, and a scene can't say to which"
+        )
     ((pool, send),) = fitting
     return Away(ticks, pool, send.facing)

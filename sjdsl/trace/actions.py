@@ -17,14 +17,24 @@ def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[ByEpisode
     """
     if text == RANDOM:
         return lambda seed, _before: random_actions(game, seed), None
-    lines = [words for words in (list(filter(None, split_actions(line, r"[,\s]+"))) for line in text.split(";")) if words]
+    lines = [
+        words
+        for words in (
+            list(filter(None, split_actions(line, r"[,\s]+"))) for line in text.split(";")
+        )
+        if words
+    ]
     if not lines:
-        raise ValueError(f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}")
+        raise ValueError(
+            f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}"
+        )
     taken = [_step(words, number, game) for number, words in enumerate(lines, 1)]
     if len(taken) == 1:
         return lambda _seed, _before: lambda _number, _world: taken[0], None
     if steps is not None and steps > len(taken):
-        raise ValueError(f"actions are written for {len(taken)} steps, not for {steps}; name fewer --steps or more actions")
+        raise ValueError(
+            f"actions are written for {len(taken)} steps, not for {steps}; name fewer --steps or more actions"
+        )
     return lambda _seed, before: lambda number, _world: taken[before + number], len(taken)
 
 
@@ -42,7 +52,11 @@ def _step(words: list[str], number: int, game: ir.Game) -> list[int]:
     names, agents = game.agents.actions, game.agents.number
     for word in words:
         if word not in names:
-            raise ValueError(f"there is no action `{word}` (step {number}){meant(word, names, 'the game has')}")
+            raise ValueError(
+                f"there is no action `{word}` (step {number}){meant(word, names, 'the game has')}"
+            )
     if len(words) not in (1, agents):
-        raise ValueError(f"step {number} has {len(words)} actions; write one for each of the {agents} agents, or one for all")
+        raise ValueError(
+            f"step {number} has {len(words)} actions; write one for each of the {agents} agents, or one for all"
+        )
     return [names.index(word) for word in words] * (agents if len(words) == 1 else 1)

@@ -8,8 +8,12 @@ from sjdsl.interpreter.threefry import Threefry
 from sjdsl.policies.interpreted import choose
 from sjdsl.trace.jax_random import keys_of, random_numbers
 
-Chosen = Callable[[int, World], list[int]]  # number of the step from 0, state -> an action for each agent
-ByEpisode = Callable[[int, int], Chosen]  # seed of an episode, number of steps played before it -> what the agents do in it
+Chosen = Callable[
+    [int, World], list[int]
+]  # number of the step from 0, state -> an action for each agent
+ByEpisode = Callable[
+    [int, int], Chosen
+]  # seed of an episode, number of steps played before it -> what the agents do in it
 
 
 def random_actions(game: ir.Game, seed: int) -> Chosen:

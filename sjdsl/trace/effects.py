@@ -8,7 +8,16 @@ from typing import Literal, NamedTuple
 from sjdsl.compiler import ir
 from sjdsl.interpreter.account import Account, Done
 from sjdsl.interpreter.board import Board
-from sjdsl.interpreter.bodies import Body, away_of, bodies, heading_of, herd_of, number_of, sort_of_body, where_is
+from sjdsl.interpreter.bodies import (
+    Body,
+    away_of,
+    bodies,
+    heading_of,
+    herd_of,
+    number_of,
+    sort_of_body,
+    where_is,
+)
 from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.state import Cell, Mover, Value
@@ -63,25 +72,47 @@ def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[E
 def _fields(account: Account, board: Board) -> Iterator[Effect]:
     writers, lost = _writers(account)
     before, after = account.before, account.after
-    rows: list[tuple[ir.VarField, tuple[str, int] | None, int | Mover | Cell | None, Value, Value]] = []
-    for (holder, _), declared in sorted(board.fields.items(), key=lambda field: field[1].held_by.what == "mover"):
+    rows: list[
+        tuple[ir.VarField, tuple[str, int] | None, int | Mover | Cell | None, Value, Value]
+    ] = []
+    for (holder, _), declared in sorted(
+        board.fields.items(), key=lambda field: field[1].held_by.what == "mover"
+    ):
         old, new = (held_values(declared, world) for world in (before, after))
         what = declared.held_by.what
         if what == "world":
             rows.append((declared, None, None, old, new))
         else:
-            places = board.cells[holder] if what == "cell" else [Mover(holder, n) if what == "mover" else n for n in range(len(old))]
-            rows += [(declared, (holder, n), *entry) for n, entry in enumerate(zip(places, old, new, strict=True))]
+            places = (
+                board.cells[holder]
+                if what == "cell"
+                else [Mover(holder, n) if what == "mover" else n for n in range(len(old))]
+            )
+            rows += [
+                (declared, (holder, n), *entry)
+                for n, entry in enumerate(zip(places, old, new, strict=True))
+            ]
     for declared, owner, place, old, new in rows:
         for entries, label, was, now in _entries(declared.type.by, old, new):
             slot = Slot(declared.name, owner, entries)
             by = tuple(writers[slot])
             if isinstance(place, Mover) and declared.name == "heading" and not by:
                 continue  # it turns the way it goes, or as it is sent: told with its place
-            yield Effect("field", place, declared.name + label, was, now, declared.type, by, lost=tuple(lost[slot]))
+            yield Effect(
+                "field",
+                place,
+                declared.name + label,
+                was,
+                now,
+                declared.type,
+                by,
+                lost=tuple(lost[slot]),
+            )
 
 
-def _entries(by: tuple[ir.Level, ...], old: Value, new: Value) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
+def _entries(
+    by: tuple[ir.Level, ...], old: Value, new: Value
+) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
     """Yields the entries of a field that differ: indices, `[word]` for each level, both values."""
     if old == new:
         return
@@ -99,7 +130,9 @@ def _writers(account: Account) -> tuple[dict[Slot, list[Done]], dict[Slot, list[
     lost: dict[Slot, list[Done]] = defaultdict(list)
     won = winners(lot for done in account.done for lot in done.written.get("lots", ()))
     for done in account.done:
-        for slot in dict.fromkeys(slot for slot, _ in (*done.written.get("sets", ()), *done.written.get("adds", ()))):
+        for slot in dict.fromkeys(
+            slot for slot, _ in (*done.written.get("sets", ()), *done.written.get("adds", ()))
+        ):
             found[slot].append(done)
         for lot in done.written.get("lots", ()):
             (found if won[lot.slot] is lot else lost)[lot.slot].append(done)
@@ -115,14 +148,20 @@ def _of_bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterat
     written |= {lot.slot for done in account.done for lot in done.written.get("lots", ())}
     for body in bodies(account.before):
         by = tuple(_senders(account, board, body))
-        before, after, n = herd_of(body, account.before), herd_of(body, account.after), number_of(body)
+        before, after, n = (
+            herd_of(body, account.before),
+            herd_of(body, account.after),
+            number_of(body),
+        )
         changes: list[tuple[Sort, Value, Value]] = [
             ("place", before.position[n], after.position[n]),
             ("away", before.away[n], after.away[n]),
             ("moved", before.moved[n], after.moved[n]),
         ]
         if not isinstance(body, Mover) or Slot("heading", (body.sort, n), ()) not in written:
-            changes.insert(1, ("heading", heading_of(body, account.before), heading_of(body, account.after)))
+            changes.insert(
+                1, ("heading", heading_of(body, account.before), heading_of(body, account.after))
+            )
         for sort, old, new in changes:
             if old != new:
                 used = tuple(_used(sort, body, account, by, numbers))
@@ -132,7 +171,12 @@ def _of_bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterat
 def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
     """Yields the statements that move, send or remove somebody in this turn, or that sent it away when it returns at a `tick`."""
     away, back = away_of(body, account.before), away_of(body, account.after)
-    if isinstance(account.turn, ir.Tick) and away is not None and back is None and away.pool is not None:
+    if (
+        isinstance(account.turn, ir.Tick)
+        and away is not None
+        and back is None
+        and away.pool is not None
+    ):
         yield Done(board.pools[away.pool], {}, (), {})
     for done in account.done:
         match done.statement:
@@ -142,13 +186,17 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
                 yield done
             case ir.Shift() if body in [sent.agent for sent in done.written.get("shifts", ())]:
                 yield done
-            case ir.Remove() if body in list(agents_in(evaluate(done.statement.who, _instance(done, account, board)))):
+            case ir.Remove() if body in list(
+                agents_in(evaluate(done.statement.who, _instance(done, account, board)))
+            ):
                 yield done
             case _:
                 pass
 
 
-def _used(sort: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers) -> Iterator[Used]:
+def _used(
+    sort: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers
+) -> Iterator[Used]:
     for statement in (done.statement for done in by):
         purpose: Purpose
         match sort, statement:
@@ -162,7 +210,10 @@ def _used(sort: str, body: Body, account: Account, by: Sequence[Done], numbers: 
                 continue
         if where_is(body, account.after) is None or stream is None:
             continue
-        at = (return_stream(stream) if isinstance(account.turn, ir.Tick) else stream, number_of(body))
+        at = (
+            return_stream(stream) if isinstance(account.turn, ir.Tick) else stream,
+            number_of(body),
+        )
         if at in numbers:
             yield Used(purpose, *at, numbers[at])
 
@@ -179,7 +230,15 @@ def _said(account: Account, board: Board) -> Iterator[Effect]:
         for counted in done.written.get("tallies", ()):
             if counted.amount:
                 word = f"[{counted.word}]" if events[counted.event].by else ""
-                yield Effect("event", counted.agent, counted.event + word, None, counted.amount, None, (done,))
+                yield Effect(
+                    "event",
+                    counted.agent,
+                    counted.event + word,
+                    None,
+                    counted.amount,
+                    None,
+                    (done,),
+                )
         match done.statement:
             case ir.Mark():
                 near = ir.Near(shape=done.statement.shape, anchor=done.statement.anchor)

@@ -47,7 +47,9 @@ class Moment:
         return self.outcome is not None and (self.outcome.terminated or self.outcome.truncated)
 
 
-def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choices: ByEpisode) -> Iterator[Moment]:
+def play(
+    game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choices: ByEpisode
+) -> Iterator[Moment]:
     """Yields the start and so many steps; after the end of an episode comes the start of that of the next seed."""
     played = 0
     while True:
@@ -56,7 +58,9 @@ def play(game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choi
         yield moment
         while played < steps and not moment.is_over:
             number = moment.world.step
-            moment = follow(game, moment.world, params, keys.of_step(number), choose(number, moment.world))
+            moment = follow(
+                game, moment.world, params, keys.of_step(number), choose(number, moment.world)
+            )
             yield moment
             played += 1
         if played == steps:
@@ -72,13 +76,19 @@ def begin(game: ir.Game, params: Mapping[str, Value], key: Key) -> Moment:
     return Moment(None, key, copied(world), tuple(told))
 
 
-def follow(game: ir.Game, world: World, params: Mapping[str, Value], key: Key, actions: list[int]) -> Moment:
+def follow(
+    game: ir.Game, world: World, params: Mapping[str, Value], key: Key, actions: list[int]
+) -> Moment:
     """Returns the step that follows a state. `key`: that of the environment's `step`."""
     told: list[Told] = []
     recorded = RecordedDraws(Threefry(*key))
     allowed = action_mask(game, world)
-    forbidden = frozenset(agent for agent, action in enumerate(actions) if not allowed[agent][action])
-    after, outcome = step(game, world, actions, params, recorded, _listener(told, board_of(game), recorded))
+    forbidden = frozenset(
+        agent for agent, action in enumerate(actions) if not allowed[agent][action]
+    )
+    after, outcome = step(
+        game, world, actions, params, recorded, _listener(told, board_of(game), recorded)
+    )
     return Moment(world.step, key, after, tuple(told), tuple(actions), forbidden, outcome)
 
 

@@ -51,6 +51,9 @@ def random_numbers(key: Key, count: int, below: int) -> list[int]:
     weight = (2**16 % below) ** 2 % below
     found = []
     for number in range(count):
-        (a, b), (c, d) = threefry(high, (0, number), JAX_ROUNDS), threefry(low, (0, number), JAX_ROUNDS)
+        (a, b), (c, d) = (
+            threefry(high, (0, number), JAX_ROUNDS),
+            threefry(low, (0, number), JAX_ROUNDS),
+        )
         found.append((((a ^ b) % below * weight + (c ^ d) % below) & WORD) % below)
     return found

@@ -33,7 +33,11 @@ class Teller:
 
 def make_teller(board: Board, rules: Rules, phases: Collection[str] = ()) -> Teller:
     """Returns what is needed to tell of a game; variables that stand for agents are told from numbers by it."""
-    agents = frozenset(node.name for node in ir.walk(board.game) if isinstance(node, ir.Member) and node.sort.what == "agent")
+    agents = frozenset(
+        node.name
+        for node in ir.walk(board.game)
+        if isinstance(node, ir.Member) and node.sort.what == "agent"
+    )
     return Teller(board, rules, make_letters(board.game), phases, agents)
 
 
@@ -100,7 +104,10 @@ def _alike(effects: Sequence[Effect], board: Board) -> list[list[Effect]]:
 
 def _more(effects: Sequence[Effect], board: Board) -> str:
     """Returns a line about changes like those that were told."""
-    places = [f"{say_owner(effect.owner, board)} {''.join(effect.name.partition('[')[1:])}".strip() for effect in effects]
+    places = [
+        f"{say_owner(effect.owner, board)} {''.join(effect.name.partition('[')[1:])}".strip()
+        for effect in effects
+    ]
     others = f" and {len(places) - NAMED} others" if len(places) > NAMED else ""
     return f"and {len(effects)} more such changes: {', '.join(places[:NAMED])}{others}"
 
@@ -109,11 +116,17 @@ def _rule(rule: ir.Stmt, rules: Rules) -> str:
     return f"{rules.place(rule)}  {rules.text(rule)}"
 
 
-def _effect_lines(effect: Effect, rule: ir.Stmt | None, teller: Teller, explainer: Explainer, told: set[Reason]) -> Iterator[str]:
+def _effect_lines(
+    effect: Effect, rule: ir.Stmt | None, teller: Teller, explainer: Explainer, told: set[Reason]
+) -> Iterator[str]:
     names = say_names(effect.by[0], effect.owner, teller.agents, teller.board) if effect.by else ""
-    others = dict.fromkeys(teller.rules.place(done.statement) for done in effect.by if done.statement is not rule)
+    others = dict.fromkeys(
+        teller.rules.place(done.statement) for done in effect.by if done.statement is not rule
+    )
     beside = [*([names] if names else []), *(f"also {place}" for place in others)]
-    yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (f"  [{'; '.join(beside)}]" if beside else "")
+    yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (
+        f"  [{'; '.join(beside)}]" if beside else ""
+    )
     reasons, lots = explainer.effect(effect), list(_lots(effect, names, teller))
     shown = reasons[: _shown(len(reasons), teller.most)]
     for number, reason in enumerate(shown):
@@ -140,14 +153,20 @@ def _lots(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
     winner = winner or (teller.rules.place(effect.by[0].statement) if effect.by else "")
     for done in effect.lost:
         loser = say_names(done, effect.owner, teller.agents, teller.board)
-        other = "" if effect.by and done.statement is effect.by[0].statement else teller.rules.place(done.statement)
+        other = (
+            ""
+            if effect.by and done.statement is effect.by[0].statement
+            else teller.rules.place(done.statement)
+        )
         yield f"{', '.join(filter(None, (other, loser)))} lost the lot to {winner}"
 
 
 def _actions(moment: Moment, game: ir.Game) -> str:
     said = []
     for agent, action in enumerate(moment.actions):
-        said.append(f"{agent} {game.agents.actions[action]}{' (forbidden)' if agent in moment.forbidden else ''}")
+        said.append(
+            f"{agent} {game.agents.actions[action]}{' (forbidden)' if agent in moment.forbidden else ''}"
+        )
     return ", ".join(said)
 
 

@@ -56,16 +56,40 @@ class Explainer:
         match statement:
             case ir.Chance():
                 last = len(statement.branches) - 1 if drawn.result is None else drawn.result
-                read = [value for branch in statement.branches[: last + 1] for value in _read(branch.test, here)]
-                bound = statement.branches[0].test if last == 0 else None  # the number that is compared with
-                return self._reason(_chance(drawn, self.rules.branch(statement, last)), read, here, bits, bound)
+                read = [
+                    value
+                    for branch in statement.branches[: last + 1]
+                    for value in _read(branch.test, here)
+                ]
+                bound = (
+                    statement.branches[0].test if last == 0 else None
+                )  # the number that is compared with
+                return self._reason(
+                    _chance(drawn, self.rules.branch(statement, last)), read, here, bits, bound
+                )
             case ir.Draw():
-                read = [value for e in (statement.low, statement.high, *statement.weights) if e is not None for value in _read(e, here)]
-                return self._reason(f"{self.rules.text(statement)}: {say_value(drawn.result, statement.type)}", read, here, bits)
+                read = [
+                    value
+                    for e in (statement.low, statement.high, *statement.weights)
+                    if e is not None
+                    for value in _read(e, here)
+                ]
+                return self._reason(
+                    f"{self.rules.text(statement)}: {say_value(drawn.result, statement.type)}",
+                    read,
+                    here,
+                    bits,
+                )
             case ir.Pick():
-                return Reason(f"{self.rules.text(statement)}: {'picked' if drawn.result else 'not picked'}", bits=bits)
+                return Reason(
+                    f"{self.rules.text(statement)}: {'picked' if drawn.result else 'not picked'}",
+                    bits=bits,
+                )
             case ir.Match():
-                return Reason(f"{self.rules.text(statement)}: {'matched' if drawn.result else 'not matched'}", bits=bits)
+                return Reason(
+                    f"{self.rules.text(statement)}: {'matched' if drawn.result else 'not matched'}",
+                    bits=bits,
+                )
 
     def _done(self, done: Done) -> Iterator[Reason]:
         """Yields the conditions and draws around a statement, outermost first, and then the values that it reads itself."""
@@ -77,11 +101,19 @@ class Explainer:
                 conditions += reversed([*self._around(outer, inner, here, draws)])
                 inner = outer
             yield from reversed(conditions)
-            own = [e for name, e in vars(done.statement).items() if name != "target" and isinstance(e, ir.Node) and ir.is_expression(e)]
+            own = [
+                e
+                for name, e in vars(done.statement).items()
+                if name != "target" and isinstance(e, ir.Node) and ir.is_expression(e)
+            ]
             yield from (self._value(value, here) for e in own for value in _read(e, here))
-        yield from (self.draw(drawn) for drawn in draws.values())  # a `draw` is before the statement, not around it
+        yield from (
+            self.draw(drawn) for drawn in draws.values()
+        )  # a `draw` is before the statement, not around it
 
-    def _around(self, outer: ir.Node, inner: ir.Node, here: Instance, draws: dict[int, Drawn]) -> Iterator[Reason]:
+    def _around(
+        self, outer: ir.Node, inner: ir.Node, here: Instance, draws: dict[int, Drawn]
+    ) -> Iterator[Reason]:
         """Yields what the node around a part of a phase says, and takes the draws that it tells out of `draws`."""
         if (drawn := draws.pop(id(outer), None)) is not None:
             yield self.draw(drawn)
@@ -90,26 +122,48 @@ class Explainer:
                 yield self._reason(self.rules.expression(test), _read(test, here), here)
             case ir.When() if not isinstance(inner, ir.Branch):
                 for branch in outer.branches:
-                    yield self._reason(f"not: {self.rules.expression(branch.test)}", _read(branch.test, here), here)
-            case ir.Each() | ir.Pick() | ir.First() if outer.domain.where is not None and not isinstance(inner, ir.Domain):
-                read = list(_read(outer.domain.where, here)) if outer.domain.var.name in here.names else []
+                    yield self._reason(
+                        f"not: {self.rules.expression(branch.test)}", _read(branch.test, here), here
+                    )
+            case ir.Each() | ir.Pick() | ir.First() if (
+                outer.domain.where is not None and not isinstance(inner, ir.Domain)
+            ):
+                read = (
+                    list(_read(outer.domain.where, here))
+                    if outer.domain.var.name in here.names
+                    else []
+                )
                 if read:
                     yield self._reason(self.rules.expression(outer.domain.where), read, here)
 
     def _reason(
-        self, text: str, read: Iterator[ir.Expr] | list[ir.Expr], here: Instance, bits: str = "", said: ir.Expr | None = None
+        self,
+        text: str,
+        read: Iterator[ir.Expr] | list[ir.Expr],
+        here: Instance,
+        bits: str = "",
+        said: ir.Expr | None = None,
     ) -> Reason:
         """Returns a sentence with the values that it reads, without the one it has said, and behind it where those come from that have a formula."""
         values = list(read)
         told = dict.fromkeys(f"{self._name(e)} = {_said(e, here)}" for e in values if e is not said)
-        formulas = dict.fromkeys(self._value(e, here) for e in values if isinstance(e, ir.Named) and not isinstance(e.value, ir.Number))
+        formulas = dict.fromkeys(
+            self._value(e, here)
+            for e in values
+            if isinstance(e, ir.Named) and not isinstance(e.value, ir.Number)
+        )
         return Reason(f"{text}, with {', '.join(told)}" if told else text, tuple(formulas), bits)
 
     def _value(self, e: ir.Expr, here: Instance) -> Reason:
         """Returns a value: `apple = 1`, or with its formula `growth = best_rate * clean = 0.02, with best_rate = 0.05, clean = 0.4`."""
         if not isinstance(e, ir.Named):
             return Reason(f"{self._name(e)} = {_said(e, here)}")
-        return self._reason(f"{e.name} = {self.rules.expression(e.value)} = {_said(e, here)}", _read(e.value, here), here, said=e.value)
+        return self._reason(
+            f"{e.name} = {self.rules.expression(e.value)} = {_said(e, here)}",
+            _read(e.value, here),
+            here,
+            said=e.value,
+        )
 
     def _name(self, e: ir.Expr) -> str:
         return e.name if isinstance(e, ir.Named) else self.rules.expression(e)
@@ -119,7 +173,12 @@ def explainer_of(turn: Told, board: Board, rules: Rules) -> Explainer:
     """Returns what explains the effects and draws of one turn."""
     account = turn.account
     around = {id(child): node for node in ir.walk(account.turn) for child in ir.children(node)}
-    return Explainer(Instance(board, account.before, account.actions), around, rules, isinstance(account.turn, ir.Phase))
+    return Explainer(
+        Instance(board, account.before, account.actions),
+        around,
+        rules,
+        isinstance(account.turn, ir.Phase),
+    )
 
 
 def _read(e: ir.Expr, here: Instance) -> Iterator[ir.Expr]:
@@ -149,17 +208,27 @@ def _read(e: ir.Expr, here: Instance) -> Iterator[ir.Expr]:
 
 def _said(e: ir.Expr, here: Instance) -> str:
     value: Value = evaluate(e, here)
-    return f"{float(value):.4g}" if e.type.kind == "real" and not e.type.by else say_value(value, e.type)
+    return (
+        f"{float(value):.4g}"
+        if e.type.kind == "real" and not e.type.by
+        else say_value(value, e.type)
+    )
 
 
 def _chance(drawn: Drawn, header: str) -> str:
     """Returns `chance luck drew 0.08873 < 0.25`; of a later branch also the bound that was not met before."""
     numbers = [(drawn.word >> 1) / WHOLE, *(bound / WHOLE for bound in drawn.bounds)]
-    digits = next(digits for digits in (4, 12) if len({f"{n:.{digits}g}" for n in numbers}) == len(set(numbers)) or digits == 12)
+    digits = next(
+        digits
+        for digits in (4, 12)
+        if len({f"{n:.{digits}g}" for n in numbers}) == len(set(numbers)) or digits == 12
+    )
     share, *bounds = (f"{number:.{digits}g}" for number in numbers)
     if drawn.result is None:
         return f"{header} drew {share} >= {bounds[-1]}: does not happen"
-    return f"{header} drew {share} < {bounds[-1]}" + (f" and >= {bounds[-2]}" if len(bounds) > 1 else "")
+    return f"{header} drew {share} < {bounds[-1]}" + (
+        f" and >= {bounds[-2]}" if len(bounds) > 1 else ""
+    )
 
 
 def _used(used: Used) -> Reason:

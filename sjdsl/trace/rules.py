@@ -39,13 +39,22 @@ class Rules:
     def expression(self, e: ir.Expr) -> str:
         """Returns an expression as it is written, on one line."""
         span = e.origin
-        return expression(e) if span is None or span.file not in self.sources else self._words(span, span.end)
+        return (
+            expression(e)
+            if span is None or span.file not in self.sources
+            else self._words(span, span.end)
+        )
 
     def branch(self, statement: "ir.When | ir.Chance", number: int) -> str:
         """Returns the header of one branch: `chance 0.5`, `otherwise chance 0.2`."""
         branch = statement.branches[number]
         opening = self.text(statement) if number == 0 else ""
-        if opening or branch.origin is None or branch.test.origin is None or branch.origin.file not in self.sources:
+        if (
+            opening
+            or branch.origin is None
+            or branch.test.origin is None
+            or branch.origin.file not in self.sources
+        ):
             return opening or f"branch {number + 1} of {self.text(statement)}"
         return f"otherwise {self._words(branch.origin, branch.test.origin.end)}"
 

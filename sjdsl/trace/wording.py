@@ -33,7 +33,11 @@ def say_value(value: Value, type_: ir.Type | None = None) -> str:
         case None:
             return "nowhere" if kind == "cell" else "nobody"
         case frozenset():
-            return "{ " + ", ".join(f"agent {agent}" for agent in sorted(value)) + " }" if value else "nobody"
+            return (
+                "{ " + ", ".join(f"agent {agent}" for agent in sorted(value)) + " }"
+                if value
+                else "nobody"
+            )
         case Cell():
             return say_cell(value)
         case Mover():
@@ -78,16 +82,26 @@ def say_effect(effect: Effect, board: Board) -> str:
 def _journey(old: Cell | None, new: Cell | None) -> str:
     if new is None:
         return f"leaves {say_cell(old)}" if old is not None else "stays off the map"
-    return f"comes to {say_cell(new)}" if old is None else f"goes from {say_cell(old)} to {say_cell(new)}"
+    return (
+        f"comes to {say_cell(new)}"
+        if old is None
+        else f"goes from {say_cell(old)} to {say_cell(new)}"
+    )
 
 
 def _absence(away: Away | None) -> str:
     if away is None:
         return "is back on the map"
-    return f"is off the map for {away.ticks} tick{'' if away.ticks == 1 else 's'}" if away.ticks else "is off the map for ever"
+    return (
+        f"is off the map for {away.ticks} tick{'' if away.ticks == 1 else 's'}"
+        if away.ticks
+        else "is off the map for ever"
+    )
 
 
-def say_names(done: Done, owner: int | Mover | Cell | None, turn_agents: frozenset[str], board: Board) -> str:
+def say_names(
+    done: Done, owner: int | Mover | Cell | None, turn_agents: frozenset[str], board: Board
+) -> str:
     """Returns what the variables around a statement stand for: `cleaner 0, level cut`; not those that are the owner itself."""
     said = []
     for name, value in done.names.items():
@@ -95,7 +109,11 @@ def say_names(done: Done, owner: int | Mover | Cell | None, turn_agents: frozens
         if isinstance(value, Mover):
             text = f"{name} {value.number}" if name == value.sort else f"{name} {say_value(value)}"
         elif isinstance(value, Cell):
-            text = say_owner(value, board) if name == board.kind_of[value] else f"{name} {say_cell(value)}"
+            text = (
+                say_owner(value, board)
+                if name == board.kind_of[value]
+                else f"{name} {say_cell(value)}"
+            )
         else:
             text = f"{name} {say_value(value)}"
         if not ((is_agent or isinstance(value, Cell | Mover)) and value == owner):

@@ -91,11 +91,20 @@ def runner(game: str, envs: int, folder: Path) -> Callable[[], float]:
 
 def main() -> None:
     """Prints a row for each way, with its ratio for each number of environments: the median over rounds, and the least and the greatest."""
-    print("\n".join(["| movers | " + " | ".join(f"{envs} environments" for envs in ENVS) + " |", "|---" * (1 + len(ENVS)) + "|"]))
+    print(
+        "\n".join(
+            [
+                "| movers | " + " | ".join(f"{envs} environments" for envs in ENVS) + " |",
+                "|---" * (1 + len(ENVS)) + "|",
+            ]
+        )
+    )
     with TemporaryDirectory() as folder:
         ratios: dict[str, list[str]] = {name: [] for name in WAYS}
         for envs in ENVS:
-            runs = {"": runner(text(), envs, Path(folder))} | {name: runner(text(*w), envs, Path(folder)) for name, w in WAYS.items()}
+            runs = {"": runner(text(), envs, Path(folder))} | {
+                name: runner(text(*w), envs, Path(folder)) for name, w in WAYS.items()
+            }
             rounds = [{name: run() for name, run in runs.items()} for _ in range(ROUNDS)]
             for name in WAYS:
                 each = sorted(r[name] / r[""] for r in rounds)

@@ -82,13 +82,17 @@ def test_one_step_is_what_is_compiled(meadow_env: Environment) -> None:
 def test_the_loop_adds_all_rewards_and_the_last_observations() -> None:
     """One environment counts its steps and shows the count: of four, with two agents, after n steps."""
 
-    def step(count: jax.Array, actions: jax.Array, key: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    def step(
+        count: jax.Array, actions: jax.Array, key: jax.Array
+    ) -> tuple[jax.Array, jax.Array, jax.Array]:
         del actions, key
         return count + 1, jnp.full(2, 0.5), jnp.full((2, 1, 3), count + 1, jnp.uint8)
 
     task = Task("count", 2, 5, lambda: jnp.int32(0), step)
     for steps in (1, 9):
-        assert float(make_loop(task, 4, steps)(jax.random.key(0))) == 4 * 2 * (0.5 * steps + 3 * steps)
+        assert float(make_loop(task, 4, steps)(jax.random.key(0))) == 4 * 2 * (
+            0.5 * steps + 3 * steps
+        )
 
 
 def test_episodes_begin_anew_in_the_loop(meadow_env: Environment) -> None:
@@ -101,7 +105,13 @@ def test_episodes_begin_anew_in_the_loop(meadow_env: Environment) -> None:
         state, reward, _ = game_task(meadow_env).step(state, actions, key)
         return state, reward, jnp.zeros((), jnp.uint8)
 
-    blind = Task("blind", meadow_env.num_agents, meadow_env.num_actions, game_task(meadow_env).reset, unseeing)
+    blind = Task(
+        "blind",
+        meadow_env.num_agents,
+        meadow_env.num_actions,
+        game_task(meadow_env).reset,
+        unseeing,
+    )
     assert 0 < rewards(3) < rewards(9) < rewards(18)
 
 
@@ -109,7 +119,9 @@ def test_the_yardstick_plays() -> None:
     task = yardstick_task()
     start = jax.eval_shape(task.reset)
     actions = jax.ShapeDtypeStruct((7,), "int32")
-    state, reward, tokens = jax.eval_shape(task.step, start, actions, jax.eval_shape(lambda: jax.random.key(0)))
+    state, reward, tokens = jax.eval_shape(
+        task.step, start, actions, jax.eval_shape(lambda: jax.random.key(0))
+    )
     assert state == start
     assert (reward.shape, reward.dtype) == ((7,), "float32")
     assert (tokens.shape, tokens.dtype) == ((7, 11, 11), "uint8")
@@ -118,7 +130,11 @@ def test_the_yardstick_plays() -> None:
 @pytest.fixture
 def keeping(tmp_path: Path) -> Iterator[Path]:
     """A folder in which JAX keeps every program, and has begun to."""
-    names = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs", "jax_enable_compilation_cache")
+    names = (
+        "jax_compilation_cache_dir",
+        "jax_persistent_cache_min_compile_time_secs",
+        "jax_enable_compilation_cache",
+    )
     before = {name: getattr(jax.config, name) for name in names}
     for name, value in zip(names, (str(tmp_path / "kept"), 0, True), strict=True):
         jax.config.update(name, value)
@@ -132,11 +148,31 @@ def keeping(tmp_path: Path) -> Iterator[Path]:
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("folder")
-def test_the_command_prints_and_stores_a_table_and_keeps_no_program(keeping: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_and_stores_a_table_and_keeps_no_program(
+    keeping: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """What it compiles is neither kept nor found: it measures how long that takes."""
     kept = sorted(keeping.iterdir())
     assert kept
-    assert run(["bench", "meadow.sj", "--variant", "dry", "--envs", "2", "--steps", "2", "--repeats", "1", "--json", "out.json"]) == 0
+    assert (
+        run(
+            [
+                "bench",
+                "meadow.sj",
+                "--variant",
+                "dry",
+                "--envs",
+                "2",
+                "--steps",
+                "2",
+                "--repeats",
+                "1",
+                "--json",
+                "out.json",
+            ]
+        )
+        == 0
+    )
     shown = capsys.readouterr().out
     for part in ("yardstick", "meadow+dry", "2 envs", "x1.00"):
         assert part in shown
@@ -146,13 +182,20 @@ def test_the_command_prints_and_stores_a_table_and_keeps_no_program(keeping: Pat
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("folder")
-def test_the_command_measures_several_forms_of_which_a_page_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_measures_several_forms_of_which_a_page_is_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     Path("docs").mkdir()
-    Path("docs/page.md").write_text("Speed.\n<!-- speed cpu -->\n<!-- end speed cpu -->\nThat was it.\n")
+    Path("docs/page.md").write_text(
+        "Speed.\n<!-- speed cpu -->\n<!-- end speed cpu -->\nThat was it.\n"
+    )
     asked = "race meadow.sj --observation tokens,onehot --crowd --envs 2 --steps 2 --repeats 1 --json race.json"
     monkeypatch.setattr("sys.argv", ["bench.speed", *asked.split()])
     assert CliRunner().invoke(main, asked.split()).exit_code == 0
-    assert CliRunner().invoke(main, ["tables", "race.json", "--markdown", "docs/page.md"]).exit_code == 0
+    assert (
+        CliRunner().invoke(main, ["tables", "race.json", "--markdown", "docs/page.md"]).exit_code
+        == 0
+    )
     page = Path("docs/page.md").read_text()
     assert f"`python -m bench.speed {asked}`" in page
     assert "| meadow | 2 | onehot |" in page

@@ -50,8 +50,16 @@ jax.jit(jax.vmap(env.step)).lower(keys, states, actions).compile()
 
 def compiled_alone(game: str) -> subprocess.CompletedProcess[str]:
     """Compiles a step of 128 environments as users have it, in a process of its own, which XLA may end."""
-    environment = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XLA_"))}
-    return subprocess.run([sys.executable, "-c", COMPILE, game], capture_output=True, text=True, timeout=300, env=environment)
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XLA_"))
+    }
+    return subprocess.run(
+        [sys.executable, "-c", COMPILE, game],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env=environment,
+    )
 
 
 @pytest.fixture
@@ -63,7 +71,10 @@ def ballot(tmp_path: Path) -> Path:
 
 def test_one_number_of_the_world_is_kept_in_32_bits(ballot: Path) -> None:
     state = jax.eval_shape(make(ballot).reset, jax.random.key(0))[1]
-    assert {name: getattr(state, name).dtype.name for name in ("world_round", "world_held", "agent_state", "agent_ballot")} == {
+    assert {
+        name: getattr(state, name).dtype.name
+        for name in ("world_round", "world_held", "agent_state", "agent_ballot")
+    } == {
         "world_round": "int32",
         "world_held": "int32",
         "agent_state": "uint8",

@@ -19,19 +19,35 @@ from sjdsl.bench import Compilation, Report, Speed, game_task
 from sjdsl.bench.stored import write_found
 from sjdsl.runtime.env import Environment
 
-MACHINE = {"platform": "gpu", "device": "a device", "cpu_cores": 2, "python": "3", "jax": "0", "sjdsl": "0", "compilation_cache": False}
+MACHINE = {
+    "platform": "gpu",
+    "device": "a device",
+    "cpu_cores": 2,
+    "python": "3",
+    "jax": "0",
+    "sjdsl": "0",
+    "compilation_cache": False,
+}
 
 
 def speeds(num_envs: int, peak: int | None = None) -> Report:
     speed = Speed("meadow", 2, "tokens", None, num_envs, 2e5, 1e5, 3e5, 2.0, 1.0, 100)
-    return Report(MACHINE, 3, (speed,), (Compilation("meadow", 2, "tokens", 1.5, 10, {"sort": 0}),), peak)
+    return Report(
+        MACHINE, 3, (speed,), (Compilation("meadow", 2, "tokens", 1.5, 10, {"sort": 0}),), peak
+    )
 
 
-SPLIT = Split("meadow", 2, "mlp", 4, 8, 1.0, (1.0, 2.0), (0.1,), (0.2,), (0.3,), 1e6, "mappo", "per_agent")
+SPLIT = Split(
+    "meadow", 2, "mlp", 4, 8, 1.0, (1.0, 2.0), (0.1,), (0.2,), (0.3,), 1e6, "mappo", "per_agent"
+)
 TRAINING = Training(MACHINE, 1e9, (SPLIT,), 10**9, ("meadow, mlp, vdn, shared: no memory",))
-KERNELS = Kernels(MACHINE, 4e9, (StepKernels("meadow", 2, "tokens", 1000, 12, 5000.0, 2000.0, (1e-3,)),))
+KERNELS = Kernels(
+    MACHINE, 4e9, (StepKernels("meadow", 2, "tokens", 1000, 12, 5000.0, 2000.0, (1e-3,)),)
+)
 RESUME = Resume(MACHINE, "meadow", 40, 20, "--flag", ("loss",), 3.0)
-SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5), 10, (1.0, 3.0), (2e5, 2e5), 1.5, (5e5, 5e5))
+SWEEP = Sweep(
+    MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5), 10, (1.0, 3.0), (2e5, 2e5), 1.5, (5e5, 5e5)
+)
 
 
 def fail() -> Found:
@@ -46,7 +62,9 @@ def test_figures_are_read_back_as_they_were(found: Found, tmp_path: Path) -> Non
     assert [path.name for path in tmp_path.iterdir()] == ["figures.json"]
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"sort": "report"}', '{"sort": "speed of light"}'])
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{}", '{"sort": "report"}', '{"sort": "speed of light"}']
+)
 def test_other_files_are_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "figures.json").write_text(text)
     with pytest.raises(ValueError, match="holds no figures that sjdsl bench wrote"):
@@ -57,7 +75,12 @@ def test_what_was_measured_survives_a_failure_and_a_stop(tmp_path: Path) -> None
     def stop() -> Found:
         raise KeyboardInterrupt
 
-    parts = [Part("few", lambda: speeds(1)), Part("many", fail), Part("kernels", lambda: KERNELS), Part("last", stop)]
+    parts = [
+        Part("few", lambda: speeds(1)),
+        Part("many", fail),
+        Part("kernels", lambda: KERNELS),
+        Part("last", stop),
+    ]
     failed = measure_everything(parts[:3], tmp_path / "whole", lambda _: None)
     assert failed == ["many failed: RuntimeError: out of memory"]
     with pytest.raises(KeyboardInterrupt):
@@ -82,7 +105,10 @@ def test_figures_of_one_sort_are_joined() -> None:
 
 def test_the_parts_begin_with_what_tells_most(meadow_env: Environment) -> None:
     one_hot = Environment(meadow_env.module, meadow_env.params, "onehot", meadow_env.game)
-    assert [part.name for part in parts_of([game_task(meadow_env), game_task(one_hot)], "meadow.sj", (4, 8))] == [
+    assert [
+        part.name
+        for part in parts_of([game_task(meadow_env), game_task(one_hot)], "meadow.sj", (4, 8))
+    ] == [
         "speed_tokens_4",
         "speed_tokens_8",
         "kernels",
@@ -96,11 +122,26 @@ def test_the_parts_begin_with_what_tells_most(meadow_env: Environment) -> None:
 
 def test_a_page_is_made_of_the_files(tmp_path: Path) -> None:
     """Nothing is measured; figures of one section are joined, and what no mark is for is refused."""
-    parts = [Part("few", lambda: speeds(1)), Part("many", lambda: speeds(8)), Part("kernels", lambda: KERNELS), Part("r", lambda: RESUME)]
+    parts = [
+        Part("few", lambda: speeds(1)),
+        Part("many", lambda: speeds(8)),
+        Part("kernels", lambda: KERNELS),
+        Part("r", lambda: RESUME),
+    ]
     measure_everything(parts, tmp_path / "gpu", lambda _: None)
     page = tmp_path / "page.md"
-    page.write_text("".join(f"<!-- {what} gpu -->\n<!-- end {what} gpu -->\n" for what in ("speed", "kernels", "resuming")))
-    asked = ["tables", *(str(path) for path in sorted((tmp_path / "gpu").iterdir())), "--markdown", str(page)]
+    page.write_text(
+        "".join(
+            f"<!-- {what} gpu -->\n<!-- end {what} gpu -->\n"
+            for what in ("speed", "kernels", "resuming")
+        )
+    )
+    asked = [
+        "tables",
+        *(str(path) for path in sorted((tmp_path / "gpu").iterdir())),
+        "--markdown",
+        str(page),
+    ]
     assert CliRunner().invoke(main, asked).exit_code == 0
     text = page.read_text()
     for part in ("on a device, 2 CPU cores", "| 1 env | 8 envs |", "50.0%", "no: loss"):
@@ -108,7 +149,9 @@ def test_a_page_is_made_of_the_files(tmp_path: Path) -> None:
     page.write_text("<!-- speed gpu -->\n<!-- end speed gpu -->\n")
     assert "kernels gpu" in CliRunner().invoke(main, asked).output
     assert page.read_text() == "<!-- speed gpu -->\n<!-- end speed gpu -->\n"
-    assert "is there already" in CliRunner().invoke(main, ["everything", str(tmp_path / "gpu")]).output
+    assert (
+        "is there already" in CliRunner().invoke(main, ["everything", str(tmp_path / "gpu")]).output
+    )
 
 
 def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
@@ -124,15 +167,24 @@ def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
     (tmp_path / "resumed" / "policies" / "2.safetensors").write_bytes(b"others")
     lines[1] = json.dumps({**rows[1], "loss": 0.26})
     (tmp_path / "resumed" / "metrics.jsonl").write_text("\n".join(lines) + "\n")
-    assert differences(tmp_path / "whole", tmp_path / "resumed") == ("loss", "policies/2.safetensors")
+    assert differences(tmp_path / "whole", tmp_path / "resumed") == (
+        "loss",
+        "policies/2.safetensors",
+    )
     (tmp_path / "resumed" / "metrics.jsonl").write_text(lines[0] + "\n")
     assert differences(tmp_path / "whole", tmp_path / "resumed")[0] == "2 and 1 rows of metrics"
 
 
 @pytest.mark.thorough
-def test_a_run_that_is_resumed_ends_as_one_that_was_not_stopped(meadow: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_that_is_resumed_ends_as_one_that_was_not_stopped(
+    meadow: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(resuming, "UPDATES", 4)
-    monkeypatch.setattr(resuming, "SETTINGS", {"total_timesteps": 4 * 4 * 8, "num_envs": 4, "num_steps": 8, "evaluate_every": 0})
+    monkeypatch.setattr(
+        resuming,
+        "SETTINGS",
+        {"total_timesteps": 4 * 4 * 8, "num_envs": 4, "num_steps": 8, "evaluate_every": 0},
+    )
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     train_in_this_process(str(meadow), str(whole), "train")
     train_in_this_process(str(meadow), str(stopped), "stop")

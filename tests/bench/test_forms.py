@@ -19,19 +19,27 @@ def test_a_game_without_room_comes_as_its_crowd_and_one_that_refuses_is_named() 
         ("pd_arena", 20, 20),
     ]
     (line,) = refused
-    assert line == "coins can't have 20 agents: `players` is 20, outside 2 .. 2 (two colours, an agent for each)"
+    assert (
+        line
+        == "coins can't have 20 agents: `players` is 20, outside 2 .. 2 (two colours, an agent for each)"
+    )
 
 
 def test_each_observation_is_a_task() -> None:
     tasks, refused = forms_of(["coins"], ["tokens", "onehot"], crowd=False)
-    assert [(task.name, task.observation) for task in tasks] == [("coins", "tokens"), ("coins", "onehot")]
+    assert [(task.name, task.observation) for task in tasks] == [
+        ("coins", "tokens"),
+        ("coins", "onehot"),
+    ]
     assert refused == []
 
 
 def test_all_nine_but_coins_come_with_twenty_agents() -> None:
     tasks, refused = forms_of(NINE, ["tokens"], crowd=True)
     crowds = [task for task in tasks if task.crowd]
-    assert [task.name.split("+")[0] for task in crowds] == [game for game in NINE if game != "coins"]
+    assert [task.name.split("+")[0] for task in crowds] == [
+        game for game in NINE if game != "coins"
+    ]
     assert {task.num_agents for task in crowds} == {20}
     assert len(refused) == 1
 

@@ -77,7 +77,12 @@ ENTRY %main (s: (s32[], f32[5,100], f32[1,100]), t: f32[1000], i: s32[3,1], u: f
 
 def test_each_kernel_is_counted_as_often_as_it_is_launched() -> None:
     cost = cost_of(PROGRAM)
-    assert {kernel.name: kernel.times for kernel in cost.kernels} == {"stored": 5, "three": 1, "eight": 1, "copied": 1}
+    assert {kernel.name: kernel.times for kernel in cost.kernels} == {
+        "stored": 5,
+        "three": 1,
+        "eight": 1,
+        "copied": 1,
+    }
     assert cost.launches == 8
     assert cost.waits == 1  # the branch; the loop's turns are known
 
@@ -85,7 +90,9 @@ def test_each_kernel_is_counted_as_often_as_it_is_launched() -> None:
 def test_bytes_are_those_that_are_touched() -> None:
     found = {kernel.name: kernel.bytes for kernel in cost_of(PROGRAM).kernels}
     assert found["stored"] == 400 + 400 + 4  # a row in, a row out, its number; not the array
-    assert found["three"] == 3 * 32 + 3 * 4 + 3 * 4  # three sectors, three indices, three numbers out
+    assert (
+        found["three"] == 3 * 32 + 3 * 4 + 3 * 4
+    )  # three sectors, three indices, three numbers out
     assert found["eight"] == 4 * (8 * 50 + 8)
     assert found["copied"] == 4 * (8 + 8)
 
@@ -101,8 +108,14 @@ def test_a_product_of_matrices_and_convolutions() -> None:
         '  ROOT %c = f32[2,9,9,4]{3,2,1,0} custom-call(%a, %b), dim_labels=b01f_01io->b01f, custom_call_target="__cudnn$convForward"',
         '  ROOT %c = f32[5,5,3,4]{3,2,1,0} custom-call(%a, %b), dim_labels=b01f_01io->b01f, custom_call_target="__cudnn$convBackwardFilter"',
     )
-    shapes = (("f32[6,5]", "f32[5,7]"), ("f32[2,9,9,3]", "f32[5,5,3,4]"), ("f32[2,9,9,3]", "f32[2,9,9,4]"))
-    for line, (a, b), number in zip(lines, shapes, (6 * 7 * 5, *[2 * 9 * 9 * 4 * 5 * 5 * 3] * 2), strict=True):
+    shapes = (
+        ("f32[6,5]", "f32[5,7]"),
+        ("f32[2,9,9,3]", "f32[5,5,3,4]"),
+        ("f32[2,9,9,3]", "f32[2,9,9,4]"),
+    )
+    for line, (a, b), number in zip(
+        lines, shapes, (6 * 7 * 5, *[2 * 9 * 9 * 4 * 5 * 5 * 3] * 2), strict=True
+    ):
         text = f"ENTRY %main (a: {a}, b: {b}) -> f32[] {{\n  %a = {a} parameter(0)\n  %b = {b} parameter(1)\n{line}\n}}\n"
         assert [kernel.operations for kernel in cost_of(text).kernels] == [number]
 

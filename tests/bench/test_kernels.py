@@ -66,8 +66,12 @@ def test_a_step_moves_at_least_what_goes_in_and_out(meadow_env: Environment) -> 
     """State: step, three cells of fruit, of two agents the cell and the heading, the key and what goes on; counted by its arrays."""
     (step,) = measure_kernels([game_task(meadow_env)], num_envs=3, repeats=1, steps=1).steps
     observation, state = jax.eval_shape(meadow_env.reset, jax.random.key(0))
-    in_and_out = 2 * sum(math.prod(leaf.shape) * leaf.dtype.itemsize for leaf in jax.tree.leaves(state))
-    assert step.least_bytes == in_and_out + math.prod(observation.shape) + 2 * 4 + 2 * 4  # actions and rewards of two agents
+    in_and_out = 2 * sum(
+        math.prod(leaf.shape) * leaf.dtype.itemsize for leaf in jax.tree.leaves(state)
+    )
+    assert (
+        step.least_bytes == in_and_out + math.prod(observation.shape) + 2 * 4 + 2 * 4
+    )  # actions and rewards of two agents
     assert step.kernels > 1
     assert len(step.seconds) == 1
 
@@ -76,7 +80,18 @@ def test_the_share_is_the_time_a_copy_of_the_least_bytes_would_take() -> None:
     step = StepKernels("meadow", 2, "tokens", 1000, 12, 5000.0, 2000.0, (1e-3, 2e-3, 4e-3))
     found = Kernels({"platform": "gpu"}, 4e9, (step,))
     (row,) = kernel_table(found).rows
-    assert row == ("meadow", "2", "tokens", "1,000", "12", "5,000", "2,000", "2,000 µs", "500k", "25.0%")
+    assert row == (
+        "meadow",
+        "2",
+        "tokens",
+        "1,000",
+        "12",
+        "5,000",
+        "2,000",
+        "2,000 µs",
+        "500k",
+        "25.0%",
+    )
     assert "4 GB/s" in notes_of(found)[0]
     assert json.loads(json.dumps(asdict(found)))["steps"][0]["kernels"] == 12
 

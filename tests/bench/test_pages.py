@@ -17,7 +17,14 @@ from sjdsl.bench.timing import Round, speed_of
 MACHINE = {"platform": "cpu"}
 
 
-def speed(name: str, num_envs: int, rate: float, num_agents: int = 2, observation: str = "tokens", crowd: int | None = None) -> Speed:
+def speed(
+    name: str,
+    num_envs: int,
+    rate: float,
+    num_agents: int = 2,
+    observation: str = "tokens",
+    crowd: int | None = None,
+) -> Speed:
     figures = (rate, rate * 0.9, rate * 1.1, rate / 1e5, 2.0, 3_000_000 * num_envs)
     return Speed(name, num_agents, observation, crowd, num_envs, *figures)
 
@@ -29,13 +36,19 @@ def test_steps_a_second_of_processor_time() -> None:
     task = Task("meadow", 2, 3, lambda: None, lambda *_: None)  # type: ignore[arg-type, return-value]
     compiled = jax.jit(lambda: 0).lower().compile()
     measured = speed_of(task, 1, [busy] * 3, [busy] * 3, (compiled, 1.0))
-    (table,) = [table for table in speed_tables(report(measured)) if "processor time" in table.title]
+    (table,) = [
+        table for table in speed_tables(report(measured)) if "processor time" in table.title
+    ]
     assert table.rows == (("meadow", "2", "tokens", "0.3k"),)
-    assert not any("processor time" in table.title for table in speed_tables(RACE))  # of a former version
+    assert not any(
+        "processor time" in table.title for table in speed_tables(RACE)
+    )  # of a former version
 
 
 def report(*speeds: Speed, peak: int | None = None) -> Report:
-    return Report(MACHINE, 3, speeds, (Compilation("meadow", 2, "tokens", 1.5, 1234, {"sort": 0}),), peak)
+    return Report(
+        MACHINE, 3, speeds, (Compilation("meadow", 2, "tokens", 1.5, 1234, {"sort": 0}),), peak
+    )
 
 
 RACE = report(
@@ -44,12 +57,29 @@ RACE = report(
     *(speed("meadow", n, 1e5, observation="onehot") for n in (1, 128)),
     *(speed("meadow+crowd", n, 5e4, 20, crowd=20) for n in (1, 128)),
 )
-SWEEP = Sweep(MACHINE, "meadow", "apple", 64, 16, 2.0, (4e5, 5e5, 6e5), 10, (1.0, 3.0), (2e5, 2e5, 2e5), 1.5, (5e5, 5e5, 5e5))
+SWEEP = Sweep(
+    MACHINE,
+    "meadow",
+    "apple",
+    64,
+    16,
+    2.0,
+    (4e5, 5e5, 6e5),
+    10,
+    (1.0, 3.0),
+    (2e5, 2e5, 2e5),
+    1.5,
+    (5e5, 5e5, 5e5),
+)
 
 
 def test_a_section_of_a_page(golden: Callable[[Path, str], None]) -> None:
     """Speeds, costs and relations of forms, and a sweep, of which few or many compilations are extrapolated."""
-    tables = [*tables_of(RACE), *tables_of(SWEEP), sweep_table(Sweep(**{**asdict(SWEEP), "num_values": 2}))]
+    tables = [
+        *tables_of(RACE),
+        *tables_of(SWEEP),
+        sweep_table(Sweep(**{**asdict(SWEEP), "num_values": 2})),
+    ]
     text = markdown_section("sjdsl bench", "a machine", ["coins is left out"], tables)
     golden(Path(__file__).with_name("section.txt"), text)
     assert len(tables_of(report(speed("meadow", 1, 1e5)))) == 2, "nothing to compare"
@@ -80,7 +110,9 @@ def test_a_section_is_written_again(tmp_path: Path) -> None:
         ("sweep pd_arena payoff", "sweep pd_arena payoff"),
     ],
 )
-def test_the_page_of_speeds_has_marks_for_what_make_bench_measures(section: str, made: str, sort: str) -> None:
+def test_the_page_of_speeds_has_marks_for_what_make_bench_measures(
+    section: str, made: str, sort: str
+) -> None:
     root = Path(__file__).parents[2]
     page = (root / "docs" / "performance.md").read_text(encoding="utf-8")
     assert "newly measured" in replace_section(page, f"{section} {sort}", "newly measured\n")

@@ -33,9 +33,20 @@ print(float(compiled(jax.random.key(1))), float(drawn(key)), sum(own), own[0] !=
 
 def run_alone(arguments: list[str], folder: Path, **more: str) -> subprocess.CompletedProcess[str]:
     """Runs Python anew: JAX divides the CPU before its first computation alone."""
-    alone = {name: value for name, value in os.environ.items() if name not in ("XLA_FLAGS", "JAX_NUM_CPU_DEVICES")}
+    alone = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("XLA_FLAGS", "JAX_NUM_CPU_DEVICES")
+    }
     alone |= {"PYTHONPATH": str(Path(__file__).parents[2]), **more}
-    return subprocess.run([sys.executable, *arguments], cwd=folder, env=alone, capture_output=True, text=True, check=False)
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env=alone,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
 @pytest.mark.thorough
@@ -62,18 +73,28 @@ def test_the_example_of_the_page_of_speeds_runs(tmp_path: Path) -> None:
 @pytest.mark.thorough
 def test_the_command_splits_environments(meadow: Path, tmp_path: Path) -> None:
     (tmp_path / "meadow.sj").write_text(meadow.read_text(encoding="utf-8"), encoding="utf-8")
-    (tmp_path / "page.md").write_text("<!-- speed 2 devices cpu -->\n<!-- end speed 2 devices cpu -->\n", encoding="utf-8")
+    (tmp_path / "page.md").write_text(
+        "<!-- speed 2 devices cpu -->\n<!-- end speed 2 devices cpu -->\n", encoding="utf-8"
+    )
     asked = "race meadow.sj --devices 2 --envs 4 --steps 2 --repeats 1 --json out.json"
     ended = run_alone(["-m", "bench.speed", *asked.split()], tmp_path, JAX_NUM_CPU_DEVICES="2")
     assert ended.returncode == 0, ended.stderr
-    assert json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["machine"]["devices"] == 2
-    shown = run_alone(["-m", "bench.speed", "tables", "out.json", "--markdown", "page.md"], tmp_path)
+    assert (
+        json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["machine"]["devices"] == 2
+    )
+    shown = run_alone(
+        ["-m", "bench.speed", "tables", "out.json", "--markdown", "page.md"], tmp_path
+    )
     assert "2 devices" in shown.stdout
     assert "CPU cores, 2 devices, JAX" in (tmp_path / "page.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
-    ("num_envs", "said"), [(3, "3 environments can't be split evenly over 2 devices"), (4, "Number of devices 1 must be")]
+    ("num_envs", "said"),
+    [
+        (3, "3 environments can't be split evenly over 2 devices"),
+        (4, "Number of devices 1 must be"),
+    ],
 )
 def test_what_cannot_be_split_is_refused(num_envs: int, said: str) -> None:
     """This process has one device, as JAX has begun with one."""

@@ -44,8 +44,14 @@ def known_figures(form: str) -> dict[str, dict[str, int]]:
 @pytest.mark.parametrize("form", FORMS)
 def test_the_table_can_be_written(form: str, request: pytest.FixtureRequest) -> None:
     if request.config.getoption("--update-golden"):
-        rows = [("game", *MANY), *((game, *(str(n) for n in figures_of(game, form).values())) for game in NINE)]
-        known(form).write_text("".join(f"{row[0]:<20}{''.join(f'{cell:>15}' for cell in row[1:])}\n" for row in rows), encoding="utf-8")
+        rows = [
+            ("game", *MANY),
+            *((game, *(str(n) for n in figures_of(game, form).values())) for game in NINE),
+        ]
+        known(form).write_text(
+            "".join(f"{row[0]:<20}{''.join(f'{cell:>15}' for cell in row[1:])}\n" for row in rows),
+            encoding="utf-8",
+        )
     assert tuple(known_figures(form)) == NINE
 
 
@@ -77,15 +83,22 @@ def test_a_step_for_a_gpu_waits_for_nothing(game: str) -> None:
 
 
 @pytest.mark.parametrize(("platform", "form"), [("cpu", "cpu"), ("cuda", "gpu")])
-def test_the_platform_chooses_the_form(platform: str, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_platform_chooses_the_form(
+    platform: str, form: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Where JAX has a GPU, a program for either has its form alone."""
     monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
     env = sjdsl.make("coins")
     key = jax.random.key(0)
-    traced = env.step.trace(key, jax.eval_shape(env.reset, key)[1], jax.ShapeDtypeStruct((env.num_agents,), "int32"))
+    traced = env.step.trace(
+        key, jax.eval_shape(env.reset, key)[1], jax.ShapeDtypeStruct((env.num_agents,), "int32")
+    )
     found = count_operations(traced.lower(lowering_platforms=(platform,)).as_text())
     choice = {"case": 2}  # by a constant, once for the whole step: XLA takes one side
-    assert found == {name: number + choice.get(name, 0) for name, number in count_operations(step_of("coins", form)).items()}
+    assert found == {
+        name: number + choice.get(name, 0)
+        for name, number in count_operations(step_of("coins", form)).items()
+    }
 
 
 def test_operations_are_counted_once_each() -> None:
@@ -94,4 +107,8 @@ def test_operations_are_counted_once_each() -> None:
     %1:2 = stablehlo.while(%iterArg = %c) : tensor<i32>
     %2 = stablehlo.dynamic_slice %a, %b, sizes = [1] : tensor<i32>
     """
-    assert {name: number for name, number in count_operations(text).items() if number} == {"gather": 1, "while": 1, "dynamic_slice": 1}
+    assert {name: number for name, number in count_operations(text).items() if number} == {
+        "gather": 1,
+        "while": 1,
+        "dynamic_slice": 1,
+    }

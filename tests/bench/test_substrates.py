@@ -17,7 +17,9 @@ from sjdsl.runtime.env import Environment
 
 
 @pytest.mark.thorough
-def test_a_run_that_is_stopped_keeps_the_rows_it_has(meadow_env: Environment, tmp_path: Path) -> None:
+def test_a_run_that_is_stopped_keeps_the_rows_it_has(
+    meadow_env: Environment, tmp_path: Path
+) -> None:
     def tasks() -> Iterator[Task]:
         yield game_task(meadow_env, "first")
         raise KeyboardInterrupt
@@ -42,4 +44,7 @@ def test_substrates_are_called_by_melting_pots_names() -> None:
     assert len(known) == 49
     (task,) = substrate_tasks([known["commons_harvest__open"]])
     assert (task.name, task.num_agents) == ("commons_harvest__open", 7)
-    assert "Melting Pot has no substrate commons_harvest_open" in CliRunner().invoke(main, ["substrates", "commons_harvest_open"]).output
+    assert (
+        "Melting Pot has no substrate commons_harvest_open"
+        in CliRunner().invoke(main, ["substrates", "commons_harvest_open"]).output
+    )

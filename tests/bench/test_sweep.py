@@ -54,7 +54,11 @@ def env(file: Path) -> Environment:
 
 def test_values_lie_evenly_around_the_games_own(env: Environment) -> None:
     assert [float(params.apple) for params in swept_params(env, "apple", 3)] == [1.5, 2, 2.5]
-    assert [int(params.rest) for params in swept_params(env, "rest", 3)] == [8, 10, 12]  # whole, and within the limits
+    assert [int(params.rest) for params in swept_params(env, "rest", 3)] == [
+        8,
+        10,
+        12,
+    ]  # whole, and within the limits
 
 
 def test_a_table_is_varied_as_a_whole(env: Environment) -> None:
@@ -86,12 +90,18 @@ def test_values_as_arguments_play_as_constants_do(env: Environment) -> None:
 
     assert together(own, own, own, own) == float(jax.jit(make_loop(game_task(env), 4, 6))(key))
     dear = own.replace(apple=own.apple * 2)
-    assert together(own, own, own, own) < together(own, own, dear, own) < together(dear, dear, dear, dear)
+    assert (
+        together(own, own, own, own)
+        < together(own, own, dear, own)
+        < together(dear, dear, dear, dear)
+    )
 
 
 @pytest.mark.slow
 def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
-    sweep = measure_sweep(game_task(env), "apple", swept_params(env, "apple", 4), 2, repeats=3, num_steps=2, apart=2)
+    sweep = measure_sweep(
+        game_task(env), "apple", swept_params(env, "apple", 4), 2, repeats=3, num_steps=2, apart=2
+    )
     assert (sweep.name, sweep.param, sweep.num_values, sweep.num_envs) == ("orchard", "apple", 4, 2)
     assert len(sweep.apart_compile_s) == 2
     for rates in (sweep.together, sweep.apart, sweep.constant):
@@ -101,16 +111,26 @@ def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
 
 
 @pytest.mark.thorough
-def test_the_command_writes_a_sweep(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_writes_a_sweep(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     page = tmp_path / "page.md"
     page.write_text("<!-- sweep orchard apple cpu -->\n<!-- end sweep orchard apple cpu -->\n")
     figures = str(tmp_path / "sweep.json")
-    asked = ["sweep", str(file), "apple", *["--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--json"], figures]
+    asked = [
+        "sweep",
+        str(file),
+        "apple",
+        *["--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--json"],
+        figures,
+    ]
     monkeypatch.setattr("sys.argv", ["bench.speed", *asked])
     found = CliRunner().invoke(main, asked)
     assert "2 values of apple of orchard, 2 environments each" in found.output
     assert CliRunner().invoke(main, ["tables", figures, "--markdown", str(page)]).exit_code == 0
-    assert page.read_text().startswith("<!-- sweep orchard apple cpu -->\n`python -m bench.speed sweep ")
+    assert page.read_text().startswith(
+        "<!-- sweep orchard apple cpu -->\n`python -m bench.speed sweep "
+    )
 
 
 def test_a_mistake_is_told(file: Path) -> None:

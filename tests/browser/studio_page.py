@@ -39,10 +39,26 @@ class Studio:
     """A server of a folder. `address`: of its page."""
 
     def __init__(self, folder: Path, port: int = 0) -> None:
-        command = [sys.executable, "-m", "sjdsl", "studio", "yard.sj", "--no-browser", "--port", str(port)]
+        command = [
+            sys.executable,
+            "-m",
+            "sjdsl",
+            "studio",
+            "yard.sj",
+            "--no-browser",
+            "--port",
+            str(port),
+        ]
         environment = os.environ | {"XDG_CACHE_HOME": str(folder / ".cache")}
         self.folder = folder
-        self.process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True, env=environment, start_new_session=True)
+        self.process = subprocess.Popen(
+            command,
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=environment,
+            start_new_session=True,
+        )
         assert self.process.stdout is not None
         self.address = re.findall(r"http\S+", self.process.stdout.readline())[0]
         self.port = int(re.findall(r":(\d+)/", self.address)[0])
@@ -68,7 +84,12 @@ def opened(browser: Browser, studio: Studio) -> Iterator[Page]:
     page, wrong = context.new_page(), list[str]()
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on(
-        "request", lambda request: wrong.append(request.url) if "127.0.0.1" not in request.url and request.url.startswith("http") else None
+        "request",
+        lambda request: (
+            wrong.append(request.url)
+            if "127.0.0.1" not in request.url and request.url.startswith("http")
+            else None
+        ),
     )
     page.set_default_timeout(60_000)
     expect.set_options(timeout=60_000)

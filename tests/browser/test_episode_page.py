@@ -27,7 +27,9 @@ def moments(env: sjdsl.Environment) -> list[Moment]:
 
 
 @pytest.fixture(scope="module")
-def file(env: sjdsl.Environment, moments: list[Moment], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def file(
+    env: sjdsl.Environment, moments: list[Moment], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
     path = tmp_path_factory.mktemp("pages") / "episode.html"
     make_page(env.game, moments, speed=32.0).save(path)
     return path
@@ -65,13 +67,17 @@ def test_buttons_keys_and_the_slider_lead_to_any_moment(opened: Page) -> None:
 def test_axe_finds_nothing(opened: Page, scheme: str) -> None:
     opened.emulate_media(color_scheme=scheme)
     found = Axe().run(opened).response["violations"]
-    assert [(violation["id"], [node["target"] for node in violation["nodes"]]) for violation in found] == []
+    assert [
+        (violation["id"], [node["target"] for node in violation["nodes"]]) for violation in found
+    ] == []
 
 
 def test_the_board_fits_a_frame_that_gets_wider(page: Page, file: Path) -> None:
     """As in a page that loads it before it has a place for it."""
     page.set_content('<iframe style="width: 0; height: 600px"></iframe>')
-    page.locator("iframe").evaluate("(frame, text) => { frame.srcdoc = text; }", file.read_text("utf-8"))
+    page.locator("iframe").evaluate(
+        "(frame, text) => { frame.srcdoc = text; }", file.read_text("utf-8")
+    )
     board = page.frame_locator("iframe").locator('[data-part="board"]')
     expect(board).to_be_attached()
     page.locator("iframe").evaluate("frame => { frame.style.width = '900px'; }")
@@ -91,30 +97,46 @@ def test_it_plays_to_the_end_and_again(opened: Page) -> None:
     expect(part(opened, "step")).not_to_have_text(f"step {STEPS}, the episode is over")
 
 
-def test_each_agent_has_its_action_reward_and_return(opened: Page, env: sjdsl.Environment, moments: list[Moment]) -> None:
+def test_each_agent_has_its_action_reward_and_return(
+    opened: Page, env: sjdsl.Environment, moments: list[Moment]
+) -> None:
     for number in (0, 1, STEPS // 2, STEPS):
         part(opened, "scrub").fill(str(number))
         moment = moments[number]
         for agent in range(env.num_agents):
-            cells = part(opened, "agents").locator("tbody tr").nth(agent).locator("td").all_inner_texts()
+            cells = (
+                part(opened, "agents")
+                .locator("tbody tr")
+                .nth(agent)
+                .locator("td")
+                .all_inner_texts()
+            )
             assert cells[0] == str(agent)
             assert cells[1] == (env.action_names[moment.actions[agent]] if moment.actions else "")
-            assert float(cells[2].replace("−", "-") or 0) == pytest.approx(float(moment.reward[agent]))
+            assert float(cells[2].replace("−", "-") or 0) == pytest.approx(
+                float(moment.reward[agent])
+            )
             assert float(cells[3]) == pytest.approx(float(moment.snapshot.returns[agent]))
 
 
-def test_the_board_is_the_picture(opened: Page, env: sjdsl.Environment, moments: list[Moment]) -> None:
+def test_the_board_is_the_picture(
+    opened: Page, env: sjdsl.Environment, moments: list[Moment]
+) -> None:
     look = make_painter(env).look
     for number in (0, STEPS // 2):
         part(opened, "scrub").fill(str(number))
         drawn = Image.open(BytesIO(part(opened, "board").screenshot())).convert("RGB")
         wanted = Image.fromarray(draw_board(look, moments[number].snapshot)).resize(drawn.size)
         difference = np.abs(np.asarray(drawn).astype(int) - np.asarray(wanted))
-        assert difference.mean() < 6, "of 255: edges are blended otherwise, cells and agents are in the same places"
+        assert difference.mean() < 6, (
+            "of 255: edges are blended otherwise, cells and agents are in the same places"
+        )
 
 
 def test_a_click_on_the_plot_leads_there(opened: Page) -> None:
     box = part(opened, "plot").bounding_box()
     assert box is not None
-    opened.mouse.click(box["x"] + box["width"] - 9 * box["width"] / 420, box["y"] + box["height"] / 2)
+    opened.mouse.click(
+        box["x"] + box["width"] - 9 * box["width"] / 420, box["y"] + box["height"] / 2
+    )
     expect(part(opened, "step")).to_contain_text(f"step {STEPS}")

@@ -16,15 +16,22 @@ from tests.browser.studio_page import open_game, part
 
 ROOT = Path(__file__).parents[2]
 BUILT = ROOT / "build" / "playground"
-LOADED = 180_000  # milliseconds that Python may take to load on a machine that does other things, too
+LOADED = (
+    180_000  # milliseconds that Python may take to load on a machine that does other things, too
+)
 
-pytestmark = pytest.mark.skipif(not (BUILT / "index.html").is_file(), reason="`make playground` builds it")
+pytestmark = pytest.mark.skipif(
+    not (BUILT / "index.html").is_file(), reason="`make playground` builds it"
+)
 
 
 class Quiet(SimpleHTTPRequestHandler):
     """Gives files, and says nothing."""
 
-    extensions_map = SimpleHTTPRequestHandler.extensions_map | {".mjs": "text/javascript", ".wasm": "application/wasm"}
+    extensions_map = SimpleHTTPRequestHandler.extensions_map | {
+        ".mjs": "text/javascript",
+        ".wasm": "application/wasm",
+    }
 
     def log_message(self, *_: object) -> None:
         """Keeps quiet."""
@@ -61,7 +68,14 @@ def playground(browser: Browser, address: str) -> Iterator[Page]:
     context = browser.new_context(viewport={"width": 1400, "height": 900})
     page, wrong = context.new_page(), list[str]()
     page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.on("request", lambda request: None if request.url.startswith((address, "data:", "blob:")) else wrong.append(request.url))
+    page.on(
+        "request",
+        lambda request: (
+            None
+            if request.url.startswith((address, "data:", "blob:"))
+            else wrong.append(request.url)
+        ),
+    )
     page.goto(address)
     expect(part(page, "title")).to_have_text("Clean Up", timeout=LOADED)
     expect(part(page, "panel")).to_contain_text("Clean Up", timeout=LOADED)
@@ -80,7 +94,9 @@ def write(page: Page, at: str, text: str) -> None:
 def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
     write(playground, "phase walk", " mistake")
     expect(part(playground, "verdict")).to_contain_text("error", timeout=30_000)
-    playground.locator(".cm-lintRange-error").first.wait_for(timeout=LOADED)  # the language server comes after the board
+    playground.locator(".cm-lintRange-error").first.wait_for(
+        timeout=LOADED
+    )  # the language server comes after the board
     for _ in " mistake":
         playground.keyboard.press("Backspace")
     expect(part(playground, "verdict")).to_have_text("", timeout=30_000)
@@ -102,7 +118,13 @@ def test_another_example_is_opened_and_its_panels_filled(playground: Page) -> No
     open_game(playground, "example:coins.sj")
     expect(part(playground, "title")).to_have_text("Coins", timeout=30_000)
     part(playground, "forward").click()
-    for panel, text in (("why", "The last step"), ("state", "World"), ("seen", "plane by plane"), ("python", "jax"), ("rules", "Coins")):
+    for panel, text in (
+        ("why", "The last step"),
+        ("state", "World"),
+        ("seen", "plane by plane"),
+        ("python", "jax"),
+        ("rules", "Coins"),
+    ):
         playground.locator(f'[data-panel="{panel}"]').click()
         expect(part(playground, "panel")).to_contain_text(text, timeout=60_000)
 
@@ -136,7 +158,9 @@ def test_what_takes_too_long_is_stopped_and_python_begins_again(playground: Page
 def test_the_episode_is_shared_as_a_file(playground: Page) -> None:
     with playground.expect_download() as download:
         part(playground, "share").click()
-    assert '<script type="application/json" id="episode">' in download.value.path().read_text(encoding="utf-8")
+    assert '<script type="application/json" id="episode">' in download.value.path().read_text(
+        encoding="utf-8"
+    )
 
 
 def test_a_language_server_that_begins_again_ends_the_one_before(playground: Page) -> None:
@@ -152,9 +176,14 @@ def test_a_language_server_that_begins_again_ends_the_one_before(playground: Pag
 
 
 @pytest.mark.parametrize("damaged", ["", "pyodide.mjs", "pyodide.asm.wasm"])
-def test_pyodide_comes_from_another_server_and_is_checked(browser: Browser, tmp_path: Path, damaged: str) -> None:
+def test_pyodide_comes_from_another_server_and_is_checked(
+    browser: Browser, tmp_path: Path, damaged: str
+) -> None:
     """The build leaves Pyodide out. What that server gives is taken if it is what the build had, and refused by name if a byte differs."""
-    build, package = runpy.run_path(str(ROOT / "editors/playground/build.py")), ROOT / "editors/playground/node_modules/pyodide"
+    build, package = (
+        runpy.run_path(str(ROOT / "editors/playground/build.py")),
+        ROOT / "editors/playground/node_modules/pyodide",
+    )
     elsewhere, out = tmp_path / "elsewhere", tmp_path / "playground"
     elsewhere.mkdir()
     for name in build["PYODIDE"]:

@@ -27,7 +27,16 @@ def test_words_have_the_colours_of_the_grammar(opened: Page) -> None:
     type_over(opened, GAME.replace("episode 50", "episode 50  # short"))
     expect(opened.locator(".text .tok-comment")).to_have_text("# short")
     assert coloured("typeName")[:4] == ["yard", "fine", "reward", "floor"]
-    assert coloured("keyword")[:8] == ["sj", "game", "param", "in", "episode", "kind", "kind", "field"]
+    assert coloured("keyword")[:8] == [
+        "sj",
+        "game",
+        "param",
+        "in",
+        "episode",
+        "kind",
+        "kind",
+        "field",
+    ]
     assert coloured("number")[:5] == ["1", "1", "0", "5", "50"]
     assert coloured("string")[:3] == ['"Yard"', '"."', '"A"']
     assert coloured("atom") == ["north"]
@@ -54,7 +63,9 @@ def test_an_agent_is_driven_by_keys(opened: Page) -> None:
     part(opened, "board").focus()
     opened.keyboard.press("ArrowLeft")
     expect(part(opened, "step")).to_have_text("step 1")
-    actions = [row.locator("td").nth(1).inner_text() for row in part(opened, "agents").locator("tr").all()]
+    actions = [
+        row.locator("td").nth(1).inner_text() for row in part(opened, "agents").locator("tr").all()
+    ]
     assert actions == ["stay", "turn_left"]
 
 
@@ -66,7 +77,10 @@ def test_a_cell_is_asked_why_it_is_as_it_is(opened: Page) -> None:
     state = opened.locator('[data-panel="state"]')
     state.click()
     expect(part(opened, "panel")).to_contain_text("Agent 1")
-    places = [text.split("\t")[-1] for text in part(opened, "panel").locator("tr", has_text="place").all_inner_texts()]
+    places = [
+        text.split("\t")[-1]
+        for text in part(opened, "panel").locator("tr", has_text="place").all_inner_texts()
+    ]
     row, col = map(int, re.findall(r"\d+", places[0]))
     opened.mouse.move(box["x"] + (col + 0.5) * side, box["y"] + (row + 0.5) * side)
     opened.mouse.down()
@@ -107,7 +121,9 @@ def test_panels_are_of_the_text_as_it_is(opened: Page) -> None:
     expect(part(opened, "panel")).to_contain_text("passed")
 
 
-def test_an_episode_is_exported_and_opened_without_the_studio(opened: Page, studio: Studio, browser: Browser) -> None:
+def test_an_episode_is_exported_and_opened_without_the_studio(
+    opened: Page, studio: Studio, browser: Browser
+) -> None:
     part(opened, "forward").click()
     expect(part(opened, "step")).to_have_text("step 1")
     with opened.expect_download() as download:

@@ -20,7 +20,9 @@ def test_a_mistake_has_its_line_its_mark_and_its_repair(opened: Page) -> None:
     expect(row).to_contain_text(f"line {line}")
     expect(opened.locator(".cm-gutter-lint .cm-lint-marker-error")).to_be_visible()
     message = opened.locator(".cm-tooltip-hover .cm-tooltip-section", has_text="ripee")
-    for _ in range(60):  # the editor closes it whenever problems arrive, as they do several times while the game compiles
+    for _ in range(
+        60
+    ):  # the editor closes it whenever problems arrive, as they do several times while the game compiles
         opened.mouse.move(5, 5)
         opened.locator(".cm-lintRange-error", has_text="ripee").hover()
         opened.wait_for_timeout(1000)
@@ -38,7 +40,12 @@ def test_a_mistake_has_its_line_its_mark_and_its_repair(opened: Page) -> None:
 
 def test_a_mistake_beside_the_text_is_told_too(opened: Page) -> None:
     """The language server knows nothing of a number of agents that was chosen in the studio."""
-    type_over(opened, GAME.replace("param fine", "size players : count = 2 in 2 .. 64\n  param fine").replace("agents 2", "agents players"))
+    type_over(
+        opened,
+        GAME.replace("param fine", "size players : count = 2 in 2 .. 64\n  param fine").replace(
+            "agents 2", "agents players"
+        ),
+    )
     expect(part(opened, "crew")).to_be_enabled()
     part(opened, "crew").fill("40")
     part(opened, "crew").press("Enter")
@@ -85,13 +92,17 @@ def test_a_number_is_refused_put_back_and_written(opened: Page) -> None:
 
 def test_curves_follow_the_episode_and_scrubbing_asks_seldom(opened: Page) -> None:
     sent: list[str] = []
-    opened.on("websocket", lambda socket: socket.on("framesent", lambda frame: sent.append(str(frame))))
+    opened.on(
+        "websocket", lambda socket: socket.on("framesent", lambda frame: sent.append(str(frame)))
+    )
     opened.reload()
     opened.locator("body[data-compiles=true]").wait_for()
     for _ in range(6):
         part(opened, "forward").click()
     expect(part(opened, "step")).to_have_text("step 6")
-    expect(part(opened, "returns")).to_have_attribute("aria-label", "Returns by step. Agent 0: 0, Agent 1: 0")
+    expect(part(opened, "returns")).to_have_attribute(
+        "aria-label", "Returns by step. Agent 0: 0, Agent 1: 0"
+    )
     sent.clear()
     part(opened, "scrub").evaluate(
         "slider => { for (let i = 0; i < 100; i++) { slider.value = i % 7; slider.dispatchEvent(new Event('input')); } }"
@@ -126,7 +137,9 @@ def test_tabs_cells_and_panes_by_keys(opened: Page) -> None:
 @pytest.fixture(params=[("light", 1400), ("dark", 1400), ("dark", 390)], ids=str)
 def shaded(browser: Browser, studio: Studio, request: pytest.FixtureRequest) -> Iterator[Page]:
     scheme, width = request.param
-    page = browser.new_page(viewport={"width": width, "height": 850}, color_scheme=scheme, reduced_motion="reduce")
+    page = browser.new_page(
+        viewport={"width": width, "height": 850}, color_scheme=scheme, reduced_motion="reduce"
+    )
     page.goto(studio.address)
     page.locator("body[data-compiles=true]").wait_for(timeout=60_000)
     yield page
@@ -150,7 +163,12 @@ def test_axe_finds_nothing(shaded: Page) -> None:
     narrow = page.viewport_size is not None and page.viewport_size["width"] < 800
     if narrow:
         page.get_by_role("button", name="Panels").click()
-    for name, text in (("state", "World"), ("seen", "plane by plane"), ("python", "import"), ("tour", "tour")):
+    for name, text in (
+        ("state", "World"),
+        ("seen", "plane by plane"),
+        ("python", "import"),
+        ("tour", "tour"),
+    ):
         page.locator(f'[data-panel="{name}"]').click()
         expect(part(page, "panel")).to_contain_text(text, timeout=60_000)
         look()

@@ -34,7 +34,10 @@ def test_a_failed_check_is_shown_on_the_board(opened: Page) -> None:
     expect(part(opened, "panel")).to_contain_text("fruit: ripe -> none")
     opened.get_by_role("button", name="Back to the game").click()
     expect(part(opened, "counterexample")).to_be_hidden()
-    assert part(opened, "board").evaluate("board => Math.round(100 * board.width / board.height)") == 150
+    assert (
+        part(opened, "board").evaluate("board => Math.round(100 * board.width / board.height)")
+        == 150
+    )
 
 
 def test_the_tour_is_read_and_its_games_are_opened(opened: Page) -> None:
@@ -53,7 +56,12 @@ def test_the_tour_is_read_and_its_games_are_opened(opened: Page) -> None:
 
 def test_what_a_variant_changes_stands_beside(opened: Page) -> None:
     expect(part(opened, "diff")).to_be_hidden()
-    type_over(opened, GAME.replace("  policy idler", '  variant poor "pays less" { set fine = 0 }\n  policy idler'))
+    type_over(
+        opened,
+        GAME.replace(
+            "  policy idler", '  variant poor "pays less" { set fine = 0 }\n  policy idler'
+        ),
+    )
     expect(part(opened, "variant").locator("option")).to_have_count(2)
     part(opened, "variant").select_option("poor")
     part(opened, "diff").click()
@@ -104,7 +112,9 @@ def test_another_game_is_not_opened_over_unsaved_work(opened: Page) -> None:
 
 
 @pytest.mark.parametrize("edited", [False, True], ids=["as it was", "edited"])
-def test_a_file_that_another_window_wrote_is_noticed(opened: Page, studio: Studio, edited: bool) -> None:
+def test_a_file_that_another_window_wrote_is_noticed(
+    opened: Page, studio: Studio, edited: bool
+) -> None:
     path = Path(studio.folder / "yard.sj")
     if edited:
         type_over(opened, GAME.replace("Yard", "Mine"))
@@ -117,13 +127,17 @@ def test_a_file_that_another_window_wrote_is_noticed(opened: Page, studio: Studi
 
 def test_whoever_types_early_keeps_the_cursor(studio: Studio, browser: Browser) -> None:
     """The language server comes a while after the text; the editor is not made anew for it, nor are keys lost or changes forgotten."""
-    (studio.folder / "yard.sj").write_text(GAME.replace("  policy", "  define spare = 1\n  policy"), encoding="utf-8")
+    (studio.folder / "yard.sj").write_text(
+        GAME.replace("  policy", "  define spare = 1\n  policy"), encoding="utf-8"
+    )
     page = browser.new_page()
     page.goto(studio.address)
     page.locator(".cm-line").first.click(timeout=60_000)
     page.keyboard.press("End")
     page.keyboard.type("  # early", delay=20)
-    page.locator(".cm-lintRange-warning").first.wait_for(timeout=60_000)  # it has found what is unused
+    page.locator(".cm-lintRange-warning").first.wait_for(
+        timeout=60_000
+    )  # it has found what is unused
     page.keyboard.type(" and late", delay=20)
     expect(page.locator(".cm-line").first).to_have_text("sj 1  # early and late")
     for _ in range(6):

@@ -13,7 +13,10 @@ def test_it_writes_a_module_and_says_so(sjdsl: Sjdsl, folder: Path) -> None:
     written = folder / "generated" / "orchard.py"
     assert shown.status == 0
     text = written.read_text()
-    assert f"generated/orchard.py  {len(text) / 1000:.1f} kB  {len(text.splitlines())} lines" in shown.out
+    assert (
+        f"generated/orchard.py  {len(text) / 1000:.1f} kB  {len(text.splitlines())} lines"
+        in shown.out
+    )
     compile(text, str(written), "exec")
 
 
@@ -22,7 +25,9 @@ def test_a_variant_has_a_file_of_its_own(sjdsl: Sjdsl, folder: Path) -> None:
     assert [p.name for p in (folder / "generated").iterdir()] == ["orchard_rich.py"]
 
 
-def test_bytes_do_not_depend_on_the_folder(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bytes_do_not_depend_on_the_folder(
+    sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     sjdsl("compile", "orchard.sj", "-o", "here.py")
     (folder / "below").mkdir()
     monkeypatch.chdir(folder / "below")
@@ -38,7 +43,12 @@ def test_bytes_do_not_depend_on_the_process(folder: Path) -> None:
     program = "from sjdsl.cli import run; run(['compile', 'orchard.sj', '-o', '{}'])"
     for seed in ("1", "2"):
         environment = {"PYTHONHASHSEED": seed}
-        subprocess.run([sys.executable, "-c", program.format(f"{seed}.py")], cwd=folder, check=True, env=environment)
+        subprocess.run(
+            [sys.executable, "-c", program.format(f"{seed}.py")],
+            cwd=folder,
+            check=True,
+            env=environment,
+        )
     assert (folder / "1.py").read_bytes() == (folder / "2.py").read_bytes()
 
 
@@ -47,7 +57,9 @@ def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> N
     assert not (folder / "generated").exists()
     sjdsl("compile", "orchard.sj")
     assert sjdsl("compile", "orchard.sj", "--check").status == 0
-    (folder / "orchard.sj").write_text(GAME.replace("give apple to agent", "give apple + apple to agent"))
+    (folder / "orchard.sj").write_text(
+        GAME.replace("give apple to agent", "give apple + apple to agent")
+    )
     shown = sjdsl("compile", "orchard.sj", "--check")
     assert shown.status == 1
     assert "generated/orchard.py differs from what its game compiles to now" in shown.out

@@ -23,14 +23,23 @@ def test_a_policy_of_the_file_is_its_line_up(sjdsl: Sjdsl, folder: Path) -> None
     header, collective = shown.out.splitlines()[2:4]
     assert header.split() == ["eater", "random"]
     assert collective.startswith("  collective return")
-    assert "final left" not in shown.out, "what the game does not declare is not shown of runs either"
+    assert "final left" not in shown.out, (
+        "what the game does not declare is not shown of runs either"
+    )
     assert "of a random policy" in shown.out
     assert shown.out.endswith("\neater.json\n")
     stored = json.loads((folder / "eater.json").read_text())
-    assert (stored["policy"], stored["game"]["name"], stored["seed"], stored["episodes"]) == ("eater", "grove", 4, 3)
+    assert (stored["policy"], stored["game"]["name"], stored["seed"], stored["episodes"]) == (
+        "eater",
+        "grove",
+        4,
+        3,
+    )
     env = make_environment(EnvironmentOptions("rich").describe("grove.sj"))
     met = cross_play(env, slots=["eater", "eater"], episodes=3, seed=4)
-    np.testing.assert_array_equal(np.asarray(stored["per_episode"]["returns"], np.float32), met.parts[0].played.returns)
+    np.testing.assert_array_equal(
+        np.asarray(stored["per_episode"]["returns"], np.float32), met.parts[0].played.returns
+    )
     assert stored["summary"]["collective return"]["mean"] > 0
 
 
@@ -41,12 +50,21 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path
     alone = sjdsl("evaluate", file, *PLAYED, "--drawn", "-o", "alone.json")
     run = sjdsl("evaluate", "runs/one", "--drawn", "--episodes", "3", "--seed", "4")
     assert (alone.status, run.status) == (0, 0), alone.text + run.text
-    shown_alone, shown_run = ([line.split() for line in shown.out.splitlines() if line.startswith("  event")] for shown in (alone, run))
+    shown_alone, shown_run = (
+        [line.split() for line in shown.out.splitlines() if line.startswith("  event")]
+        for shown in (alone, run)
+    )
     assert shown_alone == shown_run
-    there, here = (json.loads((folder / name).read_text()) for name in ("runs/one/evaluation.json", "alone.json"))
+    there, here = (
+        json.loads((folder / name).read_text())
+        for name in ("runs/one/evaluation.json", "alone.json")
+    )
     assert there["per_episode"] == here["per_episode"]
     fewer = sjdsl("evaluate", "runs/one", "--episodes", "2")
-    assert (fewer.status, "already holds an evaluation of this policy in 3 episodes" in fewer.err) == (0, True), fewer.text
+    assert (
+        fewer.status,
+        "already holds an evaluation of this policy in 3 episodes" in fewer.err,
+    ) == (0, True), fewer.text
     assert json.loads((folder / "runs/one/evaluation.json").read_text()) == there
     assert sjdsl("evaluate", "runs/one", "--episodes", "3").status == 0
     assert json.loads((folder / "runs/one/evaluation.json").read_text()) != there
@@ -55,15 +73,25 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path
     later = json.loads((folder / "runs/one/evaluation.json").read_text())
     assert (later["episodes"], later["update"]) == (2, 7)
     assert here["digest"]
-    (folder / "orchard.sj").write_text((folder / "grove.sj").read_text().replace("game grove", "game orchard"))
+    (folder / "orchard.sj").write_text(
+        (folder / "grove.sj").read_text().replace("game grove", "game orchard")
+    )
     other = sjdsl("evaluate", file, "--game", "orchard.sj")
-    assert (other.status, "was trained on another game: grove there, orchard here" in other.err) == (1, True), other.text
+    assert (
+        other.status,
+        "was trained on another game: grove there, orchard here" in other.err,
+    ) == (1, True), other.text
     again = sjdsl("evaluate", "runs/one", "--game", "grove.sj", "--agents", "2")
-    assert (again.status, "a run is evaluated in its own game" in again.err) == (2, True), again.text
+    assert (again.status, "a run is evaluated in its own game" in again.err) == (2, True), (
+        again.text
+    )
     for missing in (file, folder / "runs/one/kept.safetensors"):
         missing.touch()
         shown = sjdsl("evaluate", missing)
-        assert (shown.status, "add --game GAME for a policy that isn't a run" in shown.err) == (1, True), shown.text
+        assert (shown.status, "add --game GAME for a policy that isn't a run" in shown.err) == (
+            1,
+            True,
+        ), shown.text
 
 
 def test_random_is_compared_with_nothing(sjdsl: Sjdsl, folder: Path) -> None:
@@ -71,4 +99,6 @@ def test_random_is_compared_with_nothing(sjdsl: Sjdsl, folder: Path) -> None:
     assert shown.status == 0, shown.text
     assert shown.out.splitlines()[2].split() == ["random"]
     assert "of a random policy" not in shown.out
-    assert sorted(path.name for path in folder.iterdir()) == ["grove.sj", "orchard.sj"], "nothing is written that was not asked for"
+    assert sorted(path.name for path in folder.iterdir()) == ["grove.sj", "orchard.sj"], (
+        "nothing is written that was not asked for"
+    )

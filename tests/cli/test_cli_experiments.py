@@ -5,14 +5,27 @@ from pathlib import Path
 
 from command_line import Sjdsl
 
-DIAGRAM = ("schelling", "orchard.sj", "--cooperators", "stay", "--defectors", "random", "--episodes", "3")
+DIAGRAM = (
+    "schelling",
+    "orchard.sj",
+    "--cooperators",
+    "stay",
+    "--defectors",
+    "random",
+    "--episodes",
+    "3",
+)
 
 
 def test_a_diagram(sjdsl: Sjdsl, folder: Path) -> None:
     shown = sjdsl(*DIAGRAM, "--param", "length=4", "--variant", "rich")
     assert shown.status == 0, shown.text
     assert "cooperators stay, defectors random; 3 episodes, of these policies only" in shown.out
-    for line in ("others who cooperate  C: cooperating", "contrasts, with intervals that hold at 95 % together", "verdict: "):
+    for line in (
+        "others who cooperate  C: cooperating",
+        "contrasts, with intervals that hold at 95 % together",
+        "verdict: ",
+    ):
         assert line in shown.out
     assert [line for line in shown.err.splitlines() if line.startswith("playing")] == [
         f"playing 3 episodes of line-up {number} of 3" for number in (1, 2, 3)
@@ -26,11 +39,26 @@ def test_a_diagram(sjdsl: Sjdsl, folder: Path) -> None:
     assert (again.status, again.out) == (0, shown.out)
     other = sjdsl(*DIAGRAM, "--param", "length=5", "--variant", "rich")
     assert other.status == 1
-    assert "orchard_schelling holds another experiment: game params length 4 there, 5 here" in other.err
+    assert (
+        "orchard_schelling holds another experiment: game params length 4 there, 5 here"
+        in other.err
+    )
 
 
 def test_cross_play_of_pairs(sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl("crossplay", "orchard.sj", "--policies", "stay", "random", "--mix", "pairs", "--episodes", "3", "-o", "pairs")
+    shown = sjdsl(
+        "crossplay",
+        "orchard.sj",
+        "--policies",
+        "stay",
+        "random",
+        "--mix",
+        "pairs",
+        "--episodes",
+        "3",
+        "-o",
+        "pairs",
+    )
     assert shown.status == 0, shown.text
     assert "1 x stay, 1 x random" in shown.out
     assert {path.name for path in (folder / "pairs").iterdir() if path.is_file()} == {

@@ -22,7 +22,9 @@ def test_an_interrupt_is_one_line(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch)
     assert shown.text.split() == ["interrupted"]
 
 
-def test_a_mistake_of_ours_keeps_its_traceback(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mistake_of_ours_keeps_its_traceback(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     del folder
     monkeypatch.setattr(check, "open_game", lambda _: {}["x"])
     with pytest.raises(KeyError):
@@ -34,8 +36,20 @@ def test_help_lists_the_commands_without_importing_them() -> None:
         "import sys; from sjdsl.cli import run; run(['--help']); "
         "assert 'jax' not in sys.modules; assert 'sjdsl.compiler' not in sys.modules"
     )
-    shown = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
-    for name in ("check", "compile", "dump", "explain", "list", "bench", "render", "train", "evaluate"):
+    shown = subprocess.run(
+        [sys.executable, "-c", program], check=True, capture_output=True, text=True
+    ).stdout
+    for name in (
+        "check",
+        "compile",
+        "dump",
+        "explain",
+        "list",
+        "bench",
+        "render",
+        "train",
+        "evaluate",
+    ):
         assert name in shown
 
 
@@ -55,12 +69,16 @@ def test_no_help_and_nothing_that_only_reads_a_game_waits_for_jax(tmp_path: Path
         f"assert not any(run([name, '--help']) for name in COMMANDS); assert not any(run(call.split()) for call in {calls})\n"
         "assert not {'jax', 'flax', 'matplotlib', 'hypothesis', 'orbax'} & set(sys.modules), set(sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", program], check=False, capture_output=True, text=True, cwd=tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=False, capture_output=True, text=True, cwd=tmp_path
+    )
     assert done.returncode == 0, done.stderr
 
 
 def test_the_package_runs_as_a_module() -> None:
-    shown = subprocess.run([sys.executable, "-m", "sjdsl", "--version"], check=True, capture_output=True, text=True)
+    shown = subprocess.run(
+        [sys.executable, "-m", "sjdsl", "--version"], check=True, capture_output=True, text=True
+    )
     assert shown.stdout.startswith("sjdsl ")
 
 
@@ -73,7 +91,11 @@ def test_a_reader_that_has_closed_gets_no_traceback(arguments: str, tmp_path: Pa
     read, write = os.pipe()
     os.close(read)
     done = subprocess.run(
-        [sys.executable, "-c", program, *arguments.split()], cwd=tmp_path, stdout=write, stderr=subprocess.PIPE, check=False
+        [sys.executable, "-c", program, *arguments.split()],
+        cwd=tmp_path,
+        stdout=write,
+        stderr=subprocess.PIPE,
+        check=False,
     )
     os.close(write)
     assert (done.returncode, done.stderr) == (1, b"")

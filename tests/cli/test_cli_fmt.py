@@ -9,7 +9,9 @@ from types import SimpleNamespace
 import pytest
 from command_line import GAME, Sjdsl
 
-UGLY = GAME.replace("  agents players {", "agents   players{").replace("episode length", "episode length # steps")
+UGLY = GAME.replace("  agents players {", "agents   players{").replace(
+    "episode length", "episode length # steps"
+)
 WRONG = UGLY.replace("schedule", "shedule")
 
 
@@ -25,7 +27,9 @@ def test_a_file_is_laid_out_in_place(sjdsl: Sjdsl, folder: Path) -> None:
     shown = sjdsl("fmt", "ugly.sj", "orchard.sj")
     assert shown.status == 0
     assert shown.out == "ugly.sj was reformatted\n2 files: 1 reformatted, 1 unchanged\n"
-    assert (folder / "ugly.sj").read_text() == (folder / "orchard.sj").read_text().replace("episode length", "episode length  # steps")
+    assert (folder / "ugly.sj").read_text() == (folder / "orchard.sj").read_text().replace(
+        "episode length", "episode length  # steps"
+    )
 
 
 def test_a_formatted_file_is_not_touched(sjdsl: Sjdsl, folder: Path) -> None:
@@ -44,7 +48,9 @@ def test_check_writes_nothing_and_names_the_files(sjdsl: Sjdsl, folder: Path) ->
     assert sjdsl("fmt", "--check", "orchard.sj").status == 0
 
 
-def test_a_file_with_mistakes_is_left_alone_and_the_others_are_done(sjdsl: Sjdsl, folder: Path) -> None:
+def test_a_file_with_mistakes_is_left_alone_and_the_others_are_done(
+    sjdsl: Sjdsl, folder: Path
+) -> None:
     (folder / "a_wrong.sj").write_text(WRONG)
     (folder / "ugly.sj").write_text(UGLY)
     shown = sjdsl("fmt", ".")
@@ -89,13 +95,18 @@ def test_line_ends_stay(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPa
         assert sjdsl("fmt", "--check", "-").status == status
     sjdsl("fmt", "orchard.sj", "ugly.sj")
     assert (folder / "orchard.sj").read_bytes() == formatted
-    assert (folder / "ugly.sj").read_bytes() == formatted.replace(b"episode length", b"episode length  # steps")
+    assert (folder / "ugly.sj").read_bytes() == formatted.replace(
+        b"episode length", b"episode length  # steps"
+    )
 
 
 def test_a_file_with_both_line_ends_gets_those_of_most_lines(sjdsl: Sjdsl, folder: Path) -> None:
     plain = (folder / "orchard.sj").read_bytes()
     of_windows = plain.replace(b"\n", b"\r\n")
-    for mixed, formatted in ((plain.replace(b"\n", b"\r\n", 2), plain), (of_windows.replace(b"\r\n", b"\n", 2), of_windows)):
+    for mixed, formatted in (
+        (plain.replace(b"\n", b"\r\n", 2), plain),
+        (of_windows.replace(b"\r\n", b"\n", 2), of_windows),
+    ):
         (folder / "orchard.sj").write_bytes(mixed)
         sjdsl("fmt", "orchard.sj")
         assert (folder / "orchard.sj").read_bytes() == formatted
@@ -111,7 +122,9 @@ def test_links_and_permissions_stay(sjdsl: Sjdsl, folder: Path) -> None:
     assert (folder / "ugly.sj").read_text() != UGLY
 
 
-def test_a_file_is_written_whole_or_not_at_all(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_is_written_whole_or_not_at_all(
+    sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device", "ugly.sj")
 
@@ -122,8 +135,12 @@ def test_a_file_is_written_whole_or_not_at_all(sjdsl: Sjdsl, folder: Path, monke
     assert sorted(path.name for path in folder.iterdir()) == ["orchard.sj", "ugly.sj"]
 
 
-@pytest.mark.parametrize(("text", "option", "status"), [(UGLY, None, 0), (UGLY, "--check", 1), (WRONG, None, 1)])
-def test_standard_input(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch, text: str, option: str | None, status: int) -> None:
+@pytest.mark.parametrize(
+    ("text", "option", "status"), [(UGLY, None, 0), (UGLY, "--check", 1), (WRONG, None, 1)]
+)
+def test_standard_input(
+    sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch, text: str, option: str | None, status: int
+) -> None:
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(text.encode())))
     shown = sjdsl("fmt", "-", *([option] if option else []))
     assert shown.status == status

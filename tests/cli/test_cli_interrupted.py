@@ -14,13 +14,26 @@ from command_line import INTERRUPTIBLE
 from sjdsl.replay import Dataset
 
 TRAIN = ("train", "orchard.sj", "--preset", "two_cores", "--run", "run")
-SWEEP = ("sweep", "orchard.sj", "--preset", "two_cores", "--axis", "reward=individual,common", "--workers", "2", "--run", "sweep")
+SWEEP = (
+    "sweep",
+    "orchard.sj",
+    "--preset",
+    "two_cores",
+    "--axis",
+    "reward=individual,common",
+    "--workers",
+    "2",
+    "--run",
+    "sweep",
+)
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("words", [TRAIN, SWEEP], ids=lambda words: words[0])
-def test_a_signal_ends_a_command_cleanly(words: tuple[str, ...], number: signal.Signals, folder: Path) -> None:
+def test_a_signal_ends_a_command_cleanly(
+    words: tuple[str, ...], number: signal.Signals, folder: Path
+) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", INTERRUPTIBLE, *words],
         cwd=folder,
@@ -51,7 +64,11 @@ def test_a_signal_ends_a_command_cleanly(words: tuple[str, ...], number: signal.
 def test_sigterm_keeps_recorded_episodes(folder: Path) -> None:
     words = ("record", "orchard.sj", "--policy", "random", "--episodes", "1000000")
     process = subprocess.Popen(
-        [sys.executable, "-m", "sjdsl", *words], cwd=folder, stderr=subprocess.PIPE, text=True, env={**os.environ, "JAX_PLATFORMS": "cpu"}
+        [sys.executable, "-m", "sjdsl", *words],
+        cwd=folder,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "JAX_PLATFORMS": "cpu"},
     )
     assert process.stderr is not None
     while "episodes written" not in process.stderr.readline():
@@ -70,7 +87,12 @@ def test_sigterm_in_python_ends_with_its_status() -> None:
 
 
 def test_the_language_server_ends_at_once(folder: Path) -> None:
-    process = subprocess.Popen([sys.executable, "-m", "sjdsl", "lsp"], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "sjdsl", "lsp"],
+        cwd=folder,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
     assert process.stdin is not None
     assert process.stdout is not None
     request = b'{"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": {"capabilities": {}}}'

@@ -14,7 +14,10 @@ def test_all_games_are_listed(sjdsl: Sjdsl) -> None:
     assert rest.startswith("`sjdsl doc GAME`")
     assert own.splitlines()[0].split() == ["game", "agents", "map", "actions"]
     assert further.splitlines()[0] == "further families of Melting Pot"
-    rows = [[line.split()[0] for line in group.splitlines()[1:] if line[0] != " "] for group in (own, further)]
+    rows = [
+        [line.split()[0] for line in group.splitlines()[1:] if line[0] != " "]
+        for group in (own, further)
+    ]
     assert rows == [main_games(), melting_pot_games()]
     assert "\n    variants socialjax, meltingpot, crowd\n" in own
     assert max(map(len, shown.out.splitlines())) <= 80
@@ -22,7 +25,10 @@ def test_all_games_are_listed(sjdsl: Sjdsl) -> None:
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_every_stage_can_be_dumped(sjdsl: Sjdsl, stage: str) -> None:
-    first, second = sjdsl("dump", "orchard.sj", "--after", stage), sjdsl("dump", "orchard.sj", "--after", stage)
+    first, second = (
+        sjdsl("dump", "orchard.sj", "--after", stage),
+        sjdsl("dump", "orchard.sj", "--after", stage),
+    )
     assert first.status == 0
     assert first.out == second.out
     assert "orchard" in first.out

@@ -18,10 +18,16 @@ def new(folder: Path, *arguments: str) -> int:
 @pytest.mark.parametrize("game", ["clean_up", "harvest_closed", "chicken_in_the_matrix"])
 def test_a_copy_is_the_game(game: str, tmp_path: Path) -> None:
     assert new(tmp_path, "--from", game) == 0
-    original, copy = (build(read_source(path)).game for path in (find_game(game), tmp_path / f"{game}.sj"))
+    original, copy = (
+        build(read_source(path)).game for path in (find_game(game), tmp_path / f"{game}.sj")
+    )
     assert game_hash(copy) == game_hash(original)
     for variant in original.variants:
-        assert [d for d in check(read_source(tmp_path / f"{game}.sj"), (variant,)) if d.severity == "error"] == []
+        assert [
+            d
+            for d in check(read_source(tmp_path / f"{game}.sj"), (variant,))
+            if d.severity == "error"
+        ] == []
 
 
 def test_a_copy_has_the_name_that_was_asked_for(tmp_path: Path) -> None:

@@ -45,7 +45,10 @@ def typed(monkeypatch: pytest.MonkeyPatch, folder: Path, sjdsl: Sjdsl) -> Typed:
         shown = sjdsl("play", str(ORCHARD), "--seed", "3", "--record", "played.json", *options)
         assert shown.status == 0, shown.text
         names = ("turn_left", "turn_right", "forward", "stay", "sing")
-        return shown.out, [names[actions[0]] for actions in json.loads((folder / "played.json").read_text())["actions"]]
+        return shown.out, [
+            names[actions[0]]
+            for actions in json.loads((folder / "played.json").read_text())["actions"]
+        ]
 
     return play
 
@@ -70,7 +73,11 @@ def test_a_mistake_lists_the_actions_and_plays_nothing_of_its_line(typed: Typed)
     shown, found = typed("f zap\nturn\n5\nsing\n")
     assert found == ["sing"]
     actions = "the actions are 0 turn_left, 1 turn_right, 2 forward, 3 stay, 4 sing; `quit` ends the episode"
-    for wrong in ("`zap` is no action", "`turn` can be turn_left or turn_right", "`5` is no action"):
+    for wrong in (
+        "`zap` is no action",
+        "`turn` can be turn_left or turn_right",
+        "`5` is no action",
+    ):
         assert f"{wrong}; {actions}\n" in shown
 
 
@@ -78,7 +85,9 @@ def test_what_a_player_sees(typed: Typed) -> None:
     shown, _ = typed("turn_left forward sing\n", "--others", "stay")
     assert "you play agent 0" in shown
     assert "A soil: ripe" in shown
-    second, third = (shown.partition(f"step {number}\n")[2].split("\n\n")[0].splitlines() for number in (2, 3))
+    second, third = (
+        shown.partition(f"step {number}\n")[2].split("\n\n")[0].splitlines() for number in (2, 3)
+    )
     assert second == [
         "  ########",
         "  #>.AA..#  1",
@@ -103,7 +112,9 @@ def test_the_episode_ends_by_its_rules_or_after_the_steps_asked_for(typed: Typed
 def test_ctrl_c_keeps_what_was_recorded(folder: Path) -> None:
     script = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from sjdsl.cli import main; main()"
     call = [sys.executable, "-u", "-c", script, "play", "orchard.sj", "--record", "kept.json"]
-    process = subprocess.Popen(call, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        call, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     assert process.stdin is not None and process.stdout is not None
     process.stdin.write("forward\nstay\n")
     process.stdin.flush()
@@ -144,7 +155,9 @@ def test_an_episode_of_other_rules_is_refused(env: Environment, sjdsl: Sjdsl, fo
     player.step([0, 0])
     recording = player.recording({"game": str(folder / "orchard.sj")})
     (folder / "episode.json").write_text(recording.model_dump_json())
-    (folder / "orchard.sj").write_text((folder / "orchard.sj").read_text().replace("none: 0.1", "none: 0.2"))
+    (folder / "orchard.sj").write_text(
+        (folder / "orchard.sj").read_text().replace("none: 0.1", "none: 0.2")
+    )
     shown = sjdsl("replay", "episode.json")
     assert shown.status == 1
     assert "the rules of orchard have changed since the episode was recorded" in shown.err
@@ -162,7 +175,13 @@ def test_a_new_game_passes_its_tests(sjdsl: Sjdsl, folder: Path) -> None:
     again = sjdsl("new", "pond")
     assert again.status == 1
     assert "pond.sj exists already; nothing was written" in again.err
-    tests = subprocess.run([sys.executable, "-m", "pytest", "-q", "test_pond.py"], cwd=folder, capture_output=True, text=True, check=False)
+    tests = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "test_pond.py"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert tests.returncode == 0, tests.stdout
     assert "3 passed" in tests.stdout
     assert sjdsl("test", "pond.sj", "--examples", "20").status == 0
@@ -171,28 +190,48 @@ def test_a_new_game_passes_its_tests(sjdsl: Sjdsl, folder: Path) -> None:
 def alike(first: Moment, second: Moment) -> bool:
     """Returns whether two moments show the same."""
     ours, theirs = ({**vars(m), **vars(m.snapshot)} for m in (first, second))
-    common = ours["values"].keys() & theirs["values"].keys()  # the compiled state has more than the fields of the game
+    common = (
+        ours["values"].keys() & theirs["values"].keys()
+    )  # the compiled state has more than the fields of the game
     for moment in (ours, theirs):
         moment |= {"snapshot": 0, "values": {name: moment["values"][name] for name in common}}
     assert len(common) > 1
-    return jax.tree.all(jax.tree.map(lambda a, b: np.array_equal(np.asarray(a, float), np.asarray(b, float)), ours, theirs))
+    return jax.tree.all(
+        jax.tree.map(
+            lambda a, b: np.array_equal(np.asarray(a, float), np.asarray(b, float)), ours, theirs
+        )
+    )
 
 
 @pytest.mark.parametrize(
     ("game", "others"),
-    [(ORCHARD, "random"), (ORCHARD, "eater"), ("clean_up", "random"), ("coins", "random"), (TESTS / "cases/moving.sj", "random")],
+    [
+        (ORCHARD, "random"),
+        (ORCHARD, "eater"),
+        ("clean_up", "random"),
+        ("coins", "random"),
+        (TESTS / "cases/moving.sj", "random"),
+    ],
     ids=str,
 )
-def test_the_interpreter_plays_the_episode_of_the_compiled_game(game: str | Path, others: str) -> None:
+def test_the_interpreter_plays_the_episode_of_the_compiled_game(
+    game: str | Path, others: str
+) -> None:
     """Draw by draw, the others' draws too, and one agent steered."""
     env = package.make(game)
     policy = random_policy(env) if others == "random" else scripted_policy(env, others)
     steering = [{0: env.num_actions - 1}, {}, *repeat({}, 20)]  # longer than Orchard
-    ours = list(interpreted(env.game, default_params(env.game), SEED, chooser(env.game, others, SEED), steering))
+    ours = list(
+        interpreted(
+            env.game, default_params(env.game), SEED, chooser(env.game, others, SEED), steering
+        )
+    )
     theirs = list(compiled(env, policy, SEED, steering))
     assert len(ours) == len(theirs) > 8
     assert all(map(alike, ours, theirs))
-    assert others != "eater" or (ours[-1].done and ours[-1].snapshot.returns.sum() > 0), "something happened"
+    assert others != "eater" or (ours[-1].done and ours[-1].snapshot.returns.sum() > 0), (
+        "something happened"
+    )
 
 
 def test_keys_are_folded_as_jax_folds_them() -> None:

@@ -16,9 +16,13 @@ def test_play_follows_a_policy_without_jax(folder: Path) -> None:
         "import sys; from sjdsl.cli import run; "
         "s = run(['play', 'grove.sj', '--watch', '--others', 'eater', '--record', 'e.json']); sys.exit(s or int('jax' in sys.modules))"
     )
-    done = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
-    assert sum(json.loads((folder / "e.json").read_text())["returns"]) >= 2, "who walks to fruit eats"
+    assert sum(json.loads((folder / "e.json").read_text())["returns"]) >= 2, (
+        "who walks to fruit eats"
+    )
 
 
 def test_an_episode_of_a_policy_is_recorded_and_drawn(sjdsl: Sjdsl) -> None:

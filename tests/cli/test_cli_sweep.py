@@ -7,9 +7,26 @@ from pathlib import Path
 import pytest
 from command_line import Sjdsl
 
-SMALL = ("num_envs=4", "num_steps=8", "num_epochs=1", "network=mlp", "network_width=4", "total_timesteps=64")
+SMALL = (
+    "num_envs=4",
+    "num_steps=8",
+    "num_epochs=1",
+    "network=mlp",
+    "network_width=4",
+    "total_timesteps=64",
+)
 SETS = tuple(part for text in SMALL for part in ("--set", text))
-SWEEP = ("sweep", "orchard.sj", "--axis", "param.apple=1,2", *SETS, "--episodes", "2", "--run", "swept")
+SWEEP = (
+    "sweep",
+    "orchard.sj",
+    "--axis",
+    "param.apple=1,2",
+    *SETS,
+    "--episodes",
+    "2",
+    "--run",
+    "swept",
+)
 
 
 @pytest.mark.thorough
@@ -31,22 +48,40 @@ def test_a_sweep_over_numbers_of_a_game(sjdsl: Sjdsl, folder: Path) -> None:
     assert "2 of 2 cells are done" in shown.out
     assert "swept/results.csv" in shown.out
     rows = [*csv.DictReader((folder / "swept/results.csv").read_text().splitlines())]
-    assert [(row["param.apple"], row["seed"]) for row in rows] == [("1", "0"), ("1", "1"), ("2", "0"), ("2", "1")]
+    assert [(row["param.apple"], row["seed"]) for row in rows] == [
+        ("1", "0"),
+        ("1", "1"),
+        ("2", "0"),
+        ("2", "1"),
+    ]
     for one, two in zip(rows[:2], rows[2:], strict=True):
         for row, apple in ((one, 1.0), (two, 2.0)):
-            assert float(row["collective_return"]) == pytest.approx(apple * float(row["event_eaten"]))
+            assert float(row["collective_return"]) == pytest.approx(
+                apple * float(row["event_eaten"])
+            )
     again = sjdsl(*SWEEP, "--seeds", "2", "--dry-run")
     assert again.out.splitlines()[-1] == "2 cells: 2 done; at most 0 environment steps left"
     other = sjdsl(*SWEEP, "--seeds", "3")
     assert other.status == 1
-    assert "swept holds another sweep: its cell orchard_apple-1 has config seeds 2 there, 3 here" in other.err
+    assert (
+        "swept holds another sweep: its cell orchard_apple-1 has config seeds 2 there, 3 here"
+        in other.err
+    )
 
 
 @pytest.mark.thorough
 def test_the_commands_of_the_pages(sjdsl: Sjdsl, folder: Path) -> None:
     root = Path(__file__).parents[2]
-    lines = [line for name in ("docs/sweeps.md", "docs/commands.md") for line in (root / name).read_text("utf-8").splitlines()]
-    commands = [shlex.split(line.partition("  #")[0])[1:] for line in lines if line.startswith("sjdsl sweep ")]
+    lines = [
+        line
+        for name in ("docs/sweeps.md", "docs/commands.md")
+        for line in (root / name).read_text("utf-8").splitlines()
+    ]
+    commands = [
+        shlex.split(line.partition("  #")[0])[1:]
+        for line in lines
+        if line.startswith("sjdsl sweep ")
+    ]
     assert len(commands) >= 4
     for arguments in commands:
         shown = sjdsl(*arguments, *(() if "--dry-run" in arguments else ("--dry-run",)))

@@ -70,9 +70,14 @@ def test_examples_and_seed(sjdsl: Sjdsl) -> None:
         found = json.loads(sjdsl("test", "passing.sj", "--json", *options).out)
         return next(p["reason"] for p in found[0]["checks"] if p["how"] == "examples")
 
-    few, more = (int(steps("--examples", number).split()[0].replace(",", "")) for number in ("7", "20"))
+    few, more = (
+        int(steps("--examples", number).split()[0].replace(",", "")) for number in ("7", "20")
+    )
     assert 2 * few < more < 4 * few
-    shown = [sjdsl("test", "failing.sj", "--examples", "40", "--seed", seed).out for seed in ("5", "5", "6")]
+    shown = [
+        sjdsl("test", "failing.sj", "--examples", "40", "--seed", seed).out
+        for seed in ("5", "5", "6")
+    ]
     assert shown[0] == shown[1]
     assert shown[0] != shown[2]  # the mean over other episodes
 
@@ -96,8 +101,12 @@ def test_json_has_verdicts_and_traces(sjdsl: Sjdsl) -> None:
 
 
 def test_a_variant_has_its_own_checks(sjdsl: Sjdsl, folder: Path) -> None:
-    game = with_checks("always true").replace("checks {\n    always true", "checks worth {\n    always eaten >= 0")
-    (folder / "two.sj").write_text(game.replace("{ set apple = 2 }", "{ set apple = 2  checks worth { always eaten < 0 } }"))
+    game = with_checks("always true").replace(
+        "checks {\n    always true", "checks worth {\n    always eaten >= 0"
+    )
+    (folder / "two.sj").write_text(
+        game.replace("{ set apple = 2 }", "{ set apple = 2  checks worth { always eaten < 0 } }")
+    )
     assert sjdsl("test", "two.sj", "--examples", "5").status == 0
     shown = sjdsl("test", "two.sj", "--examples", "5", "--variant", "rich")
     assert shown.status == 1
@@ -112,8 +121,14 @@ def test_a_variant_has_its_own_checks(sjdsl: Sjdsl, folder: Path) -> None:
 def test_a_bundled_game_by_its_name(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only what needs no playing: `tests/properties/test_games.py` plays the games, with shorter episodes."""
 
-    def only_static(family: GameFamily, effort: Effort, progress: Callable[[str], None]) -> Verification:
-        static = {number for number in range(len(family.own.checks)) if decide_statically(family, number) is not None}
+    def only_static(
+        family: GameFamily, effort: Effort, progress: Callable[[str], None]
+    ) -> Verification:
+        static = {
+            number
+            for number in range(len(family.own.checks))
+            if decide_statically(family, number) is not None
+        }
         return Verification(family, effort, static, progress)
 
     monkeypatch.setattr("sjdsl.cli.test.Verification", only_static)

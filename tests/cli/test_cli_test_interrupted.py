@@ -25,12 +25,16 @@ CHECKS = """require apple >= 0
 @pytest.fixture
 def game(folder: Path) -> Path:
     path = folder / "checked.sj"
-    path.write_text(GAME.replace("  variant rich", f"  checks {{\n    {CHECKS}\n  }}\n  variant rich"))
+    path.write_text(
+        GAME.replace("  variant rich", f"  checks {{\n    {CHECKS}\n  }}\n  variant rich")
+    )
     return path
 
 
 @pytest.mark.usefixtures("game")
-def test_a_verdict_is_said_before_the_next_check_is_tested(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_verdict_is_said_before_the_next_check_is_tested(
+    sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
+) -> None:
     said: list[str] = []
     order: list[str] = []
     decide: Callable[[Verification, int], Any] = Verification.verdict
@@ -50,7 +54,9 @@ def interrupting(monkeypatch: pytest.MonkeyPatch, when: str) -> None:
     """Interrupts where the progress begins with some words."""
     made = Verification.__init__
 
-    def begin(self: Verification, *arguments: Any, progress: Callable[[str], None], **named: Any) -> None:
+    def begin(
+        self: Verification, *arguments: Any, progress: Callable[[str], None], **named: Any
+    ) -> None:
         def interrupted(said: str) -> None:
             progress(said)
             if said.startswith(when):
@@ -65,8 +71,16 @@ def interrupting(monkeypatch: pytest.MonkeyPatch, when: str) -> None:
 @pytest.mark.parametrize(
     ("when", "decided", "not_yet"),
     [
-        ("0 steps", {"require", "symmetric"}, {"always count(agent on wall)", "always count(agent on soil", "expect"}),
-        ("3 episodes of `expect", {"require", "symmetric", "always count(agent on wall)", "always count(agent on soil"}, {"expect"}),
+        (
+            "0 steps",
+            {"require", "symmetric"},
+            {"always count(agent on wall)", "always count(agent on soil", "expect"},
+        ),
+        (
+            "3 episodes of `expect",
+            {"require", "symmetric", "always count(agent on wall)", "always count(agent on soil"},
+            {"expect"},
+        ),
     ],
 )
 def test_an_interruption_leaves_a_summary(
@@ -81,7 +95,11 @@ def test_an_interruption_leaves_a_summary(
     assert lines[-1] == f"checked.sj: interrupted: {len(decided)} of 5 checks decided{missed}"
     for words, marks in ((decided, ("passed", "FAILED")), (not_yet, ("not yet",))):
         for word in words:
-            (line,) = (line for line in lines if line.startswith("  ") and f"  {word}" in line and "checked.sj:" in line)
+            (line,) = (
+                line
+                for line in lines
+                if line.startswith("  ") and f"  {word}" in line and "checked.sj:" in line
+            )
             assert line.strip().startswith(marks), line
 
 
@@ -92,14 +110,22 @@ def test_json_of_an_interruption_has_both(sjdsl: Sjdsl, monkeypatch: pytest.Monk
     assert shown.status == 130
     (document,) = json.loads(shown.out)
     assert [check["check"].split()[0] for check in document["checks"]] == ["require", "symmetric"]
-    assert [check["check"].split()[0] for check in document["undecided"]] == ["always", "always", "expect"]
+    assert [check["check"].split()[0] for check in document["undecided"]] == [
+        "always",
+        "always",
+        "expect",
+    ]
 
 
 def test_ctrl_c_ends_it_with_130_and_no_traceback(game: Path) -> None:
     """The signal itself, to a process of its own, once its first verdict has come through a pipe."""
     command = [sys.executable, "-c", INTERRUPTIBLE, "test", str(game), "--examples", "100000"]
     process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "JAX_PLATFORMS": "cpu"}
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "JAX_PLATFORMS": "cpu"},
     )
     assert process.stdout is not None
     assert process.stdout.readline().strip().endswith("checked.sj")
@@ -110,4 +136,7 @@ def test_ctrl_c_ends_it_with_130_and_no_traceback(game: Path) -> None:
     assert process.returncode == 130
     assert "Traceback" not in out + err
     assert "interrupted: " in out.splitlines()[-1]
-    assert [line for line in err.splitlines() if line] == [f"testing the checks of {game}", "interrupted"]
+    assert [line for line in err.splitlines() if line] == [
+        f"testing the checks of {game}",
+        "interrupted",
+    ]

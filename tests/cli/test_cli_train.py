@@ -9,7 +9,14 @@ from command_line import GAME, Sjdsl
 
 from sjdsl.cli import run
 
-SMALL = ("total_timesteps=96", "num_envs=4", "num_steps=12", "num_minibatches=1", "num_epochs=1", "network=mlp")
+SMALL = (
+    "total_timesteps=96",
+    "num_envs=4",
+    "num_steps=12",
+    "num_minibatches=1",
+    "num_epochs=1",
+    "network=mlp",
+)
 QUICK = [part for value in SMALL for part in ("--set", value)]
 
 
@@ -17,7 +24,9 @@ QUICK = [part for value in SMALL for part in ("--set", value)]
 def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     trained = sjdsl("train", "orchard.sj", *QUICK, "--param", "apple=2", "--episodes", "0")
     assert trained.status == 0, trained.text
-    run_dir = Path("runs/orchard_ippo_individual_seed0")  # each learns from its own reward, unless asked otherwise
+    run_dir = Path(
+        "runs/orchard_ippo_individual_seed0"
+    )  # each learns from its own reward, unless asked otherwise
     assert f"{run_dir}/" in trained.out
     assert "metrics.jsonl" in trained.out
     assert "training 96 environment steps: 2 updates of 4 environments x 12 steps" in trained.err
@@ -56,16 +65,28 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     drawn = sjdsl("render", "orchard.sj", "--policy", run_dir, "--steps", "2", "-o", "film.gif")
     assert drawn.status == 0, drawn.text
     assert (folder / "film.gif").stat().st_size > 0
-    said = ["loading JAX and the game", "compiling orchard", "playing orchard", "drawing the pictures", "writing film.gif"]
+    said = [
+        "loading JAX and the game",
+        "compiling orchard",
+        "playing orchard",
+        "drawing the pictures",
+        "writing film.gif",
+    ]
     assert [line for line in drawn.err.splitlines() if line in said] == said
 
 
-def test_a_preset_names_the_game(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_preset_names_the_game(
+    sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from sjdsl.cli import train as module
 
     seen = {}
-    monkeypatch.setattr(module, "make_environment", lambda described: seen.update(described) or _stop())
-    (folder / "p.toml").write_text('game = "coins"\n[environment]\nparams = { length = 20 }\n[config]\nseed = 3\n')
+    monkeypatch.setattr(
+        module, "make_environment", lambda described: seen.update(described) or _stop()
+    )
+    (folder / "p.toml").write_text(
+        'game = "coins"\n[environment]\nparams = { length = 20 }\n[config]\nseed = 3\n'
+    )
     sjdsl("train", "--preset", "p.toml", "--param", "spawn=0.1")
     assert seen["game"] == "coins"
     assert seen["params"] == {"length": 20, "spawn": 0.1}
@@ -79,7 +100,19 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("trained")
     (folder / "orchard.sj").write_text(GAME)
     values = [*QUICK, "--set", "evaluate_every=1", "--set", "evaluation_episodes=3"]
-    call = ["train", str(folder / "orchard.sj"), "--algorithm", "mappo", "--reward", "svo", *values, "--seed", "4", "--seeds", "2"]
+    call = [
+        "train",
+        str(folder / "orchard.sj"),
+        "--algorithm",
+        "mappo",
+        "--reward",
+        "svo",
+        *values,
+        "--seed",
+        "4",
+        "--seeds",
+        "2",
+    ]
     assert run([*call, "--run", str(folder / "run"), "--episodes", "2"]) == 0
     return folder / "run"
 
@@ -88,13 +121,27 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_seeds_have_folders(trained: Path, sjdsl: Sjdsl) -> None:
     manifest = json.loads((trained / "manifest.json").read_text())
     config = manifest["config"]
-    assert (config["algorithm"], config["reward"], config["seed"], config["seeds"]) == ("mappo", "svo", 4, 2)
+    assert (config["algorithm"], config["reward"], config["seed"], config["seeds"]) == (
+        "mappo",
+        "svo",
+        4,
+        2,
+    )
     rows = []
     for seed in ("seed_4", "seed_5"):
-        assert {"best.safetensors", "last.safetensors"} <= {path.name for path in (trained / seed / "policies").iterdir()}
-        assert json.loads((trained / seed / "policies" / "last.json").read_text())["seed"] == int(seed[-1])
+        assert {"best.safetensors", "last.safetensors"} <= {
+            path.name for path in (trained / seed / "policies").iterdir()
+        }
+        assert json.loads((trained / seed / "policies" / "last.json").read_text())["seed"] == int(
+            seed[-1]
+        )
         assert json.loads((trained / seed / "evaluation.json").read_text())["episodes"] == 2
-        rows.append([json.loads(line) for line in (trained / seed / "metrics.jsonl").read_text().splitlines()])
+        rows.append(
+            [
+                json.loads(line)
+                for line in (trained / seed / "metrics.jsonl").read_text().splitlines()
+            ]
+        )
     assert len(rows[0]) == len(rows[1]) == 2
     assert rows[0][0]["loss"] != rows[1][0]["loss"], "seeds differ"
     shown = sjdsl("train", "--resume", trained, "--episodes", "0")
@@ -112,7 +159,9 @@ def test_the_best_policy_is_evaluated_and_filmed(trained: Path, sjdsl: Sjdsl, fo
     assert (folder / "x.gif").read_bytes().startswith(b"GIF8")
 
 
-def test_a_film_without_its_package(folder: Path, sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_film_without_its_package(
+    folder: Path, sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sjdsl.extras.find_spec", lambda _: None)
     for call in (["evaluate", folder, "--film", "x.mp4"], ["render", "orchard.sj", "-o", "x.mp4"]):
         shown = sjdsl(*call)
@@ -140,7 +189,9 @@ def _stop() -> None:
 
 
 @pytest.mark.thorough
-def test_a_resumed_run_keeps_its_episodes_and_loggers(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_resumed_run_keeps_its_episodes_and_loggers(
+    sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from sjdsl.cli import train as module
     from sjdsl.trainers import recorder
 
@@ -162,18 +213,31 @@ def test_a_resumed_run_keeps_its_episodes_and_loggers(sjdsl: Sjdsl, monkeypatch:
     assert asked == [7, 7, 2, 2], "and the last that was asked for stays"
 
 
-def test_the_end_says_which_seeds_stopped(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_the_end_says_which_seeds_stopped(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     from sjdsl.cli.train import _finish
     from sjdsl.trainers import Result, make_config
 
     (tmp_path / "metrics.jsonl").write_text('{"env_steps": 40960, "seconds": 4.0}\n')
     diverged = {3: 4, 4: 5, 5: 4}
-    _finish(Result(tmp_path, None, 5, diverged, (tmp_path,) * 4, 0.0, 1.0, 1.0), None, make_config(seed=2, seeds=4), 0)  # type: ignore[arg-type]
+    _finish(
+        Result(tmp_path, None, 5, diverged, (tmp_path,) * 4, 0.0, 1.0, 1.0),
+        None,
+        make_config(seed=2, seeds=4),
+        0,
+    )  # type: ignore[arg-type]
     said = capsys.readouterr().out
-    assert "seeds 3 and 5 diverged (non-finite loss) in update 4; the policy of update 3 is kept" in said
+    assert (
+        "seeds 3 and 5 diverged (non-finite loss) in update 4; the policy of update 3 is kept"
+        in said
+    )
     assert "seed 4 diverged (non-finite loss) in update 5; the policy of update 4 is kept" in said
     assert "163,840 environment steps in 4.0 s: 40,960 steps a second" in said
-    assert "no learning curve was drawn, as no episode ended within the 640 steps of each environment" in said
+    assert (
+        "no learning curve was drawn, as no episode ended within the 640 steps of each environment"
+        in said
+    )
 
 
 def test_an_evaluation_notes_once_how_the_training_of_its_seeds_ended(tmp_path: Path) -> None:
@@ -182,14 +246,19 @@ def test_an_evaluation_notes_once_how_the_training_of_its_seeds_ended(tmp_path: 
     diverged = [{"seed": seed, "update": 2} for seed in (0, 2)]
     for state, said in (
         ({"status": "interrupted"}, "{} may not have finished its training: interrupted"),
-        ({"diverged": diverged}, "seeds 0 and 2 of {} diverged (non-finite loss) in update 2; played is the policy from before that"),
+        (
+            {"diverged": diverged},
+            "seeds 0 and 2 of {} diverged (non-finite loss) in update 2; played is the policy from before that",
+        ),
     ):
         (tmp_path / "manifest.json").write_text(json.dumps(state))
         assert list(notes_on_training(tmp_path, "last")) == [said.format(tmp_path)]
     assert list(notes_on_training(tmp_path, 1)) == []
 
 
-def test_a_total_below_one_update_is_said_before(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_total_below_one_update_is_said_before(
+    sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from sjdsl.cli import train as module
 
     monkeypatch.setattr(module, "make_environment", lambda _: _stop())
@@ -199,7 +268,10 @@ def test_a_total_below_one_update_is_said_before(sjdsl: Sjdsl, monkeypatch: pyte
         in few.err
     )
     whole = sjdsl("train", "orchard.sj", "--set", "total_timesteps=16384", "--seeds", "2")
-    assert "training 16,384 environment steps of each seed: 2 updates of 64 environments x 128 steps" in whole.err
+    assert (
+        "training 16,384 environment steps of each seed: 2 updates of 64 environments x 128 steps"
+        in whole.err
+    )
 
 
 BROUGHT = """import jax.numpy as jnp
@@ -221,26 +293,42 @@ def watch(update):
 
 
 @pytest.mark.thorough
-def test_what_users_bring_along_is_named_on_the_command_line(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_users_bring_along_is_named_on_the_command_line(
+    sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A reward, a partner and a callback in a file; the run goes on longer with them, and its policy is found by its name."""
     from sjdsl.trainers import recorder
 
     monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
     (folder / "mine.py").write_text(BROUGHT)
-    brought = ("--reward", "mine.py:double", "--partners", "1=mine.py:ahead", "--callback", "mine.py:watch")
+    brought = (
+        "--reward",
+        "mine.py:double",
+        "--partners",
+        "1=mine.py:ahead",
+        "--callback",
+        "mine.py:watch",
+    )
     shown = sjdsl("train", "orchard.sj", *QUICK, *brought, "--episodes", "0")
     assert shown.status == 0, shown.text
     run_dir = Path("runs/orchard_ippo_double_seed0")
     config = json.loads((run_dir / "manifest.json").read_text())["config"]
-    assert (config["reward"], config["partners"]) == (f"{folder}/mine.py:double", [[1, f"{folder}/mine.py:ahead"]])
+    assert (config["reward"], config["partners"]) == (
+        f"{folder}/mine.py:double",
+        [[1, f"{folder}/mine.py:ahead"]],
+    )
     shown = sjdsl("train", "--resume", run_dir, "--set", "total_timesteps=144")
     assert shown.status == 0, shown.text
     assert (folder / "told.txt").read_text() == "1 2 3 "
     row = json.loads((run_dir / "metrics.jsonl").read_text().splitlines()[-1])
     assert row["shaped_return"] == pytest.approx(2 * row["return"], abs=1e-6)
-    shown = sjdsl("render", "orchard.sj", "--policy", f"{run_dir}@best", "--steps", "1", "-o", "film.gif")
+    shown = sjdsl(
+        "render", "orchard.sj", "--policy", f"{run_dir}@best", "--steps", "1", "-o", "film.gif"
+    )
     assert shown.status == 0, shown.text
-    shown = sjdsl("render", "orchard.sj", "--policy", f"{run_dir}@7", "--steps", "1", "-o", "film.gif")
+    shown = sjdsl(
+        "render", "orchard.sj", "--policy", f"{run_dir}@7", "--steps", "1", "-o", "film.gif"
+    )
     assert shown.status == 1
     assert "has no policy of update 7, but of 1, 2, 3" in shown.err
     shown = sjdsl("train", "--resume", run_dir, "--set", "total_timesteps=48")
@@ -266,7 +354,10 @@ def test_a_run_in_stages_goes_on_in_its_stage(sjdsl: Sjdsl, folder: Path) -> Non
     stopped = sjdsl(*call, "--callback", "mine.py:stop")
     assert stopped.status == 0, stopped.text
     assert "stage 1: training 96 environment steps" in stopped.err
-    assert "the callback ended the run in stage 1; sjdsl train --resume run continues it" in stopped.out
+    assert (
+        "the callback ended the run in stage 1; sjdsl train --resume run continues it"
+        in stopped.out
+    )
     resumed = sjdsl("train", "--resume", "run")
     assert resumed.status == 0, resumed.text
     assert "orchard, ippo, individual reward, stage 1: resuming after update 1" in resumed.out
@@ -281,12 +372,30 @@ def test_a_run_in_stages_goes_on_in_its_stage(sjdsl: Sjdsl, folder: Path) -> Non
     [
         ("environment.num_agents = 900", (), r"p.toml: stages[2]:"),
         ("config.init_from = 'random'", (), "p.toml: stages[2]: leave `init_from` out"),
-        ("environment.num_agents = 3", ("--agents", "2"), "p.toml: stages set `num_agents` themselves: change it there"),
-        ("environment.params.apple = 3", ("--param", "apple=2"), "p.toml: stages set `param.apple` themselves: change it there"),
-        ("environment.num_agents = 3", ("--set", "sharing=per_agent"), "p.toml: stages[2]: its networks have other shapes"),
+        (
+            "environment.num_agents = 3",
+            ("--agents", "2"),
+            "p.toml: stages set `num_agents` themselves: change it there",
+        ),
+        (
+            "environment.params.apple = 3",
+            ("--param", "apple=2"),
+            "p.toml: stages set `param.apple` themselves: change it there",
+        ),
+        (
+            "environment.num_agents = 3",
+            ("--set", "sharing=per_agent"),
+            "p.toml: stages[2]: its networks have other shapes",
+        ),
     ],
 )
-def test_stages_are_refused_with_their_place(sjdsl: Sjdsl, folder: Path, stage: str, options: tuple[str, ...], message: str) -> None:
+def test_stages_are_refused_with_their_place(
+    sjdsl: Sjdsl, folder: Path, stage: str, options: tuple[str, ...], message: str
+) -> None:
     (folder / "p.toml").write_text(f"[[stages]]\n[[stages]]\n{stage}\n")
     refused = sjdsl("train", "orchard.sj", "--preset", "p.toml", *QUICK, *options, "--run", "run")
-    assert (refused.status, message in refused.err, (folder / "run").exists()) == (1, True, False), refused.text
+    assert (refused.status, message in refused.err, (folder / "run").exists()) == (
+        1,
+        True,
+        False,
+    ), refused.text

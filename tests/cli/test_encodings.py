@@ -26,7 +26,9 @@ TITLE = "Jardín ガ … ½ ≠"
     ],
 )
 @pytest.mark.parametrize("name", ["stdout", "stderr"])
-def test_what_an_encoding_lacks_is_spelt(name: str, encoding: str, shown: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_an_encoding_lacks_is_spelt(
+    name: str, encoding: str, shown: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     written = io.BytesIO()
     monkeypatch.setattr(sys, name, io.TextIOWrapper(written, encoding, newline="\n"))
     accept_any_text()
@@ -43,14 +45,22 @@ def test_a_name_that_is_no_text_is_shown(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "ascii"])
-@pytest.mark.parametrize("arguments", [["train", "--help"], ["doc", "garden.sj"], ["check", "mistake.sj"]])
-def test_commands_print_in_any_encoding(arguments: list[str], encoding: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+@pytest.mark.parametrize(
+    "arguments", [["train", "--help"], ["doc", "garden.sj"], ["check", "mistake.sj"]]
+)
+def test_commands_print_in_any_encoding(
+    arguments: list[str], encoding: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     folder = tmp_path_factory.mktemp("games")
     garden = GAME.replace("A Small Orchard", TITLE)
     (folder / "garden.sj").write_text(garden, encoding="utf-8")
-    (folder / "mistake.sj").write_text(garden.replace("phase walk", "if # … ガ\n phase walk"), encoding="utf-8")
+    (folder / "mistake.sj").write_text(
+        garden.replace("phase walk", "if # … ガ\n phase walk"), encoding="utf-8"
+    )
     command = [sys.executable, "-m", "sjdsl", *arguments]
-    ran = subprocess.run(command, cwd=folder, capture_output=True, env=os.environ | {"PYTHONIOENCODING": encoding})
+    ran = subprocess.run(
+        command, cwd=folder, capture_output=True, env=os.environ | {"PYTHONIOENCODING": encoding}
+    )
     assert ran.stderr == b""
     assert ran.returncode == (1 if "mistake.sj" in arguments else 0)
     assert "..." in ran.stdout.decode(encoding)
@@ -59,5 +69,7 @@ def test_commands_print_in_any_encoding(arguments: list[str], encoding: str, tmp
 def test_a_formatted_game_keeps_its_characters() -> None:
     game = GAME.replace("A Small Orchard", TITLE).encode()
     command = [sys.executable, "-m", "sjdsl", "fmt", "-"]
-    ran = subprocess.run(command, input=game, capture_output=True, env=os.environ | {"PYTHONIOENCODING": "ascii"})
+    ran = subprocess.run(
+        command, input=game, capture_output=True, env=os.environ | {"PYTHONIOENCODING": "ascii"}
+    )
     assert TITLE.encode() in ran.stdout

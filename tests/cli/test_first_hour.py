@@ -27,7 +27,9 @@ def test_new_says_what_comes_next_and_what_it_needs(sjdsl: Sjdsl) -> None:
         assert line in said
     assert "bundled" not in said
     assert "there is a bundled game clean_up as well" in sjdsl("new", "clean_up").out
-    assert "19 rows of 28 cells" in sjdsl("doc", "clean_up").out, "the name alone is the bundled game's"
+    assert "19 rows of 28 cells" in sjdsl("doc", "clean_up").out, (
+        "the name alone is the bundled game's"
+    )
     assert "10 rows of 15 cells" in sjdsl("doc", "clean_up.sj").out
 
 
@@ -38,7 +40,14 @@ from sjdsl.cli import run
 assert run(["test", "orchard.sj", "--examples", "3"]) == 0
 """
     (folder / "orchard.sj").write_text(
-        (folder / "orchard.sj").read_text().replace("  variant", "  checks { conserved count(agent) }\n  variant")
+        (folder / "orchard.sj")
+        .read_text()
+        .replace("  variant", "  checks { conserved count(agent) }\n  variant")
     )
-    subprocess.run([sys.executable, "-c", script], cwd=folder, check=True, env={"SJDSL_CACHE": str(folder / "cache"), "PATH": ""})
+    subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=folder,
+        check=True,
+        env={"SJDSL_CACHE": str(folder / "cache"), "PATH": ""},
+    )
     assert sorted(path.name for path in folder.iterdir()) == ["orchard.sj"]

@@ -9,7 +9,9 @@ from command_line import Sjdsl
 
 
 @pytest.mark.parametrize("answer", [True, False])
-def test_on_a_terminal_it_is_asked_for(sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch, answer: bool) -> None:
+def test_on_a_terminal_it_is_asked_for(
+    sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch, answer: bool
+) -> None:
     asked: list[str] = []
     monkeypatch.setattr(sys.stdin, "isatty", lambda: True, raising=False)
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
@@ -28,7 +30,16 @@ READ_ONLY = Path("/proc")
 @pytest.mark.parametrize(
     "words",
     [
-        ["schelling", "orchard.sj", "--cooperators", "stay", "--defectors", "random", "-o", "/proc/deep/diagram"],
+        [
+            "schelling",
+            "orchard.sj",
+            "--cooperators",
+            "stay",
+            "--defectors",
+            "random",
+            "-o",
+            "/proc/deep/diagram",
+        ],
         ["crossplay", "orchard.sj", "--policies", "stay", "-o", "/proc/met"],
         ["evaluate", "random", "--game", "orchard.sj", "-o", "/proc/a.json"],
         ["record", "orchard.sj", "-o", "/proc/a.npz"],
@@ -38,7 +49,9 @@ READ_ONLY = Path("/proc")
     ],
     ids=lambda words: words[0],
 )
-def test_a_place_that_cannot_be_written_is_refused_before_anything_is_played(words: list[str], sjdsl: Sjdsl) -> None:
+def test_a_place_that_cannot_be_written_is_refused_before_anything_is_played(
+    words: list[str], sjdsl: Sjdsl
+) -> None:
     refused = sjdsl(*words)
     assert refused.status == 1
     assert refused.err.startswith("error: nothing can be written to `/proc`: "), refused.text

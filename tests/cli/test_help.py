@@ -34,7 +34,9 @@ def test_every_option_is_told(name: str) -> None:
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_examples_are_calls(name: str) -> None:
-    shown = command(name).get_help(click.Context(command(name), parent=ABOVE, info_name=name, max_content_width=WIDTH))
+    shown = command(name).get_help(
+        click.Context(command(name), parent=ABOVE, info_name=name, max_content_width=WIDTH)
+    )
     assert len(EXAMPLES[name]) == (1 if name in ("list", "lsp") else 2)  # they take nothing
     for line in EXAMPLES[name]:
         program, called, *arguments = shlex.split(line)
@@ -46,7 +48,11 @@ def test_the_examples_are_calls(name: str) -> None:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_help_fits_one_screen(name: str) -> None:
     """As it is printed in a terminal of 80 columns."""
-    shown = command(name).get_help(click.Context(command(name), parent=ABOVE, info_name=name, terminal_width=80)).splitlines()
+    shown = (
+        command(name)
+        .get_help(click.Context(command(name), parent=ABOVE, info_name=name, terminal_width=80))
+        .splitlines()
+    )
     assert len(shown) <= LINES, "\n".join(shown)
     assert max(map(len, shown)) <= 80
 
@@ -57,11 +63,19 @@ def test_every_command_has_examples_and_a_group() -> None:
     assert len(shown.splitlines()) <= LINES + 10
     for title, group in GROUPS.items():
         below = shown.partition(f"\n{title}:\n")[2].partition("\n\n")[0]
-        assert [line.split()[0] for line in below.splitlines() if line.startswith("  ") and line[2] != " "] == [*group]
+        assert [
+            line.split()[0]
+            for line in below.splitlines()
+            if line.startswith("  ") and line[2] != " "
+        ] == [*group]
 
 
 def test_help_without_docstrings() -> None:
     """`python -OO` leaves them out."""
     for name in ("check", "train"):
-        ran = subprocess.run([sys.executable, "-OO", "-m", "sjdsl", name, "--help"], capture_output=True, text=True)
-        assert (command(name).help or "").split(".")[0].split() == ran.stdout.partition("\n\n")[2].split(".")[0].split()
+        ran = subprocess.run(
+            [sys.executable, "-OO", "-m", "sjdsl", name, "--help"], capture_output=True, text=True
+        )
+        assert (command(name).help or "").split(".")[0].split() == ran.stdout.partition("\n\n")[
+            2
+        ].split(".")[0].split()

@@ -46,12 +46,28 @@ def test_a_damaged_program_is_compiled_again(folder: Path, tmp_path: Path) -> No
     """Three starts of a command: what the first keeps, the second finds; what is damaged before the third is no error in it."""
     game = tmp_path / "orchard.sj"
     game.write_text(GAME)
-    environment = {**os.environ, "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0", "JAX_PLATFORMS": "cpu"}
+    environment = {
+        **os.environ,
+        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+        "JAX_PLATFORMS": "cpu",
+    }
 
     def render(name: str) -> bytes:
         picture = tmp_path / name
-        command = [sys.executable, "-m", "sjdsl", "render", str(game), "--steps", "2", "-o", str(picture)]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=False)
+        command = [
+            sys.executable,
+            "-m",
+            "sjdsl",
+            "render",
+            str(game),
+            "--steps",
+            "2",
+            "-o",
+            str(picture),
+        ]
+        done = subprocess.run(
+            command, env=environment, capture_output=True, text=True, timeout=300, check=False
+        )
         assert done.returncode == 0, done.stderr
         return picture.read_bytes()
 

@@ -24,7 +24,9 @@ def project(folder: Path) -> Path:
     (project / "runs/one").mkdir(parents=True)
     (project / "games/grove.sj").write_text(GROVE)
     (project / "games/short.sj").write_text('sj 1\ngame short extends "grove.sj" { episode 3 }\n')
-    (project / "games/mapped.sj").write_text('sj 1\ngame mapped extends "grove.sj" { map "maps/a.txt" }\n')
+    (project / "games/mapped.sj").write_text(
+        'sj 1\ngame mapped extends "grove.sj" { map "maps/a.txt" }\n'
+    )
     (project / "games/maps/a.txt").write_text(MAP)
     (project / "wide.txt").write_text(MAP.replace("#A", "##"))
     return project
@@ -38,8 +40,12 @@ def described(game: Path, map: Path | None = None, **options: Any) -> tuple[dict
 @pytest.mark.parametrize("name", ["grove", "short", "mapped"])
 @pytest.mark.parametrize("with_map", [False, True])
 @pytest.mark.parametrize("place", ["runs/one", "runs/sweep/cells/two", "episode.npz"])
-def test_a_game_is_found_where_its_folder_is_now(name: str, with_map: bool, place: str, project: Path) -> None:
-    stored, rules = described(project / f"games/{name}.sj", project / "wide.txt" if with_map else None, num_agents=1)
+def test_a_game_is_found_where_its_folder_is_now(
+    name: str, with_map: bool, place: str, project: Path
+) -> None:
+    stored, rules = described(
+        project / f"games/{name}.sj", project / "wide.txt" if with_map else None, num_agents=1
+    )
     moved = project.rename(project.with_name("other"))
     found = locate_game(stored, rules, moved / place)
     assert found == {
@@ -53,7 +59,9 @@ def test_a_copy_uses_its_own_game_when_the_first_has_changed(project: Path) -> N
     stored, rules = described(project / "games/grove.sj")
     copy = shutil.copytree(project, project.with_name("copy"))
     assert locate_game(stored, rules, copy / "runs/one") == stored
-    (project / "games/grove.sj").write_text(GROVE.replace("apple   : reward = 1", "apple   : reward = 2"))
+    (project / "games/grove.sj").write_text(
+        GROVE.replace("apple   : reward = 1", "apple   : reward = 2")
+    )
     assert locate_game(stored, rules, copy / "runs/one")["game"] == str(copy / "games/grove.sj")
     assert locate_game(stored, rules, project / "runs/one") == stored  # whose rules have changed
 
@@ -64,7 +72,10 @@ def test_a_file_of_that_name_with_other_rules_is_not_taken(project: Path) -> Non
     moved = project.rename(project.with_name("other"))
     assert locate_game(stored, rules, moved / "runs/one")["game"] == str(moved / "games/short.sj")
     (moved / "games/short.sj").unlink()
-    with pytest.raises(GameMoved, match=rf"there is no {stored['game']}, and no file of that name near it has the rules {rules}"):
+    with pytest.raises(
+        GameMoved,
+        match=rf"there is no {stored['game']}, and no file of that name near it has the rules {rules}",
+    ):
         locate_game(stored, rules, moved / "runs/one")
 
 
@@ -82,15 +93,27 @@ def a_run(folder: Path, stored: dict[str, Any], rules: str) -> None:
     ("words", "remedy"),
     [
         (["evaluate", "project/runs/one"], "sjdsl evaluate project/runs/one --game GAME"),
-        (["evaluate", "project/runs/one", "--scenario", "all"], "sjdsl evaluate project/runs/one --game GAME"),
+        (
+            ["evaluate", "project/runs/one", "--scenario", "all"],
+            "sjdsl evaluate project/runs/one --game GAME",
+        ),
         (["train", "--resume", "project/runs/one"], "sjdsl train GAME --resume project/runs/one"),
         (["replay", "project/episode.json"], "sjdsl replay project/episode.json --game GAME"),
     ],
 )
-def test_a_missing_game_is_named_with_the_remedy(words: list[str], remedy: str, project: Path, sjdsl: Sjdsl) -> None:
+def test_a_missing_game_is_named_with_the_remedy(
+    words: list[str], remedy: str, project: Path, sjdsl: Sjdsl
+) -> None:
     stored, rules = described(project / "games/short.sj")
     a_run(project / "runs/one", stored, rules)
-    episode = {"format": "sjdsl-episode-1", "environment": stored, "hash": rules, "seed": 0, "actions": [[0, 0]], "returns": [0, 0]}
+    episode = {
+        "format": "sjdsl-episode-1",
+        "environment": stored,
+        "hash": rules,
+        "seed": 0,
+        "actions": [[0, 0]],
+        "returns": [0, 0],
+    }
     (project / "episode.json").write_text(json.dumps(episode))
     (project / "games").rename(project / "rules")
     refused = sjdsl(*words)
@@ -107,19 +130,31 @@ def test_a_missing_base_is_named(project: Path, sjdsl: Sjdsl) -> None:
     a_run(project / "runs/one", *described(project / "games/short.sj"))
     (project / "games/grove.sj").unlink()
     refused = sjdsl("evaluate", "project/runs/one")
-    assert (refused.status, "there is no file `grove.sj` beside this game" in refused.err) == (1, True)
+    assert (refused.status, "there is no file `grove.sj` beside this game" in refused.err) == (
+        1,
+        True,
+    )
 
 
 def test_a_run_takes_no_other_option_of_a_game(project: Path, sjdsl: Sjdsl) -> None:
     a_run(project / "runs/one", *described(project / "games/short.sj"))
-    refused = sjdsl("evaluate", "project/runs/one", "--game", "project/games/short.sj", "--param", "apple=2")
+    refused = sjdsl(
+        "evaluate", "project/runs/one", "--game", "project/games/short.sj", "--param", "apple=2"
+    )
     assert (refused.status, "--param is for a policy that isn't a run" in refused.err) == (2, True)
 
 
 @pytest.mark.thorough
 def test_an_episode_is_replayed_with_the_game_that_is_named(project: Path, sjdsl: Sjdsl) -> None:
     stored, rules = described(project / "games/short.sj")
-    episode = {"format": "sjdsl-episode-1", "environment": stored, "hash": rules, "seed": 0, "actions": [], "returns": [0, 0]}
+    episode = {
+        "format": "sjdsl-episode-1",
+        "environment": stored,
+        "hash": rules,
+        "seed": 0,
+        "actions": [],
+        "returns": [0, 0],
+    }
     (project / "episode.json").write_text(json.dumps(episode))
     (project / "games").rename(project / "rules")
     shown = sjdsl("replay", "project/episode.json", "--game", "project/rules/short.sj")

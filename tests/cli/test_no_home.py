@@ -48,5 +48,7 @@ sys.exit(main())
 @pytest.mark.parametrize("arguments", [["--version"], ["check", "orchard.sj"], ["list"]])
 def test_commands_work(arguments: list[str], tmp_path: Path) -> None:
     (tmp_path / "orchard.sj").write_text(GAME)
-    ran = subprocess.run([sys.executable, "-c", HOMELESS, *arguments], cwd=tmp_path, capture_output=True, text=True)
+    ran = subprocess.run(
+        [sys.executable, "-c", HOMELESS, *arguments], cwd=tmp_path, capture_output=True, text=True
+    )
     assert (ran.returncode, ran.stderr) == (0, "")

@@ -14,22 +14,46 @@ GOOD = "HFS..B\n.PPPP.\nPPP...\n"
 # map of Clean Up, with what is wrong with it, where (line and column from 1, None: at the statement of the game), and in which words
 WRONG = {
     "ragged": ("HFS..B\n.PPPP.\nPPP..\n", "SJ302", (3, 1), "row 2 has 5 characters, the others 6"),
-    "unknown glyph": ("HFS..B\n.PP?P.\nPPPP..\n", "SJ301", (2, 4), "glyph `?` at row 1, column 3 is in no kind"),
+    "unknown glyph": (
+        "HFS..B\n.PP?P.\nPPPP..\n",
+        "SJ301",
+        (2, 4),
+        "glyph `?` at row 1, column 3 is in no kind",
+    ),
     "letter of the other case": ("HFS..b\n.PPPP.\nPPP...\n", "SJ301", (1, 6), "did you mean `B`?"),
-    "after a byte order mark, with other line ends": ("\ufeffHFS..B\r\n.PP?P.\r\n", "SJ301", (2, 4), "row 1, column 3"),
-    "a game": ("sj 1\ngame x { }\n", "SJ309", None, "the map `other.txt` cannot be read: it is a game"),
+    "after a byte order mark, with other line ends": (
+        "\ufeffHFS..B\r\n.PP?P.\r\n",
+        "SJ301",
+        (2, 4),
+        "row 1, column 3",
+    ),
+    "a game": (
+        "sj 1\ngame x { }\n",
+        "SJ309",
+        None,
+        "the map `other.txt` cannot be read: it is a game",
+    ),
     "no cells": ("\n", "SJ307", (1, 1), "the map has no cells"),
-    "too few starts": ("HFS..B\n.PPPP.\nP.P...\n", "SJ303", None, "`gate` has 6 cells for 7 agents"),
+    "too few starts": (
+        "HFS..B\n.PPPP.\nP.P...\n",
+        "SJ303",
+        None,
+        "`gate` has 6 cells for 7 agents",
+    ),
 }
 
 
 @pytest.mark.parametrize(("text", "code", "place", "words"), WRONG.values(), ids=WRONG)
-def test_a_mistake_in_a_map(sjdsl: Sjdsl, folder: Path, text: str, code: str, place: tuple[int, int] | None, words: str) -> None:
+def test_a_mistake_in_a_map(
+    sjdsl: Sjdsl, folder: Path, text: str, code: str, place: tuple[int, int] | None, words: str
+) -> None:
     (folder / "other.txt").write_bytes(text.encode())
     shown = sjdsl("compile", "clean_up", "--map", "other.txt")
     assert shown.status == 1
     where = f"other.txt:{place[0]}:{place[1]}" if place else "clean_up.sj:"
-    assert f"error[{code}] {where}" in shown.err or (place is None and f"error[{code}]" in shown.err and where in shown.err)
+    assert f"error[{code}] {where}" in shown.err or (
+        place is None and f"error[{code}]" in shown.err and where in shown.err
+    )
     assert words in shown.err
     assert not (folder / "generated").exists()
     with pytest.raises(CompileError) as error:
@@ -60,8 +84,12 @@ def test_a_mistake_in_the_games_own_map_file(sjdsl: Sjdsl, folder: Path) -> None
     (folder / "games/maps").mkdir(parents=True)
     (folder / "games/maps/pond.txt").write_text("HFS..B\n.PP?P.\n")
     bundled = find_game("clean_up")
-    shutil.copytree(bundled.parent / "meltingpot/shared", folder / "games/meltingpot/shared")  # what it extends
-    (folder / "games/pond.sj").write_text(bundled.read_text().replace('"maps/clean_up.txt"', '"maps/pond.txt"', 1))
+    shutil.copytree(
+        bundled.parent / "meltingpot/shared", folder / "games/meltingpot/shared"
+    )  # what it extends
+    (folder / "games/pond.sj").write_text(
+        bundled.read_text().replace('"maps/clean_up.txt"', '"maps/pond.txt"', 1)
+    )
     shown = sjdsl("compile", "games/pond.sj")
     assert "error[SJ301] games/maps/pond.txt:2:4" in shown.err
     assert "2 | .PP?P." in shown.err
@@ -72,4 +100,8 @@ def test_a_good_map_is_the_map(sjdsl: Sjdsl, folder: Path) -> None:
     assert sjdsl("compile", "clean_up", "--map", "other.txt").status == 0
     assert "'.PPPP.'" in (folder / "generated/clean_up.py").read_text()
     rows = tuple(GOOD.split())
-    assert package.make("clean_up", map="other.txt").game.rows == rows == package.make("clean_up", map=rows).game.rows
+    assert (
+        package.make("clean_up", map="other.txt").game.rows
+        == rows
+        == package.make("clean_up", map=rows).game.rows
+    )

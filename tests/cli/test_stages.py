@@ -12,7 +12,9 @@ def test_stages_are_lines_where_nobody_watches(capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().err.splitlines() == ["loading [red]", "playing"]
 
 
-def test_stages_have_their_time_on_a_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stages_have_their_time_on_a_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     monkeypatch.setenv("TERM", "xterm")
     with stages("loading [red]") as say:
@@ -28,7 +30,9 @@ def test_tests_say_what_they_are_at(sjdsl: Sjdsl) -> None:
     assert "testing the checks of orchard.sj" in shown.err
 
 
-def test_a_status_line_makes_room_for_what_is_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_status_line_makes_room_for_what_is_printed(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     monkeypatch.setenv("TERM", "xterm")
     with status_line("testing [red]") as status:

@@ -16,12 +16,18 @@ FILES = {
     "orchard.npz": "episodes of before",
     "kept/notes.txt": "mine",
     "own.py": "def idle(key, observation):\n    return observation[:, 0, 0, 0]\n",
-    "two_errors.sj": GAME.replace("send agent to floor", "send agent to flor").replace("each agent on soil", "each agnt on soil"),
+    "two_errors.sj": GAME.replace("send agent to floor", "send agent to flor").replace(
+        "each agent on soil", "each agnt on soil"
+    ),
     "wrong_variant.sj": GAME.replace("set apple = 2", "set aple = 2"),
     "unused.sj": GAME.replace("  episode length", "  param idle : reward = 1\n  episode length"),
-    "idle.sj": GAME.replace("forward, stay", "forward, stay, dance").replace("event eaten", "event eaten  event lost"),
+    "idle.sj": GAME.replace("forward, stay", "forward, stay, dance").replace(
+        "event eaten", "event eaten  event lost"
+    ),
     "other.sj": GAME.replace("set soil.fruit = none  give", "give"),
-    "sure.sj": GAME.replace("none: 0.1, ripe: 0", "none: 1, ripe: 0").replace("{ none, ripe } = ripe", "{ none, ripe } = none"),
+    "sure.sj": GAME.replace("none: 0.1, ripe: 0", "none: 1, ripe: 0").replace(
+        "{ none, ripe } = ripe", "{ none, ripe } = none"
+    ),
 }
 SCRIPT = """
 import contextlib, io, os, shlex, sys
@@ -44,7 +50,14 @@ def test_a_transcript(name: str, tmp_path: Path, golden: Callable[[Path, str], N
     stored = Path(__file__).with_name(name)
     calls = "\n".join(line[2:] for line in stored.read_text().splitlines() if line.startswith("$ "))
     environment = {**os.environ, "JAX_PLATFORMS": "cpu"}
-    done = subprocess.run([sys.executable, "-c", SCRIPT], input=calls, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT],
+        input=calls,
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     golden(stored, done.stdout)
     kept = (path for path in tmp_path.rglob("*") if path.is_file() and path.suffix != ".pyc")

@@ -31,11 +31,17 @@ def built(about: str, *variants: str) -> ir.Game:
 
 
 def test_texts_in_a_row_are_one() -> None:
-    assert built('about summary "one"\n "two"  about paradigm "none"').about == (("summary", "one two"), ("paradigm", "none"))
+    assert built('about summary "one"\n "two"  about paradigm "none"').about == (
+        ("summary", "one two"),
+        ("paradigm", "none"),
+    )
 
 
 def test_a_variant_says_it_anew() -> None:
-    assert built('about paradigm "none"  about summary "s"', "other").about == (("paradigm", "commons"), ("summary", "s"))
+    assert built('about paradigm "none"  about summary "s"', "other").about == (
+        ("paradigm", "commons"),
+        ("summary", "s"),
+    )
 
 
 def test_a_variant_takes_it_away() -> None:
@@ -53,7 +59,9 @@ def test_each_name_once() -> None:
 
 
 def test_an_extending_game_inherits(tmp_path: Path) -> None:
-    (tmp_path / "plain.sj").write_text(GAME.format(about='about summary "base"  about paradigm "none"'), encoding="utf-8")
+    (tmp_path / "plain.sj").write_text(
+        GAME.format(about='about summary "base"  about paradigm "none"'), encoding="utf-8"
+    )
     text = 'sj 1\ngame more "More" extends "plain.sj" { about summary "more" }\n'
     (tmp_path / "more.sj").write_text(text, encoding="utf-8")
     game = build(read_source(tmp_path / "more.sj")).game

@@ -68,7 +68,11 @@ def test_operands_are_lined_up_by_name(a: tuple[Any, int], b: tuple[Any, int], o
     found, left, right = evaluated(result, given), *(over_all(name, v) for name, v in given.items())
     meant = {"+": left + right, "*": left * right, "<": left < right, "==": left == right}[op]
     absent = tuple(i for i, axis in enumerate(AXES) if axis not in result.axes)
-    meant = np.take(meant, 0, axis=absent[0]) if len(absent) == 1 else meant[tuple(0 if i in absent else slice(None) for i in range(3))]
+    meant = (
+        np.take(meant, 0, axis=absent[0])
+        if len(absent) == 1
+        else meant[tuple(0 if i in absent else slice(None) for i in range(3))]
+    )
     np.testing.assert_array_equal(found, meant if result.levels else meant[..., 0])
 
 
@@ -76,10 +80,16 @@ def test_operands_are_lined_up_by_name(a: tuple[Any, int], b: tuple[Any, int], o
 @given(some_axes, some_axes, st.sets(st.sampled_from(AXES)))
 def test_a_sum_counts_every_instance(of_test: Any, of_value: Any, gone: set[Axis]) -> None:
     given = {"test": named("test", of_test), "value": named("value", of_value)}
-    chosen = select(Value(binary(">", given["test"], literal(0, "i32"), "bool").node, "bool", of_test), given["value"], literal(7, "i32"))
+    chosen = select(
+        Value(binary(">", given["test"], literal(0, "i32"), "bool").node, "bool", of_test),
+        given["value"],
+        literal(7, "i32"),
+    )
     over = union(tuple(gone))
     result = reduce("sum", chosen, over)
-    whole = np.where(over_all("test", given["test"]) > 0, over_all("value", given["value"]), 7)[..., 0]
+    whole = np.where(over_all("test", given["test"]) > 0, over_all("value", given["value"]), 7)[
+        ..., 0
+    ]
     meant = whole.sum(axis=tuple(AXES.index(a) for a in over))
     kept = [a for a in AXES if a not in over]
     absent = tuple(0 if a not in result.axes else slice(None) for a in kept)
@@ -107,7 +117,11 @@ def test_conditions_are_as_short_as_they_can_be() -> None:
     nested = both(a, both(b, both(a, c)))
     assert text(nested.node) == "a & b & a & c"
     same = binary("==", named("x", ()), literal(3, "i32"), "bool")
-    assert text(invert(same).node) == "x != 3" and invert(invert(a)) == a and text(invert(a).node) == "~a"
+    assert (
+        text(invert(same).node) == "x != 3"
+        and invert(invert(a)) == a
+        and text(invert(a).node) == "~a"
+    )
     assert select(TRUE, a, b) == a and select(FALSE, a, b) == b
     assert text(select(a, literal(1, "i32"), literal(0, "i32")).node) == "a.astype(jnp.int32)"
 
@@ -115,10 +129,19 @@ def test_conditions_are_as_short_as_they_can_be() -> None:
 def test_bytes_are_compared_as_bytes() -> None:
     stored = as_dtype(Value(path("state.left"), "u8", AXES[:1]), "i32")
     assert text(binary("<", stored, literal(200, "i32"), "bool").node) == "state.left < 200"
-    assert text(binary("<", stored, literal(256, "i32"), "bool").node) == "state.left.astype(jnp.int32) < 256"
-    assert text(binary(">", stored, literal(-1, "i32"), "bool").node) == "state.left.astype(jnp.int32) > -1"
+    assert (
+        text(binary("<", stored, literal(256, "i32"), "bool").node)
+        == "state.left.astype(jnp.int32) < 256"
+    )
+    assert (
+        text(binary(">", stored, literal(-1, "i32"), "bool").node)
+        == "state.left.astype(jnp.int32) > -1"
+    )
     held = as_dtype(Value(path("state.held"), "bool", AXES[:1]), "i32")
-    assert text(binary("==", held, literal(1, "i32"), "bool").node) == "state.held.astype(jnp.int32) == 1"
+    assert (
+        text(binary("==", held, literal(1, "i32"), "bool").node)
+        == "state.held.astype(jnp.int32) == 1"
+    )
 
 
 def test_new_axes_are_added_at_once() -> None:
@@ -127,11 +150,18 @@ def test_new_axes_are_added_at_once() -> None:
     assert text(indexed(column, (REST, NEW_AXIS))) == "x[:, None, None]"
     assert text(indexed(column, (NEW_AXIS, ALL, ALL))) == "x[None, :, None]"
     assert text(indexed(column, (ALL, literal(0, "i32").node))) == "x[:, None][:, 0]"
-    assert text(indexed(as_dtype(Value(x, "u8"), "i32").node, (ALL, NEW_AXIS))) == "x[:, None].astype(jnp.int32)"
+    assert (
+        text(indexed(as_dtype(Value(x, "u8"), "i32").node, (ALL, NEW_AXIS)))
+        == "x[:, None].astype(jnp.int32)"
+    )
 
 
 @pytest.mark.parametrize(
-    ("axis", "expected"), [(AXES[0], "jnp.arange(NUM_AGENTS, dtype=jnp.int32)"), (AXES[1], "jnp.arange(3, dtype=jnp.int32)")]
+    ("axis", "expected"),
+    [
+        (AXES[0], "jnp.arange(NUM_AGENTS, dtype=jnp.int32)"),
+        (AXES[1], "jnp.arange(3, dtype=jnp.int32)"),
+    ],
 )
 def test_axes_are_printed_by_their_constants(axis: Axis, expected: str) -> None:
     assert text(iota(axis).node) == expected

@@ -29,7 +29,11 @@ def lowered(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the games that are lowered from now on."""
     names: list[str] = []
     lower_build = compiler.lower_build
-    monkeypatch.setattr(compiler, "lower_build", lambda made, source: names.append(made.game.name) or lower_build(made, source))
+    monkeypatch.setattr(
+        compiler,
+        "lower_build",
+        lambda made, source: names.append(made.game.name) or lower_build(made, source),
+    )
     compiler._lowered.cache_clear()
     return names
 

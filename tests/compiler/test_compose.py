@@ -28,7 +28,9 @@ game base "Base" {
 def game(folder: Path, changes: str, variant: str = "", *variants: str) -> ir.Game:
     """Returns a game on the base with these changes."""
     (folder / "base.sj").write_text(BASE % variant, encoding="utf-8")
-    (folder / "more.sj").write_text(f'sj 1\ngame more "More" extends "base.sj" {{ {changes} }}\n', encoding="utf-8")
+    (folder / "more.sj").write_text(
+        f'sj 1\ngame more "More" extends "base.sj" {{ {changes} }}\n', encoding="utf-8"
+    )
     return build(read_source(folder / "more.sj"), variants).game
 
 
@@ -55,14 +57,21 @@ def test_only_what_is_there_can_be_changed(tmp_path: Path) -> None:
 
 
 def test_a_game_of_its_own_has_nothing_to_change(tmp_path: Path) -> None:
-    (tmp_path / "alone.sj").write_text((BASE % "").replace("episode 9", "episode 9  set apple = 2"), encoding="utf-8")
+    (tmp_path / "alone.sj").write_text(
+        (BASE % "").replace("episode 9", "episode 9  set apple = 2"), encoding="utf-8"
+    )
     with pytest.raises(CompileError) as error:
         build(read_source(tmp_path / "alone.sj"))
     assert [d.code for d in error.value.diagnostics] == ["SJ002"]
 
 
 @pytest.mark.parametrize(
-    "changes", ["set apple = 2  set apple = 3", "set pay[red] = 2  set pay[red] = 2", "set pay = { red: 1, blue: 1 }  set pay[red] = 2"]
+    "changes",
+    [
+        "set apple = 2  set apple = 3",
+        "set pay[red] = 2  set pay[red] = 2",
+        "set pay = { red: 1, blue: 1 }  set pay[red] = 2",
+    ],
 )
 def test_nothing_is_changed_twice(changes: str, tmp_path: Path) -> None:
     assert codes(tmp_path, changes) == ["SJ115"]
@@ -77,7 +86,9 @@ def test_stay_cannot_be_forbidden(tmp_path: Path) -> None:
 CHECKS = "checks { require apple > 0 }  checks cheap { require apple < 2  conserved count(agent) }  variant rich"
 
 
-def test_checks_are_added_and_those_with_a_name_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_checks_are_added_and_those_with_a_name_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Otherwise no game on this one could fail a check that belongs to the numbers of this one."""
     monkeypatch.setitem(globals(), "BASE", BASE.replace("variant rich", CHECKS))
 
@@ -89,7 +100,10 @@ def test_checks_are_added_and_those_with_a_name_replaced(tmp_path: Path, monkeyp
     assert codes(tmp_path, "set apple = 3  checks dear { require apple > 2 }") == ["SJ212"]
     assert sorts("set apple = 3  checks cheap { require apple > 2 }") == ["require", "require"]
     assert sorts("set apple = 3  drop cheap") == ["require"]
-    assert sorts("", "set apple = 3  checks cheap { always apple > 2 }", "rich") == ["require", "always"]
+    assert sorts("", "set apple = 3  checks cheap { always apple > 2 }", "rich") == [
+        "require",
+        "always",
+    ]
     assert codes(tmp_path, "drop chaep") == ["SJ108"]
     assert codes(tmp_path, "checks cheap { } checks cheap { }") == ["SJ115"]
 
@@ -97,7 +111,8 @@ def test_checks_are_added_and_those_with_a_name_replaced(tmp_path: Path, monkeyp
 def test_a_define_that_a_base_has_for_other_games_is_not_missed(tmp_path: Path) -> None:
     """Of a game's own defines, and of a base's numbers, those that nothing uses are still told."""
     (tmp_path / "shared.sj").write_text(
-        'sj 1\ngame shared "Shared" { define late(n) = step >= n  param idle : reward = 1 }\n', encoding="utf-8"
+        'sj 1\ngame shared "Shared" { define late(n) = step >= n  param idle : reward = 1 }\n',
+        encoding="utf-8",
     )
     body = (BASE % "").replace('"Base" {', '"Base" extends "shared.sj" { define mine = step')
     (tmp_path / "base.sj").write_text(body, encoding="utf-8")

@@ -14,7 +14,9 @@ GAMES = sorted((Path(__file__).parents[2] / "games").glob("*.sj"))
 COINS = next(path for path in GAMES if path.stem == "coins").read_text("utf-8")
 
 
-def mutants(tokens: list[Token], change: Callable[[str, Token, Token], str]) -> Iterator[tuple[Token, str]]:
+def mutants(
+    tokens: list[Token], change: Callable[[str, Token, Token], str]
+) -> Iterator[tuple[Token, str]]:
     for token, following in pairwise(tokens):
         yield token, change(COINS, token, following)
 
@@ -33,7 +35,10 @@ def swapped(text: str, token: Token, following: Token) -> str:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("change", [without, *(pytest.param(change, marks=pytest.mark.slow) for change in (twice, swapped))])
+@pytest.mark.parametrize(
+    "change",
+    [without, *(pytest.param(change, marks=pytest.mark.slow) for change in (twice, swapped))],
+)
 def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Token], str]) -> None:
     """One change, one message, within a line; braces may be missed further away."""
     tokens = list(parser().lex(COINS))
@@ -41,10 +46,14 @@ def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Tok
     for token, text in mutants(tokens, change):
         found = problems(text)
         counts.append(len(found))
-        lines = [d.span.line for d in found] + [label.span.line for d in found for label in d.labels]
+        lines = [d.span.line for d in found] + [
+            label.span.line for d in found for label in d.labels
+        ]
         near += any(abs(line - (token.line or 0)) <= 1 for line in lines)
     refused = sum(count > 0 for count in counts)
-    assert refused >= 0.95 * len(counts)  # a text, a word of a list or a slot less is another game, not a mistake
+    assert refused >= 0.95 * len(
+        counts
+    )  # a text, a word of a list or a slot less is another game, not a mistake
     assert near >= 0.97 * refused
     assert sum(count == 1 for count in counts) >= 0.93 * refused
     assert max(counts) <= 4
@@ -52,7 +61,9 @@ def test_mutants_of_coins_are_refused_in_place(change: Callable[[str, Token, Tok
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(
-    "path", [p if n % 2 else pytest.param(p, marks=pytest.mark.slow) for n, p in enumerate(GAMES)], ids=lambda path: path.stem
+    "path",
+    [p if n % 2 else pytest.param(p, marks=pytest.mark.slow) for n, p in enumerate(GAMES)],
+    ids=lambda path: path.stem,
 )
 def test_truncated_games_give_one_message(path: Path) -> None:
     text = path.read_text("utf-8")

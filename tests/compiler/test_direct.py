@@ -11,7 +11,14 @@ from lark import Token, Tree, UnexpectedToken
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
-from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DIGITS, MAX_INTEGER, MAX_STATEMENTS, MAX_TREE, STATEMENTS
+from sjdsl.compiler.diagnostics.limits import (
+    CHAINS,
+    MAX_DIGITS,
+    MAX_INTEGER,
+    MAX_STATEMENTS,
+    MAX_TREE,
+    STATEMENTS,
+)
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax import rules
 from sjdsl.compiler.syntax.direct import EVERY, read_directly
@@ -23,7 +30,13 @@ from tests.damage import edits
 from tests.format.damage import damaged
 
 FOLDER = Path(__file__).parents[2] / "games"
-GAMES = [*edits.GAMES, "allelopathic_harvest", "meltingpot/chemistry", "meltingpot/predator_prey_open", "meltingpot/collaborative_cooking"]
+GAMES = [
+    *edits.GAMES,
+    "allelopathic_harvest",
+    "meltingpot/chemistry",
+    "meltingpot/predator_prey_open",
+    "meltingpot/collaborative_cooking",
+]
 SMALL = [path.read_text("utf-8") for path in sorted((FOLDER.parent / "tests/cases").glob("*.sj"))]
 
 
@@ -37,7 +50,10 @@ def with_care(text: str) -> ast.File | None:
         tree = tree_of(found.tokens)[1]
     except UnexpectedToken:
         return None
-    fits = depth(tree) <= MAX_TREE and sum(node.data in STATEMENTS for node in tree.iter_subtrees()) <= MAX_STATEMENTS
+    fits = (
+        depth(tree) <= MAX_TREE
+        and sum(node.data in STATEMENTS for node in tree.iter_subtrees()) <= MAX_STATEMENTS
+    )
     return built(tree) if fits else None
 
 
@@ -49,15 +65,23 @@ def depth(tree: Tree[Token]) -> int:
 
 
 def built(tree: Tree[Token]) -> Any:
-    items = [built(child) if isinstance(child, Tree) else leaf(child) for child in tree.children if child is not None]
+    items = [
+        built(child) if isinstance(child, Tree) else leaf(child)
+        for child in tree.children
+        if child is not None
+    ]
     if tree.data in {*rules.CLAUSES, "names"}:
-        return Part(tree.data, tuple(items) if tree.data == "names" else items[0] if items else None)
+        return Part(
+            tree.data, tuple(items) if tree.data == "names" else items[0] if items else None
+        )
     span = Span("game.sj", tree.meta.start_pos, tree.meta.end_pos, tree.meta.line, tree.meta.column)
     return rules.RULES[tree.data](span, *items)
 
 
 def leaf(token: Token) -> ast.Name | ast.String | str:
-    span = Span("game.sj", token.start_pos or 0, token.end_pos or 0, token.line or 0, token.column or 0)
+    span = Span(
+        "game.sj", token.start_pos or 0, token.end_pos or 0, token.line or 0, token.column or 0
+    )
     if token.type == "STRING":
         return ast.String(span, unquote(token))
     return str(token) if token.type in rules.AS_WRITTEN else ast.Name(span, str(token))
@@ -85,7 +109,11 @@ def test_other_spaces_and_comments(text: str) -> None:
 
 
 @settings(max_examples=12, deadline=None)
-@given(st.sampled_from(edits.GAMES), st.sampled_from([kind for kind in edits.KINDS if kind != "row"]), st.integers(0, 2**32))
+@given(
+    st.sampled_from(edits.GAMES),
+    st.sampled_from([kind for kind in edits.KINDS if kind != "row"]),
+    st.integers(0, 2**32),
+)
 def test_edited_words(game: str, kind: str, seed: int) -> None:
     """A text with a mistake is left to the careful reading; one that is still a game is read as that reads it."""
     edited = edits.edit(game, kind, Random(seed)).text
@@ -96,7 +124,9 @@ def game(inside: str) -> str:
     return f'sj 1\ngame small "Small" {{ {inside} }}'
 
 
-@pytest.mark.parametrize("mistake", ["set agent.bag += 1", "set any.at = (1 + 2 + 3 + 4 + 5 end", "} }"])
+@pytest.mark.parametrize(
+    "mistake", ["set agent.bag += 1", "set any.at = (1 + 2 + 3 + 4 + 5 end", "} }"]
+)
 def test_mistakes_are_those_found_from_the_beginning(mistake: str) -> None:
     """The search for mistakes begins a little before the first, with a stack that the direct reading hands over."""
     for before in range(EVERY - 20, EVERY + 4):
@@ -108,7 +138,9 @@ def test_mistakes_are_those_found_from_the_beginning(mistake: str) -> None:
 
 @pytest.mark.parametrize("word", sorted(kind.lower() for kind in SOFT))
 def test_soft_words_as_names(word: str) -> None:
-    text = game(f"size {word} : cells = 3 in 1 .. 4 phase p {{ each agent as a {{ when {word} > 1 {{ set a.{word} = {word} }} }} }}")
+    text = game(
+        f"size {word} : cells = 3 in 1 .. 4 phase p {{ each agent as a {{ when {word} > 1 {{ set a.{word} = {word} }} }} }}"
+    )
     found = directly(text)
     assert found is not None
     assert found == with_care(text)
@@ -145,7 +177,15 @@ def test_near_the_limits(inside: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", [game("size a : cells = 3\x07"), game("# \u200b"), "sj 9\n" + game("")[5:], "game small {}", "", "# nothing"]
+    "text",
+    [
+        game("size a : cells = 3\x07"),
+        game("# \u200b"),
+        "sj 9\n" + game("")[5:],
+        "game small {}",
+        "",
+        "# nothing",
+    ],
 )
 def test_what_is_wrong_with_characters_and_versions_is_still_said(text: str) -> None:
     with pytest.raises(CompileError):
@@ -159,4 +199,8 @@ def test_positions_count_lines_as_editors_do() -> None:
     assert found == with_care(text)
     size = found.game.sections[0]
     assert isinstance(size, ast.Constant)
-    assert (size.span.line, size.span.column, text[size.span.start : size.span.end]) == (5, 2, "size a : cells = (1 +\r\n 2) * 3")
+    assert (size.span.line, size.span.column, text[size.span.start : size.span.end]) == (
+        5,
+        2,
+        "size a : cells = (1 +\r\n 2) * 3",
+    )

@@ -61,7 +61,11 @@ def meant(node: Any) -> ast.expr:
         case Literal(value=bool() | None | str() as value):
             return ast.Constant(value)
         case Literal(value=int() | float() as value):
-            return ast.Constant(value) if not str(value).startswith("-") else ast.UnaryOp(ast.USub(), ast.Constant(-value))
+            return (
+                ast.Constant(value)
+                if not str(value).startswith("-")
+                else ast.UnaryOp(ast.USub(), ast.Constant(-value))
+            )
         case Literal(value=value):
             return ast.Constant(value)
         case Attribute(value=value, name=name):
@@ -70,7 +74,9 @@ def meant(node: Any) -> ast.expr:
             named = [ast.keyword(name, meant(value)) for name, value in keywords]
             return ast.Call(meant(function), [meant(a) for a in arguments], named)
         case Slice(start=start, stop=stop):
-            return ast.Slice(None if start is None else meant(start), None if stop is None else meant(stop))
+            return ast.Slice(
+                None if start is None else meant(start), None if stop is None else meant(stop)
+            )
         case Index(value=value, keys=keys):
             key = meant(keys[0]) if len(keys) == 1 else ast.Tuple([meant(k) for k in keys], load)
             return ast.Subscript(meant(value), key, load)
@@ -86,13 +92,27 @@ def meant(node: Any) -> ast.expr:
         case Cast(value=value, dtype=dtype):
             return meant(Call(Attribute(value, "astype"), (DTYPES[dtype],)))
         case Reduce(fn=fn, value=value, axes=axes, dtype=dtype):
-            numbers = [] if axes is None else [Literal(axes[0])] if len(axes) == 1 else [Sequence(tuple(map(Literal, axes)))]
-            keywords = tuple(("axis", n) for n in numbers) + (() if dtype is None else (("dtype", DTYPES[dtype]),))
+            numbers = (
+                []
+                if axes is None
+                else [Literal(axes[0])]
+                if len(axes) == 1
+                else [Sequence(tuple(map(Literal, axes)))]
+            )
+            keywords = tuple(("axis", n) for n in numbers) + (
+                () if dtype is None else (("dtype", DTYPES[dtype]),)
+            )
             return meant(Call(path(f"jnp.{fn}"), (value,), keywords))
         case Broadcast(value=value, shape=shape):
             return meant(Call(path("jnp.broadcast_to"), (value, Sequence(shape))))
         case Arange(size=size, dtype=dtype):
-            return meant(Call(path("jnp.arange"), (size,), () if dtype is None else (("dtype", DTYPES[dtype]),)))
+            return meant(
+                Call(
+                    path("jnp.arange"),
+                    (size,),
+                    () if dtype is None else (("dtype", DTYPES[dtype]),),
+                )
+            )
         case Update(target=target, keys=keys, fn=fn, value=value, drop=drop):
             at = Attribute(Index(Attribute(target, "at"), keys), fn)
             return meant(Call(at, (value,), (("mode", Literal("drop")),) if drop else ()))
@@ -136,17 +156,25 @@ def trees(draw: st.DrawFn, depth: int = 4) -> Any:
 
         dtype, name = draw(st.sampled_from(list(DTYPES))), draw(NAMES)
         kinds = (
-            *[lambda: Binary(draw(st.sampled_from(sorted(PYTHON_PRECEDENCE))), below(), below())] * 5,
+            *[lambda: Binary(draw(st.sampled_from(sorted(PYTHON_PRECEDENCE))), below(), below())]
+            * 5,
             lambda: Unary(draw(st.sampled_from("~-")), below()),
             lambda: Attribute(below(), name),
             lambda: Index(below(), keys()),
             lambda: Call(below(), some(), (("keyword", below()),)),
             lambda: Where(below(), below(), below()),
             lambda: Cast(below(), dtype),
-            lambda: Reduce(draw(st.sampled_from(["any", "sum", "max"])), below(), draw(st.sampled_from([None, (0,), (0, -1)])), dtype),
+            lambda: Reduce(
+                draw(st.sampled_from(["any", "sum", "max"])),
+                below(),
+                draw(st.sampled_from([None, (0,), (0, -1)])),
+                dtype,
+            ),
             lambda: Broadcast(below(), some()),
             lambda: Arange(below(), dtype),
-            lambda: Update(below(), keys(), draw(st.sampled_from(["set", "add"])), below(), draw(st.booleans())),
+            lambda: Update(
+                below(), keys(), draw(st.sampled_from(["set", "add"])), below(), draw(st.booleans())
+            ),
             lambda: Sequence(some(), draw(st.booleans())),
             lambda: Mapping(((name, below()),)),
             lambda: Lambda(("key",), below()),
@@ -173,7 +201,9 @@ def test_one_line_is_read_as_it_was_meant(node: Any) -> None:
 def test_broken_lines_are_read_as_they_were_meant_and_fit(node: Any) -> None:
     lines = statement_lines(Assign(("found",), node), indent=0)
     assert read("\n".join(lines)) == ast.dump(meant(node))
-    if len(re.sub(r"[^([{]", "", text(node))) < 12:  # brackets deep in brackets may be indented beyond any width
+    if (
+        len(re.sub(r"[^([{]", "", text(node))) < 12
+    ):  # brackets deep in brackets may be indented beyond any width
         assert max(map(len, lines)) <= WIDTH
 
 
@@ -207,7 +237,13 @@ def test_long_calls_are_broken_at_their_arguments() -> None:
 def test_what_nothing_reads_is_left_out() -> None:
     a, b, state = map(Name, ("a", "b", "state"))
     again = Assign(("a",), Binary("+", a, Literal(1)))
-    body = [Assign(("a",), Literal(1)), Assign(("b",), a), again, Assign(("b",), Literal(2)), Return((state, b))]
+    body = [
+        Assign(("a",), Literal(1)),
+        Assign(("b",), a),
+        again,
+        Assign(("b",), Literal(2)),
+        Return((state, b)),
+    ]
     assert live(body) == (body[3], body[4])
     assert live([*body[:3], Return((a,))]) == (body[0], again, Return((a,)))
 
@@ -218,7 +254,9 @@ def test_generated_modules_are_tidy(path_: Path) -> None:
     assert [line for line in lines if len(line) > WIDTH] == []
     idle = re.compile(r"(\* 1|\+ 0|- 0|<< 0|>> 0)(?![\w.])")
     assert [line for line in lines if idle.search(line.split("  #")[0])] == []
-    assert not re.search(r'"""\n    return state, out\n', path_.read_text("utf-8"))  # a phase that does nothing
+    assert not re.search(
+        r'"""\n    return state, out\n', path_.read_text("utf-8")
+    )  # a phase that does nothing
 
 
 MANY = """sj 1

@@ -55,13 +55,17 @@ def assert_case(case: str, golden: Callable[[Path, str], None]) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_case(case: str, golden: Callable[[Path, str], None], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_case(
+    case: str, golden: Callable[[Path, str], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(ERRORS)
     assert_case(case, golden)
 
 
 @pytest.mark.parametrize("case", sorted(MADE))
-def test_made_case(case: str, golden: Callable[[Path, str], None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_made_case(
+    case: str, golden: Callable[[Path, str], None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     content = MADE[case]
     monkeypatch.chdir(tmp_path)
     match content:
@@ -72,7 +76,9 @@ def test_made_case(case: str, golden: Callable[[Path, str], None], monkeypatch: 
         case "pipe":
             os.mkfifo(f"{case}.sj")
         case "link":
-            Path(f"{case}.sj").write_text((ERRORS / "SJ112_file_outside.sj").read_text().replace("../", "maps/"))
+            Path(f"{case}.sj").write_text(
+                (ERRORS / "SJ112_file_outside.sj").read_text().replace("../", "maps/")
+            )
             Path("maps").symlink_to("../elsewhere")
     assert_case(case, golden)
 
@@ -121,7 +127,12 @@ def test_the_examples_of_an_explanation_are_in_the_language(code: str) -> None:
 
 def _syntax_errors(text: str) -> list[set[str]]:
     """Returns the codes found in a text read as a file, as declarations, and as statements."""
-    frames = ("{}", "sj 1\n{}", "sj 1\ngame x {{\n{}\n}}", "sj 1\ngame x {{\nphase p {{\n{}\n}}\n}}")
+    frames = (
+        "{}",
+        "sj 1\n{}",
+        "sj 1\ngame x {{\n{}\n}}",
+        "sj 1\ngame x {{\nphase p {{\n{}\n}}\n}}",
+    )
     found = []
     for frame in frames:
         try:

@@ -26,8 +26,17 @@ SAMPLES = {
 
 def sample(kind: type[Diagnostic]) -> Diagnostic:
     """Returns a diagnostic of a kind, each of its facts a sample of its type."""
-    types = {name: type_ for parent in kind.__mro__ if parent not in Diagnostic.__mro__ for name, type_ in annotations(parent).items()}
-    own = {n: SAMPLES[t if t in SAMPLES else get_args(t)[0]] for n, t in types.items() if get_origin(t) is not ClassVar}
+    types = {
+        name: type_
+        for parent in kind.__mro__
+        if parent not in Diagnostic.__mro__
+        for name, type_ in annotations(parent).items()
+    }
+    own = {
+        n: SAMPLES[t if t in SAMPLES else get_args(t)[0]]
+        for n, t in types.items()
+        if get_origin(t) is not ClassVar
+    }
     return kind(HERE, **own)
 
 
@@ -42,8 +51,12 @@ def test_templates_tell_the_facts_of_their_class(kind: type[Diagnostic]) -> None
     names = {name for template in (kind.says, *kind.hints) for name in told(template)}
     for name in {name.split(".")[0] for name in names}:
         assert name in facts or isinstance(getattr(kind, name), property)
-    computed = {name for name in names if isinstance(getattr(kind, name.split(".")[0], None), property)}
-    assert computed or facts - {"declared", "places"} <= {name.split(".")[0] for name in names}, "a fact that nobody is told"
+    computed = {
+        name for name in names if isinstance(getattr(kind, name.split(".")[0], None), property)
+    }
+    assert computed or facts - {"declared", "places"} <= {name.split(".")[0] for name in names}, (
+        "a fact that nobody is told"
+    )
     assert made.message
     assert replace(made, help="do it").hint == "do it"
 
@@ -67,8 +80,14 @@ def test_diagnostics_are_frozen_and_equal_by_content() -> None:
 
 
 def test_the_first_hint_is_given_that_can_be() -> None:
-    assert errors.UnknownName(HERE, name="oka", near=near("oka", ["oak", "elm"], "the trees")).hint == "did you mean `oak`?"
-    assert errors.UnknownName(HERE, name="cat", near=near("cat", ["oak", "elm"], "the trees")).hint == "the trees are `oak`, `elm`"
+    assert (
+        errors.UnknownName(HERE, name="oka", near=near("oka", ["oak", "elm"], "the trees")).hint
+        == "did you mean `oak`?"
+    )
+    assert (
+        errors.UnknownName(HERE, name="cat", near=near("cat", ["oak", "elm"], "the trees")).hint
+        == "the trees are `oak`, `elm`"
+    )
     assert errors.UnknownName(HERE, name="cat", near=near("cat", ["oak", "elm"])).hint == ""
 
 

@@ -14,7 +14,9 @@ GENERATED = Path(__file__).parent.parent.parent / "generated"
 @pytest.mark.parametrize("name", main_games())
 def test_generated_module_is_current(name: str) -> None:
     written = (GENERATED / f"{name}.py").read_text(encoding="utf-8")
-    assert written == compile_source(read_source(find_game(name))), "run `sjdsl compile games/*.sj` and read the difference"
+    assert written == compile_source(read_source(find_game(name))), (
+        "run `sjdsl compile games/*.sj` and read the difference"
+    )
 
 
 def test_nothing_stray() -> None:

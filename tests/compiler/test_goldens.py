@@ -28,7 +28,10 @@ def text(path: Path, stage: str) -> str:
 
 def digests(work: Iterable[tuple[Path, str]]) -> dict[str, str]:
     """Returns a digest of each stage of each file."""
-    return {f"{path.name} {stage}": hashlib.sha256(text(path, stage).encode()).hexdigest() for path, stage in work}
+    return {
+        f"{path.name} {stage}": hashlib.sha256(text(path, stage).encode()).hexdigest()
+        for path, stage in work
+    }
 
 
 @pytest.mark.parametrize("stage", STORED)
@@ -36,18 +39,25 @@ def digests(work: Iterable[tuple[Path, str]]) -> dict[str, str]:
 def test_stage(case: Path, stage: str, golden: Callable[[Path, str], None]) -> None:
     """The release and the hash of the rules are left out: both change without a change of the text."""
     found = text(case, stage).replace(f"sjdsl {__version__}", "sjdsl")
-    golden(GOLDEN / stage / f"{case.stem}.txt", re.sub(r"(Game hash |HASH = .)\w{16}", r"\1", found))
+    golden(
+        GOLDEN / stage / f"{case.stem}.txt", re.sub(r"(Game hash |HASH = .)\w{16}", r"\1", found)
+    )
 
 
 def test_no_golden_is_left_over() -> None:
     stems = {case.stem for case in CASES}
-    assert {(path.parent.name, path.stem) for path in GOLDEN.rglob("*.txt")} == {(stage, stem) for stage in STORED for stem in stems}
+    assert {(path.parent.name, path.stem) for path in GOLDEN.rglob("*.txt")} == {
+        (stage, stem) for stage in STORED for stem in stems
+    }
 
 
 @pytest.mark.thorough
 def test_the_same_bytes_twice_elsewhere_and_in_another_order(tmp_path: Path) -> None:
     """In another process, folder, order and with other hashes of strings."""
-    work = [*((case, stage) for case in CASES for stage in STAGES), *((game, stage) for game in GAMES for stage in ("ast", "python"))]
+    work = [
+        *((case, stage) for case in CASES for stage in STAGES),
+        *((game, stage) for game in GAMES for stage in ("ast", "python")),
+    ]
     here = digests(work)
     assert digests(work[:20]) == {name: here[name] for name in list(here)[:20]}
     order = repr([(str(path), stage) for path, stage in reversed(work)])
@@ -57,6 +67,12 @@ def test_the_same_bytes_twice_elsewhere_and_in_another_order(tmp_path: Path) -> 
         "print(json.dumps(digests((pathlib.Path(path), stage) for path, stage in ast.literal_eval(input()))))"
     )
     found = subprocess.run(
-        [sys.executable, "-c", program], input=order, capture_output=True, text=True, cwd=tmp_path, env=environment, check=True
+        [sys.executable, "-c", program],
+        input=order,
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=environment,
+        check=True,
     )
     assert sorted(here.items()) == sorted(json.loads(found.stdout).items())

@@ -51,15 +51,22 @@ LONG = {
     "unknown names": lambda n: GAME.replace(GIVE, lines("give nothing# to agent", n)),
     "checks": lambda n: with_part(f"checks {{\n{lines('always step >= 0 or step > #', n)}\n}}"),
     "metrics": lambda n: with_part(f"metrics {{\n{lines('mean m# = count(tree) + #', n)}\n}}"),
-    "events": lambda n: with_part(f"metrics {{\n{lines('event e#', n)}\n}}", GAME.replace(GIVE, lines("tally e# for agent", n))),
+    "events": lambda n: with_part(
+        f"metrics {{\n{lines('event e#', n)}\n}}",
+        GAME.replace(GIVE, lines("tally e# for agent", n)),
+    ),
     "kept numbers": lambda n: GAME.replace(GIVE, lines("let x# = step + #", n) + GIVE),
     "defines": lambda n: with_part(lines("define d# = step + #", n)),
     "policies": lambda n: with_part(lines('policy p# "goes" { seek tree }', n)),
     "variants": lambda n: with_part(lines("variant v# { set regrow = 0.1 }", n)),
     "conditions": lambda n: formula("and", "x.row > 0", n // 10, "when # { give 1 to agent }"),
     "alternatives": lambda n: formula("or", "x.row > 3", n // 10, "when # { give 1 to agent }"),
-    "a sum that is compared": lambda n: formula("+", "x.row", n // 10, "when # > 3 { give 1 to agent }"),
-    "a sum under a guard": lambda n: formula("+", "x.row", n // 10, "when agent.row > 1 { when # > 3 { give 1 to agent } }"),
+    "a sum that is compared": lambda n: formula(
+        "+", "x.row", n // 10, "when # > 3 { give 1 to agent }"
+    ),
+    "a sum under a guard": lambda n: formula(
+        "+", "x.row", n // 10, "when agent.row > 1 { when # > 3 { give 1 to agent } }"
+    ),
 }
 
 
@@ -70,7 +77,10 @@ def test_twice_the_text_is_twice_the_work(name: str) -> None:
     assert long - middle < 2.5 * (middle - short)  # in proportion 2; as the square 4
 
 
-@pytest.mark.parametrize("statement", ["add 1 to taken", "when step == # { set taken = 3 }", "give # to agent", "add agent to seen"])
+@pytest.mark.parametrize(
+    "statement",
+    ["add 1 to taken", "when step == # { set taken = 3 }", "give # to agent", "add agent to seen"],
+)
 def test_many_writes_are_no_deep_nest(statement: str) -> None:
     """Sums are nested in the program, and Python goes through them recursively."""
     fields = "field taken : 0 .. 9 capped = 0  field seen : set of agent"

@@ -27,9 +27,7 @@ game frame "Guards" {{
 }}
 """
 MIX = "each agent where sum(agent.bag) {} {{ give worth[mix(agent.bag)] to agent }}"
-WRITES = (
-    "each agent where agent.held {} {{ set agent.held = 1 }} each agent as other where other.held {} {{ set other.held = other.index }}"
-)
+WRITES = "each agent where agent.held {} {{ set agent.held = 1 }} each agent as other where other.held {} {{ set other.held = other.index }}"
 
 
 def codes(body: str) -> set[str]:
@@ -57,19 +55,24 @@ SHARES = "each agent {{ when count(agent as a where {}) > 0 {{ give 1 / count(ag
 def test_names_of_bound_variables_do_not_matter():
     assert codes(SHARES.format("a.held > 1", "b.held > 1")) == set()
     assert codes(SHARES.format("a.held > 1", "b.held > 2")) == {"SJ207"}
-    assert codes(SHARES.format("a.held > 1 and a is agent", "b.held > 1 and agent is b")) == {"SJ207"}
+    assert codes(SHARES.format("a.held > 1 and a is agent", "b.held > 1 and agent is b")) == {
+        "SJ207"
+    }
 
 
 @pytest.mark.parametrize("guard", ["luck > 0", "luck >= 0.4", "0.4 <= luck"])
 def test_what_is_more_than_nothing_need_not_be_one(guard):
-    assert codes(f"each agent {{ when {guard} {{ chance 2 * luck - 1 {{ give 1 to agent }} }} }}") == {"SJ202"}
-    assert codes("each agent { when luck >= 0.5 { chance 2 * luck - 1 { give 1 to agent } } }") == set()
+    assert codes(
+        f"each agent {{ when {guard} {{ chance 2 * luck - 1 {{ give 1 to agent }} }} }}"
+    ) == {"SJ202"}
+    assert (
+        codes("each agent { when luck >= 0.5 { chance 2 * luck - 1 { give 1 to agent } } }")
+        == set()
+    )
 
 
 def test_conditions_on_counts_exclude_each_other_whatever_their_variables_are_called():
-    counted = (
-        "each agent where count(agent as a where a.held > 1) > 0 {{ set agent.held = 1 }} each agent as b where {} {{ set b.held = 2 }}"
-    )
+    counted = "each agent where count(agent as a where a.held > 1) > 0 {{ set agent.held = 1 }} each agent as b where {} {{ set b.held = 2 }}"
     assert codes(counted.format("count(agent as c where c.held > 1) == 0")) == set()
     assert codes(counted.format("count(agent as c where c.held > 2) == 0")) == {"SJ401"}
 
@@ -103,7 +106,10 @@ def test_a_domain_that_can_be_empty_has_none(guard, domain):
 def test_where_agents_can_be_away_there_is_one_as_long_as_one_is_named():
     remove = "each agent where agent chose stay { remove agent }"
     assert codes(f"{remove}  when min(agent.held over agent) > 1 {{ give 1 to all }}") == {"SJ217"}
-    assert codes(f"{remove}  each agent where min(b.held over agent as b) > 1 {{ give 1 to agent }}") == set()
+    assert (
+        codes(f"{remove}  each agent where min(b.held over agent as b) > 1 {{ give 1 to agent }}")
+        == set()
+    )
     assert codes("when min(agent.held over agent) > 1 { give 1 to all }") == set()
 
 
@@ -144,7 +150,9 @@ def test_or_leaves_every_other_word(guard):
 def test_conditions_joined_with_or_exclude_a_word_that_none_names():
     free = "each agent where {} {{ set agent.held = 1 }} each agent as b where {} {{ set b.held = b.index }}"
     assert codes(free.format("agent.holds is raw or agent.holds is cut", "b.holds is ash")) == set()
-    assert codes(free.format("agent.holds is raw or agent.holds is cut", "b.holds is cut")) == {"SJ401"}
+    assert codes(free.format("agent.holds is raw or agent.holds is cut", "b.holds is cut")) == {
+        "SJ401"
+    }
 
 
 @pytest.mark.parametrize(

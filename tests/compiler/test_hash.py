@@ -19,7 +19,15 @@ from sjdsl.library.stored_hashes import FILE, current_hash
 
 RENEWED: dict[str, dict[str, str]] = tomllib.loads((games_folder() / FILE).read_text("utf-8"))
 CASES = sorted((Path(__file__).parents[1] / "cases").glob("*.sj"))
-UNHASHED = {ir.Game, ir.Named, ir.Narrowed, ir.Size, ir.Policy, ir.Slots, ir.Scenario}  # by name, seen through, or beside the rules
+UNHASHED = {
+    ir.Game,
+    ir.Named,
+    ir.Narrowed,
+    ir.Size,
+    ir.Policy,
+    ir.Slots,
+    ir.Scenario,
+}  # by name, seen through, or beside the rules
 IN_CHECKS = {ir.Before, ir.EventTotal}  # and never in `require`
 INFERRED = {  # of classes other than expressions: what follows from the rest
     ir.Given: {"type"},
@@ -73,7 +81,9 @@ def hash_of(text: str) -> str:
 
 def nodes() -> set[type[ir.Node]]:
     """Returns all classes of nodes."""
-    found = {kind for kind in vars(ir).values() if isinstance(kind, type) and issubclass(kind, ir.Node)}
+    found = {
+        kind for kind in vars(ir).values() if isinstance(kind, type) and issubclass(kind, ir.Node)
+    }
     return {kind for kind in found if not kind.__subclasses__()}
 
 
@@ -82,7 +92,9 @@ def test_every_class_and_field_is_said_or_left_out_on_purpose() -> None:
     for kind, said in HASHED.items():
         named = [name.rpartition("=")[2].partition(".")[0] for name in said.split()[1:]]
         left_out = kind.model_fields.keys() - {*named, "origin"}
-        assert left_out == INFERRED.get(kind, {"type"} & kind.model_fields.keys() - set(named)), kind
+        assert left_out == INFERRED.get(kind, {"type"} & kind.model_fields.keys() - set(named)), (
+            kind
+        )
         assert set(named) <= kind.model_fields.keys(), kind
 
 
@@ -100,7 +112,10 @@ def test_a_tag_is_one_class() -> None:
         ("    each soil where", "    # a remark\n\n    each   soil where"),
         ('"Plain"', '"Another title"'),
         ("always count(soil) == 5", "always count(soil) > 4"),
-        ("  observe {", '  cite "somebody"\n  about summary "plain"\n  look soil as tree\n  observe {'),
+        (
+            "  observe {",
+            '  cite "somebody"\n  about summary "plain"\n  look soil as tree\n  observe {',
+        ),
         ("  metrics {", "  variant dry { set rate = 0.2 }\n  metrics {"),
         ("  metrics {", "  group land = soil, rock\n  metrics {"),
     ],
@@ -148,7 +163,9 @@ def test_inferred_types_are_not(case: Path) -> None:
 
     def wider(node: Any) -> Any:
         if isinstance(node, ir.Draw) or (isinstance(node, ir.Node) and ir.is_expression(node)):
-            return node.model_copy(update={"type": node.type.model_copy(update={"low": -12345.0, "high": 54321.0})})
+            return node.model_copy(
+                update={"type": node.type.model_copy(update={"low": -12345.0, "high": 54321.0})}
+            )
         return node
 
     changed = rewrite(game, wider)
@@ -156,17 +173,33 @@ def test_inferred_types_are_not(case: Path) -> None:
 
 
 def test_a_whole_number_is_no_real() -> None:
-    numbers = [n for case in CASES for n in ir.walk(build(read_source(case)).game) if isinstance(n, ir.Number)]
+    numbers = [
+        n
+        for case in CASES
+        for n in ir.walk(build(read_source(case)).game)
+        if isinstance(n, ir.Number)
+    ]
     assert [n for n in numbers if isinstance(n.value, float) != (n.type.kind == "real")] == []
     assert {type(n.value) for n in numbers} == {int, float}
 
 
-@pytest.mark.parametrize("name", [name if name in main_games() else pytest.param(name, marks=pytest.mark.thorough) for name in RENEWED])
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name in main_games() else pytest.param(name, marks=pytest.mark.thorough)
+        for name in RENEWED
+    ],
+)
 def test_hashes_of_earlier_versions_lead_to_those_of_today(name: str) -> None:
     """A change of the rules of a game takes its lines away, for its runs are of other rules then."""
     source = read_source(find_game(name))
-    forms = {game_hash(build(source, variant).game) for variant in ((), *((each,) for each in compose(source).variants))}
+    forms = {
+        game_hash(build(source, variant).game)
+        for variant in ((), *((each,) for each in compose(source).variants))
+    }
     assert set(RENEWED[name].values()) <= forms
     assert (
-        {current_hash(old) for old in RENEWED[name]} == set(RENEWED[name].values()) == {current_hash(new) for new in RENEWED[name].values()}
+        {current_hash(old) for old in RENEWED[name]}
+        == set(RENEWED[name].values())
+        == {current_hash(new) for new in RENEWED[name].values()}
     )

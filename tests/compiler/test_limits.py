@@ -11,7 +11,13 @@ from hypothesis import strategies as st
 
 from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
-from sjdsl.compiler.diagnostics.limits import MAX_BYTES, MAX_DEPTH, MAX_LINE, MAX_PROBLEMS, MAX_STATEMENTS
+from sjdsl.compiler.diagnostics.limits import (
+    MAX_BYTES,
+    MAX_DEPTH,
+    MAX_LINE,
+    MAX_PROBLEMS,
+    MAX_STATEMENTS,
+)
 from sjdsl.compiler.diagnostics.report import render, to_json
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.parse import parse, parser
@@ -55,7 +61,10 @@ ONE_MESSAGE = {
     "a million characters in one comment": (HEAD + "# " + "x" * 1_000_000, "SJ007"),
     "the longest line and one more": ("sj 1 #" + "." * (MAX_LINE - 5), "SJ007"),
     "100,000 brackets": (in_phase("let a = " + "(\n" * 100_000), "SJ006"),
-    "100,000 brackets, closed": (in_phase("let a = " + "(\n" * 100_000 + "1" + ")\n" * 100_000), "SJ006"),
+    "100,000 brackets, closed": (
+        in_phase("let a = " + "(\n" * 100_000 + "1" + ")\n" * 100_000),
+        "SJ006",
+    ),
     "100,000 times not": (in_phase("let a = " + "not\n" * 100_000 + "b"), "SJ006"),
     "100,000 signs": (in_phase("let a = " + "-\n" * 100_000 + "b"), "SJ006"),
     "100,000 braces": (HEAD + "{\n" * 100_000, "SJ006"),
@@ -68,7 +77,10 @@ ONE_MESSAGE = {
     "too many statements": (in_phase("end\n" * (MAX_STATEMENTS + 1)), "SJ007"),
     "too many words": (in_phase("a\n" * 400_000), "SJ007"),
     "a number of 5,000 digits": (in_phase("let a =\n" + "9" * 4000), "SJ007"),
-    "a decimal number of 5,000 digits": (in_phase("let a =\n" + "9" * 3000 + "." + "9" * 900), "SJ007"),
+    "a decimal number of 5,000 digits": (
+        in_phase("let a =\n" + "9" * 3000 + "." + "9" * 900),
+        "SJ007",
+    ),
     "another version and rubbish": ("sj 99999999999999999999999\n" + "$" * 4000, "SJ001"),
     "an open text": (HEAD + 'cite "abc\n}\n', "SJ010"),
     "an open text to the end": (HEAD + 'cite "', "SJ010"),
@@ -121,7 +133,9 @@ def test_floods_of_mistakes_end_early(text: str) -> None:
 
 
 def test_what_is_just_allowed() -> None:
-    assert found_in(in_phase("let a = " + "(" * (MAX_DEPTH - 2) + "1" + ")" * (MAX_DEPTH - 2))) == []
+    assert (
+        found_in(in_phase("let a = " + "(" * (MAX_DEPTH - 2) + "1" + ")" * (MAX_DEPTH - 2))) == []
+    )
     assert found_in(in_phase("when a {\n" * (MAX_DEPTH - 2) + "}" * (MAX_DEPTH - 2))) == []
     assert found_in(in_phase("end\n" * (MAX_STATEMENTS - 1))) == []
     assert found_in(in_phase("let a = " + "1 + " * 100 + "1")) == []
@@ -130,7 +144,10 @@ def test_what_is_just_allowed() -> None:
     assert found_in((HEAD + "phase p { end }\n}\n").replace("\n", "\r\n")) == []
 
 
-WORDS = sorted({t.pattern.value for t in parser().terminals if t.pattern.type == "str"} | {"a", "b1", "3", "0.5", '"x"', "==", "-", "*"})
+WORDS = sorted(
+    {t.pattern.value for t in parser().terminals if t.pattern.type == "str"}
+    | {"a", "b1", "3", "0.5", '"x"', "==", "-", "*"}
+)
 
 
 @settings(max_examples=60, deadline=None)
@@ -159,9 +176,13 @@ game pond {{
   phase pay {{ each agent {{ give {reward} to agent }} }}
 }}
 """
-DOUBLING = "  define d0 = 1\n" + "".join(f"  define d{i} = d{i - 1} + d{i - 1}\n" for i in range(1, 41))
+DOUBLING = "  define d0 = 1\n" + "".join(
+    f"  define d{i} = d{i - 1} + d{i - 1}\n" for i in range(1, 41)
+)
 CHAIN = "  define d0 = 1\n" + "".join(f"  define d{i} = d{i - 1} + 1\n" for i in range(1, 401))
-BROAD = "  define d0 = 1\n" + "".join(f"  define d{i} = {' + '.join([f'd{i - 1}'] * 20)}\n" for i in range(1, 5))
+BROAD = "  define d0 = 1\n" + "".join(
+    f"  define d{i} = {' + '.join([f'd{i - 1}'] * 20)}\n" for i in range(1, 5)
+)
 GLYPHS = [chr(c) for c in range(33, 127) if chr(c) not in '\\".']
 KINDS = "".join(f'  kind k{i} "{GLYPHS[i]}"\n' for i in range(65))
 
@@ -177,9 +198,15 @@ KINDS = "".join(f'  kind k{i} "{GLYPHS[i]}"\n' for i in range(65))
         ("", 6, "1", "SJ303"),
     ],
 )
-def test_what_only_later_stages_count_gives_one_message_quickly(more: str, agents: int, reward: str, code: str) -> None:
+def test_what_only_later_stages_count_gives_one_message_quickly(
+    more: str, agents: int, reward: str, code: str
+) -> None:
     began = time.process_time()
-    found = [d for d in check(Source("pond.sj", POND.format(more=more, agents=agents, reward=reward))) if d.severity == "error"]
+    found = [
+        d
+        for d in check(Source("pond.sj", POND.format(more=more, agents=agents, reward=reward)))
+        if d.severity == "error"
+    ]
     assert [d.code for d in found] == [code], [d.message for d in found]
     assert time.process_time() - began < 2
 
@@ -212,7 +239,14 @@ def test_names_that_no_file_can_have(what: str, tmp_path: Path) -> None:
     (tmp_path / "two.txt").symlink_to("one.txt")
     (tmp_path / "self.txt").symlink_to("self.txt")
     (tmp_path / "plain.txt").write_text("....")
-    for name in ("a" * 300, f"{'b' * 300}/c.txt", "one.txt", "self.txt", "plain.txt/map.txt", "\ud800.txt"):
+    for name in (
+        "a" * 300,
+        f"{'b' * 300}/c.txt",
+        "one.txt",
+        "self.txt",
+        "plain.txt/map.txt",
+        "\ud800.txt",
+    ):
         said = what.format(f'"{name}"')
         text = f"sj 1\ngame x {said if what.startswith('extends') else ''} {{ {said if what.startswith('map') else ''} }}\n"
         found = check(Source("game.sj", text, tmp_path))

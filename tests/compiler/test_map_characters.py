@@ -23,5 +23,9 @@ game frame "Characters" {
 
 def test_a_character_can_say_that_nobody_is_held():
     game = build(Source("frame.sj", GAME)).game
-    assert {meaning.glyph: meaning.starts for meaning in game.glyphs} == {".": (), "q": (("owner", None),), "h": (("height", 3),)}
+    assert {meaning.glyph: meaning.starts for meaning in game.glyphs} == {
+        ".": (),
+        "q": (("owner", None),),
+        "h": (("height", 3),),
+    }
     assert "grass_owner" in compile_source(Source("frame.sj", GAME))

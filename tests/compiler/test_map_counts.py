@@ -31,7 +31,9 @@ game counted "Counts of the map" {{
 
 def game(test: str, rows: tuple[str, ...] | None = None) -> ir.Game:
     composed = compose(Source("counted.sj", GAME.format(test=test)))
-    return build_composition(composed, Overrides(rows=rows, row_spans=row_spans(rows, "map")) if rows else None).game
+    return build_composition(
+        composed, Overrides(rows=rows, row_spans=row_spans(rows, "map")) if rows else None
+    ).game
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,9 @@ by_row = pytest.mark.parametrize("row", CALCULATIONS.values(), ids=lambda row: r
 
 def is_possible(row: Calculation, of: tuple[float, ...]) -> bool:
     """Returns whether a calculation has a value, as guards make sure in a game."""
-    return (row.divisor is None or of[row.divisor] != 0) and (row.apart is None or of[row.apart[0]] != of[row.apart[1]])
+    return (row.divisor is None or of[row.divisor] != 0) and (
+        row.apart is None or of[row.apart[0]] != of[row.apart[1]]
+    )
 
 
 def arguments(row: Calculation) -> Iterator[tuple[float, ...]]:
@@ -66,7 +68,11 @@ def test_the_interpreter_means_the_same(row: Calculation) -> None:
     for of in arguments(row):
         if row.unchanged and isinstance(of[0], int):
             continue  # that is no calculation
-        found = numbers.arithmetic(row.name, [x if isinstance(x, int) else np.float32(x) for x in of], not is_whole(row, of))
+        found = numbers.arithmetic(
+            row.name,
+            [x if isinstance(x, int) else np.float32(x) for x in of],
+            not is_whole(row, of),
+        )
         assert found == (row.fold(*of) if is_whole(row, of) else np.float32(row.fold(*of))), of
         assert isinstance(found, int | np.integer) == is_whole(row, of), of
 
@@ -77,14 +83,21 @@ def boxes(row: Calculation) -> Iterator[tuple[tuple[tuple[float, ...], ...], boo
     many = random.choice((2, 3)) if row.most > row.least else row.least
     for turn in range(400):
         of = WHOLE if row.whole_only or turn % 2 else REAL
-        yield tuple(tuple(sorted(random.sample(of, random.choice((1, 2, 3))))) for _ in range(many)), of is WHOLE
+        yield (
+            tuple(tuple(sorted(random.sample(of, random.choice((1, 2, 3))))) for _ in range(many)),
+            of is WHOLE,
+        )
 
 
 def local(name: str, of: tuple[float, ...], whole: bool) -> ir.Local:
-    return ir.Local(name=name, type=ir.Type(kind="int" if whole else "real", low=of[0], high=of[-1]))
+    return ir.Local(
+        name=name, type=ir.Type(kind="int" if whole else "real", low=of[0], high=of[-1])
+    )
 
 
-def node(row: Calculation, args: list[ir.Expr], whole: bool, unit: ir.Unit = "number") -> ir.Arithmetic:
+def node(
+    row: Calculation, args: list[ir.Expr], whole: bool, unit: ir.Unit = "number"
+) -> ir.Arithmetic:
     kind = "int" if row.kind == "whole" or (row.kind == "joined" and whole) else "real"
     return ir.Arithmetic(type=ir.Type(kind=kind, unit=unit), fn=row.name, args=tuple(args))  # type: ignore[arg-type]
 
@@ -94,7 +107,9 @@ def test_every_value_is_in_its_interval_and_in_its_range(row: Calculation) -> No
     seen = 0
     for box, whole in boxes(row):
         low, high = row.interval(*((of[0], of[-1]) for of in box))
-        made = node(row, [local(name, of, whole) for name, of in zip("abc", box, strict=False)], whole)
+        made = node(
+            row, [local(name, of, whole) for name, of in zip("abc", box, strict=False)], whole
+        )
         computed = range_of(made)
         for of in product(*box):
             if is_possible(row, of) and not (row.unchanged and whole):
@@ -120,23 +135,34 @@ def test_every_slope_is_the_direction_that_values_go_in(row: Calculation) -> Non
     for box, whole in boxes(row):
         for moving in range(len(box)):
             ranges = [range_of(local("a", of, whole)) for of in box]
-            parts = [Moving("rising" if place == moving else "level", r) for place, r in enumerate(ranges)]
+            parts = [
+                Moving("rising" if place == moving else "level", r)
+                for place, r in enumerate(ranges)
+            ]
             found = row.slope(parts, lambda one, other, box=box: box[one][-1] < box[other][0])  # type: ignore[misc]
             if found is None:
                 continue
             decided += 1
             for of in product(*box):
-                after = [(*of[:moving], x, *of[moving + 1 :]) for x in box[moving] if x >= of[moving]]
+                after = [
+                    (*of[:moving], x, *of[moving + 1 :]) for x in box[moving] if x >= of[moving]
+                ]
                 values = [row.fold(*x) for x in after if is_possible(row, x)]
                 assert values == sorted(values, reverse=found == "falling"), (box, of, found)
                 assert found != "level" or len(set(values)) < 2, (box, of)
-    assert decided > 50 or all(row.slope([Moving("rising", range_of(local("a", (1, 2), True)))] * 3, lambda *_: True) is None for _ in "a")
+    assert decided > 50 or all(
+        row.slope([Moving("rising", range_of(local("a", (1, 2), True)))] * 3, lambda *_: True)
+        is None
+        for _ in "a"
+    )
 
 
 @by_row
 def test_what_is_called_a_sum_is_one(row: Calculation) -> None:
     for of in arguments(row):
-        assert not row.factors or row.fold(*of) == sum(factor * x for factor, x in zip(row.factors, of, strict=True)), of
+        assert not row.factors or row.fold(*of) == sum(
+            factor * x for factor, x in zip(row.factors, of, strict=True)
+        ), of
 
 
 GAME = """sj 1
@@ -179,7 +205,9 @@ def every_row() -> Source:
         for whole in (True, False):
             if (row.unchanged and whole) or (row.whole_only and not whole):
                 continue
-            numbers = ["agent.held", "agent.owed", "0"] if whole else ["agent.held * one", "two", "0"]
+            numbers = (
+                ["agent.held", "agent.owed", "0"] if whole else ["agent.held * one", "two", "0"]
+            )
             made = in_the_language(row, numbers[: max(row.least, 2 if row.most > 1 else 1)])
             name = f"kept_{number}_{'whole' if whole else 'real'}"
             if row.kind == "whole" or (row.kind == "joined" and whole):
@@ -188,7 +216,9 @@ def every_row() -> Source:
             else:
                 fields.append(f"field {name} : reward")
                 rules.append(f"set agent.{name} = pay * ({made})")
-    return Source("table.sj", GAME.format(fields="\n    ".join(fields), rules="\n      ".join(rules)))
+    return Source(
+        "table.sj", GAME.format(fields="\n    ".join(fields), rules="\n      ".join(rules))
+    )
 
 
 def test_each_row_is_read_printed_compiled_and_interpreted_alike() -> None:
@@ -198,7 +228,9 @@ def test_each_row_is_read_printed_compiled_and_interpreted_alike() -> None:
     for row in CALCULATIONS.values():
         names = ["a", "b", "c"][: row.most]
         said = in_the_language(row, names)
-        assert text(node(row, [local(name, (1, 2), True) for name in names], True)) == (f"({said})" if row.sign else said)
+        assert text(node(row, [local(name, (1, 2), True) for name in names], True)) == (
+            f"({said})" if row.sign else said
+        )
     play = random_play(built.game, 1, 8)
     report = run(on_numpy(built.game), play, interpret(built.game, play))
     assert report.steps == 8
@@ -214,14 +246,25 @@ def test_comparisons_are_the_interpreters_and_fit_together() -> None:
 def test_classes_of_games_are_the_interpreters() -> None:
     for table in product(((x, y) for x in range(4) for y in range(4)), repeat=2):
         (r, s), (t, p) = table
-        assert [row.holds(r, s, t, p) for row in PAYOFF_CLASSES.values()] == [is_of_class(name, table) for name in PAYOFF_CLASSES]  # type: ignore[arg-type]
+        assert [row.holds(r, s, t, p) for row in PAYOFF_CLASSES.values()] == [
+            is_of_class(name, table) for name in PAYOFF_CLASSES
+        ]  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("row", [row for row in FUNCTIONS.values() if row.yields], ids=lambda row: row.name)
+@pytest.mark.parametrize(
+    "row", [row for row in FUNCTIONS.values() if row.yields], ids=lambda row: row.name
+)
 def test_a_define_of_a_games_own_keeps_its_meaning(row: Function) -> None:
     """A function that came later has a name that games may have used before."""
     text = GAME.format(fields="", rules=f"give pay * {row.name}(agent.held) to agent")
-    game = build(Source("table.sj", text.replace("  phase start", f"  define {row.name}(number) = number + 100\n  phase start"))).game
+    game = build(
+        Source(
+            "table.sj",
+            text.replace(
+                "  phase start", f"  define {row.name}(number) = number + 100\n  phase start"
+            ),
+        )
+    ).game
     (given,) = [n for n in ir.walk(game) if isinstance(n, ir.Give)]
     assert any(isinstance(n, ir.Named) and n.name == row.name for n in ir.walk(given))
 
@@ -239,24 +282,33 @@ def without(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @by_row
-def test_without_its_row_nothing_can_be_done_with_a_calculation(row: Calculation, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_its_row_nothing_can_be_done_with_a_calculation(
+    row: Calculation, monkeypatch: pytest.MonkeyPatch
+) -> None:
     source = every_row()
     built = build(source)
-    numbers = [ir.Number(type=ir.Type(kind="int", low=n, high=n), value=n) for n in (5, 2, 3)][: row.most]
-    made: ir.Expr = node(row, list(numbers), True).model_copy(update={"type": ir.Type(kind="int", low=-9, high=9)})
+    numbers = [ir.Number(type=ir.Type(kind="int", low=n, high=n), value=n) for n in (5, 2, 3)][
+        : row.most
+    ]
+    made: ir.Expr = node(row, list(numbers), True).model_copy(
+        update={"type": ir.Type(kind="int", low=-9, high=9)}
+    )
     test = ir.Compare(fn=">", left=made, right=numbers[0])
     consumers: dict[str, Callable[[], object]] = {
         "elaboration": lambda: build(source),
         "checks of the IR": lambda: verify(built.game),
         "the printer": lambda: text(made),
         "`require`": lambda: evaluate_constant.holds(test, {}),
-        "facts": lambda: narrowed(made, facts(ir.Compare(fn="<", left=numbers[0], right=numbers[0]))),
+        "facts": lambda: narrowed(
+            made, facts(ir.Compare(fn="<", left=numbers[0], right=numbers[0]))
+        ),
         "ranges": lambda: range_of(made),
         "ranges of play": lambda: interval_of(made, Here(Played(built.game, {}))),
         "starts": lambda: holds_at_start(test, {}, built.game),
         "lowering": lambda: compile_build(built, source),
         "slopes": lambda: decide_monotone(
-            ir.Check(sort="monotone", words=("rising",), values=(made, local("a", (1, 2), True))), built.game
+            ir.Check(sort="monotone", words=("rising",), values=(made, local("a", (1, 2), True))),
+            built.game,
         ),
     }
     for consumer in consumers.values():
@@ -274,7 +326,9 @@ def fails(consumer: Callable[[], object]) -> bool:
 
 
 @pytest.mark.parametrize("row", OPERATIONS, ids=lambda row: row.name)
-def test_without_its_row_editors_and_pages_do_not_know_a_function(row: Function, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_its_row_editors_and_pages_do_not_know_a_function(
+    row: Function, monkeypatch: pytest.MonkeyPatch
+) -> None:
     if row.name not in FUNCTIONS:
         return
     assert f"|{row.name}|" in coloured()
@@ -284,7 +338,11 @@ def test_without_its_row_editors_and_pages_do_not_know_a_function(row: Function,
 
 def coloured() -> str:
     """Returns the functions that a grammar for editors knows, between bars."""
-    found = next(p["match"] for p in patterns() if p.get("captures", {}).get("1", {}).get("name") == "support.function.sj")
+    found = next(
+        p["match"]
+        for p in patterns()
+        if p.get("captures", {}).get("1", {}).get("name") == "support.function.sj"
+    )
     return f"|{found.partition('(')[2].partition(')')[0]}|"
 
 
@@ -308,13 +366,22 @@ def names_matched(tree: ast.AST) -> Iterator[tuple[int, str]]:
         match n:
             case ast.Compare(left=left, comparators=others):
                 sides = [left, *others]
-                if any(isinstance(side, ast.Attribute) and side.attr in ("fn", "op", "text") for side in sides):
+                if any(
+                    isinstance(side, ast.Attribute) and side.attr in ("fn", "op", "text")
+                    for side in sides
+                ):
                     asked = [*sides]
-            case ast.MatchClass(cls=ast.Attribute(attr=kind), kwd_attrs=keys, kwd_patterns=found) if kind in OF_OPERATIONS:
-                asked = [p for key, p in zip(keys, found, strict=True) if key in ("fn", "op", "name")]
+            case ast.MatchClass(
+                cls=ast.Attribute(attr=kind), kwd_attrs=keys, kwd_patterns=found
+            ) if kind in OF_OPERATIONS:
+                asked = [
+                    p for key, p in zip(keys, found, strict=True) if key in ("fn", "op", "name")
+                ]
             case ast.Match(subject=ast.Attribute(attr="fn" | "op" | "text"), cases=cases):
                 asked = [case.pattern for case in cases]
-            case ast.Subscript(value=ast.Dict(keys=keys), slice=ast.Attribute(attr="fn" | "op" | "text")):
+            case ast.Subscript(
+                value=ast.Dict(keys=keys), slice=ast.Attribute(attr="fn" | "op" | "text")
+            ):
                 asked = [key for key in keys if key is not None]
         for part in asked:
             for inner in ast.walk(part):
@@ -327,7 +394,10 @@ def test_nobody_asks_for_an_operation_by_its_name() -> None:
     for path in sorted((ROOT / "sjdsl").rglob("*.py")):
         name = path.relative_to(ROOT).as_posix()
         if not name.startswith(NOT_READING) and "/trainers/" not in name:
-            found += [f"{name}:{line} asks for {what}" for line, what in names_matched(ast.parse(path.read_text("utf-8")))]
+            found += [
+                f"{name}:{line} asks for {what}"
+                for line, what in names_matched(ast.parse(path.read_text("utf-8")))
+            ]
     assert found == []
 
 

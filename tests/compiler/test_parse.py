@@ -106,9 +106,15 @@ def test_games_parse_and_every_node_knows_its_text(path: Path) -> None:
         ("not not a is b", "(not (not (a is b)))"),
         ("a is not b and c in { x, y }", "((a is not b) and Within(c, Words([x, y]), -))"),
         ("a in 1 .. b + 1 or a in s", "(Within(a, 1, (b + 1)) or Within(a, s, -))"),
-        ("a chose zap and nobody on soil", "(Chose(a, Chosen(zap, -)) and Standing(Nobody(), soil))"),
+        (
+            "a chose zap and nobody on soil",
+            "(Chose(a, Chosen(zap, -)) and Standing(Nobody(), soil))",
+        ),
         ("1.50 % 007", "(1.5 % 7)"),
-        ("a.bag[b[raw]].team", "Path(a, [Member(bag), Index(Path(b, [Index(raw)])), Member(team)])"),
+        (
+            "a.bag[b[raw]].team",
+            "Path(a, [Member(bag), Index(Path(b, [Index(raw)])), Member(team)])",
+        ),
         ("f() + g(a, 1)", "(Call(f, []) + Call(g, [a, 1]))"),
         ("sum(a) / count(b on c)", "(Total(a, -) / Count(Domain(b, -, On(c, -), -, -)))"),
         ("sum(a.x over b)", "Total(Path(a, [Member(x)]), Domain(b, -, -, -, -))"),
@@ -146,10 +152,19 @@ def test_spans_of_chains_and_brackets() -> None:
             "Each(Domain(agent, -, -, Near(ShapeRef(disc, [2, centre]), z), -), Block([]))",
         ),
         ("each agent in { a, b } { }", "Each(Domain(agent, -, -, Members([a, b]), -), Block([]))"),
-        ("each agent in rock.miners { }", "Each(Domain(agent, -, -, Path(rock, [Member(miners)]), -), Block([]))"),
-        ("pick 2 a { } otherwise { end }", "Pick(2, Domain(a, -, -, -, -), Block([]), Block([End()]))"),
+        (
+            "each agent in rock.miners { }",
+            "Each(Domain(agent, -, -, Path(rock, [Member(miners)]), -), Block([]))",
+        ),
+        (
+            "pick 2 a { } otherwise { end }",
+            "Pick(2, Domain(a, -, -, -, -), Block([]), Block([End()]))",
+        ),
         ("first a in s of b { }", "First(Domain(a, -, -, Near(ShapeRef(s, -), b), -), Block([]))"),
-        ("match a with first b { }", "Match(Domain(a, -, -, -, -), True, Domain(b, -, -, -, -), Block([]))"),
+        (
+            "match a with first b { }",
+            "Match(Domain(a, -, -, -, -), True, Domain(b, -, -, -, -), Block([]))",
+        ),
         (
             "when a { } otherwise when b { } otherwise chance 0.5 { } otherwise { end }",
             "When(a, Block([]), When(b, Block([]), Chance(0.5, Block([]), Block([End()]))))",
@@ -166,14 +181,26 @@ def test_spans_of_chains_and_brackets() -> None:
         ("tally e for a", "Tally(e, -, a)"),
         ("tally e[w] by n for a", "Tally(Path(e, [Index(w)]), n, a)"),
         ("send a to b", "Send(a, Domain(b, -, -, -, -), -, -, -)"),
-        ("send a to b after c facing north otherwise stay", "Send(a, Domain(b, -, -, -, -), c, north, stay)"),
+        (
+            "send a to b after c facing north otherwise stay",
+            "Send(a, Domain(b, -, -, -, -), c, north, stay)",
+        ),
         ("remove a", "Remove(a)"),
         ("move each a", "Move(Domain(a, -, -, -, -), -)"),
         ("move each a ahead", "Move(Domain(a, -, -, -, -), Ahead())"),
-        ("move each a where b along c.d", "Move(Domain(a, -, -, -, b), Along(Path(c, [Member(d)])))"),
-        ("move each a at random avoiding b", "Move(Domain(a, -, -, -, -), AtRandom(Domain(b, -, -, -, -)))"),
+        (
+            "move each a where b along c.d",
+            "Move(Domain(a, -, -, -, b), Along(Path(c, [Member(d)])))",
+        ),
+        (
+            "move each a at random avoiding b",
+            "Move(Domain(a, -, -, -, -), AtRandom(Domain(b, -, -, -, -)))",
+        ),
         ("move each a toward b", "Move(Domain(a, -, -, -, -), Toward(Domain(b, -, -, -, -), -))"),
-        ("move each a away from b", "Move(Domain(a, -, -, -, -), AwayFrom(Domain(b, -, -, -, -), -))"),
+        (
+            "move each a away from b",
+            "Move(Domain(a, -, -, -, -), AwayFrom(Domain(b, -, -, -, -), -))",
+        ),
         ("mark disc(2) of a", "Mark(ShapeRef(disc, [2]), a)"),
     ],
 )
@@ -263,7 +290,11 @@ def test_heads(head: str, tree: str) -> None:
 
 
 def test_every_rule_has_a_builder() -> None:
-    all_rules = {str(rule.alias or rule.origin.name) for rule in parser().rules if rule.alias or not rule.options.expand1}
+    all_rules = {
+        str(rule.alias or rule.origin.name)
+        for rule in parser().rules
+        if rule.alias or not rule.options.expand1
+    }
     named = {name for name in all_rules if not name.startswith("_")}
     assert named <= {*rules.RULES, *rules.CLAUSES, "names"} | single_children()
 
@@ -271,7 +302,9 @@ def test_every_rule_has_a_builder() -> None:
 def single_children() -> set[str]:
     """Rules that always stand for their only child (`?stmt: let | draw | ...`) leave no node."""
     rules = [rule for rule in parser().rules if not rule.alias]
-    return {str(r.origin.name) for r in rules} - {str(r.origin.name) for r in rules if len(r.expansion) != 1}
+    return {str(r.origin.name) for r in rules} - {
+        str(r.origin.name) for r in rules if len(r.expansion) != 1
+    }
 
 
 def test_statement_keywords_of_the_repair_are_words_of_the_language() -> None:
@@ -286,7 +319,9 @@ def test_statement_keywords_of_the_repair_are_words_of_the_language() -> None:
     ("wrong", "right"),
     [("eech", "each"), ("givee", "give"), ("tlly", "tally"), ("chanc", "chance"), ("if", "when")],
 )
-def test_a_misspelt_keyword_is_repaired_so_that_errors_inside_are_seen(wrong: str, right: str) -> None:
+def test_a_misspelt_keyword_is_repaired_so_that_errors_inside_are_seen(
+    wrong: str, right: str
+) -> None:
     heads = {"each": "agent", "give": "1 to a", "tally": "e", "chance": "0.5", "when": "a"}
     body = "{ set x = }" if right in ("each", "chance", "when") else ""
     found = problems(in_phase(f"{wrong} {heads[right]} {body}\n end"))
@@ -297,37 +332,64 @@ def test_a_misspelt_keyword_is_repaired_so_that_errors_inside_are_seen(wrong: st
 
 
 def test_independent_mistakes_are_reported_together() -> None:
-    wrong = COINS.replace("chance 2", "chanse 2").replace("schedule grow", "schedule -> grow").replace("give harm to", "give harm")
+    wrong = (
+        COINS.replace("chance 2", "chanse 2")
+        .replace("schedule grow", "schedule -> grow")
+        .replace("give harm to", "give harm")
+    )
     wrong = wrong.replace("episode length", "episode").replace("hide agent", "hyde agent")
     found = problems(wrong)
     changed = [i for i, (a, b) in enumerate(zip(wrong.split("\n"), COINS.split("\n")), 1) if a != b]
-    assert [d.span.line for d in found] == [changed[0] + 2, *changed[1:]]  # the missing number shows at the next word
+    assert [d.span.line for d in found] == [
+        changed[0] + 2,
+        *changed[1:],
+    ]  # the missing number shows at the next word
 
 
 def test_a_reserved_word_is_reported_once_and_read_as_a_name() -> None:
-    found = problems("sj 1 game x { param end : reward = 1  phase p { give end to a  give end to b  sett c = 1 } }")
+    found = problems(
+        "sj 1 game x { param end : reward = 1  phase p { give end to a  give end to b  sett c = 1 } }"
+    )
     assert [(d.code, getattr(d, "word", "")) for d in found] == [("SJ003", "end"), ("SJ002", "")]
 
 
-@pytest.mark.parametrize("word", ["window", "first", "event", "size", "mark", "count", "sum", "nobody"])
+@pytest.mark.parametrize(
+    "word", ["window", "first", "event", "size", "mark", "count", "sum", "nobody"]
+)
 def test_reserved_words_as_names(word: str) -> None:
     assert codes(f"sj 1 game x {{ define {word} = 3 }}") == ["SJ003"]
     assert set(codes(in_phase(f"let {word} = 3  give 1 to a"))) == {"SJ003"}
 
 
-@pytest.mark.parametrize("text", ["sj 2\n$$$", "sj 2 game", "# c\n\n  sj  2.1", "sj 01 game x { }", "sj 1.0", "sj 1.3", "sj 1.10"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sj 2\n$$$",
+        "sj 2 game",
+        "# c\n\n  sj  2.1",
+        "sj 01 game x { }",
+        "sj 1.0",
+        "sj 1.3",
+        "sj 1.10",
+    ],
+)
 def test_another_version_is_all_that_is_said(text: str) -> None:
     assert codes(text) == ["SJ001"]
 
 
 @pytest.mark.parametrize("version", ALSO_READ)
 def test_versions_from_before_the_first_release_mean_the_same(version: str) -> None:
-    older, plain = (read_tree(Source("coins.sj", COINS.replace("sj 1\n", f"sj {number}\n", 1)))[1] for number in (version, VERSION))
+    older, plain = (
+        read_tree(Source("coins.sj", COINS.replace("sj 1\n", f"sj {number}\n", 1)))[1]
+        for number in (version, VERSION)
+    )
     assert older.children[0] != plain.children[0]
     assert older.children[1:] == plain.children[1:]
 
 
-@pytest.mark.parametrize("text", ["", "\n\n", "# only\n# comments", "{}", "import os", "1", "Sj 1", '"sj 1"'])
+@pytest.mark.parametrize(
+    "text", ["", "\n\n", "# only\n# comments", "{}", "import os", "1", "Sj 1", '"sj 1"']
+)
 def test_no_version_line(text: str) -> None:
     assert codes(text) == ["SJ012"]
 
@@ -338,7 +400,9 @@ def test_behind_a_missing_version_the_game_is_read(start: str) -> None:
 
 
 def test_an_unclosed_block_is_found_by_its_indentation() -> None:
-    text = "sj 1\ngame x {\n  phase p {\n    each a {\n      end\n  }\n  phase q {\n    end\n  }\n}\n"
+    text = (
+        "sj 1\ngame x {\n  phase p {\n    each a {\n      end\n  }\n  phase q {\n    end\n  }\n}\n"
+    )
     (found,) = problems(text)
     assert (found.code, found.span.line, found.labels[0].span.line) == ("SJ011", 4, 6)
 

@@ -37,7 +37,9 @@ def test_uses_that_differ_by_more_than_numbers_have_functions_of_their_own() -> 
 
 @pytest.mark.parametrize("name", main_games())
 def test_a_function_has_the_text_of_its_phase(name: str) -> None:
-    sources = " ".join(source.text for source in build(read_source(find_game(name))).sources.values()).replace('"', "'")
+    sources = " ".join(
+        source.text for source in build(read_source(find_game(name))).sources.values()
+    ).replace('"', "'")
     for function, text in functions((GENERATED / f"{name}.py").read_text("utf-8")).items():
         if written := re.search(r'"""(phase .*?)\s*"""', text, re.DOTALL):
             assert written[1].split("(")[0].split()[1] == function.removesuffix("_phase")

@@ -44,8 +44,14 @@ def never(work: str, episode: str = "100", schedule: str = "work", declared: str
         ("bed.age > 5 and bed.age < 3", "bed.age < 3"),
         ("bed.age == 2 and bed.age == 3", "bed.age == 3"),
         ("bed.age != bed.age", ""),
-        ("bed.crop is leek and (few > 1 and bed.crop in { bare, kale })", "bed.crop in { bare, kale }"),
-        ("bed.crop is not bare and bed.crop is not kale and bed.crop is not leek", "bed.crop is not leek"),
+        (
+            "bed.crop is leek and (few > 1 and bed.crop in { bare, kale })",
+            "bed.crop in { bare, kale }",
+        ),
+        (
+            "bed.crop is not bare and bed.crop is not kale and bed.crop is not leek",
+            "bed.crop is not leek",
+        ),
         ("not (bed.crop is leek or bed.crop is not leek)", "bed.crop is not leek"),
         ("nobody on bed and not (nobody on bed)", "nobody on bed"),
         ("step == 100", ""),
@@ -93,13 +99,26 @@ def test_an_episode_that_may_be_longer(episode: str) -> None:
         ("sort(kale, 8) -> sort(bare, 9)", ["bed.age > n", "bed.crop is leek"]),
     ],
 )
-def test_a_phase_is_warned_of_only_if_no_use_makes_it_possible(schedule: str, found: list[str]) -> None:
+def test_a_phase_is_warned_of_only_if_no_use_makes_it_possible(
+    schedule: str, found: list[str]
+) -> None:
     assert never("", schedule=f"{schedule} -> work") == found
 
 
-@pytest.mark.parametrize(("uses", "found"), [("older(4)", []), ("older(4) + older(8)", []), ("older(8) + older(9)", ["bed.age > n"])])
-def test_a_define_is_warned_of_only_if_no_use_makes_it_possible(uses: str, found: list[str]) -> None:
-    assert never(f"when {uses} > 0 {{ give 1 to all }}", declared="define older(n) = count(bed where bed.age > n)") == found
+@pytest.mark.parametrize(
+    ("uses", "found"),
+    [("older(4)", []), ("older(4) + older(8)", []), ("older(8) + older(9)", ["bed.age > n"])],
+)
+def test_a_define_is_warned_of_only_if_no_use_makes_it_possible(
+    uses: str, found: list[str]
+) -> None:
+    assert (
+        never(
+            f"when {uses} > 0 {{ give 1 to all }}",
+            declared="define older(n) = count(bed where bed.age > n)",
+        )
+        == found
+    )
 
 
 def test_checks_may_ask_for_what_never_happens() -> None:

@@ -43,7 +43,10 @@ game pond {{
         ("when agent.bag > 0 { chance sure / agent.bag { add 1 to agent.bag } }", ""),
         ("give 1 / (2 - share / 1) to agent", ""),
         ("give 1 / (0.1 + share / 0.1) to agent", ""),
-        ("chance sure * (count(grass where grass.col > 0) / count(grass)) { add 1 to agent.bag }", ""),
+        (
+            "chance sure * (count(grass where grass.col > 0) / count(grass)) { add 1 to agent.bag }",
+            "",
+        ),
     ],
 )
 def test_what_a_quotient_can_be(rule: str, refused: str) -> None:

@@ -78,7 +78,11 @@ def test_labels_stand_in_the_order_of_the_file() -> None:
 def test_a_label_in_the_same_line() -> None:
     text = "give (1 + 2 to agent"
     out = shown(text, wrong(text, "to", ("(", "opened here")))
-    assert out.split("\n")[3:6] == ["  1 | give (1 + 2 to agent", "    |      - opened here", "    |             ^^"]
+    assert out.split("\n")[3:6] == [
+        "  1 | give (1 + 2 to agent",
+        "    |      - opened here",
+        "    |             ^^",
+    ]
 
 
 def test_a_span_of_some_lines_and_of_many() -> None:
@@ -93,7 +97,13 @@ def test_a_span_of_some_lines_and_of_many() -> None:
     ]
     many = "\n".join(f"  row {n}" for n in range(9))
     out = shown(many, wrong(many, many[2:]))
-    assert out.split("\n")[3:8] == ["  1 |   row 0", "    |   ^^^^^", "  ...", "  9 |   row 8", "    |   ^^^^^"]
+    assert out.split("\n")[3:8] == [
+        "  1 |   row 0",
+        "    |   ^^^^^",
+        "  ...",
+        "  9 |   row 8",
+        "    |   ^^^^^",
+    ]
 
 
 def test_the_end_of_the_file_has_a_caret() -> None:
@@ -141,7 +151,10 @@ def test_windows_line_ends_do_not_show() -> None:
 
 def test_other_files_and_files_without_text() -> None:
     own, base = Source("game.sj", "abc"), Source("base.sj", "first\nsecond\n")
-    labels = (Label(base.span(6, 12), "declared here"), Label(Span("gone.sj", 0, 1, 7, 1), "and here"))
+    labels = (
+        Label(base.span(6, 12), "declared here"),
+        Label(Span("gone.sj", 0, 1, 7, 1), "and here"),
+    )
     out = render([Odd(own.span(0, 3), labels=labels)], {"game.sj": own, "base.sj": base}, False)
     assert out.split("\n")[2:] == [
         "    |",
@@ -155,7 +168,10 @@ def test_other_files_and_files_without_text() -> None:
         "",
         "1 warning",
     ]
-    assert render([Odd(own.span(0, 3))], {}, False) == "warning[SJ998] game.sj:1:1\n  this is odd\n\n1 warning"
+    assert (
+        render([Odd(own.span(0, 3))], {}, False)
+        == "warning[SJ998] game.sj:1:1\n  this is odd\n\n1 warning"
+    )
 
 
 def test_the_last_line_counts() -> None:
@@ -178,7 +194,9 @@ def test_colours_only_add_to_the_text() -> None:
 
 def test_messages_cannot_carry_terminal_codes() -> None:
     source = Source("game\x1b.sj", "abc")
-    out = render([Wrong(source.span(0, 1), name="\x1b[2J", better="\x07")], {source.name: source}, False)
+    out = render(
+        [Wrong(source.span(0, 1), name="\x1b[2J", better="\x07")], {source.name: source}, False
+    )
     assert "\x1b" not in out
     assert "\x07" not in out
 
@@ -186,7 +204,13 @@ def test_messages_cannot_carry_terminal_codes() -> None:
 def test_as_data() -> None:
     source = Source("game.sj", "one\ntwo three\nfour\n")
     fix = Fix(source.span(8, 13), "3")
-    problem = Wrong(source.span(4, 18), name="two", better="2", labels=(Label(source.span(0, 3), "first"),), fix=fix)
+    problem = Wrong(
+        source.span(4, 18),
+        name="two",
+        better="2",
+        labels=(Label(source.span(0, 3), "first"),),
+        fix=fix,
+    )
     (data,) = to_json([problem], {"game.sj": source})
     assert data == {
         "code": "SJ999",
@@ -198,8 +222,24 @@ def test_as_data() -> None:
         "column": 1,
         "end_line": 3,
         "end_column": 5,
-        "labels": [{"text": "first", "file": "game.sj", "line": 1, "column": 1, "end_line": 1, "end_column": 4}],
-        "fix": {"text": "3", "file": "game.sj", "line": 2, "column": 5, "end_line": 2, "end_column": 10},
+        "labels": [
+            {
+                "text": "first",
+                "file": "game.sj",
+                "line": 1,
+                "column": 1,
+                "end_line": 1,
+                "end_column": 4,
+            }
+        ],
+        "fix": {
+            "text": "3",
+            "file": "game.sj",
+            "line": 2,
+            "column": 5,
+            "end_line": 2,
+            "end_column": 10,
+        },
     }
     json.dumps(data)
 

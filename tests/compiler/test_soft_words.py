@@ -62,10 +62,16 @@ def test_the_layout_of_a_name_does_not_depend_on_its_being_a_soft_word(kind):
 
 
 def test_any_is_a_word_only_before_a_bracket():
-    text = with_name("any").replace("define any(any) = any.any[any] + any * any", "define zzz(any) = any.any[any] + any * any")
-    tokens, _ = read_tree(Source("game.sj", text.replace("any(any) > 0", "any(any where any > 1) and any > 0")))
+    text = with_name("any").replace(
+        "define any(any) = any.any[any] + any * any", "define zzz(any) = any.any[any] + any * any"
+    )
+    tokens, _ = read_tree(
+        Source("game.sj", text.replace("any(any) > 0", "any(any where any > 1) and any > 0"))
+    )
     assert [t.type for t in tokens if t == "any"].count("ANY") == 1
-    assert [t.type for t in read_tree(Source("game.sj", with_name("any")))[0]].count("ANY") == 0, "the game has a define of this name"
+    assert [t.type for t in read_tree(Source("game.sj", with_name("any")))[0]].count("ANY") == 0, (
+        "the game has a define of this name"
+    )
 
 
 def test_an_error_elsewhere_does_not_make_names_wrong():

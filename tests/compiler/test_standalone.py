@@ -18,7 +18,9 @@ from sjdsl.library.games_folder import main_games
 
 STEPS = 6
 USUAL = ("coins", "pd_arena")  # the others only with all tests
-HIDDEN = "import sys; sys.modules.update(dict.fromkeys(('sjdsl', 'flax', 'lark', 'pydantic', 'jinja2')))"
+HIDDEN = (
+    "import sys; sys.modules.update(dict.fromkeys(('sjdsl', 'flax', 'lark', 'pydantic', 'jinja2')))"
+)
 
 
 def written(game: str, folder: Path) -> Path:
@@ -37,30 +39,53 @@ def loaded(path: Path) -> ModuleType:
 def trajectory(env: Any, state: Any, actions: list[list[int]]) -> list[Any]:
     seen = []
     for number, chosen in enumerate(actions):
-        observation, state, reward, done, info = env.step(jax.random.key(number), state, jnp.asarray(chosen))
-        kept = {name: info[name] for name in ("truncated", "terminated", "events", "metrics", "terminal_observation")}
+        observation, state, reward, done, info = env.step(
+            jax.random.key(number), state, jnp.asarray(chosen)
+        )
+        kept = {
+            name: info[name]
+            for name in ("truncated", "terminated", "events", "metrics", "terminal_observation")
+        }
         seen.append((observation, vars(state), reward, done, kept, env.allowed_actions(state)))
     return jax.tree.map(np.asarray, seen)
 
 
-@pytest.mark.parametrize("game", [name if name in USUAL else pytest.param(name, marks=pytest.mark.slow) for name in main_games()])
+@pytest.mark.parametrize(
+    "game",
+    [
+        name if name in USUAL else pytest.param(name, marks=pytest.mark.slow)
+        for name in main_games()
+    ],
+)
 @pytest.mark.parametrize("observation", ["tokens", pytest.param("onehot", marks=pytest.mark.slow)])
 def test_it_plays_as_the_environment_does(game: str, observation: str, tmp_path: Path) -> None:
     """Also across the end of an episode: it begins shortly before it."""
     env = sjdsl.make(game, observation=observation)
     alone = loaded(written(game, tmp_path)).Environment(observation)
-    assert (alone.name, alone.num_agents, alone.action_names) == (env.name, env.num_agents, env.action_names)
-    assert (alone.observation_shape, alone.episode_length) == (env.observation_shape, env.episode_length)
+    assert (alone.name, alone.num_agents, alone.action_names) == (
+        env.name,
+        env.num_agents,
+        env.action_names,
+    )
+    assert (alone.observation_shape, alone.episode_length) == (
+        env.observation_shape,
+        env.episode_length,
+    )
     assert alone.channel_names == env.channel_names
     key = jax.random.key(7)
     (mine, state), (theirs, other) = alone.reset(key), env.reset(key)
     np.testing.assert_array_equal(mine, theirs)
     late = env.episode_length - STEPS // 2
     state, other = state.replace(step=state.step + late), other.replace(step=other.step + late)
-    actions = [[(5 * t + agent * (t + 1)) % env.num_actions for agent in range(env.num_agents)] for t in range(STEPS)]
+    actions = [
+        [(5 * t + agent * (t + 1)) % env.num_actions for agent in range(env.num_agents)]
+        for t in range(STEPS)
+    ]
     first, second = trajectory(alone, state, actions), trajectory(env, other, actions)
     assert sum(bool(step[3]) for step in first) == 1
-    for (path, a), (_, b) in zip(*(jax.tree_util.tree_leaves_with_path(x) for x in (first, second)), strict=True):
+    for (path, a), (_, b) in zip(
+        *(jax.tree_util.tree_leaves_with_path(x) for x in (first, second)), strict=True
+    ):
         assert a.dtype == b.dtype, path
         np.testing.assert_allclose(a, b, rtol=1e-6, err_msg=jax.tree_util.keystr(path))
 
@@ -85,7 +110,9 @@ def test_it_needs_jax_and_numpy_alone(tmp_path: Path) -> None:
     }
     use = f"{HIDDEN}\nimport jax, clean_up_standalone as game\nenv = game.Environment()\n"
     use += "observation, state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3))\nprint(observation.shape)"
-    done = subprocess.run([sys.executable, "-c", use], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", use], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "(3, 7, 3, 11, 11)"
 
@@ -101,7 +128,9 @@ def test_a_wrong_observation_is_refused(tmp_path: Path) -> None:
         loaded(written("coins", tmp_path)).Environment("rgb")
 
 
-def test_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_on_the_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert run(["compile", "--standalone", "clean_up", "--variant", "socialjax"]) == 0
     assert "clean_up_socialjax_standalone.py  " in capsys.readouterr().out

@@ -26,7 +26,9 @@ game rooms "Rooms" {
 
 
 def sends(phase: ir.Phase) -> list[ir.Send]:
-    return [node for statement in phase.body for node in ir.walk(statement) if isinstance(node, ir.Send)]
+    return [
+        node for statement in phase.body for node in ir.walk(statement) if isinstance(node, ir.Send)
+    ]
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -40,7 +42,9 @@ def test_cells_of_one_character_are_alike(case: str) -> None:
             known = {send.who.name: agent} if isinstance(send.who, ir.Member) else {}
             found: dict[str, set[bool | None]] = {}
             for place in places(game, send.domain.var.kinds):
-                found.setdefault(place.glyph, set()).add(holds_at_start(where, {**known, name: place}, game))
+                found.setdefault(place.glyph, set()).add(
+                    holds_at_start(where, {**known, name: place}, game)
+                )
             assert all(len(verdicts) == 1 for verdicts in found.values())
 
 
@@ -56,6 +60,8 @@ def test_cells_of_one_character_are_alike(case: str) -> None:
 )
 def test_what_asks_for_the_place_is_decided_for_each(where: str, expected: bool) -> None:
     game = build(Source("rooms.sj", GAME.replace("WHERE", where))).game
-    domain = next(send for phase in phases_of(game) for send in sends(phase) if send.domain.where is not None).domain
+    domain = next(
+        send for phase in phases_of(game) for send in sends(phase) if send.domain.where is not None
+    ).domain
     assert domain.where is not None
     assert reads_only_fields(domain.where, domain.var.name) is expected

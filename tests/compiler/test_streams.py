@@ -73,7 +73,12 @@ ROLLED = (
     ("draw a from 1 .. n", "1"),
     ("draw a2 from { 1 : 0.5 , 2 : 0.5 }", "1"),
     ("when a > 2 otherwise when a2 >= 2", "chance odds", "1"),
-    ("when a > 2 otherwise when a2 >= 2", "chance odds otherwise chance 0.1", "draw c from 1 .. 6", "1"),
+    (
+        "when a > 2 otherwise when a2 >= 2",
+        "chance odds otherwise chance 0.1",
+        "draw c from 1 .. 6",
+        "1",
+    ),
     ("when a > 2 otherwise when a2 >= 2 otherwise otherwise", "pick 1 agent", "1"),
     ("when a > 2 otherwise when a2 >= 2 otherwise otherwise", "pick 1 agent", "chance odds", "1"),
     ("when a > 2 otherwise when a2 >= 2 otherwise otherwise", "pick 1 agent", "chance odds", "2"),
@@ -106,7 +111,9 @@ def test_every_draw_has_a_stream_of_its_own(path: Path) -> None:
 
 def test_streams_are_made_as_the_semantics_say() -> None:
     game = build(Source("drawing.sj", DRAWING)).game
-    expected = [int(hashlib.sha256("\n".join(lines).encode()).hexdigest()[:8], 16) for lines in STREAM_LINES]
+    expected = [
+        int(hashlib.sha256("\n".join(lines).encode()).hexdigest()[:8], 16) for lines in STREAM_LINES
+    ]
     names = ("stream", "cell_stream", "heading_stream")
     streams = [getattr(node, name, None) for node in ir.walk(game) for name in names]
     assert sorted(expected) == sorted(stream for stream in streams if stream is not None)
@@ -132,9 +139,13 @@ def test_idle_statements_change_no_draw() -> None:
     """Nor do kinds that are not on the map, shapes that no rule uses, and branches that never happen."""
     harvest = game_of(find_game("harvest_open"))
     play = random_play(harvest, seed=3, steps=200)
-    ours, theirs = (on_numpy(game) for game in (harvest, build(Source("dull.sj", DULL, games_folder())).game))
+    ours, theirs = (
+        on_numpy(game) for game in (harvest, build(Source("dull.sj", DULL, games_folder())).game)
+    )
     eaten = 0.0
-    for (state, _, _, given), (other, _, _, given_there) in zip(moments(ours, play, 200), moments(theirs, play, 200), strict=True):
+    for (state, _, _, given), (other, _, _, given_there) in zip(
+        moments(ours, play, 200), moments(theirs, play, 200), strict=True
+    ):
         here, there = plain(ours, state), plain(theirs, other)
         for name in ("position", "heading", "soil_fruit"):
             np.testing.assert_array_equal(np.asarray(here[name]), np.asarray(there[name]))

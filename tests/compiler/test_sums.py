@@ -64,18 +64,41 @@ def test_a_requirement_on_a_sum_is_a_guard(required: str, chance: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("required", "chance"), [("p + q <= 1.5", "1 - p - q"), ("p + q >= 1", "1 - p - q"), ("p + q <= 1", "1 - p - q - r")]
+    ("required", "chance"),
+    [("p + q <= 1.5", "1 - p - q"), ("p + q >= 1", "1 - p - q"), ("p + q <= 1", "1 - p - q - r")],
 )
 def test_another_requirement_is_none(required: str, chance: str) -> None:
-    assert codes(f"chance {chance} {{ end }}", f"{required} or p < 2" if required.startswith("p + q >=") else required) >= {"SJ202"}
+    assert codes(
+        f"chance {chance} {{ end }}",
+        f"{required} or p < 2" if required.startswith("p + q >=") else required,
+    ) >= {"SJ202"}
 
 
 def test_a_guard_keeps_a_difference_in_its_range() -> None:
-    assert codes("each agent where agent.held >= agent.owed { set agent.held = agent.held - agent.owed }") == set()
-    assert codes("each agent where agent.held > agent.owed { set agent.held = agent.held - agent.owed - 1 }") == set()
-    assert codes("each agent where agent.held + agent.owed < 10 { set agent.held = agent.owed + agent.held }") == set()
-    assert codes("each agent where agent.held + agent.owed < 11 { set agent.held = agent.owed + agent.held }") == {"SJ204"}
-    assert codes("each agent where agent.held >= agent.owed { set agent.held = agent.held - agent.owed - 1 }") == {"SJ204"}
+    assert (
+        codes(
+            "each agent where agent.held >= agent.owed { set agent.held = agent.held - agent.owed }"
+        )
+        == set()
+    )
+    assert (
+        codes(
+            "each agent where agent.held > agent.owed { set agent.held = agent.held - agent.owed - 1 }"
+        )
+        == set()
+    )
+    assert (
+        codes(
+            "each agent where agent.held + agent.owed < 10 { set agent.held = agent.owed + agent.held }"
+        )
+        == set()
+    )
+    assert codes(
+        "each agent where agent.held + agent.owed < 11 { set agent.held = agent.owed + agent.held }"
+    ) == {"SJ204"}
+    assert codes(
+        "each agent where agent.held >= agent.owed { set agent.held = agent.held - agent.owed - 1 }"
+    ) == {"SJ204"}
 
 
 def test_what_rounding_brings_below_0_is_no_chance(tmp_path: Path) -> None:
@@ -83,9 +106,9 @@ def test_what_rounding_brings_below_0_is_no_chance(tmp_path: Path) -> None:
     assert np.float32(1) - np.float32(0.6) - np.float32(0.4) < 0
     body = "chance 1 - p - q { end }  each agent { draw n from { 3: 1 - p - q, 7: p, 9: q } give pay * n to agent }"
     text = GAME.format(body=body, required="1 - p - q + p + q == 1  require p + q <= 1", go="")
-    text = text.replace("p : probability = 0.2", "p : probability = 0.6  param pay : reward = 1").replace(
-        "q : probability = 0.2", "q : probability = 0.4"
-    )
+    text = text.replace(
+        "p : probability = 0.2", "p : probability = 0.6  param pay : reward = 1"
+    ).replace("q : probability = 0.2", "q : probability = 0.4")
     (tmp_path / "frame.sj").write_text(text)
     env = sjdsl.make(tmp_path / "frame.sj")
     _, state = env.reset(jax.random.key(0))
@@ -99,7 +122,9 @@ def test_agents_who_cannot_be_away_are_always_some() -> None:
     divided = "give 1 / count(agent) to all"
     assert codes(divided) == set()
     assert codes(divided, go=AWAY) == {"SJ207"}
-    assert codes("each agent { give 1 / count(agent as other) to agent }", go=AWAY) == set(), "somebody is there"
+    assert codes("each agent { give 1 / count(agent as other) to agent }", go=AWAY) == set(), (
+        "somebody is there"
+    )
     assert codes("give 1 / count(agent on grass) to all") == {"SJ207"}
 
 
@@ -109,13 +134,18 @@ def test_intervals_of_sums_hold_whatever_the_facts() -> None:
     names = ("a", "b", "c")
 
     def made() -> ir.Expr:
-        parts = [ir.Local(type=integer(low, low + 3, "number"), name=name) for name, low in zip(names, lows, strict=True)]
+        parts = [
+            ir.Local(type=integer(low, low + 3, "number"), name=name)
+            for name, low in zip(names, lows, strict=True)
+        ]
         number = random.randint(-2, 2)
         found: ir.Expr = ir.Number(type=integer(number, number, "number"), value=number)
         for _ in range(random.randint(1, 4)):
             part = random.choice(parts)
             fn = random.choice("+-")
-            low, high = CALCULATIONS[fn].interval((found.type.low, found.type.high), (part.type.low, part.type.high))
+            low, high = CALCULATIONS[fn].interval(
+                (found.type.low, found.type.high), (part.type.low, part.type.high)
+            )
             type_ = integer(low, high, "number")
             found = ir.Arithmetic(type=type_, fn=fn, args=(found, part))
         return found
@@ -133,13 +163,19 @@ def test_intervals_of_sums_hold_whatever_the_facts() -> None:
     narrower = 0
     for _ in range(400):
         lows = [random.randint(-2, 2) for _ in names]
-        told = [ir.Compare(fn=random.choice(list(COMPARISONS)), left=made(), right=made()) for _ in range(random.randint(1, 2))]  # type: ignore[arg-type]
+        told = [
+            ir.Compare(fn=random.choice(list(COMPARISONS)), left=made(), right=made())
+            for _ in range(random.randint(1, 2))
+        ]  # type: ignore[arg-type]
         asked = made()
         low, high = narrowed(asked, [fact for test in told for fact in facts(test)])
         narrower += (low, high) != (asked.type.low, asked.type.high)
         for values in product(*(range(low_, low_ + 4) for low_ in lows)):
             here = dict(zip(names, values, strict=True))
-            if all(COMPARISONS[test.fn].holds(value(test.left, here), value(test.right, here)) for test in told):
+            if all(
+                COMPARISONS[test.fn].holds(value(test.left, here), value(test.right, here))
+                for test in told
+            ):
                 assert low <= value(asked, here) <= high, (told, asked)
     assert narrower > 50, "the facts are used"
 
@@ -163,7 +199,11 @@ def test_rounding_stays_inside_its_interval_in_float32_too() -> None:
     for low, high in [*ends, *((np.floor(a) + 0.5, np.floor(b) + 0.5) for a, b in ends)]:
         found = CALCULATIONS["round"].interval((float(low), float(high)))
         for x in (low, high, (low + high) / 2):
-            for near in (np.float32(x), np.nextafter(np.float32(x), np.float32(99)), np.nextafter(np.float32(x), np.float32(-99))):
+            for near in (
+                np.float32(x),
+                np.nextafter(np.float32(x), np.float32(99)),
+                np.nextafter(np.float32(x), np.float32(-99)),
+            ):
                 assert found[0] <= np.rint(near) <= found[1], (low, high, near)
 
 

@@ -24,7 +24,9 @@ def test_the_syntax() -> None:
     file = parse(Source("steps.sj", TEXT))
     numbers = [node for node in walk(file) if isinstance(node, ast.Int)]
     assert [number.value for number in numbers] == [5, 2, 1]
-    doubled = rewrite(file, lambda node: ast.Int(node.span, 2 * node.value) if isinstance(node, ast.Int) else node)
+    doubled = rewrite(
+        file, lambda node: ast.Int(node.span, 2 * node.value) if isinstance(node, ast.Int) else node
+    )
     assert [node.value for node in walk(doubled) if isinstance(node, ast.Int)] == [10, 4, 2]
     assert file == parse(Source("steps.sj", TEXT)) and rewrite(file, lambda node: node) is file
 
@@ -34,15 +36,35 @@ def test_the_rules() -> None:
     send = ir.Remove(who=agent)
     each = ir.Each(domain=ir.Domain(var=agent), body=(send, ir.End()))
     assert children(each) == [each.domain, send, ir.End()]
-    assert rewrite(each, lambda node: (node, node) if isinstance(node, ir.End) else node).body == (send, ir.End(), ir.End())
-    other = rewrite(each, lambda node: node.model_copy(update={"name": "other"}) if isinstance(node, ir.Member) else node)
-    assert (other.domain.var.name, other.body[0].who.name, each.domain.var.name) == ("other", "other", "agent")  # type: ignore[union-attr]
+    assert rewrite(each, lambda node: (node, node) if isinstance(node, ir.End) else node).body == (
+        send,
+        ir.End(),
+        ir.End(),
+    )
+    other = rewrite(
+        each,
+        lambda node: (
+            node.model_copy(update={"name": "other"}) if isinstance(node, ir.Member) else node
+        ),
+    )
+    assert (other.domain.var.name, other.body[0].who.name, each.domain.var.name) == (
+        "other",
+        "other",
+        "agent",
+    )  # type: ignore[union-attr]
 
 
 def test_a_program() -> None:
     made = array.Assign(("x",), array.call("f", array.Name("a"), key=array.Name("b")))
-    assert [node.identifier for node in walk(made) if isinstance(node, array.Name)] == ["f", "a", "b"]
-    upper = rewrite(made, lambda node: array.Name(node.identifier.upper()) if isinstance(node, array.Name) else node)
+    assert [node.identifier for node in walk(made) if isinstance(node, array.Name)] == [
+        "f",
+        "a",
+        "b",
+    ]
+    upper = rewrite(
+        made,
+        lambda node: array.Name(node.identifier.upper()) if isinstance(node, array.Name) else node,
+    )
     assert upper == array.Assign(("x",), array.call("F", array.Name("A"), key=array.Name("B")))
 
 

@@ -20,7 +20,14 @@ LOWEST, HIGHEST = -(2**31), 2**31 - 1
 AGENTS = 4
 
 
-def text(rules: str = "", declared: str = "", of_agents: str = "", metrics: str = "", checks: str = "", episode: str = "20") -> str:
+def text(
+    rules: str = "",
+    declared: str = "",
+    of_agents: str = "",
+    metrics: str = "",
+    checks: str = "",
+    episode: str = "20",
+) -> str:
     return f"""sj 1
 game sums {{
   {declared}
@@ -86,8 +93,13 @@ def test_the_bound_that_helps_is_the_largest_that_does() -> None:
     assert help_of(counted) == "it can be 536870911 at a time at most"
     assert not errors_in(counted.replace("999999999", "536870911"))
     guarded = text("tally hits by big * 3", "field big : 0 .. 1000000000 = 0", metrics=HITS)
-    assert help_of(guarded) == "guard it with `when big <= 715827882`, or see to it that `big` has a smaller range"
-    assert not errors_in(guarded.replace("tally hits by big * 3", "when big <= 715827882 { tally hits by big * 3 }"))
+    assert (
+        help_of(guarded)
+        == "guard it with `when big <= 715827882`, or see to it that `big` has a smaller range"
+    )
+    assert not errors_in(
+        guarded.replace("tally hits by big * 3", "when big <= 715827882 { tally hits by big * 3 }")
+    )
 
 
 @pytest.mark.parametrize(
@@ -119,14 +131,21 @@ def test_what_cannot_leave_int32_is_accepted(game: str) -> None:
 
 @pytest.mark.parametrize(("episode", "code"), [("0", "SJ214"), ("-5", "SJ214"), ("7 * 0", "SJ214"), ("days - 4", "SJ214"), ("20 - step", "SJ216"), ("2147483647 + 1", "SJ214")])  # fmt: skip
 def test_an_episode_has_a_length(episode: str, code: str) -> None:
-    assert [d.code for d in errors_in(text(declared="param days : steps = 4", episode=episode))] == [code]
+    assert [
+        d.code for d in errors_in(text(declared="param days : steps = 4", episode=episode))
+    ] == [code]
     assert not errors_in(text(declared="param days : steps = 4", episode="days - 3"))
 
 
 def test_every_range_of_whole_numbers_has_a_module_of_its_own() -> None:
     """Seven digits: the hash of a game, by which its module is kept, tells them apart."""
-    modules = [compile_source(Source("sums.sj", text("add 1 to pot", POT.replace("1000000000", str(end))))) for end in (1000000, 1000001)]
-    hashes = [next(line for line in module.splitlines() if line.startswith("HASH")) for module in modules]
+    modules = [
+        compile_source(Source("sums.sj", text("add 1 to pot", POT.replace("1000000000", str(end)))))
+        for end in (1000000, 1000001)
+    ]
+    hashes = [
+        next(line for line in module.splitlines() if line.startswith("HASH")) for module in modules
+    ]
     assert hashes[0] != hashes[1]
 
 
@@ -135,10 +154,14 @@ def test_a_timer_that_the_map_starts_is_kept_as_it_is(tmp_path: Path) -> None:
         'kind floor "."', 'kind floor "." { timer dry  glyph "," with dry = 300 }'
     )
     file = tmp_path / "sums.sj"
-    file.write_text(game.replace('"........"', '",......."').replace("schedule act", "schedule tick -> act"))
+    file.write_text(
+        game.replace('"........"', '",......."').replace("schedule act", "schedule tick -> act")
+    )
     env = sjdsl.make(file)
     _, state = env.reset(jax.random.key(0))
-    assert env.step_env(jax.random.key(1), state, jnp.zeros(AGENTS, int))[-1]["metrics"]["left"] == 299
+    assert (
+        env.step_env(jax.random.key(1), state, jnp.zeros(AGENTS, int))[-1]["metrics"]["left"] == 299
+    )
 
 
 # ---- random expressions
@@ -160,8 +183,42 @@ class Operation:
 
 
 Expression = Leaf | Operation
-NUMBERS = (0, 1, 2, 3, 7, 255, 256, 32767, 46340, 46341, 65536, 1000000, 16777217, 715827882, 1073741823, 1073741824, 2147483647)
-ENDS = (1, 2, 9, 255, 256, 1000, 46340, 46341, 65535, 100000, 16777217, 536870911, 536870912, 1000000000, 1073741824)
+NUMBERS = (
+    0,
+    1,
+    2,
+    3,
+    7,
+    255,
+    256,
+    32767,
+    46340,
+    46341,
+    65536,
+    1000000,
+    16777217,
+    715827882,
+    1073741823,
+    1073741824,
+    2147483647,
+)
+ENDS = (
+    1,
+    2,
+    9,
+    255,
+    256,
+    1000,
+    46340,
+    46341,
+    65535,
+    100000,
+    16777217,
+    536870911,
+    536870912,
+    1000000000,
+    1073741824,
+)
 
 
 def written(e: Expression) -> str:
@@ -219,7 +276,9 @@ def corners(e: Expression) -> Iterator[dict[Leaf, int]]:
         yield dict(zip(found, ends, strict=True))
 
 
-def random_expression(rng: random.Random, fields: list[Leaf], depth: int, functions: str) -> Expression:
+def random_expression(
+    rng: random.Random, fields: list[Leaf], depth: int, functions: str
+) -> Expression:
     """Returns an expression in which every field stands once at most: its ends are then those of its corners."""
     if depth == 0 or (rng.random() < 0.2 and fields):
         number = rng.choice(NUMBERS)
@@ -227,9 +286,17 @@ def random_expression(rng: random.Random, fields: list[Leaf], depth: int, functi
     fn = rng.choice(functions.split())
     if fn == "%":
         divisor = rng.choice([n for n in NUMBERS if n])
-        return Operation(fn, (random_expression(rng, fields, depth - 1, functions), Leaf(str(divisor), divisor, divisor)))
+        return Operation(
+            fn,
+            (
+                random_expression(rng, fields, depth - 1, functions),
+                Leaf(str(divisor), divisor, divisor),
+            ),
+        )
     many = 1 if fn == "neg" else 2
-    return Operation(fn, tuple(random_expression(rng, fields, depth - 1, functions) for _ in range(many)))
+    return Operation(
+        fn, tuple(random_expression(rng, fields, depth - 1, functions) for _ in range(many))
+    )
 
 
 def fields_of(rng: random.Random) -> list[Leaf]:
@@ -237,7 +304,9 @@ def fields_of(rng: random.Random) -> list[Leaf]:
 
 
 def declared(fields: list[Leaf], starts: dict[Leaf, int]) -> str:
-    return "  ".join(f"field {leaf.said} : {leaf.low} .. {leaf.high} = {starts[leaf]}" for leaf in fields)
+    return "  ".join(
+        f"field {leaf.said} : {leaf.low} .. {leaf.high} = {starts[leaf]}" for leaf in fields
+    )
 
 
 def test_an_expression_is_refused_if_and_only_if_a_part_of_it_leaves_int32_at_some_corner() -> None:
@@ -245,8 +314,14 @@ def test_an_expression_is_refused_if_and_only_if_a_part_of_it_leaves_int32_at_so
     for _ in range(300):
         fields = fields_of(rng)
         e = random_expression(rng, list(fields), 3, "+ - * min max neg")
-        game = text(f"when {written(e)} > 0 {{ tally hits }}", declared(fields, dict.fromkeys(fields, 0)), metrics=HITS)
-        leaving = any(not LOWEST <= value(part, at) <= HIGHEST for part in parts_of(e) for at in corners(e))
+        game = text(
+            f"when {written(e)} > 0 {{ tally hits }}",
+            declared(fields, dict.fromkeys(fields, 0)),
+            metrics=HITS,
+        )
+        leaving = any(
+            not LOWEST <= value(part, at) <= HIGHEST for part in parts_of(e) for at in corners(e)
+        )
         assert any(d.code == "SJ218" for d in errors_in(game)) == leaving, written(e)
         refused += leaving
     assert 60 < refused < 240
@@ -260,7 +335,9 @@ def test_what_is_accepted_is_computed_as_unbounded_integers_are(tmp_path: Path) 
     while len(accepted) < many:
         e = random_expression(rng, rng.sample(fields, len(fields)), 4, "+ - * % min max neg")
         counted = f"tally hits by max({written(e)}, 0)  tally hits by max(0 - {written(e)}, 0)"
-        if len(set(leaves(e))) > 1 and not errors_in(text(counted, declared(fields, dict.fromkeys(fields, 0)), metrics=HITS)):
+        if len(set(leaves(e))) > 1 and not errors_in(
+            text(counted, declared(fields, dict.fromkeys(fields, 0)), metrics=HITS)
+        ):
             accepted.append(e)
     names = [(f"up{i}", f"down{i}") for i in range(many)]
     rules = [
@@ -268,15 +345,28 @@ def test_what_is_accepted_is_computed_as_unbounded_integers_are(tmp_path: Path) 
         for e, (up, down) in zip(accepted, names, strict=True)
     ]
     metrics = " ".join(f"event {up} event {down}" for up, down in names)
-    (tmp_path / "sums.sj").write_text(text("\n".join(rules), declared(fields, dict.fromkeys(fields, 0)), metrics=metrics))
+    (tmp_path / "sums.sj").write_text(
+        text("\n".join(rules), declared(fields, dict.fromkeys(fields, 0)), metrics=metrics)
+    )
     env = sjdsl.make(tmp_path / "sums.sj")
     _, state = env.reset(jax.random.key(0))
     for turn in range(60):
-        at = {leaf: rng.choice((leaf.low, leaf.high) if turn % 2 else (rng.randint(leaf.low, leaf.high), leaf.high)) for leaf in fields}
-        now = state.replace(**{f"world_{leaf.said}": jnp.int32(number) for leaf, number in at.items()})
-        events = jax.device_get(env.step_env(jax.random.key(turn), now, jnp.zeros(AGENTS, int))[-1]["events"])
+        at = {
+            leaf: rng.choice(
+                (leaf.low, leaf.high) if turn % 2 else (rng.randint(leaf.low, leaf.high), leaf.high)
+            )
+            for leaf in fields
+        }
+        now = state.replace(
+            **{f"world_{leaf.said}": jnp.int32(number) for leaf, number in at.items()}
+        )
+        events = jax.device_get(
+            env.step_env(jax.random.key(turn), now, jnp.zeros(AGENTS, int))[-1]["events"]
+        )
         for e, (up, down) in zip(accepted, names, strict=True):
-            expected = value(e, at | {leaf: leaf.low for leaf in leaves(e) if leaf.low == leaf.high})
+            expected = value(
+                e, at | {leaf: leaf.low for leaf in leaves(e) if leaf.low == leaf.high}
+            )
             assert int(events[up]) - int(events[down]) == expected, (written(e), at)
 
 

@@ -70,15 +70,21 @@ def table(looked: list[tuple[Edit, Verdict]]) -> None:
                 rows[row]["most"] = max(rows[row]["most"], len(verdict.found))
         slowest = max(slowest, verdict.seconds)
     for name, reason in CLASSES.items():
-        count = sum(verdict.outcome == "same" and class_of(edited) == name for edited, verdict in looked)
+        count = sum(
+            verdict.outcome == "same" and class_of(edited) == name for edited, verdict in looked
+        )
         print(f"same rules, {count} times: {name} ({reason})")
-    print("| edit | files | refused | warned | other rules | the same | faults | near | messages | one | most |")
+    print(
+        "| edit | files | refused | warned | other rules | the same | faults | near | messages | one | most |"
+    )
     print("|---|---|---|---|---|---|---|---|---|---|---|")
     for name, row in rows.items():
         answered = max(1, row["answered"])
         counts = " | ".join(str(row[outcome]) for outcome in OUTCOMES)
         near, one = (f"{100 * row[what] / answered:.1f}%" for what in ("near", "one"))
-        print(f"| {name} | {row['edits']} | {counts} | {near} | {row['messages'] / answered:.2f} | {one} | {row['most']} |")
+        print(
+            f"| {name} | {row['edits']} | {counts} | {near} | {row['messages'] / answered:.2f} | {one} | {row['most']} |"
+        )
     print(f"slowest {slowest:.2f} s, {begun:.0f} s in all")
 
 

@@ -66,7 +66,9 @@ def _token(game: str, kind: str, random: Random) -> Edit:
         old = text[start:end]
         if new.split() != old.split():
             lines = tuple(dict.fromkeys(token.line or 0 for token in edited))
-            return Edit(game, kind, f"{game}.sj", text[:start] + new + text[end:], lines, old, new, edited)
+            return Edit(
+                game, kind, f"{game}.sj", text[:start] + new + text[end:], lines, old, new, edited
+            )
 
 
 def misspelt(word: str, random: Random) -> str:
@@ -96,7 +98,11 @@ def another_number(digits: str, random: Random) -> str:
 
 def maps(game: str) -> list[str]:
     """Returns the map files a game names."""
-    return [str(token)[1:-1] for token in tokens(game)[1] if token.type == "STRING" and str(token).endswith('.txt"')]
+    return [
+        str(token)[1:-1]
+        for token in tokens(game)[1]
+        if token.type == "STRING" and str(token).endswith('.txt"')
+    ]
 
 
 def _row(game: str, random: Random) -> Edit:

@@ -120,14 +120,27 @@ def _made(source: Source, variants: Variants) -> tuple[Build, str]:
     """
     composed = compose(source, variants)
     made = build_composition(composed)
-    limited = [c for c in composed.constants.values() if c.is_size and c.low is not None and c.high is not None]
-    limits = [composed.sources[c.span.file].text[c.low.span.start : c.high.span.end] for c in limited]  # type: ignore[union-attr]
+    limited = [
+        c
+        for c in composed.constants.values()
+        if c.is_size and c.low is not None and c.high is not None
+    ]
+    limits = [
+        composed.sources[c.span.file].text[c.low.span.start : c.high.span.end] for c in limited
+    ]  # type: ignore[union-attr]
     return made, "\n".join([printer.game(made.game), *limits])
 
 
 def _is_near(d: Diagnostic, edit: Edit, source: Source) -> bool:
-    spans = [span for span in (d.span, *(label.span for label in d.labels)) if span.file == edit.file]
-    return any(abs(shown - line) <= NEAR for span in spans for shown in _shown(span, source) for line in edit.lines)
+    spans = [
+        span for span in (d.span, *(label.span for label in d.labels)) if span.file == edit.file
+    ]
+    return any(
+        abs(shown - line) <= NEAR
+        for span in spans
+        for shown in _shown(span, source)
+        for line in edit.lines
+    )
 
 
 def _shown(span: Span, source: Source) -> Sequence[int]:

@@ -27,14 +27,20 @@ def noise(sort: str, random: Random) -> bytes:
             return random.randbytes(random.randrange(2000))
         case "characters":
             head = random.choice(("", HEAD))
-            return (head + "".join(random.choice(printable) for _ in range(random.randrange(2000)))).encode()
+            return (
+                head + "".join(random.choice(printable) for _ in range(random.randrange(2000)))
+            ).encode()
         case "words":
-            return (HEAD + " ".join(random.choice(_words()) for _ in range(random.randrange(300)))).encode()
+            return (
+                HEAD + " ".join(random.choice(_words()) for _ in range(random.randrange(300)))
+            ).encode()
         case "cut":
             return text[: random.randrange(len(text))].encode()
         case "splice":
             other = tokens(random.choice(GAMES))[0]
-            return (text[: random.randrange(len(text))] + other[random.randrange(len(other)) :]).encode()
+            return (
+                text[: random.randrange(len(text))] + other[random.randrange(len(other)) :]
+            ).encode()
         case "overwritten":
             data = bytearray(text.encode())
             for _ in range(random.randrange(1, 20)):

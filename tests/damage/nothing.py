@@ -34,7 +34,9 @@ def _file(text: str) -> Path:
 
 
 def _is_title_of_variant(everything: tuple, place: int) -> bool:
-    return everything[place].type == "STRING" and place > 1 and everything[place - 2].type == "VARIANT"
+    return (
+        everything[place].type == "STRING" and place > 1 and everything[place - 2].type == "VARIANT"
+    )
 
 
 def _value(digits: str) -> float | None:

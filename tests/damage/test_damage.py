@@ -21,8 +21,16 @@ def test_damaged_games_are_refused_near_the_damage_or_have_other_rules() -> None
     looked = [look(number, lowered=False) for number in range(EDITS)]
     answered = [(edited, verdict) for edited, verdict in looked if verdict.found]
     assert [(place(edited), verdict.fault) for edited, verdict in looked if verdict.fault] == []
-    assert [place(edited) for edited, verdict in looked if verdict.outcome == "same" and not class_of(edited)] == []
-    far = [f"{place(edited)}: {verdict.messages[0]}" for edited, verdict in answered if not verdict.near]
+    assert [
+        place(edited)
+        for edited, verdict in looked
+        if verdict.outcome == "same" and not class_of(edited)
+    ] == []
+    far = [
+        f"{place(edited)}: {verdict.messages[0]}"
+        for edited, verdict in answered
+        if not verdict.near
+    ]
     assert len(far) <= (1 - NEAR) * len(answered), "\n".join(far)
     assert sum(len(verdict.found) for _, verdict in answered) <= MESSAGES * len(answered)
 

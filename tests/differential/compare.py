@@ -29,7 +29,12 @@ class Report:
 
 
 def run(
-    env: Environment, key: jax.Array, steps: int, actions: np.ndarray | None = None, params: Any = None, given: dict | None = None
+    env: Environment,
+    key: jax.Array,
+    steps: int,
+    actions: np.ndarray | None = None,
+    params: Any = None,
+    given: dict | None = None,
 ) -> Report:
     """Returns the first differences of `steps` steps from a reset, with random actions unless `actions` `[T, N]` are given.
 
@@ -45,14 +50,18 @@ def run(
     compare(env, state, observation, world, report)
     if actions is None:
         # one number too many on each side: unknown actions are `stay`
-        actions = np.asarray(jax.random.randint(k_actions, (steps, env.num_agents), -1, env.num_actions + 1))
+        actions = np.asarray(
+            jax.random.randint(k_actions, (steps, env.num_agents), -1, env.num_actions + 1)
+        )
     for t, step_key in enumerate(jax.random.split(k_steps, steps)):
         if report.differences:
             return report
         words = jax.random.key_data(step_key)
         draws = Threefry(int(words[0]), int(words[1]))
         world, outcome = step(env.game, world, [int(a) for a in actions[t]], given, draws)
-        observation, state, reward, done, info = env.step_env(step_key, state, jnp.asarray(actions[t], jnp.int32), params)
+        observation, state, reward, done, info = env.step_env(
+            step_key, state, jnp.asarray(actions[t], jnp.int32), params
+        )
         report.steps += 1
         compare(env, state, observation, world, report)
         compare_outcome(env, reward, done, info, outcome, report)
@@ -60,24 +69,46 @@ def run(
     return report
 
 
-def compare(env: Environment, state: Any, observation: jax.Array, world: World, report: Report, close: float = CLOSE) -> None:
+def compare(
+    env: Environment,
+    state: Any,
+    observation: jax.Array,
+    world: World,
+    report: Report,
+    close: float = CLOSE,
+) -> None:
     """Adds every difference between two states to the report. Reals that decide something are equal, others close."""
     report.differences += state_differences(env, state, world, observation, close=close)
     for declared in exact_fields(env):
-        mine, theirs = np.asarray(getattr(state, attribute_name(declared))), np.asarray(stored_values(declared, world), np.float32)
+        mine, theirs = (
+            np.asarray(getattr(state, attribute_name(declared))),
+            np.asarray(stored_values(declared, world), np.float32),
+        )
         if not np.array_equal(mine, theirs.reshape(mine.shape)):
-            report.differences.append(f"{declared.name}, which decides: {mine.tolist()} / {theirs.tolist()}")
+            report.differences.append(
+                f"{declared.name}, which decides: {mine.tolist()} / {theirs.tolist()}"
+            )
 
 
 @lru_cache(maxsize=8)
 def exact_fields(env: Environment) -> tuple[ir.VarField, ...]:
     """Returns the fields of reals that decide something."""
     found = deciding(env.game)
-    return tuple(declared for declared in all_fields(env.game) if declared.type.kind == "real" and found.has_field(declared))
+    return tuple(
+        declared
+        for declared in all_fields(env.game)
+        if declared.type.kind == "real" and found.has_field(declared)
+    )
 
 
 def compare_outcome(
-    env: Environment, reward: jax.Array, done: jax.Array, info: dict, outcome: Outcome, report: Report, close: float = CLOSE
+    env: Environment,
+    reward: jax.Array,
+    done: jax.Array,
+    info: dict,
+    outcome: Outcome,
+    report: Report,
+    close: float = CLOSE,
 ) -> None:
     """Adds differences of rewards, events, measures and endings to the report."""
     report.differences += outcome_differences(env, reward, info, outcome, close)

@@ -40,7 +40,9 @@ PAY = F(0.1), F(0.3), F(0.7)
 
 def once(*terms: Reals) -> Reals:
     """Returns exact sums, rounded once."""
-    return np.array([nearest(sum(map(Fraction, map(float, each)))) for each in zip(*terms, strict=True)], F)
+    return np.array(
+        [nearest(sum(map(Fraction, map(float, each)))) for each in zip(*terms, strict=True)], F
+    )
 
 
 def nearest(exact: Fraction) -> Reals:
@@ -80,8 +82,12 @@ EXPRESSIONS: dict[str, Callable[[Reals, Reals], Reals]] = {
     "ramp(x * p, r, t) * y + x": lambda x, y: ramp(x * P, R, T) * y + x,
     "sum(agent.share * p over agent)": lambda x, y: once(x * P, y * P, (x - y) * P),
     "sum(agent.share over agent) * r + y": lambda x, y: once(x, y, x - y) * R + y,
-    "sum(p over agent where agent.share > 0)": lambda x, y: once(P * (x > 0), P * (y > 0), P * (x > y)),
-    "pay[mix(bag)] * y": lambda _, y: in_order(*(shares * pay for shares, pay in zip(SHARES, PAY, strict=True))) * y,
+    "sum(p over agent where agent.share > 0)": lambda x, y: once(
+        P * (x > 0), P * (y > 0), P * (x > y)
+    ),
+    "pay[mix(bag)] * y": lambda _, y: (
+        in_order(*(shares * pay for shares, pay in zip(SHARES, PAY, strict=True))) * y
+    ),
     "stored + y": lambda x, y: x * P + y,
     "pot": lambda x, y: once(x * P, y * P, (x - y) * P, x, np.full_like(x, R)),
 }
@@ -89,8 +95,14 @@ EXPRESSIONS: dict[str, Callable[[Reals, Reals], Reals]] = {
 
 def game_text() -> str:
     """Returns the rules: what is stored and added up in one phase is compared in the next."""
-    fields = "".join(f"  field want_{i} : reward  field hit_{i} : {{ no_, yes_ }} = no_\n" for i in range(len(EXPRESSIONS)))
-    tests = "".join(f"    when {text} == want_{i} {{ set hit_{i} = yes_ }}\n" for i, text in enumerate(EXPRESSIONS))
+    fields = "".join(
+        f"  field want_{i} : reward  field hit_{i} : {{ no_, yes_ }} = no_\n"
+        for i in range(len(EXPRESSIONS))
+    )
+    tests = "".join(
+        f"    when {text} == want_{i} {{ set hit_{i} = yes_ }}\n"
+        for i, text in enumerate(EXPRESSIONS)
+    )
     return f"""sj 1
 game edges "Comparisons on the edge" {{
   param t : number = 3 in 1 .. 9  param p : number = 0.1 in 0.01 .. 0.9  param r : number = 0.3 in 0.01 .. 0.9
@@ -130,12 +142,21 @@ def states(env: Any) -> Any:
     x, y = NUMBERS
     begun = env.reset(jax.random.key(0))[1]
     batch = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (MANY, *leaf.shape)), begun)
-    return batch.replace(world_x=x, world_y=y, world_bag=BAGS.T.astype(np.uint8), agent_share=np.stack([x, y, x - y], axis=1), **WANTED)
+    return batch.replace(
+        world_x=x,
+        world_y=y,
+        world_bag=BAGS.T.astype(np.uint8),
+        agent_share=np.stack([x, y, x - y], axis=1),
+        **WANTED,
+    )
 
 
 def missed(after: Any) -> dict[str, int]:
     """Returns the expressions that were not equal to what NumPy makes of them, and how often."""
-    counts = {text: int((np.asarray(getattr(after, f"world_hit_{i}")) != 1).sum()) for i, text in enumerate(EXPRESSIONS)}
+    counts = {
+        text: int((np.asarray(getattr(after, f"world_hit_{i}")) != 1).sum())
+        for i, text in enumerate(EXPRESSIONS)
+    }
     return {text: count for text, count in counts.items() if count}
 
 
@@ -144,7 +165,9 @@ def step(env: Any, params: Any, state: Any) -> Any:
 
 
 def as_arguments(env: Any) -> Any:
-    return jax.jit(jax.vmap(lambda params, state: step(env, params, state), (None, 0)))(env.params, states(env))
+    return jax.jit(jax.vmap(lambda params, state: step(env, params, state), (None, 0)))(
+        env.params, states(env)
+    )
 
 
 def as_constants(env: Any) -> Any:
@@ -152,7 +175,11 @@ def as_constants(env: Any) -> Any:
 
 
 def in_a_loop(env: Any) -> Any:
-    one_by_one = jax.jit(lambda batch: jax.lax.scan(lambda _, state: (None, step(env, env.params, state)), None, batch)[1])
+    one_by_one = jax.jit(
+        lambda batch: jax.lax.scan(
+            lambda _, state: (None, step(env, env.params, state)), None, batch
+        )[1]
+    )
     return one_by_one(states(env))
 
 
@@ -165,7 +192,14 @@ def env() -> Any:
 THOROUGH = pytest.mark.thorough
 
 
-@pytest.mark.parametrize("manner", [as_constants, pytest.param(as_arguments, marks=THOROUGH), pytest.param(in_a_loop, marks=THOROUGH)])
+@pytest.mark.parametrize(
+    "manner",
+    [
+        as_constants,
+        pytest.param(as_arguments, marks=THOROUGH),
+        pytest.param(in_a_loop, marks=THOROUGH),
+    ],
+)
 def test_what_decides_is_float32(env: Any, manner: Callable[[Any], Any]) -> None:
     assert not missed(manner(env))
 
@@ -177,7 +211,9 @@ def test_what_decides_is_float32_in_the_forms_for_gpus(env: Any) -> None:
 
 
 @THOROUGH
-def test_what_decides_is_float32_in_a_standalone_module(env: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_decides_is_float32_in_a_standalone_module(
+    env: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     module = ModuleType("alone")
     monkeypatch.setitem(sys.modules, "alone", module)
     exec(standalone(lower(env.game, "edges.sj")), module.__dict__)
@@ -210,4 +246,6 @@ def test_chances_are_float32(env: Any) -> None:
     def happens(key: jax.Array, low: jax.Array, base: jax.Array) -> jax.Array:
         return env.reset(key, env.params.replace(low=low, base=base, p=rate))[1].world_drawn
 
-    np.testing.assert_array_equal(np.asarray(jax.jit(jax.vmap(happens))(keys, low, base)) == 1, expected)
+    np.testing.assert_array_equal(
+        np.asarray(jax.jit(jax.vmap(happens))(keys, low, base)) == 1, expected
+    )

@@ -32,7 +32,10 @@ def together(env: sjdsl.Environment, seed: int, steps: int, given: dict | None =
     return report
 
 
-FEW = [*OTHER_NUMBERS[:1], *(pytest.param(*other, marks=pytest.mark.slow) for other in OTHER_NUMBERS[1:])]
+FEW = [
+    *OTHER_NUMBERS[:1],
+    *(pytest.param(*other, marks=pytest.mark.slow) for other in OTHER_NUMBERS[1:]),
+]
 
 
 @pytest.mark.thorough
@@ -40,11 +43,19 @@ FEW = [*OTHER_NUMBERS[:1], *(pytest.param(*other, marks=pytest.mark.slow) for ot
 def test_other_numbers(name: str, params: dict) -> None:
     env = sjdsl.make(name, params=params)
     types = {p.name: p.type.kind for p in env.game.params}
-    together(env, 5, 60, {k: real(v) if types[k] == "real" else v for k, v in params.items() if k in types})
+    together(
+        env,
+        5,
+        60,
+        {k: real(v) if types[k] == "real" else v for k, v in params.items() if k in types},
+    )
 
 
 GAMES = sorted((HERE / "games").glob("*.sj"))
-BY_XLA = ("rows_by_agent", "worlds")  # compiled in each run of the tests; the others in the thorough ones: it takes longer than all else
+BY_XLA = (
+    "rows_by_agent",
+    "worlds",
+)  # compiled in each run of the tests; the others in the thorough ones: it takes longer than all else
 
 
 @pytest.mark.parametrize("path", GAMES, ids=lambda p: p.stem)
@@ -58,9 +69,13 @@ def test_every_construct(path: Path) -> None:
     assert report.steps == 30
 
 
-@pytest.mark.parametrize("seeds", [(0,), pytest.param((1, 2, 3), marks=pytest.mark.thorough)], ids=["one", "three"])
 @pytest.mark.parametrize(
-    "path", [pytest.param(p, marks=[] if p.stem in BY_XLA else pytest.mark.thorough) for p in GAMES], ids=lambda p: p.stem
+    "seeds", [(0,), pytest.param((1, 2, 3), marks=pytest.mark.thorough)], ids=["one", "three"]
+)
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(p, marks=[] if p.stem in BY_XLA else pytest.mark.thorough) for p in GAMES],
+    ids=lambda p: p.stem,
 )
 def test_every_construct_compiled_by_xla(path: Path, seeds: tuple[int, ...]) -> None:
     """The same games in the environment that users have."""

@@ -22,7 +22,9 @@ def played(env: Environment, form: str) -> Any:
     def step(state: Any, key: Any) -> Any:
         keys = jax.random.split(key, ENVS)
         actions = jax.random.randint(key, (ENVS, env.num_agents), 0, env.num_actions)
-        observation, state, reward, done, _ = jax.vmap(env.step, in_axes=(0, 0, 0, None))(keys, state, actions, params)
+        observation, state, reward, done, _ = jax.vmap(env.step, in_axes=(0, 0, 0, None))(
+            keys, state, actions, params
+        )
         return state, (state, observation, reward, done)
 
     def play(key: Any) -> Any:
@@ -34,10 +36,15 @@ def played(env: Environment, form: str) -> Any:
         return jax.tree.map(np.asarray, jax.jit(play)(jax.random.PRNGKey(3)))
 
 
-@pytest.mark.parametrize("game", [pytest.param(name, marks=() if name in USUAL else pytest.mark.thorough) for name in NINE])
+@pytest.mark.parametrize(
+    "game",
+    [pytest.param(name, marks=() if name in USUAL else pytest.mark.thorough) for name in NINE],
+)
 def test_both_forms_play_alike(game: str) -> None:
     env = environment(game)
     found, expected = played(env, "gpu"), played(env, "cpu")
     assert expected[-1].sum() == 2 * ENVS  # two episodes have ended in each
-    for (path, mine), (_, other) in zip(*map(jax.tree_util.tree_leaves_with_path, (found, expected)), strict=True):
+    for (path, mine), (_, other) in zip(
+        *map(jax.tree_util.tree_leaves_with_path, (found, expected)), strict=True
+    ):
         np.testing.assert_array_equal(mine, other, err_msg=jax.tree_util.keystr(path))

@@ -28,7 +28,9 @@ GAME = Path(__file__).parent / "large_sets.sj"
 @pytest.mark.parametrize("agents", [8, 33, 40, 64])
 def test_compiled_and_interpreted_agree(agents: int) -> None:
     """Every operation of sets, on NumPy, step by step; and the shapes and dtypes of the same module under JAX's strict rules."""
-    game = build(Source("large_sets.sj", GAME.read_text("utf-8").replace("= 40 in", f"= {agents} in"))).game
+    game = build(
+        Source("large_sets.sj", GAME.read_text("utf-8").replace("= 40 in", f"= {agents} in"))
+    ).game
     play = random_play(game, seed=agents, steps=8)
     text = module_text(game)
     report = run(of_text(game, text), play, interpret(game, play))
@@ -46,7 +48,10 @@ def crowd() -> Environment:
 @pytest.fixture(scope="module")
 def world(crowd: Environment) -> World:
     """Returns a state in which sets have members below and above number 32."""
-    made, chance = reset(crowd.game, default_params(crowd.game), Threefry(1, 2)), np.random.default_rng(0)
+    made, chance = (
+        reset(crowd.game, default_params(crowd.game), Threefry(1, 2)),
+        np.random.default_rng(0),
+    )
     for number in range(2):
         actions = chance.integers(0, crowd.num_actions, crowd.num_agents).tolist()
         made, _ = step(crowd.game, made, actions, default_params(crowd.game), Threefry(number, 3))
@@ -67,7 +72,9 @@ def test_states_are_turned_into_each_other(crowd: Environment, world: World) -> 
 
 
 def test_the_vector_has_an_entry_for_each_agent(crowd: Environment, world: World) -> None:
-    state = jax.tree.map(jax.numpy.asarray, compiled_state(crowd, crowd.module.initial_state(), world))
+    state = jax.tree.map(
+        jax.numpy.asarray, compiled_state(crowd, crowd.module.initial_state(), world)
+    )
     vector = np.asarray(jax.jit(crowd.state_vector)(state))
     sizes = {"agents": 64, "agent": 64, "number": 1}
     place = 1 + 64 * (3 + 4)
@@ -84,7 +91,10 @@ def test_pictures_show_how_many_are_in_a_set(crowd: Environment, world: World) -
     """A bar of eighths: of 64 agents one for each eight, rounded up."""
     (look,) = (kind for kind in make_look(crowd.game).kinds if kind.name == "grass")
     visitors = world.cells["grass", "visitors"]
-    values = {name: np.asarray(array) for name, array in vars(compiled_state(crowd, crowd.module.initial_state(), world)).items()}
+    values = {
+        name: np.asarray(array)
+        for name, array in vars(compiled_state(crowd, crowd.module.initial_state(), world)).items()
+    }
     keys, number = cell_keys(look, values)
     place = [field.name for field in look.fields].index("visitors")
     assert [keys[cell][place] for cell in number] == [-(-len(members) // 8) for members in visitors]  # type: ignore[arg-type]

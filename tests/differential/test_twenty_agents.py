@@ -11,7 +11,15 @@ from tests.differential.compare import run
 from tests.fuzz import together as quick
 
 # paper: every game of its table but Coins, which is for two, and PD Arena
-GAMES = ("harvest_open", "harvest_closed", "harvest_partnership", "clean_up", "coop_mining", "mushrooms", "gift_refinement")
+GAMES = (
+    "harvest_open",
+    "harvest_closed",
+    "harvest_partnership",
+    "clean_up",
+    "coop_mining",
+    "mushrooms",
+    "gift_refinement",
+)
 USUAL = ("harvest_open",)  # the others only with all tests
 
 
@@ -26,7 +34,13 @@ def test_twenty_agents_on_numpy(name: str) -> None:
     assert report.steps == 20
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.thorough if n in USUAL else pytest.mark.slow) for n in GAMES])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(n, marks=pytest.mark.thorough if n in USUAL else pytest.mark.slow)
+        for n in GAMES
+    ],
+)
 def test_twenty_agents(name: str) -> None:
     """Random play from one key; each field, observation, reward and event of each step."""
     env = sjdsl.make(name, variant="crowd")

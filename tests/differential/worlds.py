@@ -14,15 +14,23 @@ from sjdsl.testing.states import FACINGS, pool_numbers
 def world_of(env: Environment, state: Any, params: dict[str, Any]) -> World:
     """Returns the state without its marks, which no rule reads. `params`: as the interpreter has them."""
     game, (_, cols), pad = env.game, env.module.FRAME, env.module.PAD
-    position = [Cell(int(p) // cols - pad, int(p) % cols - pad) if p else None for p in state.position]
+    position = [
+        Cell(int(p) // cols - pad, int(p) % cols - pad) if p else None for p in state.position
+    ]
     return World(
         step=int(state.step),
-        cells={(k.name, f.name): [held(v, f.type) for v in stored(state, f)] for k in game.kinds for f in k.fields},
+        cells={
+            (k.name, f.name): [held(v, f.type) for v in stored(state, f)]
+            for k in game.kinds
+            for f in k.fields
+        },
         agents={f.name: [held(v, f.type) for v in stored(state, f)] for f in game.agents.fields},
         fields={f.name: held(stored(state, f), f.type) for f in game.fields},
         position=position,
         heading=[int(h) for h in state.heading],
-        moved=[bool(m) for m in state.moved] if hasattr(state, "moved") else [False] * env.num_agents,
+        moved=[bool(m) for m in state.moved]
+        if hasattr(state, "moved")
+        else [False] * env.num_agents,
         away=[None if place else away(env, state, agent) for agent, place in enumerate(position)],
         marks=[],
         params=params,
@@ -33,11 +41,17 @@ def world_of(env: Environment, state: Any, params: dict[str, Any]) -> World:
 def herd(env: Environment, state: Any, sort: ir.Movers) -> Herd:
     """Returns all movers of a sort."""
     (_, cols), pad, many = env.module.FRAME, env.module.PAD, range(sort.number)
-    position = [Cell(int(p) // cols - pad, int(p) % cols - pad) if p else None for p in getattr(state, f"{sort.name}_position")]
+    position = [
+        Cell(int(p) // cols - pad, int(p) % cols - pad) if p else None
+        for p in getattr(state, f"{sort.name}_position")
+    ]
     return Herd(
         position=position,
         moved=[bool(m) for m in getattr(state, f"{sort.name}_moved", [False for _ in many])],
-        away=[None if place else away(env, state, number, f"{sort.name}_away") for number, place in enumerate(position)],
+        away=[
+            None if place else away(env, state, number, f"{sort.name}_away")
+            for number, place in enumerate(position)
+        ],
         fields={f.name: [held(v, f.type) for v in stored(state, f)] for f in sort.fields},
     )
 
@@ -48,7 +62,11 @@ def away(env: Environment, state: Any, agent: int, name: str = "away") -> Away:
     if ticks == 0:
         return Away(0, None, None)
     pools: dict[int, Pool] = {number: pool for pool, number in pool_numbers(env.game).items()}
-    return Away(ticks, pools[int(getattr(state, f"{name}_pool")[agent])], FACINGS[int(getattr(state, f"{name}_facing")[agent])])
+    return Away(
+        ticks,
+        pools[int(getattr(state, f"{name}_pool")[agent])],
+        FACINGS[int(getattr(state, f"{name}_facing")[agent])],
+    )
 
 
 def stored(state: Any, declared: ir.VarField) -> np.ndarray:
@@ -68,7 +86,9 @@ def held(value: np.ndarray, type_: ir.Type) -> Any:
         case "cell":
             return None if value < 0 else Cell(*divmod(int(value), 256))
         case "agents":
-            together = sum(int(word) << 32 * number for number, word in enumerate(np.atleast_1d(value)))
+            together = sum(
+                int(word) << 32 * number for number, word in enumerate(np.atleast_1d(value))
+            )
             return frozenset(agent for agent in range(64) if together >> agent & 1)
         case "real":
             return np.float32(value)

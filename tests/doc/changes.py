@@ -75,19 +75,30 @@ def others(value: Any, field: str, game: ir.Game) -> Iterator[Any]:
 def is_shown(node: ir.Node, field: str, game: ir.Game) -> bool:
     match node, field:
         case ir.Agents(), "relative":  # says where the moves lead
-            return any(isinstance(n, ir.Move) and n.course is None for n in ir.walk(game)) and "forward" in node.actions
-        case ir.Agents(), "actions":  # else they follow from those with arguments, whose own parts are changed
+            return (
+                any(isinstance(n, ir.Move) and n.course is None for n in ir.walk(game))
+                and "forward" in node.actions
+            )
+        case (
+            ir.Agents(),
+            "actions",
+        ):  # else they follow from those with arguments, whose own parts are changed
             return not node.with_arguments
         case _:
             return True
 
 
-def small_changes(game: ir.Game, tried: dict[tuple[str, str], int]) -> Iterator[tuple[str, str, list[ir.Game]]]:
+def small_changes(
+    game: ir.Game, tried: dict[tuple[str, str], int]
+) -> Iterator[tuple[str, str, list[ir.Game]]]:
     """Yields the game with one part of its tables changed in every way: (class, field, games); for a few nodes of each class."""
     for path, node in places(game):
         sort = type(node).__name__
         for field in TABLED.get(sort, ()):
-            found = [node.model_copy(update={field: other}) for other in others(getattr(node, field), field, game)]
+            found = [
+                node.model_copy(update={field: other})
+                for other in others(getattr(node, field), field, game)
+            ]
             if found and tried.get((sort, field), 0) < EACH and is_shown(node, field, game):
                 tried[sort, field] = tried.get((sort, field), 0) + 1
                 yield sort, field, [replaced(game, path, new) for new in found]

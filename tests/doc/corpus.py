@@ -12,7 +12,10 @@ from tests.manual.blocks import blocks, examples, frames
 
 TESTS = Path(__file__).parent.parent
 GAMES = sorted((TESTS.parent / "games").glob("*.sj"))
-SMALL = [*sorted((TESTS / "cases").glob("*.sj")), *sorted((TESTS / "differential" / "games").glob("*.sj"))]
+SMALL = [
+    *sorted((TESTS / "cases").glob("*.sj")),
+    *sorted((TESTS / "differential" / "games").glob("*.sj")),
+]
 
 
 @cache
@@ -22,14 +25,20 @@ def games() -> dict[str, Written]:
     for path in GAMES:
         plain = read_written(read_source(path))
         found[path.stem] = plain
-        found |= {f"{path.stem}+{name}": read_written(read_source(path), (name,)) for name, _ in plain.variants}
+        found |= {
+            f"{path.stem}+{name}": read_written(read_source(path), (name,))
+            for name, _ in plain.variants
+        }
     return found
 
 
 @cache
 def small() -> dict[str, Written]:
     """Returns the programs that tests are made of."""
-    return {path.stem: read_written(read_source(path)) for path in (*SMALL, TESTS.parent / "games" / "pd_arena.sj")}
+    return {
+        path.stem: read_written(read_source(path))
+        for path in (*SMALL, TESTS.parent / "games" / "pd_arena.sj")
+    }
 
 
 @cache

@@ -88,7 +88,10 @@ PAIRS = {
         "Numbers | growth, may be: 0 to 0.5 -> 0 to 0.75",
     ),
     "new param": (
-        [("  episode 20", "  param pear : reward = 2 in 0 .. 3\n  episode 20"), ("give apple to", "give pear to agent  give apple to")],
+        [
+            ("  episode 20", "  param pear : reward = 2 in 0 .. 3\n  episode 20"),
+            ("give apple to", "give pear to agent  give apple to"),
+        ],
         "Numbers | pear | + param pear : reward = 2 in 0 .. 3 | Phases | eat | set tree.fruit = none | - give apple to agent"
         " | + give pear to agent give apple to agent | tally eaten for agent",
     ),
@@ -130,7 +133,10 @@ PAIRS = {
         'Kinds of cell | wall | - kind wall "#" { blocks agents, ray } | + kind wall "#" { blocks agents }',
     ),
     "new kind": (
-        [("  group ground", '  kind pond "~" { field fish : 0 .. 3 = 1 }\n  group ground'), ('"..T#"', '".~T#"')],
+        [
+            ("  group ground", '  kind pond "~" { field fish : 0 .. 3 = 1 }\n  group ground'),
+            ('"..T#"', '".~T#"'),
+        ],
         "Map | cells of grass: 4 -> 3 | cells of pond (`fish` = 1): added, 1"
         ' | cells of the same kind and state: 8 -> 7 | Kinds of cell | pond | + kind pond "~" { field fish : 0 .. 3 = 1 }',
     ),
@@ -161,7 +167,10 @@ PAIRS = {
         "Schedule | schedule | - schedule tick -> walk -> grow -> eat | + schedule walk -> grow -> eat -> tick",
     ),
     "phase added": (
-        [("grow -> eat", "grow -> eat -> rest"), ("  observe", "  phase rest { give 1 to all }\n  observe")],
+        [
+            ("grow -> eat", "grow -> eat -> rest"),
+            ("  observe", "  phase rest { give 1 to all }\n  observe"),
+        ],
         "Schedule | schedule | - schedule tick -> walk -> grow -> eat | + schedule tick -> walk -> grow -> eat -> rest"
         " | Phases | rest | + phase rest { give 1 to all }",
     ),
@@ -224,14 +233,26 @@ def test_one_difference(name: str) -> None:
 
 
 def test_the_other_way_round_is_the_opposite() -> None:
-    new = read(BASE.replace("apple   : reward      = 1", "apple   : reward      = 2").replace("none: 0.25", "none: 0.5"))
-    assert told(read(BASE), new) == "Numbers | apple: 1 -> 2 (reward) | growth[none]: 0.25 -> 0.5 (probability)"
-    assert told(new, read(BASE)) == "Numbers | apple: 2 -> 1 (reward) | growth[none]: 0.5 -> 0.25 (probability)"
+    new = read(
+        BASE.replace("apple   : reward      = 1", "apple   : reward      = 2").replace(
+            "none: 0.25", "none: 0.5"
+        )
+    )
+    assert (
+        told(read(BASE), new)
+        == "Numbers | apple: 1 -> 2 (reward) | growth[none]: 0.25 -> 0.5 (probability)"
+    )
+    assert (
+        told(new, read(BASE))
+        == "Numbers | apple: 2 -> 1 (reward) | growth[none]: 0.5 -> 0.25 (probability)"
+    )
 
 
 def test_layout_comments_and_order_are_no_differences() -> None:
     walk, phases = "  phase walk { move each agent }\n", "  phase grow"
-    moved = BASE.replace(walk, "").replace(phases, f'{walk.replace(" move each", chr(10) + "move   each")}{phases}  # a "remark"\n')
+    moved = BASE.replace(walk, "").replace(
+        phases, f'{walk.replace(" move each", chr(10) + "move   each")}{phases}  # a "remark"\n'
+    )
     assert moved != BASE
     assert told(read(BASE), read(moved)) == "nothing differs"
 
@@ -242,13 +263,26 @@ THROUGH_WALLS = ("Kinds of cell", '- kind wall "#" { blocks agents, beam }')
 RELEASED = {
     "clean_up": [COMPASS, THROUGH_WALLS, ("Observation", "+ show gate as { grass }")],
     "coins": [COMPASS],
-    "coop_mining": [COMPASS, ("Numbers", "spawn_iron: 0.0004 -> 0.0002"), ("Numbers", "spawn_gold: 0.00016 -> 0.00008")],
-    "gift_refinement": [COMPASS, ("Schedule", "consume"), ("Observation", "- show agent.bag + hide agent.bag")],
+    "coop_mining": [
+        COMPASS,
+        ("Numbers", "spawn_iron: 0.0004 -> 0.0002"),
+        ("Numbers", "spawn_gold: 0.00016 -> 0.00008"),
+    ],
+    "gift_refinement": [
+        COMPASS,
+        ("Schedule", "consume"),
+        ("Observation", "- show agent.bag + hide agent.bag"),
+    ],
     "harvest_closed": [COMPASS, THROUGH_WALLS],
     "harvest_open": [COMPASS, THROUGH_WALLS],
     "harvest_partnership": [COMPASS, THROUGH_WALLS],
     "mushrooms": [COMPASS, ("Schedule", "eat")],
-    "pd_arena": [COMPASS, ("Schedule", "tick"), ("Phases", "each agent as column in reach of row"), ("Observation", "+ show everyone.bag")],
+    "pd_arena": [
+        COMPASS,
+        ("Schedule", "tick"),
+        ("Phases", "each agent as column in reach of row"),
+        ("Observation", "+ show everyone.bag"),
+    ],
 }
 
 
@@ -256,7 +290,10 @@ RELEASED = {
 @pytest.mark.parametrize("name", RELEASED)
 def test_what_the_released_variant_changes(name: str) -> None:
     _, *sections = report(games()[name], games()[f"{name}+socialjax"]).split("\n\n")
-    lines = {title: " ".join(rest.split()) for title, _, rest in (section.partition("\n") for section in sections)}
+    lines = {
+        title: " ".join(rest.split())
+        for title, _, rest in (section.partition("\n") for section in sections)
+    }
     for section, text in RELEASED[name]:
         assert text in lines[section], (section, text)
 
@@ -269,11 +306,25 @@ def test_a_game_does_not_differ_from_itself() -> None:
 
 def without_one(c: Composition) -> Iterator[tuple[str, Composition]]:
     """Yields a game without each of its declarations, but those with numbers of their own: what it is named, and what is left."""
-    tables = {*Composition.TABLES, "agent_fields", "forbids", "agent_blocks", "observables", "looks"} - {"constants"}
+    tables = {
+        *Composition.TABLES,
+        "agent_fields",
+        "forbids",
+        "agent_blocks",
+        "observables",
+        "looks",
+    } - {"constants"}
     for table in sorted(tables):
         found = getattr(c, table)
-        yield from ((name, replace(c, **{table: {n: d for n, d in found.items() if n != name}})) for name in found)
-    yield from ((name, replace(c, **{name: None})) for name in ("acts", "moves", "schedule", "episode") if getattr(c, name) is not None)
+        yield from (
+            (name, replace(c, **{table: {n: d for n, d in found.items() if n != name}}))
+            for name in found
+        )
+    yield from (
+        (name, replace(c, **{name: None}))
+        for name in ("acts", "moves", "schedule", "episode")
+        if getattr(c, name) is not None
+    )
     if c.windows:
         yield "window", replace(c, windows=())
 

@@ -8,12 +8,24 @@ from sjdsl.doc.written import comments
 
 
 def test_numbers_and_tables() -> None:
-    assert [number(x) for x in (1, 1.0, 0.25, 0.00008, 1e-12, -3.5)] == ["1", "1", "0.25", "0.00008", "1e-12", "-3.5"]
+    assert [number(x) for x in (1, 1.0, 0.25, 0.00008, 1e-12, -3.5)] == [
+        "1",
+        "1",
+        "0.25",
+        "0.00008",
+        "1e-12",
+        "-3.5",
+    ]
     assert (
         table_value(((1, 0), (2, 3.5)), (ir.Level("word", ("raw", "cut")),) * 2)
         == "`raw`: (`raw`: 1, `cut`: 0), `cut`: (`raw`: 2, `cut`: 3.5)"
     )
-    assert table(("a", "b", "c"), [("|", "", "c"), ("", "", "")]) == ["| a | c |", "| --- | --- |", "| \\| | c |", "|  |  |"]
+    assert table(("a", "b", "c"), [("|", "", "c"), ("", "", "")]) == [
+        "| a | c |",
+        "| --- | --- |",
+        "| \\| | c |",
+        "|  |  |",
+    ]
 
 
 BEFORE = 'sj 1\ngame pit "A pit" {\n'
@@ -43,7 +55,9 @@ def sheet_lines(variants: tuple[str, ...] = ()) -> list[str]:
 
 
 def test_numbers_name_their_sources() -> None:
-    rows = [line for line in sheet_lines() if line.startswith(("| `players`", "| `rate`", "| `pay`"))]
+    rows = [
+        line for line in sheet_lines() if line.startswith(("| `players`", "| `rate`", "| `pay`"))
+    ]
     assert rows == [
         "| `players` | 2; computed as `1 + 1` | count | 1 to 2 | before compiling | paper: two |",
         "| `rate` | 0.5 | probability | 0 to 1 | at any time |  |",
@@ -53,7 +67,10 @@ def test_numbers_name_their_sources() -> None:
 
 def test_a_variant_names_the_source_of_what_it_changes() -> None:
     (row,) = (line for line in sheet_lines(("rich",)) if line.startswith("| `pay`"))
-    assert row == "| `pay` | `red`: 7, `blue`: 3 | reward | any | at any time | first part; second part; ours: more |"
+    assert (
+        row
+        == "| `pay` | `red`: 7, `blue`: 3 | reward | any | at any time | first part; second part; ours: more |"
+    )
 
 
 def test_comments_are_not_found_in_texts() -> None:
@@ -63,14 +80,26 @@ def test_comments_are_not_found_in_texts() -> None:
 
 
 def test_a_glyph_that_means_something_to_markdown() -> None:
-    text = BEFORE + NUMBERS + AFTER.replace('kind grass "#"', 'kind grass "|"').replace('"##"', '"||"').replace("A pit", "A pit")
-    rows = rule_sheet(read_written(Source("pit.sj", text.replace('"A pit"', '"A *pit*"')))).splitlines()
+    text = (
+        BEFORE
+        + NUMBERS
+        + AFTER.replace('kind grass "#"', 'kind grass "|"')
+        .replace('"##"', '"||"')
+        .replace("A pit", "A pit")
+    )
+    rows = rule_sheet(
+        read_written(Source("pit.sj", text.replace('"A pit"', '"A *pit*"')))
+    ).splitlines()
     assert rows[0] == "# A \\*pit\\*"
     assert "| `\\|` | grass | 2 |" in rows
 
 
 def test_a_map_of_backticks_stays_in_its_fence() -> None:
-    text = (BEFORE + NUMBERS + AFTER).replace('kind grass "#"', 'kind grass "`"').replace('"##"', '"````"')
+    text = (
+        (BEFORE + NUMBERS + AFTER)
+        .replace('kind grass "#"', 'kind grass "`"')
+        .replace('"##"', '"````"')
+    )
     rows = rule_sheet(read_written(Source("pit.sj", text))).splitlines()
     place = rows.index("````")
     assert rows[place - 1 : place + 2] == ["`````text", "````", "`````"]
@@ -81,7 +110,12 @@ PIT = BEFORE + NUMBERS + AFTER
 
 def lines_of(title: str, text: str) -> list[str]:
     """Returns the lines of one section of a sheet."""
-    return rule_sheet(read_written(Source("pit.sj", text))).partition(f"## {title}\n\n")[2].partition("\n\n#")[0].splitlines()
+    return (
+        rule_sheet(read_written(Source("pit.sj", text)))
+        .partition(f"## {title}\n\n")[2]
+        .partition("\n\n#")[0]
+        .splitlines()
+    )
 
 
 def test_rules_are_quoted_with_their_comments() -> None:
@@ -93,7 +127,9 @@ def test_rules_are_quoted_with_their_comments() -> None:
   # of what follows
   checks { always step >= 0  require rate > 0 }  # both
 """
-    text = PIT.replace("  phase rest { each agent { give pay[red] + pay[blue] * rate to agent } }", rest)
+    text = PIT.replace(
+        "  phase rest { each agent { give pay[red] + pay[blue] * rate to agent } }", rest
+    )
     assert lines_of("Phases", text) == [
         "```sj",
         "# paper: the agents",
@@ -101,18 +137,28 @@ def test_rules_are_quoted_with_their_comments() -> None:
         "phase rest { each agent { give pay[red] + pay[blue] * rate to agent } }  # ours: at once",
         "```",
     ]
-    assert lines_of("Checks", text) == ["```sj", "always step >= 0", "require rate > 0  # both", "```"]
+    assert lines_of("Checks", text) == [
+        "```sj",
+        "always step >= 0",
+        "require rate > 0  # both",
+        "```",
+    ]
     assert lines_of("Process overview: one step", text)[1:3] == ["schedule rest", "episode 5"]
 
 
 def test_a_section_without_content_is_left_out() -> None:
-    assert not {"## Checks", "## Policies", "## Scenarios", "## Metrics", "### Movers"} & set(sheet_lines())
+    assert not {"## Checks", "## Policies", "## Scenarios", "## Metrics", "### Movers"} & set(
+        sheet_lines()
+    )
 
 
 def test_the_states_of_a_kind_are_said_once() -> None:
     kind = 'kind grass "#" { field owner : { none, me } = none  field wet : { no, yes } = no }'
     lines = lines_of("Observation", PIT.replace('kind grass "#"', kind))
-    assert "| 0 | `content` | 0 outside, 1 to 4 grass: owner none/me × wet no/yes (the last fastest) |" in lines
+    assert (
+        "| 0 | `content` | 0 outside, 1 to 4 grass: owner none/me × wet no/yes (the last fastest) |"
+        in lines
+    )
 
 
 def test_an_observation_that_cannot_be_compiled_is_said() -> None:

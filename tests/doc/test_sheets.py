@@ -11,7 +11,20 @@ from sjdsl.doc import rule_sheet
 from .corpus import TESTS, small
 
 GOLDEN = TESTS / "golden" / "doc"
-SHEETS = ("beams", "chances", "everyone", "looking", "looks", "matching", "pictures", "policies", "rows", "sending", "sight", "timers")
+SHEETS = (
+    "beams",
+    "chances",
+    "everyone",
+    "looking",
+    "looks",
+    "matching",
+    "pictures",
+    "policies",
+    "rows",
+    "sending",
+    "sight",
+    "timers",
+)
 PAGE = TESTS.parent / "docs" / "games.md"
 
 
@@ -30,7 +43,9 @@ def test_the_page_of_the_games_is_current(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 @pytest.mark.thorough
-def test_a_page_that_is_not_current_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_that_is_not_current_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(TESTS.parent)
     figures = read_figures(PAGE.with_suffix(".json"))
     first = next(iter(figures))

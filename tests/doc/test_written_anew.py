@@ -54,7 +54,13 @@ AHEAD = ((-1, 0), (0, 1), (1, 0), (0, -1))  # one cell, by heading: north, east,
 GAME = TESTS.parent / "games" / "gift_refinement.sj"
 
 
-def offer(bag: list[list[int]], post: list[list[int]], chose_gift: list[bool], places: list, headings: list[int]) -> list[int]:
+def offer(
+    bag: list[list[int]],
+    post: list[list[int]],
+    chose_gift: list[bool],
+    places: list,
+    headings: list[int],
+) -> list[int]:
     """Changes bags and posts as `offer` says; returns how often `given` is counted for each agent."""
     becomes, yields = {"raw": "cut", "cut": "fine", "fine": "fine"}, {"raw": 3, "cut": 3, "fine": 1}
     before, given = deepcopy(bag), [0] * len(bag)

@@ -52,7 +52,10 @@ game orchard "An orchard" {
 
 
 def opened(
-    text: str = ORCHARD, folder: Path | None = None, name: str = "orchard.sj", session: Session | None = None
+    text: str = ORCHARD,
+    folder: Path | None = None,
+    name: str = "orchard.sj",
+    session: Session | None = None,
 ) -> tuple[Session, str]:
     """Returns a session with one open text, and its URI: a file of `folder`, or one that was never saved."""
     session = session or Session(folders=[] if folder is None else [folder])
@@ -78,7 +81,13 @@ def texts(session: Session, locations: list[types.Location]) -> list[tuple[str, 
         document = session.documents.get(location.uri)
         assert document is not None
         start, end = (document.lines.offset(p) for p in (location.range.start, location.range.end))
-        found.append((location.uri.rpartition("/")[2], location.range.start.line + 1, document.text[start:end]))
+        found.append(
+            (
+                location.uri.rpartition("/")[2],
+                location.range.start.line + 1,
+                document.text[start:end],
+            )
+        )
     return found
 
 
@@ -87,6 +96,12 @@ def edited(session: Session, uri: str, edits: Sequence[types.TextEdit]) -> str:
     document = session.documents.get(uri)
     assert document is not None
     text = document.text
-    for edit in sorted(edits, key=lambda edit: document.lines.offset(edit.range.start), reverse=True):
-        text = text[: document.lines.offset(edit.range.start)] + edit.new_text + text[document.lines.offset(edit.range.end) :]
+    for edit in sorted(
+        edits, key=lambda edit: document.lines.offset(edit.range.start), reverse=True
+    ):
+        text = (
+            text[: document.lines.offset(edit.range.start)]
+            + edit.new_text
+            + text[document.lines.offset(edit.range.end) :]
+        )
     return text

@@ -28,13 +28,19 @@ def asked(marked: str) -> tuple[Session, str, types.Position]:
 
 def inside(statement: str) -> str:
     """Returns the orchard with an unfinished phase, behind another one that is not finished either."""
-    return ORCHARD.replace("  observe {", f"  phase late {{ {statement} }}\n  observe {{").replace("phase walk {", "phase  {", 1)
+    return ORCHARD.replace("  observe {", f"  phase late {{ {statement} }}\n  observe {{").replace(
+        "phase walk {", "phase  {", 1
+    )
 
 
 @pytest.mark.parametrize(
     ("statement", "wanted", "unwanted"),
     [
-        ("each agent as a { set a.| }", {"bag", "sore", "row", "col", "heading", "away"}, {"fruit", "apple", "each"}),
+        (
+            "each agent as a { set a.| }",
+            {"bag", "sore", "row", "col", "heading", "away"},
+            {"fruit", "apple", "each"},
+        ),
         ("each tree { when tree.| }", {"fruit", "owner", "row"}, {"bag", "index"}),
         ("each plants as p { when p.| }", {"fruit"}, {"bag"}),
         ("each tree where tree.owner.|", {"bag", "sore"}, {"fruit"}),
@@ -48,17 +54,27 @@ def inside(statement: str) -> str:
         ("each tree where tree.fruit is |", {"none", "ripe", "not"}, {"walk"}),
         ("each tree { set tree.fruit = |", {"none", "ripe"}, {"walk"}),
         ("each agent { tally |", {"eaten", "hits", "given"}, {"ripe_trees"}),
-        ("each agent { give | to agent }", {"apple", "agent", "ready", "step", "min"}, {"walk", "each"}),
+        (
+            "each agent { give | to agent }",
+            {"apple", "agent", "ready", "step", "min"},
+            {"walk", "each"},
+        ),
         ("each agent as me { send | }", {"me"}, {"tree"}),
         ("each agent { send agent to |", {"gate", "tree"}, {"apple"}),
         ("each agent { send agent to gate facing |", {"north", "same"}, {"apple"}),
         ("each agent as a { tally hits for | }", {"a"}, {"tree", "walk"}),
-        ("each agent as a { let mine = a.bag } each agent { add 1 to | }", {"agent"}, {"a", "mine", "tree"}),
+        (
+            "each agent as a { let mine = a.bag } each agent { add 1 to | }",
+            {"agent"},
+            {"a", "mine", "tree"},
+        ),
         ("let big = 3 chance |", {"big", "regrow"}, {"walk"}),
         ("|", {"each", "when", "chance", "let"}, {"kind", "agent", "apple"}),
     ],
 )
-def test_what_fits_in_a_phase_is_offered(statement: str, wanted: set[str], unwanted: set[str]) -> None:
+def test_what_fits_in_a_phase_is_offered(
+    statement: str, wanted: set[str], unwanted: set[str]
+) -> None:
     found = set(offered(inside(statement)))
     assert wanted <= found
     assert not unwanted & found
@@ -67,8 +83,18 @@ def test_what_fits_in_a_phase_is_offered(statement: str, wanted: set[str], unwan
 @pytest.mark.parametrize(
     ("old", "new", "wanted", "unwanted"),
     [
-        ("schedule tick -> grow", "schedule tick -> |", {"grow", "walk", "tick"}, {"start", "apple"}),
-        ("param regrow  : probability", "param regrow  : |", {"probability", "reward", "steps"}, {"apple"}),
+        (
+            "schedule tick -> grow",
+            "schedule tick -> |",
+            {"grow", "walk", "tick"},
+            {"start", "apple"},
+        ),
+        (
+            "param regrow  : probability",
+            "param regrow  : |",
+            {"probability", "reward", "steps"},
+            {"apple"},
+        ),
         ("group plants = tree", "group plants = |", {"tree", "bush"}, {"agent", "apple"}),
         ("set apple = 2", "set |", {"apple", "regrow", "players"}, {"tree", "bag"}),
         ("set apple = 2", "drop |", {"eat", "ripe_trees", "beam", "apple"}, {"each"}),
@@ -79,7 +105,12 @@ def test_what_fits_in_a_phase_is_offered(statement: str, wanted: set[str], unwan
         ("forbid zap", "forbid |", {"zap", "all"}, {"tree"}),
         ("when agent.sore > 0", "when |", {"agent", "regrow"}, {"tree", "walk"}),
         ("seek tree where", "when |", {"agent", "regrow"}, {"tree", "walk"}),
-        ("define ready(who) = who.bag > 0", "define ready(who) = |", {"who", "apple", "count"}, {"tree", "walk"}),
+        (
+            "define ready(who) = who.bag > 0",
+            "define ready(who) = |",
+            {"who", "apple", "count"},
+            {"tree", "walk"},
+        ),
         ("episode 20", "episode 20\n  |", {"kind", "phase", "agents", "variant"}, {"each", "tree"}),
         ("observe { window ahead 2", "observe { window |", {"ahead", "left"}, {"tree"}),
         ("always count(agent)", "always count(|)", {"agent", "tree"}, {"apple"}),
@@ -88,7 +119,9 @@ def test_what_fits_in_a_phase_is_offered(statement: str, wanted: set[str], unwan
         ("# ours", "# ours |", set(), {"kind", "tree"}),
     ],
 )
-def test_what_fits_in_a_declaration_is_offered(old: str, new: str, wanted: set[str], unwanted: set[str]) -> None:
+def test_what_fits_in_a_declaration_is_offered(
+    old: str, new: str, wanted: set[str], unwanted: set[str]
+) -> None:
     assert old in ORCHARD
     found = set(offered(ORCHARD.replace(old, new, 1)))
     assert wanted <= found
@@ -104,7 +137,9 @@ def test_words_of_a_field_come_first() -> None:
 def test_the_word_begun_is_replaced() -> None:
     session, uri, position = asked("# é😀\n" + inside("each agent { give ap| to agent }"))
     (apple,) = [item for item in session.completion(uri, position) if item.label == "apple"]
-    assert apple.text_edit == types.TextEdit(types.Range(types.Position(position.line, position.character - 2), position), "apple")
+    assert apple.text_edit == types.TextEdit(
+        types.Range(types.Position(position.line, position.character - 2), position), "apple"
+    )
     assert apple.detail == "param apple : reward = 1"
 
 
@@ -122,4 +157,6 @@ def test_files_are_offered_in_quotes(tmp_path: Path) -> None:
     session, uri = opened(text, tmp_path, "g.sj")
     assert [item.label for item in session.completion(uri, types.Position(1, 22))] == ["base.sj"]
     session.open(uri, 'sj 1\ngame g "G" { map "ma" }', 2)
-    assert [item.label for item in session.completion(uri, types.Position(1, 20))] == ["maps/small.txt"]
+    assert [item.label for item in session.completion(uri, types.Position(1, 20))] == [
+        "maps/small.txt"
+    ]

@@ -53,7 +53,9 @@ def test_what_the_extension_names_is_there() -> None:
     assert [name for name in named if not (VSCODE / name).is_file()] == []
     script = (VSCODE / PACKAGE["main"]).read_text("utf-8")
     run = set(json.loads(re.search(r"COMMANDS = (\[.*\])", script).group(1)))  # type: ignore[union-attr]
-    assert {f"sjdsl.{name}" for name in run} | {"sjdsl.restart"} == {command["command"] for command in contributes["commands"]}
+    assert {f"sjdsl.{name}" for name in run} | {"sjdsl.restart"} == {
+        command["command"] for command in contributes["commands"]
+    }
     assert run - {"studio"} <= set(COMMANDS)
     lock = (VSCODE / "package-lock.json").read_text("utf-8")
     assert "resolved" not in lock, "the lock file names no registry"
@@ -61,7 +63,9 @@ def test_what_the_extension_names_is_there() -> None:
 
 @pytest.mark.parametrize("word", SNIPPETS)
 def test_a_text_with_gaps_can_be_written_where_its_word_can(word: str) -> None:
-    filled = re.sub(r"\$\{\d+:([^}]*)\}", r"\1", "\n".join(SNIPPETS[word]["body"])).replace("$0", "")
+    filled = re.sub(r"\$\{\d+:([^}]*)\}", r"\1", "\n".join(SNIPPETS[word]["body"])).replace(
+        "$0", ""
+    )
     places = (
         "{}",
         "sj 1 game x {{ {} }}",
@@ -69,15 +73,27 @@ def test_a_text_with_gaps_can_be_written_where_its_word_can(word: str) -> None:
         "sj 1 game x {{ checks {{ {} }} }}",
         "sj 1 game x {{ define d = {} }}",
     )
-    errors = [[d for d in check(Source("x.sj", place.format(filled))) if d.code == "SJ002" and "expected" in d.message] for place in places]
+    errors = [
+        [
+            d
+            for d in check(Source("x.sj", place.format(filled)))
+            if d.code == "SJ002" and "expected" in d.message
+        ]
+        for place in places
+    ]
     gaps = {"define", "case", "count", "checks", "policy"}
     assert word in gaps or [] in errors
 
 
 def test_hooks_run_commands_that_there_are() -> None:
-    hooks = {hook["id"]: hook for hook in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text("utf-8"))}
+    hooks = {
+        hook["id"]: hook
+        for hook in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text("utf-8"))
+    }
     assert set(hooks) == {"sjdsl-fmt", "sjdsl-check"}
     for hook in hooks.values():
         program, command = hook["entry"].split()
         assert program == "sjdsl" and command in COMMANDS
-        assert re.search(hook["files"], "games/coins.sj") and not re.search(hook["files"], "games/coins.toml")
+        assert re.search(hook["files"], "games/coins.sj") and not re.search(
+            hook["files"], "games/coins.toml"
+        )

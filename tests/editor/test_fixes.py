@@ -28,7 +28,9 @@ def test_a_suggestion_of_a_message_is_accepted(case: Case) -> None:
     (found,) = errors_of(case.mistaken)
     left = [errors_of(applied(case.mistaken, suggestion)) for suggestion in found.suggestions]
     for suggestion, errors in zip(found.suggestions, left, strict=True):
-        assert (found.code, found.message) not in {(d.code, d.message) for d in errors}, suggestion.says
+        assert (found.code, found.message) not in {(d.code, d.message) for d in errors}, (
+            suggestion.says
+        )
         assert not any(d.code < "SJ1" for d in errors), suggestion.says
 
 
@@ -62,9 +64,18 @@ def test_a_quick_fix_repairs_the_game(old: str, new: str, title: str) -> None:
 
 
 def test_a_word_of_the_language_gets_another_name_everywhere() -> None:
-    text = ORCHARD.replace("ready", "window").replace("define window", "define window").replace("observe { window", "observe { window")
+    text = (
+        ORCHARD.replace("ready", "window")
+        .replace("define window", "define window")
+        .replace("observe { window", "observe { window")
+    )
     session, uri = opened(text)
-    (found, *_) = [a for d in session.diagnostics(uri) if d.code == "SJ003" for a in session.quick_fixes(uri, d.range)]
+    (found, *_) = [
+        a
+        for d in session.diagnostics(uri)
+        if d.code == "SJ003"
+        for a in session.quick_fixes(uri, d.range)
+    ]
     assert found.edit is not None and found.edit.document_changes is not None
     assert len(found.edit.document_changes[0].edits) == 2  # type: ignore[union-attr]
 

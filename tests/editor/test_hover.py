@@ -15,7 +15,10 @@ def shown(before: str, text: str = ORCHARD) -> str:
 @pytest.mark.parametrize(
     ("before", "parts"),
     [
-        ("give app", ("param apple   : reward      = 1                # ours", "`apple` is 1 (reward)")),
+        (
+            "give app",
+            ("param apple   : reward      = 1                # ours", "`apple` is 1 (reward)"),
+        ),
         ("-> ea", ("phase eat {", "give apple to eater")),
         ("tree.own", ("field owner : agent",)),
         ("on tr", ('kind tree  "T"',)),
@@ -30,9 +33,13 @@ def test_a_name_is_shown_with_its_declaration(before: str, parts: tuple[str, ...
     assert [part for part in parts if part not in text] == [], text
 
 
-@pytest.mark.parametrize("function", [row for row in FUNCTIONS.values() if not row.word], ids=lambda row: row.name)
+@pytest.mark.parametrize(
+    "function", [row for row in FUNCTIONS.values() if not row.word], ids=lambda row: row.name
+)
 def test_a_function_is_explained(function: Function) -> None:
-    text = shown(f"give {function.name[:-1]}", ORCHARD.replace("give apple", f"give {function.name}(apple)"))
+    text = shown(
+        f"give {function.name[:-1]}", ORCHARD.replace("give apple", f"give {function.name}(apple)")
+    )
     assert [use for use in function.uses if f"`{use[0]}`: {use[1]}" not in text] == []
 
 

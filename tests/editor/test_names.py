@@ -14,7 +14,9 @@ from sjdsl.editor.session import Session
 from tests.editor.asked import ORCHARD, opened
 
 FILES = sorted((Path(__file__).parents[2] / "games").rglob("*.sj"))
-GAMES = [path for path in FILES if path.parent.name != "shared"]  # the others are bases, and no games
+GAMES = [
+    path for path in FILES if path.parent.name != "shared"
+]  # the others are bases, and no games
 SESSION = Session()
 
 
@@ -41,7 +43,12 @@ def _ends(path: Path) -> Iterator[int]:
 @pytest.mark.thorough
 @pytest.mark.parametrize("path", GAMES, ids=lambda path: path.stem)
 def test_a_game_with_other_names_still_compiles(path: Path) -> None:
-    source = Source(path.as_posix(), renamed(path), path.parent, lambda other: renamed(other) if other in FILES else None)
+    source = Source(
+        path.as_posix(),
+        renamed(path),
+        path.parent,
+        lambda other: renamed(other) if other in FILES else None,
+    )
     assert "_q" in source.text
     assert [f"{d.span.line}: {d.message}" for d in check(source) if d.severity == "error"] == []
 
@@ -72,17 +79,24 @@ def test_elaboration_resolves_every_name(path: Path) -> None:
         ("set apple = 2", "set aplle = 2", set()),
     ],
 )
-def test_a_mistake_hides_no_other_name_but_local_ones_beside_it(sound: str, damaged: str, lost: set[str]) -> None:
+def test_a_mistake_hides_no_other_name_but_local_ones_beside_it(
+    sound: str, damaged: str, lost: set[str]
+) -> None:
     assert len(sound) == len(damaged) and ORCHARD.count(sound) == 1
     before, after = (_meanings(text) for text in (ORCHARD, ORCHARD.replace(sound, damaged)))
     begin, end = ORCHARD.index(sound), ORCHARD.index(sound) + len(sound)
-    gone = {name for (at, name), symbols in before.items() if not begin <= at < end and not symbols <= after.get((at, name), set())}
+    gone = {
+        name
+        for (at, name), symbols in before.items()
+        if not begin <= at < end and not symbols <= after.get((at, name), set())
+    }
     assert gone == lost
 
 
 def test_a_define_that_nobody_uses_is_read() -> None:
     text = ORCHARD.replace(
-        "  define ready", "  define idle(who) = who.bag > 0 and count(tree where tree.fruit is ripe) > 0\n  define ready"
+        "  define ready",
+        "  define idle(who) = who.bag > 0 and count(tree where tree.fruit is ripe) > 0\n  define ready",
     )
     found = _meanings(text)
     assert found[text.index("who.bag") + 4, "bag"] == {Symbol("field", "bag", "agent")}
@@ -101,4 +115,7 @@ def _meanings(text: str) -> dict[tuple[int, str], set[Symbol]]:
     session, uri = opened(text)
     analysis = session.analyses.of(uri)
     assert analysis is not None
-    return {(o.span.start, text[o.span.start : o.span.end]): set(o.symbols) for o in analysis.occurrences}
+    return {
+        (o.span.start, text[o.span.start : o.span.end]): set(o.symbols)
+        for o in analysis.occurrences
+    }

@@ -35,7 +35,12 @@ game small "A smaller one" extends "orchard.sj" {
 )
 def test_a_name_leads_to_its_declaration(before: str, number: int, line: int, name: str) -> None:
     session, uri = opened()
-    assert [(at, text) for _, at, text in texts(session, session.definition(uri, place(session, uri, before, number)))] == [(line, name)]
+    assert [
+        (at, text)
+        for _, at, text in texts(
+            session, session.definition(uri, place(session, uri, before, number))
+        )
+    ] == [(line, name)]
 
 
 def test_a_field_of_a_group_is_declared_by_each_kind() -> None:
@@ -46,17 +51,29 @@ def test_a_field_of_a_group_is_declared_by_each_kind() -> None:
 
 def test_references_cross_games_that_extend_one_another(tmp_path: Path) -> None:
     (tmp_path / "small.sj").write_text(SMALL)
-    (tmp_path / "other.sj").write_text(SMALL.replace('extends "orchard.sj"', "").replace("small", "other"))
+    (tmp_path / "other.sj").write_text(
+        SMALL.replace('extends "orchard.sj"', "").replace("small", "other")
+    )
     (tmp_path / "orchard.sj").write_text(ORCHARD)
     session, uri = opened(ORCHARD, tmp_path)
     found = texts(session, session.references(uri, place(session, uri, "param app")))
-    assert found == [*(("orchard.sj", line, "apple") for line in (4, 27, 40)), *(("small.sj", line, "apple") for line in (3, 5))]
+    assert found == [
+        *(("orchard.sj", line, "apple") for line in (4, 27, 40)),
+        *(("small.sj", line, "apple") for line in (3, 5)),
+    ]
     without = session.references(uri, place(session, uri, "param app"), declared=False)
     assert len(without) == 4
     small = (tmp_path / "small.sj").as_uri()
-    assert texts(session, session.definition(small, place(session, small, "give ap"))) == [("orchard.sj", 4, "apple")]
-    assert texts(session, session.definition(small, place(session, small, "phase ea"))) == [("orchard.sj", 25, "eat")]
-    assert [location.uri for location in session.definition(small, place(session, small, 'extends "orch'))] == [uri]
+    assert texts(session, session.definition(small, place(session, small, "give ap"))) == [
+        ("orchard.sj", 4, "apple")
+    ]
+    assert texts(session, session.definition(small, place(session, small, "phase ea"))) == [
+        ("orchard.sj", 25, "eat")
+    ]
+    assert [
+        location.uri
+        for location in session.definition(small, place(session, small, 'extends "orch'))
+    ] == [uri]
 
 
 LIT = (
@@ -77,7 +94,9 @@ def test_a_define_means_what_games_that_stand_on_its_own_make_of_it(tmp_path: Pa
 
     (tmp_path / "orchard.sj").write_text(LIT)
     assert lines() == [7]
-    (tmp_path / "small.sj").write_text(SMALL.replace("set apple = 3", "checks { always not any(grass where glows(grass)) }"))
+    (tmp_path / "small.sj").write_text(
+        SMALL.replace("set apple = 3", "checks { always not any(grass where glows(grass)) }")
+    )
     assert lines() == [7, 10, 20]
 
 
@@ -142,7 +161,9 @@ def test_a_new_name_that_cannot_be_is_refused(before: str, new: str, reason: str
 
 def test_a_new_name_that_another_game_on_the_file_has_is_refused(tmp_path: Path) -> None:
     """Otherwise its number would replace the one of its base without a word."""
-    (tmp_path / "small.sj").write_text('sj 1\ngame small "S" extends "orchard.sj" { param pear : reward = 2 }\n')
+    (tmp_path / "small.sj").write_text(
+        'sj 1\ngame small "S" extends "orchard.sj" { param pear : reward = 2 }\n'
+    )
     session, uri = opened(ORCHARD, tmp_path)
     with pytest.raises(Refused, match=r"`pear` already stands in small\.sj"):
         session.rename(uri, place(session, uri, "give app"), "pear")

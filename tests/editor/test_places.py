@@ -22,9 +22,18 @@ def errors(session: Session, uri: str) -> list[str]:
     return [d.message for d in session.diagnostics(uri) if d.severity == 1]
 
 
-@pytest.mark.parametrize("text", [MAPPED, MAPPED.replace("orchard.txt", "old.txt"), 'sj 1\ngame a extends "gone.sj" { }\n'])
 @pytest.mark.parametrize(
-    "uri", ["git:{}/orchard.sj?%7B%22ref%22%3A%22~%22%7D", "untitled:Untitled-1", "untitled:{}/new.sj", "gitlens://x{}/orchard.sj"]
+    "text",
+    [MAPPED, MAPPED.replace("orchard.txt", "old.txt"), 'sj 1\ngame a extends "gone.sj" { }\n'],
+)
+@pytest.mark.parametrize(
+    "uri",
+    [
+        "git:{}/orchard.sj?%7B%22ref%22%3A%22~%22%7D",
+        "untitled:Untitled-1",
+        "untitled:{}/new.sj",
+        "gitlens://x{}/orchard.sj",
+    ],
 )
 def test_files_are_not_missed_where_they_are_not_known(uri: str, text: str, folder: Path) -> None:
     session = Session()
@@ -57,14 +66,19 @@ def test_only_files_inside_are_read(folder: Path, tmp_path_factory: pytest.TempP
     (outside / "other.sj").write_text(MAPPED)
     (folder / "link.sj").symlink_to(outside / "other.sj")
     session = Session(inside=[folder])
-    read = [session.documents.get(path.as_uri()) is not None for path in (folder / "orchard.sj", outside / "other.sj", folder / "link.sj")]
+    read = [
+        session.documents.get(path.as_uri()) is not None
+        for path in (folder / "orchard.sj", outside / "other.sj", folder / "link.sj")
+    ]
     assert read == [True, False, False]
     for uri in ((outside / "new.sj").as_uri(), f"git:{outside}/new.sj"):
         session.open(uri, 'sj 1\ngame new extends "other.sj" { }\n', 1)
         assert session.analyses.of(uri).composition is None
 
 
-def test_files_behind_a_link_out_of_the_folder_are_not_offered(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_files_behind_a_link_out_of_the_folder_are_not_offered(
+    folder: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     outside = tmp_path_factory.mktemp("outside")
     (outside / "secret.txt").write_text("..\n")
     (folder / "elsewhere").symlink_to(outside)

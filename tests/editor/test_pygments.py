@@ -8,7 +8,17 @@ from operator import itemgetter
 from pathlib import Path
 
 import pytest
-from pygments.token import Comment, Error, Keyword, Name, Number, Operator, Punctuation, String, Whitespace
+from pygments.token import (
+    Comment,
+    Error,
+    Keyword,
+    Name,
+    Number,
+    Operator,
+    Punctuation,
+    String,
+    Whitespace,
+)
 
 from sjdsl.editor.highlighting import patterns, word_groups
 from sjdsl.editor.pygments_lexer import TOKENS, SjLexer
@@ -66,7 +76,9 @@ def test_every_scope_of_the_grammar_has_a_token() -> None:
 
 
 def test_pygments_finds_it() -> None:
-    points = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["entry-points"]["pygments.lexers"]
+    points = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["entry-points"][
+        "pygments.lexers"
+    ]
     module, name = points["sj"].split(":")
     assert getattr(import_module(module), name) is SjLexer
     assert "sj" in SjLexer.aliases and "*.sj" in SjLexer.filenames

@@ -32,8 +32,12 @@ def make_client() -> LanguageClient:
     return made
 
 
-@pytest_lsp.fixture(config=ClientServerConfig(server_command=COMMAND, client_factory=make_client), scope="module")
-async def client(lsp_client: LanguageClient, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[None]:
+@pytest_lsp.fixture(
+    config=ClientServerConfig(server_command=COMMAND, client_factory=make_client), scope="module"
+)
+async def client(
+    lsp_client: LanguageClient, tmp_path_factory: pytest.TempPathFactory
+) -> AsyncIterator[None]:
     folder = tmp_path_factory.mktemp("games")
     (folder / "small.sj").write_text(SMALL)
     lsp_client.folder = folder
@@ -41,7 +45,9 @@ async def client(lsp_client: LanguageClient, tmp_path_factory: pytest.TempPathFa
     lsp_client.version = 0
     capabilities = client_capabilities("visual_studio_code")
     folders = [types.WorkspaceFolder(folder.as_uri(), "games")]
-    await lsp_client.initialize_session(types.InitializeParams(capabilities=capabilities, workspace_folders=folders))
+    await lsp_client.initialize_session(
+        types.InitializeParams(capabilities=capabilities, workspace_folders=folders)
+    )
     item = types.TextDocumentItem(lsp_client.uri, "sj", 0, ORCHARD)
     lsp_client.text_document_did_open(types.DidOpenTextDocumentParams(item))
     yield
@@ -52,7 +58,11 @@ def change(client: LanguageClient, text: str) -> int:
     """Sends the open text as it is now; returns its version."""
     client.version += 1
     identifier = types.VersionedTextDocumentIdentifier(uri=client.uri, version=client.version)
-    client.text_document_did_change(types.DidChangeTextDocumentParams(identifier, [types.TextDocumentContentChangeWholeDocument(text)]))
+    client.text_document_did_change(
+        types.DidChangeTextDocumentParams(
+            identifier, [types.TextDocumentContentChangeWholeDocument(text)]
+        )
+    )
     return client.version
 
 
@@ -78,11 +88,15 @@ async def test_messages_follow_the_text(client: LanguageClient) -> None:
 
 
 @asked
-async def test_after_many_fast_edits_the_messages_are_of_the_last_text(client: LanguageClient) -> None:
+async def test_after_many_fast_edits_the_messages_are_of_the_last_text(
+    client: LanguageClient,
+) -> None:
     for number in range(200):
         change(
             client,
-            ORCHARD.replace("give apple", f"give appel_{number}") if number < 199 else ORCHARD.replace("chose share", "chose shaer"),
+            ORCHARD.replace("give apple", f"give appel_{number}")
+            if number < 199
+            else ORCHARD.replace("chose share", "chose shaer"),
         )
     (found,) = await messages(client, ["SJ105"])
     assert found.range.start.line == 33
@@ -100,16 +114,26 @@ async def test_questions_are_answered(client: LanguageClient) -> None:
     here = types.Position(number, lines[number].index("give apple") + 7)
     hover = await client.text_document_hover_async(types.HoverParams(named(client), here))
     assert hover is not None and "`apple` is 1 (reward)" in hover.contents.value
-    places = await client.text_document_definition_async(types.DefinitionParams(named(client), here))
+    places = await client.text_document_definition_async(
+        types.DefinitionParams(named(client), here)
+    )
     assert [p.range.start.line for p in places] == [3]
-    found = await client.text_document_references_async(types.ReferenceParams(types.ReferenceContext(True), named(client), here))
+    found = await client.text_document_references_async(
+        types.ReferenceParams(types.ReferenceContext(True), named(client), here)
+    )
     assert {Path(p.uri).name for p in found or ()} == {"orchard.sj", "small.sj"}
-    offered = await client.text_document_completion_async(types.CompletionParams(named(client), here))
+    offered = await client.text_document_completion_async(
+        types.CompletionParams(named(client), here)
+    )
     assert "apple" in {item.label for item in offered.items}
     edit = await client.text_document_rename_async(types.RenameParams(named(client), here, "pear"))
     assert edit is not None and len(edit.document_changes or ()) == 2
-    assert await client.text_document_document_symbol_async(types.DocumentSymbolParams(named(client)))
-    edits = await client.text_document_formatting_async(types.DocumentFormattingParams(named(client), types.FormattingOptions(2, True)))
+    assert await client.text_document_document_symbol_async(
+        types.DocumentSymbolParams(named(client))
+    )
+    edits = await client.text_document_formatting_async(
+        types.DocumentFormattingParams(named(client), types.FormattingOptions(2, True))
+    )
     assert edits is not None
 
 
@@ -117,7 +141,9 @@ async def test_questions_are_answered(client: LanguageClient) -> None:
 async def test_a_new_name_that_is_taken_is_refused_with_a_message(client: LanguageClient) -> None:
     change(client, ORCHARD)
     with pytest.raises(JsonRpcException, match="already stands in"):
-        await client.text_document_rename_async(types.RenameParams(named(client), types.Position(3, 9), "regrow"))
+        await client.text_document_rename_async(
+            types.RenameParams(named(client), types.Position(3, 9), "regrow")
+        )
 
 
 @asked
@@ -126,12 +152,16 @@ async def test_the_messages_about_a_closed_text_are_taken_back(client: LanguageC
     await messages(client, ["SJ002"])
     client.text_document_did_close(types.DidCloseTextDocumentParams(named(client)))
     await messages(client, [])
-    client.text_document_did_open(types.DidOpenTextDocumentParams(types.TextDocumentItem(client.uri, "sj", 0, ORCHARD)))
+    client.text_document_did_open(
+        types.DidOpenTextDocumentParams(types.TextDocumentItem(client.uri, "sj", 0, ORCHARD))
+    )
 
 
 def test_without_pygls_the_command_says_what_to_install() -> None:
     program = "import sys; sys.modules['pygls'] = None; sys.argv = ['sjdsl', 'lsp']; from sjdsl.cli import main; main()"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 1
     assert "pip install 'sjdsl[editor]'" in done.stderr
     assert "Traceback" not in done.stderr
@@ -140,7 +170,9 @@ def test_without_pygls_the_command_says_what_to_install() -> None:
 @pytest.mark.parametrize("asked_for", [True, False])
 def test_the_exit_status_is_the_protocols(asked_for: bool) -> None:
     """0 after `shutdown` and `exit`; 1 for `exit` alone; nothing is written to standard error."""
-    server = subprocess.Popen(COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    server = subprocess.Popen(
+        COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
     assert server.stdin is not None and server.stdout is not None
 
     def say(**message: object) -> None:

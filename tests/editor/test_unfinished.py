@@ -13,7 +13,27 @@ from sjdsl.editor.navigation import Refused
 from sjdsl.editor.session import Session
 from tests.editor.asked import ORCHARD
 
-NOISE = ("{", "}", '"', "(", ".", "\n", "é", "😀", "\r", "\0", "#", "=", " each ", " set a.", "[", "sj 2", "extends", "\u2028", "of ")
+NOISE = (
+    "{",
+    "}",
+    '"',
+    "(",
+    ".",
+    "\n",
+    "é",
+    "😀",
+    "\r",
+    "\0",
+    "#",
+    "=",
+    " each ",
+    " set a.",
+    "[",
+    "sj 2",
+    "extends",
+    "\u2028",
+    "of ",
+)
 URI = "untitled:orchard.sj"
 
 
@@ -50,7 +70,23 @@ def test_every_question_about_an_unfinished_text_is_answered() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", " ", "\n", "#", '"', "\0", "sj", "sj 1", "sj 2\ngame", "\ud800", "😀" * 9, "\r\r", "x" * 5000, "{" * 200]
+    "text",
+    [
+        "",
+        " ",
+        "\n",
+        "#",
+        '"',
+        "\0",
+        "sj",
+        "sj 1",
+        "sj 2\ngame",
+        "\ud800",
+        "😀" * 9,
+        "\r\r",
+        "x" * 5000,
+        "{" * 200,
+    ],
 )
 def test_texts_that_are_no_games_are_answered_too(text: str) -> None:
     session = Session()
@@ -78,5 +114,7 @@ def test_answers_need_no_jax() -> None:
         "ask_everything(session, types.Position(26, 74))\n"
         "print(sorted(name for name in sys.modules if name.partition('.')[0] in ('jax', 'jaxlib', 'flax', 'matplotlib')))\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     assert done.stdout == "[]\n"

@@ -11,7 +11,11 @@ import jax.numpy as jnp
 import sjdsl
 
 GAMES = Path(__file__).parent / "games"
-MATRIX, GOODS, THRESHOLD = GAMES / "matrix_game.sj", GAMES / "public_goods.sj", GAMES / "threshold_goods.sj"
+MATRIX, GOODS, THRESHOLD = (
+    GAMES / "matrix_game.sj",
+    GAMES / "public_goods.sj",
+    GAMES / "threshold_goods.sj",
+)
 
 
 @cache

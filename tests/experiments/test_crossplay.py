@@ -30,7 +30,9 @@ KINDS: dict[int, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("seeds", [(0, 4), pytest.param(tuple(KINDS), marks=pytest.mark.thorough)], ids=["two", "all"])
+@pytest.mark.parametrize(
+    "seeds", [(0, 4), pytest.param(tuple(KINDS), marks=pytest.mark.thorough)], ids=["two", "all"]
+)
 def test_each_slot_acts_by_its_own_policy(seeds: tuple[int, ...], tmp_path: Path) -> None:
     """What an agent sees and earns does not depend on the others here: in any company it earns what it does among its like.
 
@@ -38,14 +40,19 @@ def test_each_slot_acts_by_its_own_policy(seeds: tuple[int, ...], tmp_path: Path
     """
     env, episodes = recalled(), 16
     names = [str(store(tmp_path / str(seed), env, seed % 10, **KINDS[seed])) for seed in seeds]
-    alone = [evaluate(env, find_policy(name, env), play_key(2, 0), episodes).returns for name in names]
+    alone = [
+        evaluate(env, find_policy(name, env), play_key(2, 0), episodes).returns for name in names
+    ]
     assert (alone[0] != alone[1]).any()
     assert (alone[-2] != alone[-1]).any()
     found = cross_play(env, policies=names, episodes=episodes, seed=2)
     assert len(found.parts) == len(seeds) * (len(seeds) + 1) // 2
     for part in found.parts:
         for episode, order in enumerate(part.order):
-            expected = [alone[number][episode, slot] for number, slot in zip(part.lineup, order, strict=True)]
+            expected = [
+                alone[number][episode, slot]
+                for number, slot in zip(part.lineup, order, strict=True)
+            ]
             assert part.returns[episode].tolist() == expected
 
 
@@ -60,7 +67,9 @@ def test_all_line_ups_are_one_compilation(tmp_path: Path) -> None:
 
     traces: list[int] = []
     names = [str(store(tmp_path / str(seed), env, seed)) for seed in range(2)]
-    cross_play(env, policies=[*names, counting], episodes=2, tell=lambda _: traces.append(len(traced)))
+    cross_play(
+        env, policies=[*names, counting], episodes=2, tell=lambda _: traces.append(len(traced))
+    )
     assert len(traces) == 6
     assert (traces[0], set(traces[1:])) == (1, {len(traced)})
 
@@ -72,17 +81,27 @@ def test_a_line_up_of_one_policy_is_its_evaluation(tmp_path: Path) -> None:
     file = store(tmp_path, env, 0, memory="gru")
     for name in (str(file), "random"):
         found = cross_play(env, slots=[name, name], episodes=6, seed=4)
-        np.testing.assert_array_equal(found.parts[0].played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns)
+        np.testing.assert_array_equal(
+            found.parts[0].played.returns,
+            evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns,
+        )
 
 
 @pytest.mark.thorough
-def test_a_mixture_of_one_policy_with_itself_is_its_evaluation_among_others_too(tmp_path: Path) -> None:
+def test_a_mixture_of_one_policy_with_itself_is_its_evaluation_among_others_too(
+    tmp_path: Path,
+) -> None:
     env = matrix_game()
-    names = [*(str(store(tmp_path / str(seed), env, seed, memory="gru")) for seed in range(2)), "random"]
+    names = [
+        *(str(store(tmp_path / str(seed), env, seed, memory="gru")) for seed in range(2)),
+        "random",
+    ]
     found = cross_play(env, policies=names, mix="pairs", episodes=6, seed=4)
     for number, name in enumerate(names):
         alone = next(part for part in found.parts if part.lineup == (number, number))
-        np.testing.assert_array_equal(alone.played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns)
+        np.testing.assert_array_equal(
+            alone.played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns
+        )
 
 
 @pytest.mark.thorough
@@ -90,29 +109,46 @@ def test_of_a_mixture_without_a_trained_policy_episodes_are_the_samples(tmp_path
     env = matrix_game()
     pool = str(store_pool(tmp_path / "run", env, (4, 5, 6)))
     found = cross_play(env, policies=[pool, "random"], mix="pairs", episodes=8)
-    assert {found.mixture(lineup): found.unit_of(lineup) for lineup in found.experiment.lineups} == {
+    assert {
+        found.mixture(lineup): found.unit_of(lineup) for lineup in found.experiment.lineups
+    } == {
         f"2 x {pool}": "training seed",
         f"1 x {pool}, 1 x random": "training seed",
         "2 x random": "episode",
     }
-    played = np.concatenate([part.returns.mean(axis=1) for part in found.parts if part.lineup == (1, 1)])
+    played = np.concatenate(
+        [part.returns.mean(axis=1) for part in found.parts if part.lineup == (1, 1)]
+    )
     assert len(played) == 24
     (figure,) = found.estimates((1, 1)).values()
     # Student's t at 97.5 % with 23 degrees of freedom, from a printed table: 2.069.
-    assert figure.high - figure.mean == pytest.approx(2.069 * played.std(ddof=1) / 24**0.5, rel=1e-3)
-    assert "over 3 training seeds; of mixtures without a trained policy over 24 episodes" in crossplay_text(found)
+    assert figure.high - figure.mean == pytest.approx(
+        2.069 * played.std(ddof=1) / 24**0.5, rel=1e-3
+    )
+    assert (
+        "over 3 training seeds; of mixtures without a trained policy over 24 episodes"
+        in crossplay_text(found)
+    )
 
 
 def test_tables_name_policies_in_short_and_say_once_what_they_are(tmp_path: Path) -> None:
     env = matrix_game()
-    first, second = (str(store(tmp_path / name / "trained", env, 0)) for name in ("envious", "calm"))
+    first, second = (
+        str(store(tmp_path / name / "trained", env, 0)) for name in ("envious", "calm")
+    )
     found = cross_play(env, policies=[first, second, "stay"], mix="pairs", episodes=2)
     lines = [line.split() for line in crossplay_text(found).splitlines()]
     assert ["1", "x", "envious,", "1", "x", "calm"] in [line[:6] for line in lines]
     assert lines[-3:] == [["the", "policies"], ["envious", first], ["calm", second]]
     assert crossplay_text(found).count(str(tmp_path)) == 2
-    assert [tick.get_text() for tick in draw_matrix(found).axes[0].get_xticklabels()] == ["envious", "calm", "stay"]
-    assert report_of(found)["mixtures"][1]["mixture"] == f"1 x {first}, 1 x {second}", "the files keep the paths"
+    assert [tick.get_text() for tick in draw_matrix(found).axes[0].get_xticklabels()] == [
+        "envious",
+        "calm",
+        "stay",
+    ]
+    assert report_of(found)["mixtures"][1]["mixture"] == f"1 x {first}, 1 x {second}", (
+        "the files keep the paths"
+    )
     unchanged = cross_play(env, policies=["stay", OTHER], episodes=2)
     assert "the policies" not in crossplay_text(unchanged)
 
@@ -128,7 +164,9 @@ def test_a_given_line_up_stays_as_it_is() -> None:
 
 @pytest.mark.thorough
 def test_a_matrix_of_pairs(tmp_path: Path) -> None:
-    found = cross_play(matrix_game(), policies=["stay", OTHER], mix="pairs", episodes=2, folder=tmp_path / "pairs")
+    found = cross_play(
+        matrix_game(), policies=["stay", OTHER], mix="pairs", episodes=2, folder=tmp_path / "pairs"
+    )
     assert found.matrix().tolist() == [[12, 0], [20, 4]]
     assert (tmp_path / "pairs/matrix.png").read_bytes().startswith(b"\x89PNG")
     goods = cross_play(public_goods(4), policies=["stay", OTHER], mix="pairs", episodes=2)
@@ -141,21 +179,46 @@ def test_files_have_every_episode_and_slot(tmp_path: Path) -> None:
     found = cross_play(env, policies=["stay", str(pool)], episodes=2, folder=tmp_path / "out")
     with (tmp_path / "out/crossplay.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["mixture", "replicate", "episode", "slot", "policy", "seed", "return", "event_given"]
+    assert list(rows[0]) == [
+        "mixture",
+        "replicate",
+        "episode",
+        "slot",
+        "policy",
+        "seed",
+        "return",
+        "event_given",
+    ]
     assert len(rows) == 4 * 2 * 2 * 3  # mixtures, replicates, episodes, slots
     for row in rows:
         assert row["seed"] == {"stay": "", str(pool): str(4 + int(row["replicate"]))}[row["policy"]]
         assert row["policy"] != "stay" or row["event_given"] == "2"
     part = next(part for part in found.parts if part.lineup == (0, 0, 1) and part.replicate == 1)
-    mixture = [row for row in rows if row["mixture"] == f"2 x stay, 1 x {pool}" and row["replicate"] == "1"]
+    mixture = [
+        row for row in rows if row["mixture"] == f"2 x stay, 1 x {pool}" and row["replicate"] == "1"
+    ]
     assert [float(row["return"]) for row in mixture] == part.played.returns.ravel().tolist()
-    assert [sum(row["policy"] == "stay" for row in mixture if row["episode"] == str(episode)) for episode in range(2)] == [2, 2]
+    assert [
+        sum(row["policy"] == "stay" for row in mixture if row["episode"] == str(episode))
+        for episode in range(2)
+    ] == [2, 2]
 
     stored = json.loads((tmp_path / "out/crossplay.json").read_text())
-    assert (stored["format"], stored["mix"], stored["unit"], stored["episodes"]) == (1, "all", "training seed", 2)
+    assert (stored["format"], stored["mix"], stored["unit"], stored["episodes"]) == (
+        1,
+        "all",
+        "training seed",
+        2,
+    )
     assert [player["seed"] for player in stored["policies"][1]["players"]] == [4, 5]
-    entry = next(entry for entry in stored["mixtures"] if entry["mixture"] == f"2 x stay, 1 x {pool}")
-    own = [float(row["return"]) for row in rows if row["mixture"] == entry["mixture"] and row["policy"] == "stay"]
+    entry = next(
+        entry for entry in stored["mixtures"] if entry["mixture"] == f"2 x stay, 1 x {pool}"
+    )
+    own = [
+        float(row["return"])
+        for row in rows
+        if row["mixture"] == entry["mixture"] and row["policy"] == "stay"
+    ]
     assert entry["policies"]["stay"]["mean"] == pytest.approx(np.mean(own))
     assert entry["episodes"] == 4
 
@@ -164,13 +227,24 @@ def test_files_have_every_episode_and_slot(tmp_path: Path) -> None:
 def test_pools_play_seed_by_seed(tmp_path: Path) -> None:
     """A diagram of two pools: each replicate is what its two policies make alone."""
     env = hidden()
-    ours, theirs = (store_pool(tmp_path / name, env, seeds) for name, seeds in (("ours", (0, 1)), ("theirs", (0, 1))))
+    ours, theirs = (
+        store_pool(tmp_path / name, env, seeds)
+        for name, seeds in (("ours", (0, 1)), ("theirs", (0, 1)))
+    )
     found = schelling_diagram(env, str(ours), str(theirs), episodes=8)
     assert found.returns.cooperators.shape == (3, 2, 8)
-    assert (found.returns.unit, found.units, found.population) == ("training seed", 2, "2 training seeds")
+    assert (found.returns.unit, found.units, found.population) == (
+        "training seed",
+        2,
+        "2 training seeds",
+    )
     for replicate in range(2):
-        mixed = evaluate(env, find_policy(str(theirs / f"seed_{replicate}"), env), play_key(0, replicate), 8)
-        np.testing.assert_array_equal(found.returns.defectors[0, replicate], mixed.returns.mean(axis=1, dtype=np.float64))
+        mixed = evaluate(
+            env, find_policy(str(theirs / f"seed_{replicate}"), env), play_key(0, replicate), 8
+        )
+        np.testing.assert_array_equal(
+            found.returns.defectors[0, replicate], mixed.returns.mean(axis=1, dtype=np.float64)
+        )
 
 
 def test_what_is_asked_wrongly_is_refused(tmp_path: Path) -> None:
@@ -181,7 +255,10 @@ def test_what_is_asked_wrongly_is_refused(tmp_path: Path) -> None:
         cross_play(env)
     with pytest.raises(ExperimentError, match="give either slots"):
         cross_play(env, slots=["stay", "stay"], policies=["stay"])
-    with pytest.raises(ExperimentError, match=r"needs at least two agents, and constant has one here.*`sjdsl evaluate`"):
+    with pytest.raises(
+        ExperimentError,
+        match=r"needs at least two agents, and constant has one here.*`sjdsl evaluate`",
+    ):
         cross_play(constant(1.0, num_agents=1), policies=["stay", "random"])
     with pytest.raises(ExperimentError, match="`stay` is named twice"):
         cross_play(env, policies=["stay", "random", "stay"])

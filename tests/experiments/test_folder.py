@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 from small_games import OTHER, matrix_game
 
-from sjdsl.experiments import ExperimentError, cross_play, crossplay, playing, schelling, schelling_diagram
+from sjdsl.experiments import (
+    ExperimentError,
+    cross_play,
+    crossplay,
+    playing,
+    schelling,
+    schelling_diagram,
+)
 from sjdsl.trainers.evaluation import Evaluation
 
 EPISODES = 3
@@ -23,7 +30,9 @@ def played(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     def table(*_: Any) -> Any:
         def play(_: Any, lineup: Any, order: np.ndarray) -> Evaluation:
             done.append(tuple(player.name for player in lineup))
-            returns = np.arange(order.size, dtype=np.float32).reshape(order.shape) + len(set(lineup))
+            returns = np.arange(order.size, dtype=np.float32).reshape(order.shape) + len(
+                set(lineup)
+            )
             return Evaluation(returns, np.full(len(order), 4, np.int32), {}, {}, {})
 
         return play
@@ -31,7 +40,9 @@ def played(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     monkeypatch.setattr(playing, "make_player_of_lineups", table)
     for command, draw in ((schelling, "draw_diagram"), (crossplay, "draw_matrix")):
         monkeypatch.setattr(command, draw, lambda _: None)
-        monkeypatch.setattr(command, "picture_bytes", lambda _, ending: f"a picture as {ending}".encode())
+        monkeypatch.setattr(
+            command, "picture_bytes", lambda _, ending: f"a picture as {ending}".encode()
+        )
     return done
 
 
@@ -45,7 +56,14 @@ def play(command: str, folder: Path, tell: Any = lambda _: None) -> None:
     if command == "schelling":
         schelling_diagram(matrix_game(), "stay", OTHER, episodes=EPISODES, folder=folder, tell=tell)
     else:
-        cross_play(matrix_game(), policies=["stay", OTHER], mix="pairs", episodes=EPISODES, folder=folder, tell=tell)
+        cross_play(
+            matrix_game(),
+            policies=["stay", OTHER],
+            mix="pairs",
+            episodes=EPISODES,
+            folder=folder,
+            tell=tell,
+        )
 
 
 def files_of(command: str, folder: Path) -> dict[str, bytes]:
@@ -54,7 +72,9 @@ def files_of(command: str, folder: Path) -> dict[str, bytes]:
 
 @pytest.mark.usefixtures("played")
 @pytest.mark.parametrize("command", RESULTS)
-def test_a_full_disk_loses_nothing(tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_loses_nothing(
+    tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Wherever it fills up: the error names the file, each file is whole or missing, and the same command writes all of them."""
     play(command, tmp_path / "whole")
     whole = files_of(command, tmp_path / "whole")
@@ -75,13 +95,17 @@ def test_a_full_disk_loses_nothing(tmp_path: Path, command: str, monkeypatch: py
             with pytest.raises(OSError, match="No space left") as refusal:
                 play(command, folder)
         assert Path(refusal.value.filename).name == names[room]
-        assert [(folder / name).exists() for name in names] == [name in names[:room] for name in names]
+        assert [(folder / name).exists() for name in names] == [
+            name in names[:room] for name in names
+        ]
         play(command, folder)
         assert files_of(command, folder) == whole
 
 
 @pytest.mark.parametrize("command", RESULTS)
-def test_two_processes_in_one_folder_write_the_same(tmp_path: Path, command: str, played: list[Any]) -> None:
+def test_two_processes_in_one_folder_write_the_same(
+    tmp_path: Path, command: str, played: list[Any]
+) -> None:
     def begin_another(said: str) -> None:
         if "line-up 2" in said:
             play(command, tmp_path / "folder")
@@ -136,7 +160,9 @@ def test_a_damaged_folder(tmp_path: Path, played: list[Any]) -> None:
     asked.unlink()
     with pytest.raises(ExperimentError, match=r"not empty and holds no experiment"):
         play("schelling", folder)
-    assert {path: path.read_bytes() for path in before if path != asked} == {path: text for path, text in before.items() if path != asked}
+    assert {path: path.read_bytes() for path in before if path != asked} == {
+        path: text for path, text in before.items() if path != asked
+    }
 
 
 def test_a_folder_in_use_is_not_written_to(tmp_path: Path) -> None:

@@ -23,7 +23,12 @@ pytestmark = pytest.mark.parametrize("command", COMMANDS)
 
 def start(command: str, folder: Path) -> "subprocess.Popen[str]":
     arguments = [command, str(GOODS), *COMMANDS[command], "--episodes", "40", "-o", str(folder)]
-    return subprocess.Popen([sys.executable, "-m", "sjdsl", *arguments], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    return subprocess.Popen(
+        [sys.executable, "-m", "sjdsl", *arguments],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
 
 
 def files_of(command: str, folder: Path) -> dict[str, bytes]:
@@ -59,7 +64,9 @@ def test_kill_minus_nine(tmp_path: Path, whole: dict[str, dict[str, bytes]], com
 
 
 @pytest.mark.thorough
-def test_two_processes_at_once(tmp_path: Path, whole: dict[str, dict[str, bytes]], command: str) -> None:
+def test_two_processes_at_once(
+    tmp_path: Path, whole: dict[str, dict[str, bytes]], command: str
+) -> None:
     both = [start(command, tmp_path / "folder") for _ in range(2)]
     said = [process.communicate(timeout=PATIENCE)[1] for process in both]
     assert [process.returncode for process in both] == [0, 0], said

@@ -8,7 +8,16 @@ import pytest
 from scipy import stats
 
 from sjdsl.experiments import ExperimentError
-from sjdsl.experiments.lineups import all_mixtures, as_given, cooperating, key_words, orders_of, paired_mixtures, play_key, visiting
+from sjdsl.experiments.lineups import (
+    all_mixtures,
+    as_given,
+    cooperating,
+    key_words,
+    orders_of,
+    paired_mixtures,
+    play_key,
+    visiting,
+)
 from sjdsl.trainers.evaluation import evaluation_key
 
 
@@ -20,7 +29,10 @@ def test_all_mixtures_of_few_policies() -> None:
 
 def test_too_many_mixtures_are_refused_with_their_number() -> None:
     assert len(all_mixtures(31, 2)) == 496
-    with pytest.raises(ExperimentError, match="32 policies fill 2 slots in 528 mixtures, and at most 500 are played"):
+    with pytest.raises(
+        ExperimentError,
+        match="32 policies fill 2 slots in 528 mixtures, and at most 500 are played",
+    ):
         all_mixtures(32, 2)
     with pytest.raises(ExperimentError, match=r"6 policies fill 7 slots in 792 mixtures"):
         all_mixtures(6, 7)
@@ -52,11 +64,16 @@ def test_every_order_is_as_likely() -> None:
     found = Counter(map(tuple, orders_of(0, 0, 3000, 4).tolist()))
     expected = 3000 / factorial(4)
     assert len(found) == factorial(4)
-    assert sum((count - expected) ** 2 / expected for count in found.values()) < stats.chi2.ppf(1 - 1e-6, factorial(4) - 1)
+    assert sum((count - expected) ** 2 / expected for count in found.values()) < stats.chi2.ppf(
+        1 - 1e-6, factorial(4) - 1
+    )
 
 
 def test_replicates_have_keys_of_their_own() -> None:
     """The first has that of an evaluation; none is one that a run evaluates its updates with."""
     keys = [tuple(key_words(play_key(0, replicate))) for replicate in range(20)]
     assert keys[0] == tuple(key_words(evaluation_key(0)))
-    assert len({*keys, *(tuple(key_words(evaluation_key(0, update))) for update in range(1, 100))}) == 20 + 99
+    assert (
+        len({*keys, *(tuple(key_words(evaluation_key(0, update))) for update in range(1, 100))})
+        == 20 + 99
+    )

@@ -14,8 +14,26 @@ from sjdsl.experiments.schelling import plan_diagram
 from sjdsl.trainers import PolicyError, PPOConfig, VDNConfig
 
 ACTING = {
-    *("algorithm", "partners", "agent_id", "mask_actions", "network", "network_width", "convolution_sides", "convolution_channels"),
-    *("precision", "critic", "sharing", "memory", "epsilon_end", "own", "normalise_values", "layer_norm"),
+    *(
+        "algorithm",
+        "partners",
+        "agent_id",
+        "mask_actions",
+        "network",
+        "network_width",
+        "convolution_sides",
+        "convolution_channels",
+    ),
+    *(
+        "precision",
+        "critic",
+        "sharing",
+        "memory",
+        "epsilon_end",
+        "own",
+        "normalise_values",
+        "layer_norm",
+    ),
 }
 
 
@@ -29,11 +47,17 @@ def test_a_run_of_several_seeds_is_a_pool(tmp_path: Path) -> None:
     env = matrix_game()
     folder = store_pool(tmp_path / "run", env, (10, 9, 2))
     pool = find_pool(folder, env)
-    assert (pool.name, [player.seed for player in pool.players], pool.is_trained) == (str(folder), [2, 9, 10], True)
+    assert (pool.name, [player.seed for player in pool.players], pool.is_trained) == (
+        str(folder),
+        [2, 9, 10],
+        True,
+    )
     assert len({player.digest for player in pool.players}) == 3
     assert len({player.kind for player in pool.players}) == 1
     alone = find_pool(f"{folder}/seed_9", env)
-    assert [(player.seed, player.digest) for player in alone.players] == [(9, pool.players[1].digest)]
+    assert [(player.seed, player.digest) for player in alone.players] == [
+        (9, pool.players[1].digest)
+    ]
     file = find_pool(str(folder / "seed_9/policies/last.safetensors"), env)
     assert file.players[0].digest == pool.players[1].digest
 
@@ -41,7 +65,9 @@ def test_a_run_of_several_seeds_is_a_pool(tmp_path: Path) -> None:
 def test_seeds_that_diverged_are_left_out_and_named(tmp_path: Path) -> None:
     env = matrix_game()
     folder = store_pool(tmp_path / "run", env, (0, 1, 2), diverged=(1,))
-    with pytest.warns(UserWarning, match=r"left out of .*: seed 1, which diverged \(non-finite loss\) in update 3"):
+    with pytest.warns(
+        UserWarning, match=r"left out of .*: seed 1, which diverged \(non-finite loss\) in update 3"
+    ):
         pool = find_pool(folder, env)
     assert [player.seed for player in pool.players] == [0, 2]
     assert len(pool.notes) == 1
@@ -61,7 +87,9 @@ def test_a_run_of_one_seed_that_diverged_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ExperimentError, match=r"seed_1 diverged \(non-finite loss\) in update 3"):
         find_pool(f"{several}/seed_1", env)
     assert find_pool(f"{several}/seed_0", env).notes == ()
-    assert find_pool(str(several / "seed_1/policies/last.safetensors"), env).notes == (), "a file is what was asked for"
+    assert find_pool(str(several / "seed_1/policies/last.safetensors"), env).notes == (), (
+        "a file is what was asked for"
+    )
 
 
 def test_runs_that_have_not_ended_are_noted(tmp_path: Path) -> None:
@@ -71,29 +99,44 @@ def test_runs_that_have_not_ended_are_noted(tmp_path: Path) -> None:
         (folder / "manifest.json").write_text(json.dumps({"status": status}))
         for name in (str(folder), f"{folder}/seed_1"):
             with pytest.warns(UserWarning, match=f"may not have finished its training: {status}"):
-                assert find_pool(name, env).notes == (f"{name} may not have finished its training: {status}",)
+                assert find_pool(name, env).notes == (
+                    f"{name} may not have finished its training: {status}",
+                )
     (folder / "manifest.json").write_text('{"status": "finis')
     for name in (str(folder), f"{folder}/seed_1"):
-        with pytest.raises(PolicyError, match=r"manifest.json can't be read .*, so the run may not have ended"):
+        with pytest.raises(
+            PolicyError, match=r"manifest.json can't be read .*, so the run may not have ended"
+        ):
             find_pool(name, env)
 
 
 def test_names_without_training(tmp_path: Path) -> None:
     env = matrix_game()
-    (tmp_path / "mine.py").write_text("def betray(key, observation):\n    return observation[:, 0, 0, 0] * 0 + 1\n")
+    (tmp_path / "mine.py").write_text(
+        "def betray(key, observation):\n    return observation[:, 0, 0, 0] * 0 + 1\n"
+    )
     own = find_pool(f"{tmp_path}/mine.py:betray", env)
     assert own.players[0].digest is not None
-    assert [pool.is_trained for pool in (own, find_pool("random", env), find_pool("stay", env), find_pool(STAY, env))] == [False] * 4
+    assert [
+        pool.is_trained
+        for pool in (own, find_pool("random", env), find_pool("stay", env), find_pool(STAY, env))
+    ] == [False] * 4
 
 
 def test_what_is_no_policy_is_refused(tmp_path: Path) -> None:
     env = matrix_game()
-    with pytest.raises(PolicyError, match=r"there is no policy `randm`; did you mean `random`\? A policy is random, stay"):
+    with pytest.raises(
+        PolicyError,
+        match=r"there is no policy `randm`; did you mean `random`\? A policy is random, stay",
+    ):
         find_pool("randm", env)
     with pytest.raises(PolicyError, match="is not the folder of a training run"):
         find_pool(tmp_path, env)
     (tmp_path / "mine.py").write_text("def alone(observation):\n    return observation\n")
-    with pytest.raises(PolicyError, match=r"mine.py:alone` is called with a key and an observation, but takes \(observation\)"):
+    with pytest.raises(
+        PolicyError,
+        match=r"mine.py:alone` is called with a key and an observation, but takes \(observation\)",
+    ):
         find_pool(f"{tmp_path}/mine.py:alone", env)
     (tmp_path / "number.py").write_text("seven = 7\n")
     with pytest.raises(PolicyError, match=r"number.py:seven` must be a function, not 7"):
@@ -114,7 +157,11 @@ def test_policies_of_another_game_are_refused(tmp_path: Path) -> None:
     for key, value, said in (
         ("name", "coins", "another game: coins there, matrix_game here"),
         ("action_names", ["stay", "help"], "other actions: stay, help there, stay, betray here"),
-        ("observation_shape", [2, 2, 3, 3], "other observations: 2, 2, 3, 3 there, 2, 2, 1, 1 here"),
+        (
+            "observation_shape",
+            [2, 2, 3, 3],
+            "other observations: 2, 2, 3, 3 there, 2, 2, 1, 1 here",
+        ),
     ):
         file = store(tmp_path / key, env, 0, game={key: value})
         with pytest.raises(ExperimentError, match=f"was trained on {said}"):
@@ -135,7 +182,10 @@ def test_another_form_of_the_game_is_noted(tmp_path: Path) -> None:
 @pytest.mark.filterwarnings("ignore")
 def test_what_is_true_of_several_seeds_is_noted_once(tmp_path: Path) -> None:
     env = matrix_game()
-    one, two = store_pool(tmp_path / "one", env, range(6), diverged=(1, 2)), store_pool(tmp_path / "two", env, range(6))
+    one, two = (
+        store_pool(tmp_path / "one", env, range(6), diverged=(1, 2)),
+        store_pool(tmp_path / "two", env, range(6)),
+    )
     for seed in (0, 4, 5):
         store(one / f"seed_{seed}", env, seed, game={"hash": "0123456789abcdef"})
     _, notes = played_together(one, two)
@@ -151,7 +201,9 @@ def test_unequal_pools_are_refused(tmp_path: Path) -> None:
     two, three = (find_pool(store_pool(tmp_path / str(n), env, range(n)), env) for n in (2, 3))
     one = find_pool(str(store(tmp_path / "one", env, 0)), env)
     chance = find_pool("random", env)
-    assert [replicates_of(pools) for pools in ([two, two], [three, chance], [one, chance], [chance])] == [2, 3, 1, 1]
+    assert [
+        replicates_of(pools) for pools in ([two, two], [three, chance], [one, chance], [chance])
+    ] == [2, 3, 1, 1]
     for pools in ([two, three], [one, two]):
         with pytest.raises(ExperimentError, match="pools must have the same seeds"):
             pair_pools(pools)
@@ -162,14 +214,20 @@ def test_unequal_pools_are_refused(tmp_path: Path) -> None:
 def played_together(first: Path, second: Path) -> tuple[list[tuple[int | None, ...]], list[str]]:
     """Returns the seeds of the pairs that two pools make, and what a diagram says of them; of folders by their last name."""
     experiment = plan_diagram(matrix_game(), str(first), str(second), 2, 0)
-    pairs = [tuple(player_of(pool, replicate).seed for pool in experiment.pools) for replicate in range(experiment.replicates)]
+    pairs = [
+        tuple(player_of(pool, replicate).seed for pool in experiment.pools)
+        for replicate in range(experiment.replicates)
+    ]
     return pairs, [note.replace(f"{first.parent}/", "") for note in experiment.notes]
 
 
 def test_seeds_of_one_number_play_together(tmp_path: Path) -> None:
     """A seed that diverged in one pool is left out of the other: it does not shift those that follow."""
     env = matrix_game()
-    one, two = store_pool(tmp_path / "one", env, range(5), diverged=(1,)), store_pool(tmp_path / "two", env, range(5), diverged=(3,))
+    one, two = (
+        store_pool(tmp_path / "one", env, range(5), diverged=(1,)),
+        store_pool(tmp_path / "two", env, range(5), diverged=(3,)),
+    )
     with pytest.warns(UserWarning, match="which another pool lacks"):
         pairs, notes = played_together(one, two)
     assert pairs == [(0, 0), (2, 2), (4, 4)]
@@ -182,14 +240,19 @@ def test_seeds_of_one_number_play_together(tmp_path: Path) -> None:
     shifted = store_pool(tmp_path / "shifted", env, range(2, 7))
     with (
         pytest.warns(UserWarning, match="diverged"),
-        pytest.raises(ExperimentError, match=r"one has 0, 1, 2, 3, 4; .*shifted has 2, 3, 4, 5, 6; name single seeds"),
+        pytest.raises(
+            ExperimentError,
+            match=r"one has 0, 1, 2, 3, 4; .*shifted has 2, 3, 4, 5, 6; name single seeds",
+        ),
     ):
         played_together(one, shifted)
 
 
 def test_single_policies_play_together_whatever_their_seeds(tmp_path: Path) -> None:
     one = store_pool(tmp_path / "one", matrix_game(), range(3))
-    alone = find_pools([f"{one}/seed_0", f"{one}/seed_2", f"{one}/seed_0/policies/last.safetensors"], matrix_game())
+    alone = find_pools(
+        [f"{one}/seed_0", f"{one}/seed_2", f"{one}/seed_0/policies/last.safetensors"], matrix_game()
+    )
     assert [pool.seeds for pool in alone] == [(0,), (2,), (0,)]
 
 
@@ -197,11 +260,19 @@ def test_single_policies_play_together_whatever_their_seeds(tmp_path: Path) -> N
 def test_too_few_seeds_of_one_number_are_refused(tmp_path: Path) -> None:
     env = matrix_game()
     seeds = range(3)
-    one, two = store_pool(tmp_path / "one", env, seeds, diverged=(0,)), store_pool(tmp_path / "two", env, seeds, diverged=(1,))
-    with pytest.raises(ExperimentError, match=r"only one is left in all pools: .*one has 1, 2; .*two has 0, 2; name single seeds, such as"):
+    one, two = (
+        store_pool(tmp_path / "one", env, seeds, diverged=(0,)),
+        store_pool(tmp_path / "two", env, seeds, diverged=(1,)),
+    )
+    with pytest.raises(
+        ExperimentError,
+        match=r"only one is left in all pools: .*one has 1, 2; .*two has 0, 2; name single seeds, such as",
+    ):
         played_together(one, two)
     store_pool(one, env, seeds, diverged=(0, 2))
-    assert played_together(one, store_pool(two, env, seeds))[0] == [(1, 1)], "one of the pools has no more"
+    assert played_together(one, store_pool(two, env, seeds))[0] == [(1, 1)], (
+        "one of the pools has no more"
+    )
     store_pool(two, env, seeds, diverged=(1,))
     with pytest.raises(ExperimentError, match="none is left in all pools"):
         played_together(one, two)

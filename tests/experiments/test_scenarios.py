@@ -38,7 +38,9 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[ScenarioScores, Pa
     folder = tmp_path_factory.mktemp("scenarios")
     said: list[str] = []
     first = play_scenarios(visitors(), "giver", "visitor", EPISODES, SEED, folder, said.append)
-    assert said == [f"playing {EPISODES} episodes of line-up {number} of 4" for number in (1, 2, 3, 4)], "giver, random, keeper, stay"
+    assert said == [
+        f"playing {EPISODES} episodes of line-up {number} of 4" for number in (1, 2, 3, 4)
+    ], "giver, random, keeper, stay"
     assert list(first) == list(first.scenarios) == ["visitor"]
     assert list(json.loads((folder / "scenarios.json").read_text())["scenarios"]) == ["visitor"]
     return play_scenarios(visitors(), "giver", FITTING, EPISODES, SEED, folder), folder
@@ -69,9 +71,15 @@ def test_focal_and_background_returns_exactly(played: tuple[ScenarioScores, Path
     assert found["alone"].background is None
     visitor = found["visitor"].baselines
     assert visitor["keeper"].tolist() == [per_capita("kkkk", first)]
-    assert visitor["giver"].tolist() == visitor["stay"].tolist() == found["visitor"].focal_returns.tolist()
+    assert (
+        visitor["giver"].tolist()
+        == visitor["stay"].tolist()
+        == found["visitor"].focal_returns.tolist()
+    )
     random, giver, keeper = (visitor[name][0] for name in ("random", "giver", "keeper"))
-    assert ((giver <= random) & (random <= keeper)).all(), "who gives now and then loses a half of what it gives"
+    assert ((giver <= random) & (random <= keeper)).all(), (
+        "who gives now and then loses a half of what it gives"
+    )
     assert ((giver < random) & (random < keeper)).any()
 
 
@@ -80,7 +88,9 @@ def test_the_score_of_what_was_played(played: tuple[ScenarioScores, Path]) -> No
     visitor = found["visitor"]
     means = {name: returns.mean() for name, returns in visitor.baselines.items()}
     assert (visitor.best, found["alone"].best) == ("keeper", "giver")
-    assert visitor.score == pytest.approx((visitor.focal_returns.mean() - means["random"]) / (means["keeper"] - means["random"]))
+    assert visitor.score == pytest.approx(
+        (visitor.focal_returns.mean() - means["random"]) / (means["keeper"] - means["random"])
+    )
     assert visitor.score is not None
     assert visitor.score < 0
     assert found["alone"].score == 1.0
@@ -90,7 +100,11 @@ def test_the_files_and_a_second_time(played: tuple[ScenarioScores, Path]) -> Non
     """A scenario that was played before, and one that is asked for now, are in one file; another experiment is refused there."""
     found, folder = played
     stored = json.loads((folder / "scenarios.json").read_text())
-    assert (stored["format"], stored["game"]["hash"], stored["focal_policy"]) == (1, visitors().hash, "giver")
+    assert (stored["format"], stored["game"]["hash"], stored["focal_policy"]) == (
+        1,
+        visitors().hash,
+        "giver",
+    )
     assert (stored["unit"], stored["units"], stored["training_seeds"]) == ("episode", EPISODES, [])
     assert tuple(stored["scenarios"]) == FITTING
     visitor = stored["scenarios"]["visitor"]
@@ -116,7 +130,10 @@ def test_the_files_and_a_second_time(played: tuple[ScenarioScores, Path]) -> Non
 def test_the_text(played: tuple[ScenarioScores, Path]) -> None:
     found, _ = played
     text = scenarios_text(found)
-    assert f"focal agents play giver; mean returns of an agent, with 95 % intervals over {EPISODES} episodes, of this policy only" in text
+    assert (
+        f"focal agents play giver; mean returns of an agent, with 95 % intervals over {EPISODES} episodes, of this policy only"
+        in text
+    )
     rows = {line.split()[0]: line.split() for line in text.splitlines() if line.startswith("  ")}
     assert rows["visitor"][1:4] == ["1", "of", "4"]
     assert rows["alone"][-3:] == ["5,", "giver", "1"]
@@ -127,12 +144,16 @@ def scored(focal: Any, **baselines: list[float]) -> ScenarioScore:
     """Returns a scenario with given returns."""
     slots = (ir.Slots(number=1), ir.Slots(number=1, policy="stay"))
     arrays = {name: np.array([returns]) for name, returns in baselines.items()}
-    return ScenarioScore(ir.Scenario(name="made", slots=slots), np.array(focal, float), None, arrays)
+    return ScenarioScore(
+        ir.Scenario(name="made", slots=slots), np.array(focal, float), None, arrays
+    )
 
 
 def test_the_score_by_hand() -> None:
     """(4 - 1) / (9 - 1); the best scripted policy counts wherever it stands."""
-    score = scored([[3.0, 5.0]], random=[0.5, 1.5], cooperator=[3, 3], defector=[8, 10], stay=[0, 0])
+    score = scored(
+        [[3.0, 5.0]], random=[0.5, 1.5], cooperator=[3, 3], defector=[8, 10], stay=[0, 0]
+    )
     assert (score.best, score.score, score.caution) == ("defector", 3 / 8, "")
     assert scored([[9.0, 9.0]], random=[1, 1], cooperator=[9, 9], stay=[9, 9]).best == "cooperator"
     below = scored([[-7.0, -7.0]], random=[1, 1], stay=[9, 9])
@@ -143,20 +164,27 @@ def test_the_score_by_hand() -> None:
 def test_a_score_that_is_not_defined(best: list[float]) -> None:
     score = scored([[3.0, 5.0]], random=[1, 1], cooperator=best, stay=[0, 0])
     assert score.score is None
-    assert "the score is undefined: the best scripted focal policy, cooperator, earns" in score.caution
+    assert (
+        "the score is undefined: the best scripted focal policy, cooperator, earns" in score.caution
+    )
 
 
 def test_a_score_that_may_be_a_share_of_nothing() -> None:
     score = scored([[3.0, 5.0]], random=[1, 1], stay=[0, 4])
     assert score.score == 3.0
-    assert "the score is uncertain: stay minus random is 1, with the interval [-24.41, 26.41]" in score.caution
+    assert (
+        "the score is uncertain: stay minus random is 1, with the interval [-24.41, 26.41]"
+        in score.caution
+    )
     assert "of unknown width" in scored([[3.0]], random=[1], stay=[2]).caution
 
 
 def test_intervals_are_over_training_seeds_where_there_are_two() -> None:
     seeds = scored([[1.0, 3.0], [5.0, 5.0], [8.0, 8.0]], random=[1, 1], stay=[9, 9])
     assert seeds.focal.mean == 5.0
-    assert seeds.focal.high - seeds.focal.mean == pytest.approx(4.302653 * 3 / np.sqrt(3))  # t(0.975, 2), standard deviation 3
+    assert seeds.focal.high - seeds.focal.mean == pytest.approx(
+        4.302653 * 3 / np.sqrt(3)
+    )  # t(0.975, 2), standard deviation 3
 
 
 @pytest.mark.thorough
@@ -165,23 +193,47 @@ def test_networks_with_memory_of_their_own_and_several_seeds(tmp_path: Path) -> 
     env = visitors(4, 0.0)
     pool = store_pool(tmp_path / "run", env, (5, 6), sharing="per_agent", memory="gru")
     found = play_scenarios(env, pool, "visitor", EPISODES, SEED, folder=pool)
-    assert (found.unit, found.population, [*found.scenarios]) == ("training seed", "2 training seeds", ["visitor"])
+    assert (found.unit, found.population, [*found.scenarios]) == (
+        "training seed",
+        "2 training seeds",
+        ["visitor"],
+    )
     for replicate, seed in enumerate((5, 6)):
-        alone = evaluate(env, find_policy(f"{pool}/seed_{seed}", env), play_key(SEED, 0), EPISODES).events["given"]
+        alone = evaluate(
+            env, find_policy(f"{pool}/seed_{seed}", env), play_key(SEED, 0), EPISODES
+        ).events["given"]
         assert (alone == alone[0]).all(), "actions are certain"
         orders = orders_of(SEED, replicate, EPISODES, 4)
-        assert found["visitor"].focal_returns[replicate].tolist() == [-alone[0][order[0]] / 2 for order in orders]
+        assert found["visitor"].focal_returns[replicate].tolist() == [
+            -alone[0][order[0]] / 2 for order in orders
+        ]
     assert len(set(found["visitor"].focal_returns.ravel())) > 1
     stored = json.loads((pool / "scenarios.json").read_text())
-    assert (stored["unit"], stored["units"], stored["training_seeds"]) == ("training seed", 2, [5, 6])
+    assert (stored["unit"], stored["units"], stored["training_seeds"]) == (
+        "training seed",
+        2,
+        [5, 6],
+    )
     assert np.shape(stored["scenarios"]["visitor"]["returns"]["focal"]) == (2, EPISODES)
 
 
 @pytest.mark.thorough
 def test_who_learns_to_keep_scores_as_who_keeps(tmp_path: Path) -> None:
     env = visitors(4, 0.0)
-    values = {"network": "mlp", "network_width": 8, "num_envs": 32, "num_steps": 8, "num_minibatches": 1, "learning_rate": 0.02}
-    train(env, make_config(values, total_timesteps=10_240, anneal_learning_rate=False, seed=1), tmp_path / "run", progress="none")
+    values = {
+        "network": "mlp",
+        "network_width": 8,
+        "num_envs": 32,
+        "num_steps": 8,
+        "num_minibatches": 1,
+        "learning_rate": 0.02,
+    }
+    train(
+        env,
+        make_config(values, total_timesteps=10_240, anneal_learning_rate=False, seed=1),
+        tmp_path / "run",
+        progress="none",
+    )
     found = play_scenarios(env, tmp_path / "run", "visitor", 20)
     assert found["visitor"].best == "keeper"
     score = found["visitor"].score
@@ -189,18 +241,26 @@ def test_who_learns_to_keep_scores_as_who_keeps(tmp_path: Path) -> None:
     assert score > 0.8
 
 
-def test_the_example_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_example_of_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Three who give have 3 * 2 / 3 - 1 each in four steps."""
     monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[2] / "docs/experiments.md").read_text(encoding="utf-8")
-    (example,) = (block for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "play_scenarios" in block)
+    (example,) = (
+        block
+        for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+        if "play_scenarios" in block
+    )
     names: dict[str, Any] = {}
     exec(example, names)
     visitor = names["visitor"]
     assert visitor.focal.mean == visitor.background.mean == pytest.approx(4.0)
     assert (visitor.best, visitor.score) == (
         "stay",
-        pytest.approx((4.0 - visitor.baseline("random").mean) / (16 / 3 - visitor.baseline("random").mean)),
+        pytest.approx(
+            (4.0 - visitor.baseline("random").mean) / (16 / 3 - visitor.baseline("random").mean)
+        ),
     )
     assert "Estimate(mean=" in capsys.readouterr().out
 
@@ -209,9 +269,15 @@ def test_what_is_refused() -> None:
     env = visitors()
     for names, said in (
         ("visitr", r"there is no scenario `visitr`; did you mean `visitor`\?"),
-        ("nobody", "there is no scenario `nobody`; those of visitors are visitor, intruded, three, alone"),
+        (
+            "nobody",
+            "there is no scenario `nobody`; those of visitors are visitor, intruded, three, alone",
+        ),
         ((), "name at least one scenario"),
-        ("three", "the scenario `three` doesn't fit 4 agents: it has 3 slots; name another, such as visitor"),
+        (
+            "three",
+            "the scenario `three` doesn't fit 4 agents: it has 3 slots; name another, such as visitor",
+        ),
         ("all", "the scenario `three` doesn't fit 4 agents"),
     ):
         with pytest.raises(ExperimentError, match=said):
@@ -219,7 +285,8 @@ def test_what_is_refused() -> None:
     with pytest.raises(ExperimentError, match="`three` doesn't fit 2 agents: it has 3 slots"):
         plan_scenarios(visitors(2), "giver", "all", 2, 0)
     with pytest.raises(
-        ExperimentError, match="a scenario needs at least two agents, and visitors has one here; ask for more with --agents"
+        ExperimentError,
+        match="a scenario needs at least two agents, and visitors has one here; ask for more with --agents",
     ):
         plan_scenarios(visitors(1), "giver", "all", 2, 0)
     with pytest.raises(ExperimentError, match="at least one episode must be played, not 0"):
@@ -228,30 +295,46 @@ def test_what_is_refused() -> None:
         plan_scenarios(env, "givr", "visitor", 2, 0)
     for without in (matrix_game(), constant(1.0)):
         with pytest.raises(
-            ExperimentError, match=r"has no scenarios; write one into the game's file, such as `scenario visitors .* slots 1 focal"
+            ExperimentError,
+            match=r"has no scenarios; write one into the game's file, such as `scenario visitors .* slots 1 focal",
         ):
             plan_scenarios(without, "random", "all", 2, 0)
 
 
 def test_a_scenario_of_fewer_agents_than_its_slots(tmp_path: Path) -> None:
     """A number of slots that is counted from that of agents can be below none, or none for the focal agents."""
-    text = VISITORS.read_text().replace("slots 1 focal  slots players - 1 policy", "slots players - 3 focal  slots 3 policy")
-    (tmp_path / "few.sj").write_text(text.replace("count  = 3", "count  = 4").replace("slots 1 policy giver", "slots 2 policy giver"))
-    with pytest.raises(ExperimentError, match="`visitor` doesn't fit 3 agents: it has no focal slot"):
+    text = VISITORS.read_text().replace(
+        "slots 1 focal  slots players - 1 policy", "slots players - 3 focal  slots 3 policy"
+    )
+    (tmp_path / "few.sj").write_text(
+        text.replace("count  = 3", "count  = 4").replace(
+            "slots 1 policy giver", "slots 2 policy giver"
+        )
+    )
+    with pytest.raises(
+        ExperimentError, match="`visitor` doesn't fit 3 agents: it has no focal slot"
+    ):
         plan_scenarios(sjdsl.make(tmp_path / "few.sj", num_agents=3), "giver", "visitor", 2, 0)
-    with pytest.raises(ExperimentError, match="`visitor` doesn't fit 2 agents: it would have -1 slots of focal agents"):
+    with pytest.raises(
+        ExperimentError,
+        match="`visitor` doesn't fit 2 agents: it would have -1 slots of focal agents",
+    ):
         plan_scenarios(sjdsl.make(tmp_path / "few.sj", num_agents=2), "giver", "visitor", 2, 0)
 
 
 def test_runs_of_another_game_and_of_another_form(tmp_path: Path) -> None:
     env = visitors()
     file = store(tmp_path / "other", env, 0, game={"name": "coins"})
-    with pytest.raises(ExperimentError, match="was trained on another game: coins there, visitors here"):
+    with pytest.raises(
+        ExperimentError, match="was trained on another game: coins there, visitors here"
+    ):
         plan_scenarios(env, str(file), "visitor", 2, 0)
     file = store(tmp_path / "form", env, 0, game={"hash": "0123456789abcdef"})
     with pytest.warns(UserWarning, match="another form of the game: visitors 0123456789abcdef"):
         planned = plan_scenarios(env, str(file), "visitor", 2, 0)
     assert "another form of the game" in planned.describe()["notes"][0], "it is in the files, too"
-    planned_again = plan_scenarios(env, str(store(tmp_path / "a", env, 0)), "visitor", 2, 0).describe()
+    planned_again = plan_scenarios(
+        env, str(store(tmp_path / "a", env, 0)), "visitor", 2, 0
+    ).describe()
     moved = plan_scenarios(env, str(store(tmp_path / "b", env, 0)), "visitor", 2, 0).describe()
     assert planned_again == moved, "a policy is known by what it is, not by where it lies"

@@ -32,20 +32,37 @@ MATRICES = {
 
 
 @pytest.mark.parametrize(
-    "variant", [None, "stag_hunt", *(pytest.param(v, marks=pytest.mark.thorough) for v in ("chicken", "harmony", "deadlock"))]
+    "variant",
+    [
+        None,
+        "stag_hunt",
+        *(pytest.param(v, marks=pytest.mark.thorough) for v in ("chicken", "harmony", "deadlock")),
+    ],
 )
 def test_matrix_games_exactly(variant: str | None) -> None:
     (s, r, p, t), outcome, shape = MATRICES[variant]
     found = schelling_diagram(matrix_game(variant), STAY, OTHER, episodes=3)
     for figures, payoffs in ((found.cooperating, (s, r)), (found.defecting, (p, t))):
-        assert [(figure.low, figure.mean, figure.high) for figure in figures] == [(STEPS * payoff,) * 3 for payoff in payoffs]
-    assert [figure.mean for figure in found.everybody] == [STEPS * p, STEPS * (s + t) / 2, STEPS * r]
+        assert [(figure.low, figure.mean, figure.high) for figure in figures] == [
+            (STEPS * payoff,) * 3 for payoff in payoffs
+        ]
+    assert [figure.mean for figure in found.everybody] == [
+        STEPS * p,
+        STEPS * (s + t) / 2,
+        STEPS * r,
+    ]
     exact = {"A": r - p, "B": r - s, "fear": p - s, "greed": t - r}
-    assert {name: (figure.low, figure.mean, figure.high) for name, figure in found.contrasts.items()} == {
-        name: (STEPS * value,) * 3 for name, value in exact.items()
-    }
-    assert (found.verdict.outcome, found.verdict.shape, found.verdict.wanted) == (outcome, shape, None)
-    assert [sign for _, sign in found.preferences] == ["defect" if value > 0 else "cooperate" for value in (p - s, t - r)]
+    assert {
+        name: (figure.low, figure.mean, figure.high) for name, figure in found.contrasts.items()
+    } == {name: (STEPS * value,) * 3 for name, value in exact.items()}
+    assert (found.verdict.outcome, found.verdict.shape, found.verdict.wanted) == (
+        outcome,
+        shape,
+        None,
+    )
+    assert [sign for _, sign in found.preferences] == [
+        "defect" if value > 0 else "cooperate" for value in (p - s, t - r)
+    ]
 
 
 CROWDS = [2, 5, *(pytest.param(players, marks=pytest.mark.thorough) for players in (3, 4, 6, 7, 8))]
@@ -56,16 +73,26 @@ def test_linear_public_goods_exactly(players: int) -> None:
     """C(l) = r (l + 1) / N - 1 and D(l) = r l / N a step, of two steps: a dilemma exactly if 1 < r < N, with the borders."""
     for r in (0.5, 1.0, (1 + players) / 2, float(players), players + 1.0):
         env = public_goods(players)
-        found = schelling_diagram(env.with_params(replace(env.params, multiplier=jnp.float32(r))), STAY, OTHER, episodes=2)
-        rounding = 2 * max(r, 1) * 4 * 2**-24  # of float32, in two steps: 1 / N, the share, the subtraction, the sum
-        exact = pytest.approx([2 * (r * (others + 1) / players - 1) for others in range(players)], rel=0, abs=rounding)
+        found = schelling_diagram(
+            env.with_params(replace(env.params, multiplier=jnp.float32(r))), STAY, OTHER, episodes=2
+        )
+        rounding = (
+            2 * max(r, 1) * 4 * 2**-24
+        )  # of float32, in two steps: 1 / N, the share, the subtraction, the sum
+        exact = pytest.approx(
+            [2 * (r * (others + 1) / players - 1) for others in range(players)], rel=0, abs=rounding
+        )
         assert [figure.mean for figure in found.cooperating] == exact, r
-        exact = pytest.approx([2 * r * others / players for others in range(players)], rel=0, abs=rounding)
+        exact = pytest.approx(
+            [2 * r * others / players for others in range(players)], rel=0, abs=rounding
+        )
         assert [figure.mean for figure in found.defecting] == exact, r
         assert [figure.high - figure.low for figure in found.everybody] == [0.0] * (players + 1)
         assert found.verdict.outcome == ("dilemma" if 1 < r < players else "no dilemma"), r
         assert found.verdict.shape == ("fear and greed" if r < players else "neither"), r
-        assert [sign for _, sign in found.preferences] == ["defect" if r < players else "equal" if r == players else "cooperate"] * players
+        assert [sign for _, sign in found.preferences] == [
+            "defect" if r < players else "equal" if r == players else "cooperate"
+        ] * players
 
 
 @pytest.mark.parametrize("players", CROWDS)
@@ -74,13 +101,26 @@ def test_threshold_public_goods_exactly(players: int) -> None:
     b, c = 4, 1
     for k in range(1, players + 1):
         env = threshold_goods(players)
-        found = schelling_diagram(env.with_params(replace(env.params, needed=jnp.int32(k))), STAY, OTHER, episodes=2)
-        assert [figure.mean for figure in found.cooperating] == [2 * (b * (others + 1 >= k) - c) for others in range(players)], k
-        assert [figure.mean for figure in found.defecting] == [2 * b * (others >= k) for others in range(players)], k
-        assert [sign for _, sign in found.preferences] == ["cooperate" if others == k - 1 else "defect" for others in range(players)], k
-        assert found.verdict.outcome == ("no dilemma" if k == 1 else "dilemma"), "where one who pays is enough, all who pay have no more"
+        found = schelling_diagram(
+            env.with_params(replace(env.params, needed=jnp.int32(k))), STAY, OTHER, episodes=2
+        )
+        assert [figure.mean for figure in found.cooperating] == [
+            2 * (b * (others + 1 >= k) - c) for others in range(players)
+        ], k
+        assert [figure.mean for figure in found.defecting] == [
+            2 * b * (others >= k) for others in range(players)
+        ], k
+        assert [sign for _, sign in found.preferences] == [
+            "cooperate" if others == k - 1 else "defect" for others in range(players)
+        ], k
+        assert found.verdict.outcome == ("no dilemma" if k == 1 else "dilemma"), (
+            "where one who pays is enough, all who pay have no more"
+        )
         assert (
-            found.verdict.shape == {(False, False): "fear and greed", (False, True): "fear", (True, False): "greed"}[k == 1, k == players]
+            found.verdict.shape
+            == {(False, False): "fear and greed", (False, True): "fear", (True, False): "greed"}[
+                k == 1, k == players
+            ]
         )
 
 
@@ -95,7 +135,10 @@ def test_what_a_cooperator_earns_is_in_the_cooperators_line() -> None:
             share = 2 * k / 4
             givers = [2 * (share + agent - 1) for agent in order[:k]]
             keepers = [2 * (share - 100 * agent) for agent in order[k:]]
-            of_givers, of_keepers = found.returns.cooperators[k, 0, episode], found.returns.defectors[k, 0, episode]
+            of_givers, of_keepers = (
+                found.returns.cooperators[k, 0, episode],
+                found.returns.defectors[k, 0, episode],
+            )
             assert np.isnan(of_givers) if k == 0 else of_givers == np.mean(givers)
             assert np.isnan(of_keepers) if k == 4 else of_keepers == np.mean(keepers)
             assert found.returns.everybody[k, 0, episode] == np.mean(givers + keepers)
@@ -105,9 +148,16 @@ def test_a_policy_against_itself_is_its_evaluation() -> None:
     """In each line-up the same episodes, which are those that `evaluate` plays."""
     env = public_goods(3, ranked=1.0)
     found = schelling_diagram(env, "random", "random", episodes=5, seed=7)
-    played = evaluate(env, jax.jit(lambda key, _: jax.random.randint(key, (3,), 0, 2, np.int32)), play_key(7, 0), 5)
+    played = evaluate(
+        env,
+        jax.jit(lambda key, _: jax.random.randint(key, (3,), 0, 2, np.int32)),
+        play_key(7, 0),
+        5,
+    )
     for k in range(4):
-        np.testing.assert_array_equal(found.returns.everybody[k, 0], played.returns.mean(axis=1, dtype=np.float64))
+        np.testing.assert_array_equal(
+            found.returns.everybody[k, 0], played.returns.mean(axis=1, dtype=np.float64)
+        )
     assert len(set(found.returns.everybody[0, 0])) > 1
 
 
@@ -121,7 +171,10 @@ def test_figures_are_in_the_files(tmp_path: Path) -> None:
     assert stored["C"] == {"mean": [0.0, 12.0], "low": [0.0, 12.0], "high": [0.0, 12.0]}
     assert stored["D-C"]["preferred"] == ["defect", "defect"]
     assert stored["contrasts"]["greed"]["low"] == 8.0
-    assert (stored["verdict"]["outcome"], stored["verdict"]["shape"]) == ("dilemma", "fear and greed")
+    assert (stored["verdict"]["outcome"], stored["verdict"]["shape"]) == (
+        "dilemma",
+        "fear and greed",
+    )
     assert (stored["unit"], stored["units"]) == ("episode", 2)
     assert stored["keys"] == [[int(word) for word in jax.random.key_data(play_key(0, 0))]]
     assert (tmp_path / "diagram/schelling.png").read_bytes().startswith(b"\x89PNG")
@@ -139,13 +192,26 @@ def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path
     )
     assert found.caution == said
     stored = json.loads((tmp_path / "diagram/schelling.json").read_text())["verdict"]
-    assert (stored["outcome"], stored["without_spread"], stored["caution"]) == ("no dilemma", ["A"], said)
-    assert f"verdict: no dilemma: the upper bound of A is not above 0\n{said}" in diagram_text(found)
-    assert "the verdict rests on samples without spread" in draw_diagram(found).axes[0].get_title(loc="left")
+    assert (stored["outcome"], stored["without_spread"], stored["caution"]) == (
+        "no dilemma",
+        ["A"],
+        said,
+    )
+    assert f"verdict: no dilemma: the upper bound of A is not above 0\n{said}" in diagram_text(
+        found
+    )
+    assert "the verdict rests on samples without spread" in draw_diagram(found).axes[0].get_title(
+        loc="left"
+    )
 
-    seeds = replace(found, returns=Returns(*(np.repeat(values, 2, axis=1) for values in astuple(found.returns))))
+    seeds = replace(
+        found, returns=Returns(*(np.repeat(values, 2, axis=1) for values in astuple(found.returns)))
+    )
     assert "up to" in (seeds.caution or "")
-    assert "train more seeds of each pool, or play one seed of each, such as RUN/seed_0, with --episodes 300" in (seeds.caution or "")
+    assert (
+        "train more seeds of each pool, or play one seed of each, such as RUN/seed_0, with --episodes 300"
+        in (seeds.caution or "")
+    )
 
     noise = np.random.default_rng(0).normal(0, 0.01, (3, 1, 3))
     spread = replace(found, returns=Returns(*(values + noise for values in astuple(found.returns))))
@@ -185,15 +251,21 @@ def test_returns_that_are_not_finite_are_refused() -> None:
     from tests.trainers.probes import endless_riches
 
     env = endless_riches()
-    experiment = Experiment(env, plan_diagram(env, STAY, OTHER, 1, 0).pools, ((0, 0),), 1, 0, permuted=False)
-    with pytest.raises(ExperimentError, match="the return of agent 0 in episode 0 of line-up 1 is not finite"):
+    experiment = Experiment(
+        env, plan_diagram(env, STAY, OTHER, 1, 0).pools, ((0, 0),), 1, 0, permuted=False
+    )
+    with pytest.raises(
+        ExperimentError, match="the return of agent 0 in episode 0 of line-up 1 is not finite"
+    ):
         play_experiment(experiment, lambda _: None)
 
 
 def test_one_agent_has_no_dilemma() -> None:
     from tests.trainers.probes import constant
 
-    with pytest.raises(ExperimentError, match="needs at least two agents, and constant has one here"):
+    with pytest.raises(
+        ExperimentError, match="needs at least two agents, and constant has one here"
+    ):
         schelling_diagram(constant(1.0, num_agents=1), STAY, OTHER)
     with pytest.raises(ExperimentError, match="at least one episode must be played, not 0"):
         schelling_diagram(constant(1.0), STAY, OTHER, episodes=0)

@@ -7,7 +7,16 @@ from hypothesis import strategies as st
 
 LONG = " ".join(f"word{n}" for n in range(40))
 QUIET = (" ", "  ", "\t", " \n", "\r\n", "\n\n", "\n \n\n\t")
-LOUD = (" # said\n", "\n# alone\n", " #tight\n\n# two\n", "\n\n#\n", f" # {LONG}\n", f"\n#   {LONG}{LONG}\n", "#" * 150 + "\n", " # \r\n")
+LOUD = (
+    " # said\n",
+    "\n# alone\n",
+    " #tight\n\n# two\n",
+    "\n\n#\n",
+    f" # {LONG}\n",
+    f"\n#   {LONG}{LONG}\n",
+    "#" * 150 + "\n",
+    " # \r\n",
+)
 
 
 TOKEN = re.compile(r'"(?:\\.|[^"\\\n])*"|#[^\n]*|[a-z][a-z0-9_]*|\d+\.\d+|\d+|\.\.|->|[<>=!]=|\S')

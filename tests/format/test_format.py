@@ -17,7 +17,14 @@ from tests.manual.blocks import examples
 
 HERE = Path(__file__).parent
 REPOSITORY = HERE.parents[1]
-FOLDERS = ("games", "tests/cases", "tests/differential/games", "tests/format", "tests/policies/games", "tests/runtime")
+FOLDERS = (
+    "games",
+    "tests/cases",
+    "tests/differential/games",
+    "tests/format",
+    "tests/policies/games",
+    "tests/runtime",
+)
 LAID_OUT = [path for folder in FOLDERS for path in sorted((REPOSITORY / folder).glob("*.sj"))]
 SMALL = [path.read_text("utf-8") for path in sorted((REPOSITORY / "tests/cases").glob("*.sj"))]
 
@@ -38,7 +45,9 @@ def in_block(body: str) -> str:
 def check_whole(text: str) -> str:
     """Returns a text formatted, after all that holds for every text was checked."""
     result = formatted(text)
-    assert list(printer.lines(parse(Source("game.sj", result)))) == list(printer.lines(parse(Source("game.sj", text))))
+    assert list(printer.lines(parse(Source("game.sj", result)))) == list(
+        printer.lines(parse(Source("game.sj", text)))
+    )
     assert words_of(result) == words_of(text)
     assert comments_of(result) == comments_of(text)
     assert formatted(result) == result
@@ -59,7 +68,9 @@ def test_files_of_the_repository_are_formatted(path: Path) -> None:
 
 @pytest.mark.thorough
 def test_texts_of_errors_and_of_the_manual() -> None:
-    texts = [path.read_text("utf-8") for path in sorted((REPOSITORY / "tests/errors").glob("*.sj"))] + [e.source for e in examples()]
+    texts = [
+        path.read_text("utf-8") for path in sorted((REPOSITORY / "tests/errors").glob("*.sj"))
+    ] + [e.source for e in examples()]
     checked = 0
     for text in texts:
         try:
@@ -93,33 +104,56 @@ def test_sentences_stay_on_one_line_as_long_as_they_fit() -> None:
     assert in_block("set a=1 give 2 to b") == f"    {short}"
     long = " ".join(f"set some_field = {number}" for number in range(100, 106))
     assert in_block(long).startswith("    set some_field = 100  set some_field = 101  ")
-    assert in_block(f"{long} set b = 1").split("\n")[:2] == ["    set some_field = 100", "    set some_field = 101"]
+    assert in_block(f"{long} set b = 1").split("\n")[:2] == [
+        "    set some_field = 100",
+        "    set some_field = 101",
+    ]
 
 
 def test_a_block_is_on_one_line_or_open() -> None:
-    assert in_block("each agent { each tree {\nend } }") == "    each agent {\n      each tree {\n        end\n      }\n    }\n"
+    assert (
+        in_block("each agent { each tree {\nend } }")
+        == "    each agent {\n      each tree {\n        end\n      }\n    }\n"
+    )
     assert in_block("each\nagent\n{ end }") == "    each agent { end }\n"
 
 
 def test_branches_follow_an_open_block_and_stand_alone_behind_a_short_one() -> None:
-    assert in_block("when a { end }\notherwise { end }") == "    when a { end }\n    otherwise { end }\n"
-    assert in_block("when a {\nend }\notherwise { end }") == "    when a {\n      end\n    } otherwise { end }\n"
-    assert in_block("when a { end } otherwise {\nend }") == "    when a { end }\n    otherwise {\n      end\n    }\n"
+    assert (
+        in_block("when a { end }\notherwise { end }")
+        == "    when a { end }\n    otherwise { end }\n"
+    )
+    assert (
+        in_block("when a {\nend }\notherwise { end }")
+        == "    when a {\n      end\n    } otherwise { end }\n"
+    )
+    assert (
+        in_block("when a { end } otherwise {\nend }")
+        == "    when a { end }\n    otherwise {\n      end\n    }\n"
+    )
 
 
 @pytest.mark.parametrize("more", range(16))
 def test_a_long_condition_behind_the_brace_of_the_branch_before(more: int) -> None:
     """Whether its lists are opened depends on where it begins, behind that brace; at the lengths around the limit, too."""
     condition = f"case b {{ 0 .. 2: {'c' * (80 + more)}, 3..: 4 }} != 1"
-    check_whole(f"sj 1\ngame a {{\nphase p {{\nwhen a {{\nend\n}} otherwise when {condition} {{\nend\n}}\n}}\n}}\n")
+    check_whole(
+        f"sj 1\ngame a {{\nphase p {{\nwhen a {{\nend\n}} otherwise when {condition} {{\nend\n}}\n}}\n}}\n"
+    )
 
 
 @pytest.mark.parametrize(
     ("given_text", "wanted"),
     [
         ("let a=- 1-( 2+b[ c ] )", "let a = -1 - (2 + b[c])"),
-        ("let a=not(b)or count ( agent on tree )>=max (1,2)", "let a = not (b) or count(agent on tree) >= max(1, 2)"),
-        ("let a=case b{0:1,1..2:3,4 ..:5,red:6}", "let a = case b { 0: 1, 1 .. 2: 3, 4..: 5, red: 6 }"),
+        (
+            "let a=not(b)or count ( agent on tree )>=max (1,2)",
+            "let a = not (b) or count(agent on tree) >= max(1, 2)",
+        ),
+        (
+            "let a=case b{0:1,1..2:3,4 ..:5,red:6}",
+            "let a = case b { 0: 1, 1 .. 2: 3, 4..: 5, red: 6 }",
+        ),
         ("when a in 1..3{end}", "when a in 1 .. 3 { end }"),
         ("draw a from{b:1,c:2}", "draw a from { b: 1, c: 2 }"),
         ("chance a{}otherwise{}", "chance a { } otherwise { }"),
@@ -131,7 +165,10 @@ def test_spaces(given_text: str, wanted: str) -> None:
 
 
 def test_blank_lines_stay_between_sentences_one_at_most() -> None:
-    assert in_block("\n\nend\n\n\n\nend\n# a\n\n\n# b\nend\n\n") == "    end\n\n    end\n    # a\n\n    # b\n    end\n"
+    assert (
+        in_block("\n\nend\n\n\n\nend\n# a\n\n\n# b\nend\n\n")
+        == "    end\n\n    end\n    # a\n\n    # b\n    end\n"
+    )
 
 
 def test_a_comment_too_long_for_its_line_stands_above_it_and_goes_on() -> None:
@@ -152,7 +189,9 @@ def test_comments_share_a_column_where_their_lines_are_about_as_long() -> None:
 
 
 def test_columns_of_declarations() -> None:
-    text = formatted('sj 1 game a {\nsize n : count = 1\nparam long : probability = 0.5\nkind x "x"\nkind long_one "y" {\ntimer t }\n}')
+    text = formatted(
+        'sj 1 game a {\nsize n : count = 1\nparam long : probability = 0.5\nkind x "x"\nkind long_one "y" {\ntimer t }\n}'
+    )
     assert text.split("\n")[2:6] == [
         "  size  n    : count       = 1",
         "  param long : probability = 0.5",
@@ -163,7 +202,9 @@ def test_columns_of_declarations() -> None:
 
 def test_rules_of_policies_and_slots_of_scenarios_are_sentences() -> None:
     rules = "seek a avoiding b when c choose d\naim e at f avoiding g choose h"
-    text = formatted(f'sj 1 game a {{ policy p "x"{{ {rules} }} scenario s{{slots 1 focal slots n-1 policy p}} }}')
+    text = formatted(
+        f'sj 1 game a {{ policy p "x"{{ {rules} }} scenario s{{slots 1 focal slots n-1 policy p}} }}'
+    )
     assert text.split("\n")[2:7] == [
         '  policy p "x" {',
         "    seek a avoiding b  when c choose d",
@@ -175,7 +216,9 @@ def test_rules_of_policies_and_slots_of_scenarios_are_sentences() -> None:
 
 def test_no_columns_where_they_would_make_a_line_too_long() -> None:
     long = "x" * 60
-    text = formatted(f"sj 1 game a {{\nparam b : count = {' + '.join(['c'] * 20)}\nparam {long} : count = 1\n}}")
+    text = formatted(
+        f"sj 1 game a {{\nparam b : count = {' + '.join(['c'] * 20)}\nparam {long} : count = 1\n}}"
+    )
     assert "  param b : count = c + " in text
     assert f"  param {long} : count = 1" in text
 

@@ -47,7 +47,14 @@ def declare_actions(w: World) -> list[Action]:
     for name in r.sample(NAMES, r.choice((0, 0, 1, 1, 2, 3))):
         names = r.sample(ARGUMENTS, 3)
         number = r.choice((1, 1, 1, 2, 2, 3))
-        found.append(Action(name, tuple(Argument(names[i] if r.random() < 0.6 else "", _type(w)) for i in range(number))))
+        found.append(
+            Action(
+                name,
+                tuple(
+                    Argument(names[i] if r.random() < 0.6 else "", _type(w)) for i in range(number)
+                ),
+            )
+        )
     return found
 
 
@@ -57,10 +64,15 @@ def _type(w: World) -> ir.Type:
             return ir.AGENT
         case "word":
             words = w.random.choice(w.word_sets)
-            return ir.Type(kind="word", words=tuple(w.random.sample(words, min(len(words), w.random.randint(1, 2)))))
+            return ir.Type(
+                kind="word",
+                words=tuple(w.random.sample(words, min(len(words), w.random.randint(1, 2)))),
+            )
         case _:
             low = w.random.choice((0, 0, 1, -1))
-            return ir.Type(kind="int", unit="count", low=low, high=low + w.random.choice((0, 1, 1, 2)))
+            return ir.Type(
+                kind="int", unit="count", low=low, high=low + w.random.choice((0, 1, 1, 2))
+            )
 
 
 def _sort(type_: ir.Type) -> str:
@@ -103,7 +115,11 @@ def _asked(scope: Scope, type_: ir.Type, depth: int, sure: bool) -> str:
     match type_.kind:
         case "word":
             found = word(scope, type_.words, min(depth, 1)) if sure or w.is_now(0.7) else None
-            return found[0] if found and set(found[1]) <= set(type_.words) else w.random.choice(type_.words)
+            return (
+                found[0]
+                if found and set(found[1]) <= set(type_.words)
+                else w.random.choice(type_.words)
+            )
         case "int":
             value = integer(scope, "count", min(depth, 1))
             if sure or w.is_now(0.5) or value[1].low == value[1].high:
@@ -147,15 +163,25 @@ def by_choice(scope: Scope, effect) -> Lines:
         else:
             name = w.variable()
             lines.append(f"let {name} = {read}")
-            inner = replace(inner, locals=(*inner.locals, (name, argument.type)), bound=inner.bound | {name})
-    return [f"when {v.name} chose {action.name} {{", *(f"  {line}" for line in (*lines, *effect(inner))), "}"]
+            inner = replace(
+                inner, locals=(*inner.locals, (name, argument.type)), bound=inner.bound | {name}
+            )
+    return [
+        f"when {v.name} chose {action.name} {{",
+        *(f"  {line}" for line in (*lines, *effect(inner))),
+        "}",
+    ]
 
 
 def forbidden(w: World) -> Lines:
     """Returns a `forbid` of an action with arguments, some of them named, some fixed."""
     if not w.with_arguments or w.is_now(0.4):
         return []
-    action, scope, given = w.random.choice(w.with_arguments), Scope(w, "forbid").having(Variable("agent")), []
+    action, scope, given = (
+        w.random.choice(w.with_arguments),
+        Scope(w, "forbid").having(Variable("agent")),
+        [],
+    )
     read = []
     for argument in action.arguments:
         if argument.type.kind == "word" or w.is_now(0.3):
@@ -167,12 +193,16 @@ def forbidden(w: World) -> Lines:
             scope = scope.having(Variable(name))
             read.append(f"{name} {w.random.choice(('is', 'is not'))} agent")
         else:
-            scope = replace(scope, locals=(*scope.locals, (name, argument.type)), bound=scope.bound | {name})
+            scope = replace(
+                scope, locals=(*scope.locals, (name, argument.type)), bound=scope.bound | {name}
+            )
             read.append(f"{name} > {integer(scope, 'count', 0)[0]}")
     test = condition(scope, 1)
     if read and w.is_now(0.7):
         test = f"{w.random.choice(read)} {w.random.choice(('and', 'or'))} ({test})"
-    return [f"forbid {action.name}{'' if w.is_now(0.15) and not read else '(' + ', '.join(given) + ')'} when {test}"]
+    return [
+        f"forbid {action.name}{'' if w.is_now(0.15) and not read else '(' + ', '.join(given) + ')'} when {test}"
+    ]
 
 
 def _fixed(w: World, type_: ir.Type) -> str:
@@ -191,4 +221,6 @@ def taken(scope: Scope) -> str:
     if not w.with_arguments:
         return ""
     action = w.random.choice(w.with_arguments)
-    return f"{action.name}({', '.join(_asked(scope, a.type, 1, sure=True) for a in action.arguments)})"
+    return (
+        f"{action.name}({', '.join(_asked(scope, a.type, 1, sure=True) for a in action.arguments)})"
+    )

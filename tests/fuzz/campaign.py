@@ -28,17 +28,31 @@ def main() -> None:
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--steps", type=int, default=50)
     options.add_argument("--jit", action="store_true", help="run on JAX as well")
-    options.add_argument("--coverage", action="store_true", help="end with what of the language was used")
-    options.add_argument("--no-trace", action="store_true", help="do not trace with JAX's strict dtypes")
-    options.add_argument("--shrink", type=int, default=300, help="tries to make a failing program small; 0: keep it as it is")
-    options.add_argument("--into", type=Path, default=RUNS, help="where failing programs are written")
+    options.add_argument(
+        "--coverage", action="store_true", help="end with what of the language was used"
+    )
+    options.add_argument(
+        "--no-trace", action="store_true", help="do not trace with JAX's strict dtypes"
+    )
+    options.add_argument(
+        "--shrink",
+        type=int,
+        default=300,
+        help="tries to make a failing program small; 0: keep it as it is",
+    )
+    options.add_argument(
+        "--into", type=Path, default=RUNS, help="where failing programs are written"
+    )
     given = options.parse_args()
     counts: Counter[str] = Counter()
     sorts: dict[str, list[int]] = {}
     parts: Counter[str] = Counter()
     grammar = Grammar()
     begun = time.process_time()
-    for stop in (signal.SIGINT, signal.SIGTERM):  # also where the shell has it run in the background, without interrupts
+    for stop in (
+        signal.SIGINT,
+        signal.SIGTERM,
+    ):  # also where the shell has it run in the background, without interrupts
         signal.signal(stop, signal.default_int_handler)
     with suppress(KeyboardInterrupt):  # a campaign that is stopped tells what it has seen
         for number in range(given.seed, given.seed + given.examples):
@@ -55,7 +69,10 @@ def main() -> None:
                 grammar.read(made)
             if number % 10 == 9:
                 forget()
-                print(f"{number + 1 - given.seed} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
+                print(
+                    f"{number + 1 - given.seed} programs, {time.process_time() - begun:.0f} s: {dict(counts)}",
+                    flush=True,
+                )
     if given.coverage:
         print(*table(grammar, parts), sep="\n")
     for sort, numbers in sorts.items():
@@ -74,7 +91,10 @@ def report(made: Program, verdict: Verdict, number: int, given: argparse.Namespa
     """Prints and writes down the first program with a fault of a sort, made small."""
     print(f"seed {number} {'+'.join(verdict.variants)}: {verdict.fault}", flush=True)
     again = partial(judge, seed=number, steps=given.steps, jit=given.jit, strict=not given.no_trace)
-    print(keep(made, verdict, f"seed_{number}", again, given.shrink, given.into).read_text("utf-8"), flush=True)
+    print(
+        keep(made, verdict, f"seed_{number}", again, given.shrink, given.into).read_text("utf-8"),
+        flush=True,
+    )
 
 
 def forget() -> None:

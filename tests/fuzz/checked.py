@@ -40,16 +40,28 @@ def checks(w: World) -> list[Lines]:
         lines.append(f"always before({number}) <= {number} or before({condition(scope, 1)})")
     numbers = [d.name for d in w.defines if not d.parameters and d.type.kind in ("int", "real")]
     if numbers and w.is_now(0.5):
-        lines.append(f"monotone {numbers[0]} {w.random.choice(('falling', 'rising'))} in {numbers[-1]}")
+        lines.append(
+            f"monotone {numbers[0]} {w.random.choice(('falling', 'rising'))} in {numbers[-1]}"
+        )
     if w.is_now(0.2):
         lines.append(f"symmetric {w.random.choice(('agents', *w.movers))}")
     if w.is_now(0.3):
         event = w.random.choice(w.events)
-        name = f"{event.name}[{event.by.names[0]}]" if event.by and event.by.sort != "agent" else event.name
+        name = (
+            f"{event.name}[{event.by.names[0]}]"
+            if event.by and event.by.sort != "agent"
+            else event.name
+        )
         text, *_ = domain(scope.having(Variable("agent")), 1)
-        policies = w.random.choice(("random", f"never({w.actions[0]})", f"random, seek {text}", *w.policies))
+        policies = w.random.choice(
+            ("random", f"never({w.actions[0]})", f"random, seek {text}", *w.policies)
+        )
         lines.append(f"expect {name} >= 0 with {policies} over 5 episodes")
-    return [braces(w.random.choice(("checks", "checks dilemma")), lines)] if lines or w.is_now(0.4) else []
+    return (
+        [braces(w.random.choice(("checks", "checks dilemma")), lines)]
+        if lines or w.is_now(0.4)
+        else []
+    )
 
 
 def observe(w: World) -> list[Lines]:
@@ -58,31 +70,67 @@ def observe(w: World) -> list[Lines]:
         return []
     r = w.random
     lines = _windows(w)
-    for owner, fields in (("agent", w.agent_fields), ("other", w.agent_fields), ("everyone", w.agent_fields), ("", w.fields)):
+    for owner, fields in (
+        ("agent", w.agent_fields),
+        ("other", w.agent_fields),
+        ("everyone", w.agent_fields),
+        ("", w.fields),
+    ):
         for f in fields:
             text = f"{owner}.{f.name}" if owner else f.name
-            made = _observable(w, owner, f, text) if w.is_now(0.15 if owner == "everyone" else 0.35) else ""
+            made = (
+                _observable(w, owner, f, text)
+                if w.is_now(0.15 if owner == "everyone" else 0.35)
+                else ""
+            )
             lines += [made] if made else []
     for sort in w.movers.values():
         if w.is_now(0.15):
-            lines.append(f"hide {sort.name}" + (f" when {condition(_observable_scope(w, sort.name), 1)}" if w.is_now(0.7) else ""))
+            lines.append(
+                f"hide {sort.name}"
+                + (
+                    f" when {condition(_observable_scope(w, sort.name), 1)}"
+                    if w.is_now(0.7)
+                    else ""
+                )
+            )
         for f in (HEADING, *sort.fields):
             made = _observable(w, sort.name, f, f"{sort.name}.{f.name}") if w.is_now(0.3) else ""
             lines += [made] if made else []
     for owner in ("agent", "other", "everyone"):
         names = r.sample(ATTRIBUTES, 2) if w.is_now(0.3) else []
-        lines += [_perhaps_when(w, owner, f"show {owner}.{name}") for name in names if name != "heading" or owner != "other"]
+        lines += [
+            _perhaps_when(w, owner, f"show {owner}.{name}")
+            for name in names
+            if name != "heading" or owner != "other"
+        ]
     lines += [_perhaps_when(w, "everyone", "show everyone.away")] if w.is_now(0.1) else []
-    lines += [_perhaps_when(w, "", f"show step as {{ {_labels(w, '', LABELS)} }}")] if w.is_now(0.1) else []
+    lines += (
+        [_perhaps_when(w, "", f"show step as {{ {_labels(w, '', LABELS)} }}")]
+        if w.is_now(0.1)
+        else []
+    )
     for d in w.defines:
         if not d.parameters and w.is_now(0.3):
-            whole = d.type.kind in ("condition", "word") or (d.type.kind == "int" and d.type.low >= 0 and d.type.high <= 255)
-            lines.append(_perhaps_when(w, "", f"show {d.name}" + ("" if whole else f" as {{ {_labels(w, '', LABELS)} }}")))
+            whole = d.type.kind in ("condition", "word") or (
+                d.type.kind == "int" and d.type.low >= 0 and d.type.high <= 255
+            )
+            lines.append(
+                _perhaps_when(
+                    w,
+                    "",
+                    f"show {d.name}" + ("" if whole else f" as {{ {_labels(w, '', LABELS)} }}"),
+                )
+            )
     whole = [name for name in w.kinds if w.is_now(0.15)]
     looks = [name for name, kind in w.kinds.items() if name in whole or not kind.fields]
     for name in whole:
         lines.append(f"show {name} as {{ {_labels(w, name, (*LABELS, 'outside', *looks))} }}")
-    together = {name: kinds for name, kinds in w.groups.items() if w.is_now(0.3) and not set(kinds) & set(whole)}
+    together = {
+        name: kinds
+        for name, kinds in w.groups.items()
+        if w.is_now(0.3) and not set(kinds) & set(whole)
+    }
     for name, kinds in together.items():
         for f in w.cell_fields(kinds):
             made = _observable(w, name, f, f"{name}.{f.name}")
@@ -92,22 +140,34 @@ def observe(w: World) -> list[Lines]:
         for f in kind.fields:
             made = _observable(w, kind.name, f, f"{kind.name}.{f.name}") if w.is_now(0.3) else ""
             lines += [made] if made else []
-    lines += [f"hide {what}" for what in ("marks", "marks on agents", "content on agents") if w.is_now(0.1)]
+    lines += [
+        f"hide {what}"
+        for what in ("marks", "marks on agents", "content on agents")
+        if w.is_now(0.1)
+    ]
     for name in w.kinds:
         if w.is_now(0.15):
-            lines.append(f"hide marks on {name}" + (f" when {_test(w, name)}" if w.is_now(0.7) else ""))
+            lines.append(
+                f"hide marks on {name}" + (f" when {_test(w, name)}" if w.is_now(0.7) else "")
+            )
     return [braces("observe", lines)] if lines or w.is_now(0.2) else []
 
 
 def _windows(w: World) -> Lines:
     """Says how far agents see, perhaps some of them otherwise."""
     lines = [f"window {_sides(w, (1, 3, 4, 4))}"] if w.is_now(0.97) else []
-    return lines + [f"window {_sides(w, (1, 2))} when {_test(w, '')}" for _ in range(w.random.choice((0, 0, 0, 1, 2)))]
+    return lines + [
+        f"window {_sides(w, (1, 2))} when {_test(w, '')}"
+        for _ in range(w.random.choice((0, 0, 0, 1, 2)))
+    ]
 
 
 def _sides(w: World, numbers: Sequence[int]) -> str:
     r = w.random
-    return ", ".join(f"{side} {r.randint(0, 3)}" for side in r.sample(("ahead", "behind", "left", "right"), r.choice(numbers)))
+    return ", ".join(
+        f"{side} {r.randint(0, 3)}"
+        for side in r.sample(("ahead", "behind", "left", "right"), r.choice(numbers))
+    )
 
 
 def _observable_scope(w: World, owner: str) -> Scope:
@@ -118,7 +178,9 @@ def _observable_scope(w: World, owner: str) -> Scope:
         return scope.having(Variable(owner, sort=owner))
     if owner in w.kinds or owner in w.groups:
         scope = scope.having(Variable(owner, w.kinds_of(owner)))
-        return replace(scope, bound=scope.bound | {*w.kinds_of(owner)})  # what a group looks like is said for each kind, by both names
+        return replace(
+            scope, bound=scope.bound | {*w.kinds_of(owner)}
+        )  # what a group looks like is said for each kind, by both names
     return scope
 
 
@@ -136,7 +198,9 @@ def _observable(w: World, owner: str, f: Field, text: str) -> str:
     cell = owner in w.kinds or owner in w.groups
     if cell and w.is_now(0.4) and f.type.kind == "word":
         return f"hide {text}" + (f" when {_test(w, owner)}" if w.is_now(0.7) else "")
-    small = f.type.kind == "word" or (f.type.kind == "int" and f.type.low >= 0 and f.type.high <= 255 and not cell)
+    small = f.type.kind == "word" or (
+        f.type.kind == "int" and f.type.low >= 0 and f.type.high <= 255 and not cell
+    )
     if small and w.is_now(0.5) and not (cell and f.type.by):
         return _perhaps_when(w, owner, f"show {text}")
     if f.type.kind == "agent" and not f.type.by and w.is_now(0.6):

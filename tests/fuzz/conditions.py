@@ -63,13 +63,22 @@ def compared(scope: Scope, depth: int) -> str:
             return f"{_operand(left)} in {low} .. {low + r.randint(0, 3)}"
     text = f"{_operand(left)} {r.choice(tuple(COMPARISONS))} {_operand(right)}"
     edge = Random(text)  # apart from all else: programs are otherwise the same
-    return tenths_compared(left[0], right[0], edge) if left[1].kind == "int" and edge.random() < 0.3 else text
+    return (
+        tenths_compared(left[0], right[0], edge)
+        if left[1].kind == "int" and edge.random() < 0.3
+        else text
+    )
 
 
 def tenths_compared(left: str, right: str, r: Random) -> str:
     """Returns a comparison of reals made of two numbers that are often equal as fractions, so that the rounding of operations decides."""
     a, b, c = (r.randint(1, 9) / 10 for _ in "abc")
-    sums = (f"({left}) * {a} + {b}", f"({left}) * {a} - {b} * ({right})", f"({left}) / 10 + {b}", f"({left}) * {a} * {b} - {c}")
+    sums = (
+        f"({left}) * {a} + {b}",
+        f"({left}) * {a} - {b} * ({right})",
+        f"({left}) / 10 + {b}",
+        f"({left}) * {a} * {b} - {c}",
+    )
     others = (f"{c}", f"({right}) * {a}", f"({right}) / 10", f"({right}) / 3 * {c} + {b}")
     return f"{r.choice(sums)} {r.choice(tuple(COMPARISONS))} {r.choice(others)}"
 
@@ -126,7 +135,12 @@ def agents_compared(scope: Scope, _depth: int) -> str:
     found = [f"{h} {not_} nobody" for h in (*holders, *sets) for not_ in ("is", "is not")]
     found += [f"{a} is {b}" for a in (*holders, *members) for b in (*holders, *members) if a != b]
     found += [f"{a} is not {b}" for a in members for b in members if a != b]
-    found += [f"{a.name} is not {b.name}" for a in scope.movers() for b in scope.movers() if a.name != b.name and a.sort == b.sort]
+    found += [
+        f"{a.name} is not {b.name}"
+        for a in scope.movers()
+        for b in scope.movers()
+        if a.name != b.name and a.sort == b.sort
+    ]
     found += [f"{a} in {s}" for a in (*holders, *members) for s in sets]
     return r.choice(found) if found else ""
 
@@ -148,7 +162,11 @@ def within(scope: Scope, depth: int) -> str:
     if r.random() < 0.5:
         return ""
     unit = r.choice(("count", "cells"))
-    value, low, high = integer(scope, unit, depth - 1), integer(scope, unit, 0), integer(scope, unit, 0)
+    value, low, high = (
+        integer(scope, unit, depth - 1),
+        integer(scope, unit, 0),
+        integer(scope, unit, 0),
+    )
     return f"{value[0]} in {low[0]} .. {high[0]}"
 
 
@@ -175,11 +193,15 @@ def defined(scope: Scope, depth: int) -> str:
 def word(scope: Scope, allowed: tuple[str, ...], depth: int, plain: bool = True) -> Word | None:
     """Returns a word of the allowed ones; `plain`: also one written out."""
     r = scope.world.random
-    known = [(text, t.words) for text, t in scope.single_values("word") if set(t.words) <= set(allowed)]
+    known = [
+        (text, t.words) for text, t in scope.single_values("word") if set(t.words) <= set(allowed)
+    ]
     if not plain:
         known = [(text, t.words) for text, t in scope.single_values("word") if len(t.words) > 1]
     rows = [v for v in scope.rows("word") if set(v[1].words) <= set(allowed)]
-    numbers = [v for v in scope.rows("int") if len(v[1].by) == 1 and set(v[1].by[0].names) <= set(allowed)]
+    numbers = [
+        v for v in scope.rows("int") if len(v[1].by) == 1 and set(v[1].by[0].names) <= set(allowed)
+    ]
     made: list[Word] = []
     if rows and depth > 0:
         found = _entry(scope, r.choice(rows), depth - 1)

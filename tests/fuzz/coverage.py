@@ -16,7 +16,14 @@ from sjdsl.compiler.syntax.parse import read_tree
 from tests.fuzz.programs import Program
 
 SIGNS = ("CMP", "SIGN", "TIMES")  # terminals that are several signs
-ABSTRACT = ("Expression", "Statement", "RestrictionNode", "TurnNode", "PolicyRuleNode", "CourseNode")
+ABSTRACT = (
+    "Expression",
+    "Statement",
+    "RestrictionNode",
+    "TurnNode",
+    "PolicyRuleNode",
+    "CourseNode",
+)
 
 
 class Grammar:
@@ -27,9 +34,18 @@ class Grammar:
         self.parser = Lark(text, parser="lalr", lexer="basic", strict=True)
         self.used: Counter[str] = Counter()
         inner = self.parser.parser.parser.parser  # type: ignore[union-attr]
-        inner.callbacks = {rule: self._noting(rule, callback) for rule, callback in inner.callbacks.items()}
-        rules = {_written(rule) for rule in self.parser.rules if not rule.origin.name.startswith("_")}
-        signs = {f"{t.name} {sign}" for t in self.parser.terminals if t.name in SIGNS for sign in _signs(t.pattern.value)}
+        inner.callbacks = {
+            rule: self._noting(rule, callback) for rule, callback in inner.callbacks.items()
+        }
+        rules = {
+            _written(rule) for rule in self.parser.rules if not rule.origin.name.startswith("_")
+        }
+        signs = {
+            f"{t.name} {sign}"
+            for t in self.parser.terminals
+            if t.name in SIGNS
+            for sign in _signs(t.pattern.value)
+        }
         self.alternatives = tuple(sorted(rules | signs))
 
     def read(self, program: Program) -> None:
@@ -72,7 +88,11 @@ def _signs(pattern: str) -> list[str]:
 @cache
 def rule_parts() -> tuple[str, ...]:
     """Returns what typed rules can be made of: every node, and every value of a field that has few."""
-    return tuple(sorted({f"{kind.__name__}{part}" for kind in _kinds(ir.Node) for part in ("", *_choices(kind))}))
+    return tuple(
+        sorted(
+            {f"{kind.__name__}{part}" for kind in _kinds(ir.Node) for part in ("", *_choices(kind))}
+        )
+    )
 
 
 def rule_parts_used(game: ir.Game) -> Counter[str]:
@@ -81,7 +101,9 @@ def rule_parts_used(game: ir.Game) -> Counter[str]:
     for node in ir.walk(game):
         name = type(node).__name__
         used[name] += 1
-        used.update(f"{name}.{field}{_value(getattr(node, field))}" for field in _fields(type(node)))
+        used.update(
+            f"{name}.{field}{_value(getattr(node, field))}" for field in _fields(type(node))
+        )
     return used
 
 
@@ -94,11 +116,19 @@ def _kinds(kind: type[ir.Node]) -> Iterator[type[ir.Node]]:
 
 @cache
 def _fields(kind: type[ir.Node]) -> tuple[str, ...]:
-    return tuple(name for name, field in kind.model_fields.items() if name != "origin" and [*_values(field.annotation)])
+    return tuple(
+        name
+        for name, field in kind.model_fields.items()
+        if name != "origin" and [*_values(field.annotation)]
+    )
 
 
 def _choices(kind: type[ir.Node]) -> list[str]:
-    return [f".{name}{value}" for name in _fields(kind) for value in _values(kind.model_fields[name].annotation)]
+    return [
+        f".{name}{value}"
+        for name in _fields(kind)
+        for value in _values(kind.model_fields[name].annotation)
+    ]
 
 
 def _values(annotation: Any) -> Iterator[str]:

@@ -101,7 +101,9 @@ class World:
     def fresh(self, names: tuple[str, ...]) -> str:
         """Returns a name nothing else has."""
         free = [n for n in names if n not in self.taken]
-        name = self.random.choice(free) if free else f"{self.random.choice(names)}_{len(self.taken)}"
+        name = (
+            self.random.choice(free) if free else f"{self.random.choice(names)}_{len(self.taken)}"
+        )
         self.taken.add(name)
         return name
 
@@ -123,7 +125,11 @@ class World:
         alike = {f.name: f for f in first}
         for fields in others:
             given = {f.name: f for f in fields}
-            alike = {n: f for n, f in alike.items() if n in given and (given[n].type, given[n].timer) == (f.type, f.timer)}
+            alike = {
+                n: f
+                for n, f in alike.items()
+                if n in given and (given[n].type, given[n].timer) == (f.type, f.timer)
+            }
         return list(alike.values())
 
     def fields_of(self, sort: str) -> list[Field]:
@@ -147,7 +153,11 @@ class World:
         if sort == "word":
             return Level("word", self.random.choice(self.word_sets))
         low = self.random.choice((0, 0, 1, -1))
-        return level_of_agents(self.agents) if sort == "agent" else level_of_numbers(low, low + self.random.randint(0, 3))
+        return (
+            level_of_agents(self.agents)
+            if sort == "agent"
+            else level_of_numbers(low, low + self.random.randint(0, 3))
+        )
 
     def words(self) -> list[tuple[str, ...]]:
         """Returns the sets of words, the headings among them."""

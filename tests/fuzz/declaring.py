@@ -14,7 +14,19 @@ FIELDS = ("fruit", "depth", "age", "owner", "fans", "stock", "worth", "left")
 AGENT_FIELDS = ("bag", "mood", "purse", "last", "met", "debt", "tired", "rank")
 WORLD_FIELDS = ("pot", "turns", "king", "night", "sky")
 SIZES = ("reach", "most", "wide", "span", "team")
-PARAMS = ("pay", "fee", "luck", "rain", "share", "delay", "few", "many", "table_a", "table_b", "swap")
+PARAMS = (
+    "pay",
+    "fee",
+    "luck",
+    "rain",
+    "share",
+    "delay",
+    "few",
+    "many",
+    "table_a",
+    "table_b",
+    "swap",
+)
 MOVERS = ("deer", "ball", "cart")
 ACTIONS = ("zap", "peer", "hand_over")
 MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward")
@@ -26,13 +38,18 @@ CROWDS = 0.01  # how often there are more agents than one number of 32 bits hold
 def declare(random: Random) -> World:
     """Returns a world with everything but rules."""
     w = World(random)
-    w.agents = random.choice((1, 2, 2, 3, 3, 4, 5)) if not w.is_now(CROWDS) else random.choice((33, 36))
+    w.agents = (
+        random.choice((1, 2, 2, 3, 3, 4, 5)) if not w.is_now(CROWDS) else random.choice((33, 36))
+    )
     for _ in range(random.randint(2, 3)):
         w.word_sets.append(tuple(random.sample(WORDS, random.randint(2, 4))))
     for name in random.sample(SIZES, random.randint(1, 3)):
         w.sizes.append(size(w, name))
     for i, name in enumerate(random.sample(KINDS, random.randint(2, 4))):
-        fields = [a_field(w, f, sets=True) for f in random.sample(FIELDS, random.choice((0, 1, 1, 2, 2, 3)))]
+        fields = [
+            a_field(w, f, sets=True)
+            for f in random.sample(FIELDS, random.choice((0, 1, 1, 2, 2, 3)))
+        ]
         w.kinds[name] = Kind(name, ".#TOGD"[i], fields, glyphs=[".#TOGD"[i]])
     names = list(w.kinds)
     if w.is_now(0.6):
@@ -45,7 +62,11 @@ def declare(random: Random) -> World:
     w.word_sets = [s for s in w.word_sets if s in _declared_sets(w)] or [_some_words(w)]
     for name in random.sample(PARAMS, random.randint(2, 6)):
         w.params.append(param(w, name))
-    acts = [*random.sample(MOVES, random.randint(2, 6)), "stay", *random.sample(ACTIONS, random.randint(1, 3))]
+    acts = [
+        *random.sample(MOVES, random.randint(2, 6)),
+        "stay",
+        *random.sample(ACTIONS, random.randint(1, 3)),
+    ]
     random.shuffle(acts)
     w.actions = tuple(acts) if random.random() < 0.97 else ("stay",)
     for i, name in enumerate(random.sample(MOVERS, random.choice((0, 0, 1, 1, 2)))):
@@ -61,8 +82,15 @@ def declare(random: Random) -> World:
 
 
 def _declared_sets(w: World) -> list[tuple[str, ...]]:
-    fields = [*w.agent_fields, *w.fields, *(f for k in (*w.kinds.values(), *w.movers.values()) for f in k.fields)]
-    levels = ((f.type.words, *(level.names for level in f.type.by if level.sort == "word")) for f in fields)
+    fields = [
+        *w.agent_fields,
+        *w.fields,
+        *(f for k in (*w.kinds.values(), *w.movers.values()) for f in k.fields),
+    ]
+    levels = (
+        (f.type.words, *(level.names for level in f.type.by if level.sort == "word"))
+        for f in fields
+    )
     return list(dict.fromkeys(s for own in levels for s in own if s))
 
 
@@ -109,14 +137,30 @@ def size(w: World, name: str) -> Number:
 def param(w: World, name: str) -> Number:
     """Returns a param of any unit, with or without limits, single or a table."""
     r = w.random
-    unit = r.choice(("count", "steps", "cells", "reward", "reward", "probability", "probability", "fraction", "number", "word"))
+    unit = r.choice(
+        (
+            "count",
+            "steps",
+            "cells",
+            "reward",
+            "reward",
+            "probability",
+            "probability",
+            "fraction",
+            "number",
+            "word",
+        )
+    )
     levels = r.choice((0, 0, 0, 1, 1, 2))
     if unit == "word":
         made = _words_param(w, name, bool(levels))
         if made is not None:
             return made
         unit = "reward"
-    by = tuple(w.level() if not i and w.is_now(0.4) else Level("word", r.choice(w.word_sets)) for i in range(levels))
+    by = tuple(
+        w.level() if not i and w.is_now(0.4) else Level("word", r.choice(w.word_sets))
+        for i in range(levels)
+    )
     said = f" by {by[0]}" if by and (by[0].sort != "word" or w.is_now(0.2)) else ""
     whole = unit in ("count", "steps", "cells")
     low, high = UNIT_LIMITS[unit]
@@ -137,11 +181,17 @@ def param(w: World, name: str) -> Number:
         if whole:
             return str(r.randint(int(low), 4 if high > 4 else int(high)))
         if unit in ("reward", "number"):
-            return r.choice(("1", "2", "0.5", "0", "0.25", "1.75") + (("-1", "-0.5") if low < 0 else ()))
-        return r.choice(("0", "0.25", "0.3", "0.125") if high < 1 else ("0.5", "0.7", "0.1", "1", "0"))
+            return r.choice(
+                ("1", "2", "0.5", "0", "0.25", "1.75") + (("-1", "-0.5") if low < 0 else ())
+            )
+        return r.choice(
+            ("0", "0.25", "0.3", "0.125") if high < 1 else ("0.5", "0.7", "0.1", "1", "0")
+        )
 
     type_ = ir.Type(kind="int" if whole else "real", unit=unit, low=low, high=high, by=by)
-    return Number(name, type_, f"param {name}{said} : {unit} = {_table(w, by, value, bool(said))}{limits}")
+    return Number(
+        name, type_, f"param {name}{said} : {unit} = {_table(w, by, value, bool(said))}{limits}"
+    )
 
 
 def _words_param(w: World, name: str, table: bool) -> Number | None:
@@ -156,7 +206,9 @@ def _words_param(w: World, name: str, table: bool) -> Number | None:
         return given[-1]
 
     text = f"param {name} : word = {_table(w, by, value)}"
-    if any(set(given) <= set(s) for s in (*(level.names for level in by), *w.word_sets) if s != words):
+    if any(
+        set(given) <= set(s) for s in (*(level.names for level in by), *w.word_sets) if s != words
+    ):
         return None
     return Number(name, ir.Type(kind="word", words=words, by=by), text)
 
@@ -174,7 +226,11 @@ def _table(w: World, by: tuple[Level, ...], value, said: bool = False) -> str:
         if by[0].sort == "number" and w.is_now(0.3) and int(last) > 0:
             keys = [w.random.choice((f"{last} ..", f"{max(int(first), 0)} .. {last}"))]
             keys = [] if keys[0].startswith(f"{first} .. ") else keys
-        return "{ " + ", ".join(f"{k}: {_table(w, by[1:], value)}" for k in [*keys, "otherwise"]) + " }"
+        return (
+            "{ "
+            + ", ".join(f"{k}: {_table(w, by[1:], value)}" for k in [*keys, "otherwise"])
+            + " }"
+        )
     if by[0].sort == "number" and by[0].first < 0:
         return _table(w, by[1:], value)
     keys = list(by[0].keys)
@@ -185,29 +241,59 @@ def _table(w: World, by: tuple[Level, ...], value, said: bool = False) -> str:
 def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
     """Returns a field of any type; `sets`: also a set of agents."""
     r = w.random
-    sorts = ("word", "word", "word", "int", "int", "int", "capped", "capped", "agent", "real", "timer") + (("agents",) if sets else ())
+    sorts = (
+        "word",
+        "word",
+        "word",
+        "int",
+        "int",
+        "int",
+        "capped",
+        "capped",
+        "agent",
+        "real",
+        "timer",
+    ) + (("agents",) if sets else ())
     sorts += ("cell",) if w.kinds else ()
     sort = sort or r.choice(sorts)
-    by = (w.level(),) if sort != "timer" and w.is_now(0.4 if sort in ("int", "capped") else 0.06) else ()
+    by = (
+        (w.level(),)
+        if sort != "timer" and w.is_now(0.4 if sort in ("int", "capped") else 0.06)
+        else ()
+    )
     rows = f" by {by[0]}" if by else ""
     match sort:
         case "timer":
-            return Field(name, ir.Type(kind="int", unit="steps", low=0), f"timer {name}", timer=True)
+            return Field(
+                name, ir.Type(kind="int", unit="steps", low=0), f"timer {name}", timer=True
+            )
         case "word":
             words = r.choice(w.word_sets)
             text = f"field {name}{rows} : {{ {', '.join(words)} }} = {r.choice(words)}"
             return Field(name, ir.Type(kind="word", words=words, by=by), text)
         case "agent":
-            return Field(name, ir.Type(kind="agent", by=by), f"field {name}{rows} : agent{' = nobody' if w.is_now(0.3) else ''}")
+            return Field(
+                name,
+                ir.Type(kind="agent", by=by),
+                f"field {name}{rows} : agent{' = nobody' if w.is_now(0.3) else ''}",
+            )
         case "cell":
             of = r.choice([*w.kinds, *w.groups])
             type_ = ir.Type(kind="cell", kinds=w.kinds_of(of), by=by)
-            return Field(name, type_, f"field {name}{rows} : cell of {of}{' = nowhere' if w.is_now(0.3) else ''}")
+            return Field(
+                name,
+                type_,
+                f"field {name}{rows} : cell of {of}{' = nowhere' if w.is_now(0.3) else ''}",
+            )
         case "agents":
             return Field(name, ir.Type(kind="agents", by=by), f"field {name}{rows} : set of agent")
         case "real":
             start = r.choice(("", "", " = 1.5", " = -0.25"))
-            return Field(name, ir.Type(kind="real", unit="reward", by=by), f"field {name}{rows} : reward{start}")
+            return Field(
+                name,
+                ir.Type(kind="real", unit="reward", by=by),
+                f"field {name}{rows} : reward{start}",
+            )
     low, high, written, unit = r.choice((0, 0, 0, 1, -2)), r.randint(2, 9), "", "count"
     written = str(high)
     if w.is_now(0.3):
@@ -217,7 +303,12 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
         high, written = 300, "300"
     capped = " capped" if sort == "capped" else ""
     type_ = ir.Type(kind="int", unit=unit, low=low, high=high, by=by)
-    return Field(name, type_, f"field {name}{rows} : {low} .. {written}{capped} = {r.randint(low, min(high, 9))}", capped=bool(capped))
+    return Field(
+        name,
+        type_,
+        f"field {name}{rows} : {low} .. {written}{capped} = {r.randint(low, min(high, 9))}",
+        capped=bool(capped),
+    )
 
 
 def shapes(w: World) -> None:
@@ -225,7 +316,10 @@ def shapes(w: World) -> None:
     r = w.random
     for name in r.sample(("ray", "beam", "cone", "patch", "ring"), r.randint(1, 3)):
         if w.is_now(0.4):
-            rows = [[r.choice("x..") for _ in range(r.choice((1, 3, 3)))] for _ in range(r.randint(1, 3))]
+            rows = [
+                [r.choice("x..") for _ in range(r.choice((1, 3, 3)))]
+                for _ in range(r.randint(1, 3))
+            ]
             width = len(rows[0])
             rows = [row[:width] + ["."] * (width - len(row)) for row in rows]
             anchor = r.randrange(len(rows)), r.randrange(width)
@@ -244,8 +338,14 @@ def shapes(w: World) -> None:
 def form(w: World, directed: bool = True) -> Shape:
     """Returns one of the five forms, small."""
     r = w.random
-    name = r.choice(("line", "fan", "disc", "diamond", "square") if directed else ("disc", "diamond", "square"))
-    number = r.choice([s for s in w.sizes if 1 <= s.value <= 3]).name if w.is_now(0.2) and any(1 <= s.value <= 3 for s in w.sizes) else ""
+    name = r.choice(
+        ("line", "fan", "disc", "diamond", "square") if directed else ("disc", "diamond", "square")
+    )
+    number = (
+        r.choice([s for s in w.sizes if 1 <= s.value <= 3]).name
+        if w.is_now(0.2) and any(1 <= s.value <= 3 for s in w.sizes)
+        else ""
+    )
     n = r.randint(1, 3) if name == "line" else r.randint(1, 2)
     value = next((s.value for s in w.sizes if s.name == number), n)
     written = number or str(n)
@@ -262,7 +362,11 @@ def form(w: World, directed: bool = True) -> Shape:
 def _glyphs(w: World) -> None:
     free = iter(GLYPHS)
     for kind in w.kinds.values():
-        plain = [f for f in kind.fields if f.type.kind in ("word", "int", "real") and not f.type.by and not f.timer]
+        plain = [
+            f
+            for f in kind.fields
+            if f.type.kind in ("word", "int", "real") and not f.type.by and not f.timer
+        ]
         if plain and w.is_now(0.5):
             glyph = next(free)
             given = []
@@ -270,7 +374,11 @@ def _glyphs(w: World) -> None:
                 if f.type.kind == "word":
                     value = w.random.choice(f.type.words)
                 else:
-                    value = str(w.random.randint(int(f.type.low), min(int(f.type.high), 9))) if f.type.kind == "int" else "2.5"
+                    value = (
+                        str(w.random.randint(int(f.type.low), min(int(f.type.high), 9)))
+                        if f.type.kind == "int"
+                        else "2.5"
+                    )
                 given.append(f"with {f.name} = {value}")
             kind.extra.append(f'glyph "{glyph}" {" ".join(given)}')
             kind.glyphs.append(glyph)
@@ -284,7 +392,10 @@ def _map(w: World) -> None:
     common = kinds[0]
     absent = kinds[-1] if len(kinds) > 2 and w.is_now(0.15) else None
     legend = [(k, g) for k in kinds if k is not absent for g in k.glyphs]
-    grid = [[r.choice(legend) if w.is_now(0.6) else (common, common.glyph) for _ in range(width)] for _ in range(height)]
+    grid = [
+        [r.choice(legend) if w.is_now(0.6) else (common, common.glyph) for _ in range(width)]
+        for _ in range(height)
+    ]
     cells = [(i, j) for i in range(height) for j in range(width)]
     for i, j in r.sample(cells, min(len(cells), w.bodies + 1)):
         grid[i][j] = (common, common.glyph)

@@ -106,7 +106,9 @@ def written(program: Program) -> Iterator[Source]:
         shutil.rmtree(folder)
 
 
-def judge(program: Program, seed: int, steps: int = 50, jit: bool = False, strict: bool = True) -> list[Verdict]:
+def judge(
+    program: Program, seed: int, steps: int = 50, jit: bool = False, strict: bool = True
+) -> list[Verdict]:
     """Returns what becomes of a program without a variant and, more briefly, in each of them.
 
     strict: one program in `TRACED` is also traced by JAX. jit: also run there.
@@ -130,8 +132,14 @@ def _judge_one(source: Source, variants: tuple[str, ...], manner: Manner) -> Ver
     except CompileError as refused:
         errors = [d for d in refused.diagnostics if d.severity == "error"]
         verdict.codes = tuple(dict.fromkeys(d.code for d in errors))
-        verdict.messages = tuple(f"{d.code} {d.span.file}:{d.span.line} {d.message}" for d in errors)
-        unforeseen = [m for m in verdict.messages if m[:5] not in FORESEEN or (m[:5] == "SJ213" and not m.endswith("found a fraction"))]
+        verdict.messages = tuple(
+            f"{d.code} {d.span.file}:{d.span.line} {d.message}" for d in errors
+        )
+        unforeseen = [
+            m
+            for m in verdict.messages
+            if m[:5] not in FORESEEN or (m[:5] == "SJ213" and not m.endswith("found a fraction"))
+        ]
         verdict.fault = f"unforeseen {unforeseen[0]}" if unforeseen else ""
         return verdict
     except Exception as error:
@@ -166,7 +174,13 @@ def _choices(game: ir.Game, env: OnNumPy, play: Play, history: History) -> str:
     """Returns where policies choose differently when they are compiled."""
     at = range(0, min(len(history.moments), 16), 3)
     states = [state for state, *_ in moments(env, play, min(len(history.moments), 16))]
-    return different_choice(game, env, [states[i + 1] for i in at], [history.moments[i].ended for i in at], play.start[0])
+    return different_choice(
+        game,
+        env,
+        [states[i + 1] for i in at],
+        [history.moments[i].ended for i in at],
+        play.start[0],
+    )
 
 
 def _on_jax(game: ir.Game, text: str, play: Any, history: Any) -> str:
@@ -185,7 +199,9 @@ def on_jax(game: ir.Game, text: str) -> Environment:
 def _told(error: Exception) -> str:
     """Returns an error as its type, text and the last places of our own code it went through."""
     places = [
-        f for f in traceback.extract_tb(error.__traceback__) if "/sjdsl/" in f.filename or "on NumPy" in f.filename or "<" in f.filename
+        f
+        for f in traceback.extract_tb(error.__traceback__)
+        if "/sjdsl/" in f.filename or "on NumPy" in f.filename or "<" in f.filename
     ]
     last = places[-1] if places else None
     where = f" at {Path(last.filename).name}:{last.name}" if last else ""

@@ -14,7 +14,14 @@ from tests.fuzz.reduce import reduced
 RUNS = Path("runs/fuzz")
 
 
-def keep(made: Program, verdict: Verdict, name: str, again: Callable[[Program], list[Verdict]], tries: int, folder: Path = RUNS) -> Path:
+def keep(
+    made: Program,
+    verdict: Verdict,
+    name: str,
+    again: Callable[[Program], list[Verdict]],
+    tries: int,
+    folder: Path = RUNS,
+) -> Path:
     """Returns the file of a program that still fails as `verdict` says. `again`: judges a smaller one; `tries`: how many, 0 for none."""
 
     def fails(smaller: Program) -> bool:
@@ -25,7 +32,9 @@ def keep(made: Program, verdict: Verdict, name: str, again: Callable[[Program], 
     for file, text in small.files.items():
         (folder / file).write_text(text, encoding="utf-8")
     path = folder / f"{name}.sj"
-    path.write_text(f"# {verdict.fault.splitlines()[0][:130]}\n{_laid_out(small.text)}", encoding="utf-8")
+    path.write_text(
+        f"# {verdict.fault.splitlines()[0][:130]}\n{_laid_out(small.text)}", encoding="utf-8"
+    )
     return path
 
 

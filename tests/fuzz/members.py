@@ -12,7 +12,14 @@ from tests.fuzz.reading import Frame, Scope, Variable
 Made = tuple[str, Scope, int]  # text, the scope inside, the most members
 
 
-def domain(scope: Scope, depth: int, kind: str = "", counted: bool = False, single: bool = False, shape: bool = False) -> Made:
+def domain(
+    scope: Scope,
+    depth: int,
+    kind: str = "",
+    counted: bool = False,
+    single: bool = False,
+    shape: bool = False,
+) -> Made:
     """Returns a domain. `kind`: whose; `counted`: in `count` or `sum`; `single`: one member at most; `shape`: `in SHAPE of` is needed."""
     w, r = scope.world, scope.world.random
     kind = kind or r.choice(("agent", "agent", *w.kinds, *w.groups, *w.movers))
@@ -54,14 +61,18 @@ def where(scope: Scope, depth: int) -> tuple[str, Scope]:
     return condition(scope, max(depth, 0)), scope
 
 
-def _place(scope: Scope, kinds: tuple[str, ...], shape: bool, counted: bool, sort: str = "") -> tuple[str, int]:
+def _place(
+    scope: Scope, kinds: tuple[str, ...], shape: bool, counted: bool, sort: str = ""
+) -> tuple[str, int]:
     """Returns ` in …` or nothing, and the most members there."""
     r = scope.world.random
     anchors = scope.variables if scope.counts else ()
     if scope.sort == "start":  # nobody has a place yet
         anchors = tuple(a for a in anchors if not a.turns)
     if anchors and (shape or r.random() < 0.45):
-        anchor = r.choice([a for a in anchors if a.turns] or anchors) if shape else r.choice(anchors)
+        anchor = (
+            r.choice([a for a in anchors if a.turns] or anchors) if shape else r.choice(anchors)
+        )
         found = shape_for(scope, anchor.turns)
         return f" in {found[0]} of {anchor.name}", found[1]
     movers = [v.name for v in scope.movers() if v.sort == sort]
@@ -75,7 +86,9 @@ def _place(scope: Scope, kinds: tuple[str, ...], shape: bool, counted: bool, sor
         named = r.sample(cells, r.randint(1, min(2, len(cells))))
         return f" in {{ {', '.join(named)} }}", len(named)
     if kinds:
-        held = [text for text, type_ in scope.single_values("cell") if set(type_.kinds) & set(kinds)]
+        held = [
+            text for text, type_ in scope.single_values("cell") if set(type_.kinds) & set(kinds)
+        ]
         return (f" in {r.choice(held)}", 1) if held and r.random() < 0.4 else ("", 10**6)
     sets = [text for text, _ in scope.single_values("agents")]
     if sets and r.random() < 0.3:

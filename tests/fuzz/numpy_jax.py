@@ -19,8 +19,18 @@ import numpy as np
 
 from sjdsl.compiler.ir.operations import CALCULATIONS
 
-NUMBERS = {"float32": np.float32, "int32": np.int32, "uint32": np.uint32, "uint8": np.uint8, "bool_": np.bool_}
-NARROW = {np.dtype(np.float64): np.float32, np.dtype(np.int64): np.int32, np.dtype(np.uint64): np.uint32}
+NUMBERS = {
+    "float32": np.float32,
+    "int32": np.int32,
+    "uint32": np.uint32,
+    "uint8": np.uint8,
+    "bool_": np.bool_,
+}
+NARROW = {
+    np.dtype(np.float64): np.float32,
+    np.dtype(np.int64): np.int32,
+    np.dtype(np.uint64): np.uint32,
+}
 
 
 class Array(np.ndarray):
@@ -34,8 +44,17 @@ class Array(np.ndarray):
         try:
             result = getattr(ufunc, method)(*plain, **options)
         except OverflowError:  # a number of the text beside unsigned ones: JAX lets it wrap
-            unsigned = next(x.dtype for x in plain if isinstance(x, np.ndarray | np.generic) and x.dtype.kind == "u")
-            wrapped = [np.asarray(x % 2 ** (8 * unsigned.itemsize)).astype(unsigned) if type(x) is int else x for x in plain]
+            unsigned = next(
+                x.dtype
+                for x in plain
+                if isinstance(x, np.ndarray | np.generic) and x.dtype.kind == "u"
+            )
+            wrapped = [
+                np.asarray(x % 2 ** (8 * unsigned.itemsize)).astype(unsigned)
+                if type(x) is int
+                else x
+                for x in plain
+            ]
             result = getattr(ufunc, method)(*wrapped, **options)
         return result.view(Array) if type(result) is np.ndarray else result
 
@@ -54,16 +73,22 @@ class At:
     def __getitem__(self, index: Any) -> "At":
         return At(self.array, index)
 
-    def set(self, values: Any, mode: str = "", wrap_negative_indices: bool = True, **_: Any) -> Array:
+    def set(
+        self, values: Any, mode: str = "", wrap_negative_indices: bool = True, **_: Any
+    ) -> Array:
         """Returns a copy with the values in their places; raises AssertionError if two that differ want one place."""
         result = np.array(self.array)
         index, values = self._inside(values, wrap_negative_indices)
         result[index] = values
-        if mode == "promise_in_bounds":  # kernels only, that know what they do: agents that are nowhere share a place
+        if (
+            mode == "promise_in_bounds"
+        ):  # kernels only, that know what they do: agents that are nowhere share a place
             return as_array(result)
         read_back = np.asarray(result[index])
         wanted = np.broadcast_to(np.asarray(values).astype(result.dtype), read_back.shape)
-        assert np.array_equal(read_back, wanted, equal_nan=result.dtype.kind == "f"), "two values for one place"
+        assert np.array_equal(read_back, wanted, equal_nan=result.dtype.kind == "f"), (
+            "two values for one place"
+        )
         return as_array(result)
 
     def get(self, mode: str, wrap_negative_indices: bool = True) -> Array:
@@ -71,7 +96,11 @@ class At:
         assert mode == "promise_in_bounds"
         assert wrap_negative_indices or (np.asarray(self.index) >= 0).all()
         array = np.asarray(self.array)
-        return as_array(array[np.minimum(self.index, len(array) - 1)] if not isinstance(self.index, tuple) else array[self.index])
+        return as_array(
+            array[np.minimum(self.index, len(array) - 1)]
+            if not isinstance(self.index, tuple)
+            else array[self.index]
+        )
 
     def add(self, values: Any, **_: Any) -> Array:
         """Returns a copy with the values added, as often as their places are named."""
@@ -155,7 +184,11 @@ def _namespace() -> SimpleNamespace:
     same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "max", "min", "argmax", "clip", "take_along_axis",
             "concatenate", "broadcast_to", "zeros_like", "full_like", "stack", "eye", "select", "rot90", "repeat", "ones_like",
             "moveaxis", "split", "add", "logical_or")  # fmt: skip
-    calculating = {row.array.removeprefix("jnp.") for row in CALCULATIONS.values() if row.array.startswith("jnp.")}
+    calculating = {
+        row.array.removeprefix("jnp.")
+        for row in CALCULATIONS.values()
+        if row.array.startswith("jnp.")
+    }
     return SimpleNamespace(
         asarray=as_array,
         where=where,
@@ -193,17 +226,32 @@ class _CustomVmap:
 
 
 def _pad(array: Any, value: Any, edges: list[tuple[int, int, int]]) -> Array:
-    return as_array(np.pad(np.asarray(array), [(low, high) for low, high, _ in edges], constant_values=np.asarray(value)))
+    return as_array(
+        np.pad(
+            np.asarray(array),
+            [(low, high) for low, high, _ in edges],
+            constant_values=np.asarray(value),
+        )
+    )
 
 
-def _reduce_window(array: Any, start: Any, add: Any, size: tuple[int], step: tuple[int], padding: list[tuple[int, int]]) -> Array:
+def _reduce_window(
+    array: Any,
+    start: Any,
+    add: Any,
+    size: tuple[int],
+    step: tuple[int],
+    padding: list[tuple[int, int]],
+) -> Array:
     assert add == "add"
     assert size == step
     padded = np.pad(np.asarray(array), padding, constant_values=start)
     return as_array(padded.reshape(-1, *size).sum(axis=1, dtype=padded.dtype))
 
 
-def _reduce(arrays: Any, start: Any, together: Callable[[Any, Any], Any], axes: tuple[int, ...]) -> Any:
+def _reduce(
+    arrays: Any, start: Any, together: Callable[[Any, Any], Any], axes: tuple[int, ...]
+) -> Any:
     """Returns the arrays with one axis folded from its first entry to its last, by a function of tuples."""
     (axis,) = axes
     result = start
@@ -213,13 +261,19 @@ def _reduce(arrays: Any, start: Any, together: Callable[[Any, Any], Any], axes: 
 
 
 def _dynamic_slice(array: Any, starts: tuple[Any, ...], sizes: tuple[int, ...]) -> Array:
-    begin = [min(max(int(s), 0), n - size) for s, n, size in zip(starts, array.shape, sizes, strict=True)]
-    return as_array(np.asarray(array)[tuple(slice(b, b + size) for b, size in zip(begin, sizes, strict=True))])
+    begin = [
+        min(max(int(s), 0), n - size) for s, n, size in zip(starts, array.shape, sizes, strict=True)
+    ]
+    return as_array(
+        np.asarray(array)[tuple(slice(b, b + size) for b, size in zip(begin, sizes, strict=True))]
+    )
 
 
 def _dynamic_index_in_dim(array: Any, index: Any, axis: int, keepdims: bool) -> Array:
     assert not keepdims
-    return as_array(np.take(np.asarray(array), np.clip(int(index), 0, array.shape[axis] - 1), axis=axis))
+    return as_array(
+        np.take(np.asarray(array), np.clip(int(index), 0, array.shape[axis] - 1), axis=axis)
+    )
 
 
 def _select_n(which: Any, *cases: Any) -> Array:
@@ -233,7 +287,9 @@ def _select_n(which: Any, *cases: Any) -> Array:
 def _bitcast(array: Any, dtype: Any) -> Array:
     """Returns the bits of numbers as numbers of another type; of a narrower one along one more axis."""
     bits = np.ascontiguousarray(np.asarray(array)[..., None]).view(dtype)
-    return as_array(bits[..., 0] if bits.dtype.itemsize == np.asarray(array).dtype.itemsize else bits)
+    return as_array(
+        bits[..., 0] if bits.dtype.itemsize == np.asarray(array).dtype.itemsize else bits
+    )
 
 
 def _vmap(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -281,11 +337,15 @@ STANDING_IN = {
     "jax.custom_batching": SimpleNamespace(custom_vmap=_CustomVmap),
     "flax": SimpleNamespace(struct=SimpleNamespace(dataclass=_dataclass)),
     "sjdsl.runtime.forms": SimpleNamespace(by_platform=_on_cpu),
-    "sjdsl.runtime.varying": SimpleNamespace(settled=lambda _, start: start, either=lambda test, yes, no: yes() if bool(test) else no()),
+    "sjdsl.runtime.varying": SimpleNamespace(
+        settled=lambda _, start: start, either=lambda test, yes, no: yes() if bool(test) else no()
+    ),
 }
 
 
-def _import(name: str, names: Any = None, local: Any = None, fromlist: Any = (), level: int = 0) -> Any:
+def _import(
+    name: str, names: Any = None, local: Any = None, fromlist: Any = (), level: int = 0
+) -> Any:
     if name in STANDING_IN:
         return STANDING_IN[name] if fromlist or "." not in name else STANDING_IN[name.split(".")[0]]
     if name.startswith("sjdsl.runtime."):
@@ -308,6 +368,8 @@ def load(text: str, name: str) -> ModuleType:
     """Returns a module's text as a module on NumPy."""
     module = ModuleType(f"numpy.{name}")
     module.__dict__["__builtins__"] = {**vars(builtins), "__import__": _import}
-    with warnings.catch_warnings(action="error"):  # what Python warns of is a mistake in a generated text
+    with warnings.catch_warnings(
+        action="error"
+    ):  # what Python warns of is a mistake in a generated text
         exec(compile(text, f"<{name} on NumPy>", "exec"), module.__dict__)
     return module

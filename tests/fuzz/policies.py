@@ -28,7 +28,9 @@ def policies(w: World) -> list[Lines]:
     """Declares some policies."""
     made = []
     for name in w.random.sample(NAMES, w.random.choice((0, 0, 1, 2))):
-        made.append(braces(f"policy {name}{_title(w)}", [_rule(w) for _ in range(w.random.randint(1, 3))]))
+        made.append(
+            braces(f"policy {name}{_title(w)}", [_rule(w) for _ in range(w.random.randint(1, 3))])
+        )
         w.policies.append(name)
     return made
 
@@ -39,8 +41,12 @@ def scenarios(w: World) -> list[Lines]:
     for number in range(w.random.choice((0, 0, 1, 2))):
         focal = w.random.randint(1, w.agents)
         who = w.random.choice(("random", "stay", *w.policies))
-        rest = [f"slots {w.agents - focal} policy {who}"] if focal < w.agents or w.is_now(0.1) else []
-        made.append(braces(f"scenario line_up_{number}{_title(w)}", [f"slots {focal} focal", *rest]))
+        rest = (
+            [f"slots {w.agents - focal} policy {who}"] if focal < w.agents or w.is_now(0.1) else []
+        )
+        made.append(
+            braces(f"scenario line_up_{number}{_title(w)}", [f"slots {focal} focal", *rest])
+        )
     return made
 
 
@@ -72,14 +78,18 @@ class Compiled(SimpleNamespace):
         return Compiled(**{**vars(self), **changed})
 
 
-def different_choice(game: ir.Game, env: Environment, states: Sequence[Any], worlds: Sequence[State], seed: int) -> str:
+def different_choice(
+    game: ir.Game, env: Environment, states: Sequence[Any], worlds: Sequence[State], seed: int
+) -> str:
     """Returns the first choice in which compiled and interpreted policies differ, empty if there is none.
 
     Args:
       states: of the compiled module, on NumPy or JAX; worlds: the same of the interpreter.
     """
     params = Compiled(**{name: jnp.asarray(value) for name, value in vars(env.params).items()})
-    on_jax: Any = SimpleNamespace(game=game, module=env.module, num_agents=env.num_agents, cells=env.cells, params=params)
+    on_jax: Any = SimpleNamespace(
+        game=game, module=env.module, num_agents=env.num_agents, cells=env.cells, params=params
+    )
     choosers: list[tuple[ir.ScriptedPolicy, Chooser]] = []
     for policy in game.policies:
         try:
@@ -88,12 +98,22 @@ def different_choice(game: ir.Game, env: Environment, states: Sequence[Any], wor
             continue  # a stated limit
     if not choosers or not states:
         return ""
-    bits = np.random.default_rng(seed).integers(0, 2**32, (len(states), game.agents.number, 2), np.uint32)
-    stacked = {name: np.stack([np.asarray(vars(state)[name]) for state in states]) for name in vars(states[0])}
-    chosen = jax.jit(jax.vmap(lambda state, own: [chooser(Compiled(**state), own) for _, chooser in choosers]))(stacked, bits)
+    bits = np.random.default_rng(seed).integers(
+        0, 2**32, (len(states), game.agents.number, 2), np.uint32
+    )
+    stacked = {
+        name: np.stack([np.asarray(vars(state)[name]) for state in states])
+        for name in vars(states[0])
+    }
+    chosen = jax.jit(
+        jax.vmap(lambda state, own: [chooser(Compiled(**state), own) for _, chooser in choosers])
+    )(stacked, bits)
     for (policy, _), actions in zip(choosers, chosen, strict=True):
         for number, world in enumerate(worlds):
-            wanted = [choose(policy, game, world, agent, tuple(map(int, bits[number, agent]))) for agent in range(game.agents.number)]
+            wanted = [
+                choose(policy, game, world, agent, tuple(map(int, bits[number, agent])))
+                for agent in range(game.agents.number)
+            ]
             if actions[number].tolist() != wanted:
                 return f"policy {policy.name}: {actions[number].tolist()} instead of {wanted} in {world}"
     return ""

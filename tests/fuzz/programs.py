@@ -45,25 +45,52 @@ def program(random: Random, checks: Callable[[World], list[Lines]] = checks) -> 
         define(w)
     sections: list[Lines] = [[n.text] for n in (*w.sizes, *w.params)]
     files: dict[str, str] = {}
-    loose = [['cite "nobody\'s source"'], ['about summary "one line" "and one more"']] if w.is_now(0.1) else []
-    loose += [_episode(w), *_kinds(w), *([g] for g in _groups(w)), *([f.text] for f in w.fields), _map(w, files), agents(w), *movers(w)]
+    loose = (
+        [['cite "nobody\'s source"'], ['about summary "one line" "and one more"']]
+        if w.is_now(0.1)
+        else []
+    )
+    loose += [
+        _episode(w),
+        *_kinds(w),
+        *([g] for g in _groups(w)),
+        *([f.text] for f in w.fields),
+        _map(w, files),
+        agents(w),
+        *movers(w),
+    ]
     loose += [[t] for t in w.shape_texts] + [[d.text] for d in w.defines]
     turns, phases = schedule(w)
-    loose += [start(w), [f"schedule {' -> '.join(turns)}"], *phases, metrics(w), *policies(w), *scenarios(w), *checks(w), *observe(w)]
+    loose += [
+        start(w),
+        [f"schedule {' -> '.join(turns)}"],
+        *phases,
+        metrics(w),
+        *policies(w),
+        *scenarios(w),
+        *checks(w),
+        *observe(w),
+    ]
     loose += [[line] for line in looks(w)]
     if w.is_now(0.3):
         random.shuffle(loose)
     names = ("alpha", "beta", "gamma")[: random.choice((0, 0, 1, 1, 2, 3))]
-    variants = [braces(f"variant {n}{title(w)}", [] if w.is_now(0.05) else changes(w, turns)) for n in names]
+    variants = [
+        braces(f"variant {n}{title(w)}", [] if w.is_now(0.05) else changes(w, turns)) for n in names
+    ]
     text = game(f"base{title(w)}", sections + loose + variants)
     if w.is_now(0.15):
         files["base.sj"] = text
-        text = game(f'above{title(w)} extends "base.sj"', [] if w.is_now(0.2) else [changes(w, turns)])
+        text = game(
+            f'above{title(w)} extends "base.sj"', [] if w.is_now(0.2) else [changes(w, turns)]
+        )
     return Program(text, files, tuple(names))
 
 
 # One number makes a whole program: parts of its text are left out to make it small (reduce.py), not of what Hypothesis drew.
-programs: st.SearchStrategy[Program] = st.integers(0, 2**32 - 1).map(lambda seed: program(Random(seed)))
+programs: st.SearchStrategy[Program] = st.integers(0, 2**32 - 1).map(
+    lambda seed: program(Random(seed))
+)
 
 
 def title(w: World) -> str:
@@ -72,7 +99,9 @@ def title(w: World) -> str:
 
 def game(head: str, sections: list[Lines]) -> str:
     version = "sj 1" if len(sections) % 2 else "sj 1.1"  # which is read as the same
-    return "\n".join([version, f"game {head} {{", *(line for s in sections for line in indented(s)), "}", ""])
+    return "\n".join(
+        [version, f"game {head} {{", *(line for s in sections for line in indented(s)), "}", ""]
+    )
 
 
 def requires(w: World) -> None:
@@ -90,9 +119,21 @@ def requires(w: World) -> None:
     two = [s for s in w.word_sets if len(s) == 2]
     if two and w.is_now(0.3):
         a, b = two[0]
-        name, (r, s, t, p) = w.random.choice((("prisoners_dilemma", (3, 0, 5, 1)), ("stag_hunt", (4, 0, 3, 1)), ("chicken", (3, 1, 5, 0))))
+        name, (r, s, t, p) = w.random.choice(
+            (
+                ("prisoners_dilemma", (3, 0, 5, 1)),
+                ("stag_hunt", (4, 0, 3, 1)),
+                ("chicken", (3, 1, 5, 0)),
+            )
+        )
         text = f"param dilemma : reward = {{ {a}: {{ {a}: {r}, {b}: {s} }}, {b}: {{ {a}: {t}, {b}: {p} }} }}"
-        w.params.append(Number("dilemma", ir.Type(kind="real", unit="reward", by=(Level("word", two[0]),) * 2), text))
+        w.params.append(
+            Number(
+                "dilemma",
+                ir.Type(kind="real", unit="reward", by=(Level("word", two[0]),) * 2),
+                text,
+            )
+        )
         w.dilemmas.append(name)
 
 
@@ -145,18 +186,31 @@ def _kinds(w: World) -> list[Lines]:
         if kind is not next(iter(w.kinds.values())) and w.is_now(0.35):
             what = w.random.choice(["agents", "agents", *w.movers, *blockable])
             more = [b for b in blockable if b != what]
-            what += f", {w.random.choice(more)}" if more and what not in w.movers and w.is_now(0.3) else ""
+            what += (
+                f", {w.random.choice(more)}"
+                if more and what not in w.movers and w.is_now(0.3)
+                else ""
+            )
             test = ""
             if w.is_now(0.5):
-                scope = replace(Scope(w, "block").having(Variable(kind.name, (kind.name,))), bound=frozenset({kind.name, "agent"}))
+                scope = replace(
+                    Scope(w, "block").having(Variable(kind.name, (kind.name,))),
+                    bound=frozenset({kind.name, "agent"}),
+                )
                 if what in w.movers:
-                    scope = replace(scope, bound=scope.bound | {what}).having(Variable(what, sort=what))
+                    scope = replace(scope, bound=scope.bound | {what}).having(
+                        Variable(what, sort=what)
+                    )
                 if what == "agents":
                     scope = scope.having(Variable("agent"))
                 test = f" when {condition(scope, 1)}"
             lines.append(f"blocks {what}{test}")
         w.random.shuffle(lines)
-        made.append(braces(f'kind {kind.name} "{kind.glyph}"', lines) if lines or w.is_now(0.1) else [f'kind {kind.name} "{kind.glyph}"'])
+        made.append(
+            braces(f'kind {kind.name} "{kind.glyph}"', lines)
+            if lines or w.is_now(0.1)
+            else [f'kind {kind.name} "{kind.glyph}"']
+        )
     return made
 
 
@@ -164,9 +218,13 @@ def movers(w: World) -> list[Lines]:
     """Declares the sorts of movers."""
     made = []
     for sort in w.movers.values():
-        number = w.random.choice([str(sort.cells), *(s.name for s in w.sizes if s.value == sort.cells)])
+        number = w.random.choice(
+            [str(sort.cells), *(s.name for s in w.sizes if s.value == sort.cells)]
+        )
         head = f'movers {sort.name} {number} "{sort.glyph}"'
-        made.append(braces(head, [f.text for f in sort.fields]) if sort.fields or w.is_now(0.2) else [head])
+        made.append(
+            braces(head, [f.text for f in sort.fields]) if sort.fields or w.is_now(0.2) else [head]
+        )
     return made
 
 
@@ -191,7 +249,11 @@ def agents(w: World) -> Lines:
         lines.append(f"moves {w.random.choice(('relative', 'compass'))}")
     open_ = [a for a in w.actions if a != "stay"]
     for _ in range(w.random.choice((0, 0, 1, 2)) if open_ else 0):
-        some = "all" if w.is_now(0.3) else ", ".join(sorted(w.random.sample(open_, w.random.randint(1, min(2, len(open_))))))
+        some = (
+            "all"
+            if w.is_now(0.3)
+            else ", ".join(sorted(w.random.sample(open_, w.random.randint(1, min(2, len(open_))))))
+        )
         test = condition(Scope(w, "forbid").having(Variable("agent")), 2)
         if not any(line.startswith(f"forbid {some} when") for line in lines):
             lines.append(f"forbid {some} when {test}")
@@ -215,7 +277,10 @@ def looks(w: World) -> Lines:
         if words and w.is_now(0.7):
             field = w.random.choice(words)
             test = f" where {name}.{field.name} {w.random.choice(('is', 'is not'))} {w.random.choice(field.type.words)}"
-        paints = [w.random.choice(("apple", "red", "red apple", 'apple "#102030"', '"#AABBCC"')) for _ in range(2)]
+        paints = [
+            w.random.choice(("apple", "red", "red apple", 'apple "#102030"', '"#AABBCC"'))
+            for _ in range(2)
+        ]
         form = w.random.choice(("as {}", "with {}", "as {} with {}"))
         found.append(f"look {name}{test} {form.format(*paints)}")
     return found
@@ -224,7 +289,9 @@ def looks(w: World) -> Lines:
 def more_agents(w: World) -> Lines:
     """Says nothing, or one more field, of the agents there are."""
     number = f" {w.random.randint(1, w.agents)}" if w.is_now(0.3) else ""
-    return braces(f"agents{number}", [] if w.is_now(0.2) else [a_field(w, "extra_field", sets=False).text])
+    return braces(
+        f"agents{number}", [] if w.is_now(0.2) else [a_field(w, "extra_field", sets=False).text]
+    )
 
 
 def start(w: World) -> Lines:
@@ -242,7 +309,9 @@ def start(w: World) -> Lines:
         body += block(inner, phase, 3)
     lines = braces("each agent" if name == "agent" else f"each agent as {name}", body)
     for sort in w.movers:
-        lines += [f"each {sort} {{ send {sort} to {first}{w.random.choice(('', ' facing south', ' facing same'))} }}"]
+        lines += [
+            f"each {sort} {{ send {sort} to {first}{w.random.choice(('', ' facing south', ' facing same'))} }}"
+        ]
     if w.is_now(0.3):
         lines += block(scope, phase, 1)
     return braces("phase start", lines)
@@ -277,7 +346,10 @@ def schedule(w: World) -> tuple[list[str], list[Lines]]:
 def parameters(w: World) -> list[tuple[str, tuple, tuple]]:
     """Returns the uses of a phase with parameters: the arguments of each, and what the parameters are."""
     words, name, number = w.random.choice(w.word_sets), w.variable(), w.variable()
-    types = ((name, ir.Type(kind="word", words=words)), (number, ir.Type(kind="int", unit="number", low=0, high=3)))
+    types = (
+        (name, ir.Type(kind="word", words=words)),
+        (number, ir.Type(kind="int", unit="number", low=0, high=3)),
+    )
     uses = w.random.sample(words, w.random.randint(1, 2))
     if w.is_now(0.3):
         return [(f"({word})", types[:1], ()) for word in uses]
@@ -288,9 +360,13 @@ def parameters(w: World) -> list[tuple[str, tuple, tuple]]:
         alike = [
             p.name
             for p in params
-            if p.type.model_copy(update={"low": low, "high": high}) == type_ and low <= p.type.low <= p.type.high <= high
+            if p.type.model_copy(update={"low": low, "high": high}) == type_
+            and low <= p.type.low <= p.type.high <= high
         ]
-        return [(f"({word}, {w.random.choice(alike)})", (types[0], (number, type_)), ()) for word in uses]
+        return [
+            (f"({word}, {w.random.choice(alike)})", (types[0], (number, type_)), ())
+            for word in uses
+        ]
     return [(f"({word}, {w.random.randint(0, 3)})", types, ()) for word in uses]
 
 
@@ -318,7 +394,11 @@ def _go(w: World, sort: str) -> str:
 
 
 def _needs_tick(w: World, phases: list[Lines]) -> bool:
-    fields = [*w.agent_fields, *w.fields, *(f for k in (*w.kinds.values(), *w.movers.values()) for f in k.fields)]
+    fields = [
+        *w.agent_fields,
+        *w.fields,
+        *(f for k in (*w.kinds.values(), *w.movers.values()) for f in k.fields),
+    ]
     return any(f.timer for f in fields) or any(" after " in line for p in phases for line in p)
 
 
@@ -350,7 +430,9 @@ def _set(w: World) -> Lines:
     value = {"reward": "1.25", "probability": "0.25", "fraction": "0.25"}
     if rows and w.is_now(0.5):
         row = w.random.choice(rows)
-        return [f"set {row.name}[{w.random.choice(row.type.by[0].keys)}] = {value.get(row.type.unit, '2')}"]
+        return [
+            f"set {row.name}[{w.random.choice(row.type.by[0].keys)}] = {value.get(row.type.unit, '2')}"
+        ]
     if not plain:
         return []
     chosen = w.random.choice(plain)
@@ -376,7 +458,11 @@ def _other_phase(w: World) -> Lines:
     first = next(iter(w.kinds))
     movers = [f"each {sort} {{ send {sort} to {first} }}" for sort in w.movers]
     return braces(
-        "phase start", [*movers, f"each agent {{ send agent to {destination(Scope(w), first) if w.is_now(0.05) else first} facing west }}"]
+        "phase start",
+        [
+            *movers,
+            f"each agent {{ send agent to {destination(Scope(w), first) if w.is_now(0.05) else first} facing west }}",
+        ],
     )
 
 
@@ -387,7 +473,16 @@ def _other_policy(w: World) -> Lines:
 
 
 def _seen(w: World) -> Lines:
-    return [w.random.choice(("observe { window ahead 1, behind 2, left 1, right 0 }", "observe { }", "metrics { }", "checks { }"))]
+    return [
+        w.random.choice(
+            (
+                "observe { window ahead 1, behind 2, left 1, right 0 }",
+                "observe { }",
+                "metrics { }",
+                "checks { }",
+            )
+        )
+    ]
 
 
 __all__ = ["Program", "program", "programs"]

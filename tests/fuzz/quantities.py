@@ -17,7 +17,19 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
     w = scope.world
     if depth <= 0 or w.is_now(0.35):
         return atom(scope, "int", unit)
-    choices = ["sum", "sum", "difference", "product", "remainder", "quotient", "round", "plain", "case", "negation", "define"]
+    choices = [
+        "sum",
+        "sum",
+        "difference",
+        "product",
+        "remainder",
+        "quotient",
+        "round",
+        "plain",
+        "case",
+        "negation",
+        "define",
+    ]
     if scope.counts:
         choices += ["total", "total", "over"] + (["count"] * 3 if unit == "count" else [])
     if unit == "cells":
@@ -26,9 +38,16 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
         choices.append("asked")
     match w.random.choice(choices):
         case "sum" | "difference" as which:
-            return combined("+" if which == "sum" else "-", integer(scope, unit, depth - 1), integer(scope, unit, depth - 1))
+            return combined(
+                "+" if which == "sum" else "-",
+                integer(scope, unit, depth - 1),
+                integer(scope, unit, depth - 1),
+            )
         case "product":
-            left, right = integer(scope, "count" if w.is_now(0.5) else "number", depth - 1), integer(scope, unit, depth - 1)
+            left, right = (
+                integer(scope, "count" if w.is_now(0.5) else "number", depth - 1),
+                integer(scope, unit, depth - 1),
+            )
             if unit != "count" and left[1].unit == "count" and right[1].unit == "number":
                 left = atom(scope, "int", "number")
             if max(map(abs, (*ends_of(left), *ends_of(right)))) > LARGE:
@@ -38,12 +57,15 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
             divisor = str(w.random.randint(1, 4))
             left = integer(scope, unit, depth - 1)
             return f"({left[0]}) % {divisor}", whole_type(
-                *interval("%", left[1], whole_type(int(divisor), int(divisor), "number")), left[1].unit
+                *interval("%", left[1], whole_type(int(divisor), int(divisor), "number")),
+                left[1].unit,
             )
         case "quotient":
             left, divisor = integer(scope, unit, depth - 1), w.random.choice((2, 3, -2))
             below = whole_type(divisor, divisor, "number")
-            return f"quotient({left[0]}, {divisor})", whole_type(*interval("quotient", left[1], below), left[1].unit)
+            return f"quotient({left[0]}, {divisor})", whole_type(
+                *interval("quotient", left[1], below), left[1].unit
+            )
         case "round":
             text = fitted(real(scope, "number", depth - 1), -9, 9)
             return f"round({text})", whole_type(-9, 9, "number")
@@ -51,7 +73,11 @@ def integer(scope: Scope, unit: str, depth: int) -> Typed:
             inner = integer(scope, unit, depth - 1)
             return f"-({inner[0]})", whole_type(-inner[1].high, -inner[1].low, inner[1].unit)
         case "plain":
-            return plain(scope, [integer(scope, unit, depth - 1) for _ in range(w.random.choice((2, 2, 3)))], "int")
+            return plain(
+                scope,
+                [integer(scope, unit, depth - 1) for _ in range(w.random.choice((2, 2, 3)))],
+                "int",
+            )
         case "case":
             return case(scope, lambda s: integer(s, unit, depth - 1), depth)
         case "count":
@@ -75,12 +101,26 @@ def real(scope: Scope, unit: str, depth: int) -> Typed:
     w = scope.world
     if depth <= 0 or w.is_now(0.3):
         return atom(scope, "real", unit)
-    choices = ["sum", "difference", "product", "quotient", "plain", "case", "whole", "define", "ramp"]
+    choices = [
+        "sum",
+        "difference",
+        "product",
+        "quotient",
+        "plain",
+        "case",
+        "whole",
+        "define",
+        "ramp",
+    ]
     if scope.counts:
         choices += ["total", "share", "mix", "over"]
     match w.random.choice(choices):
         case "sum" | "difference" as which:
-            return combined("+" if which == "sum" else "-", real(scope, unit, depth - 1), real(scope, unit, depth - 1))
+            return combined(
+                "+" if which == "sum" else "-",
+                real(scope, unit, depth - 1),
+                real(scope, unit, depth - 1),
+            )
         case "product":
             return product(scope, unit, depth)
         case "quotient":
@@ -124,7 +164,11 @@ def written(scope: Scope, kind: str, unit: str) -> Typed:
     if kind == "int":
         value = r.choice((0, 1, 1, 2, 3, 4, 7))
         return str(value), whole_type(value, value, "number")
-    value = r.choice((0.25, 0.5, 0.125, 0.3, 0.75)) if unit in ("probability", "fraction") else r.choice((0.5, 1.5, 0.1, 2.25))
+    value = (
+        r.choice((0.25, 0.5, 0.125, 0.3, 0.75))
+        if unit in ("probability", "fraction")
+        else r.choice((0.5, 1.5, 0.1, 2.25))
+    )
     return str(value), real_type(value, value, "number")
 
 
@@ -165,7 +209,10 @@ def product(scope: Scope, unit: str, depth: int) -> Typed:
     if unit == "number":
         options.append(lambda: real(scope, "number", depth - 1))
     if unit in ("reward", "probability", "fraction"):
-        options += [lambda: integer(scope, "count", depth - 1), lambda: real(scope, "number", depth - 1)]
+        options += [
+            lambda: integer(scope, "count", depth - 1),
+            lambda: real(scope, "number", depth - 1),
+        ]
     if unit in ("reward", "probability"):
         options.append(lambda: real(scope, "probability", depth - 1))
     if unit == "reward" or (unit == "fraction" and right[1].unit != "number"):
@@ -197,7 +244,14 @@ def quotient(scope: Scope, unit: str, depth: int) -> Typed:
 PLAIN = [
     row
     for row in CALCULATIONS.values()
-    if not (row.sign or row.whole_only or row.bounded or row.apart or row.divisor is not None or row.kind == "real")
+    if not (
+        row.sign
+        or row.whole_only
+        or row.bounded
+        or row.apart
+        or row.divisor is not None
+        or row.kind == "real"
+    )
 ]
 
 
@@ -232,7 +286,10 @@ def case(scope: Scope, value, depth: int) -> Typed:
     if sort == "number":
         subject, type_ = integer(scope, "count", depth - 1)
         arms = (
-            [(k, value(scope)) for k in _number_keys(scope, int(type_.low) if type_.low > -inf else 0, type_.high)]
+            [
+                (k, value(scope))
+                for k in _number_keys(scope, int(type_.low) if type_.low > -inf else 0, type_.high)
+            ]
             if type_.low > -inf
             else []
         )
@@ -251,7 +308,9 @@ def _number_keys(scope: Scope, low: int, high: float) -> list[str]:
     """Returns keys that cover `low` .. `high`; keys are not negative."""
     r = scope.world.random
     if low < 0 or (high < inf and r.random() < 0.3):
-        keys = [str(k) for k in r.sample(range(max(low, 0), max(low, 0) + 3), 2) if low < 0 or k <= high]
+        keys = [
+            str(k) for k in r.sample(range(max(low, 0), max(low, 0) + 3), 2) if low < 0 or k <= high
+        ]
         return [*keys, "otherwise"] if low < 0 or high - low + 1 > len(keys) else keys
     if high < inf and high - low > LARGE:
         return [str(low), "otherwise"]
@@ -261,7 +320,10 @@ def _number_keys(scope: Scope, low: int, high: float) -> list[str]:
         return [str(k) for k in range(low, int(high) + 1)]
     cut = low + r.randint(0, int(min(2, high - low - 1)))
     first = str(low) if cut == low else f"{low} .. {cut}"
-    return [first, f"{cut + 1}.." if high == inf or r.random() < 0.6 else f"{cut + 1} .. {int(high)}"]
+    return [
+        first,
+        f"{cut + 1}.." if high == inf or r.random() < 0.6 else f"{cut + 1} .. {int(high)}",
+    ]
 
 
 def count(scope: Scope, depth: int) -> Typed:
@@ -283,12 +345,19 @@ def total(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
         if r.random() < 0.3:
             return f"{r.choice(('min', 'max'))}({text})", element(type_)
         least = 1 if type_.by[0].sort == "agent" else n  # a variant may have fewer agents
-        low, high = type_.low * (least if type_.low > 0 else n), type_.high * (least if type_.high < 0 else n)
-        return f"sum({text})", _beyond_one(type_.model_copy(update={"by": (), "low": low, "high": high}))
+        low, high = (
+            type_.low * (least if type_.low > 0 else n),
+            type_.high * (least if type_.high < 0 else n),
+        )
+        return f"sum({text})", _beyond_one(
+            type_.model_copy(update={"by": (), "low": low, "high": high})
+        )
     text, inner, most = domain(scope, depth - 1, counted=True)
     value, type_ = (integer if kind == "int" else real)(inner, unit, min(depth - 1, 1))
     low, high = min(0, type_.low), max(0, type_.high)
-    type_ = type_.model_copy(update={"low": low * most if low else 0, "high": high * most if high else 0})
+    type_ = type_.model_copy(
+        update={"low": low * most if low else 0, "high": high * most if high else 0}
+    )
     return f"sum({value} over {text})", _beyond_one(type_)
 
 
@@ -304,7 +373,11 @@ def over(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
     whole = not rest or (len(rest) == 2 and rest[0] == "as")
     around = scope.sort in ("phase", "metric", "check") and scope.agents()
     if whose in w.movers:
-        sure = whole and scope.sort in ("phase", "metric", "check") and any(v.sort == whose for v in scope.movers())
+        sure = (
+            whole
+            and scope.sort in ("phase", "metric", "check")
+            and any(v.sort == whose for v in scope.movers())
+        )
     else:
         sure = whole and (around if whose == "agent" else w.num_cells(w.kinds_of(whose)))
     if not sure or w.is_now(0.5):
@@ -314,13 +387,19 @@ def over(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
     low, high = hull(types)
     unit = next((t.unit for t in types if t.unit != "number"), "number")
     sort = "int" if all(t.kind == "int" for t in types) else "real"
-    return f"{w.random.choice(('min', 'max'))}({parts[0][0]} over {text})", ir.Type(kind=sort, unit=unit, low=low, high=high)
+    return f"{w.random.choice(('min', 'max'))}({parts[0][0]} over {text})", ir.Type(
+        kind=sort, unit=unit, low=low, high=high
+    )
 
 
 def apart(scope: Scope) -> Typed | None:
     """Returns the distance between two that have a place."""
     w = scope.world
-    placed = [] if scope.sort == "forbid" else [v.name for v in scope.variables if scope.sort != "start" or not v.turns]
+    placed = (
+        []
+        if scope.sort == "forbid"
+        else [v.name for v in scope.variables if scope.sort != "start" or not v.turns]
+    )
     if not placed:
         return None
     names = [w.random.choice(placed) for _ in "ab"]
@@ -337,7 +416,9 @@ def used(scope: Scope, kind: str, unit: str, depth: int) -> Typed | None:
     """Returns the use of a define that gives such a number."""
     from tests.fuzz.members import use_of
 
-    fitting = [d for d in scope.world.defines if d.type.kind == kind and d.type.unit in (unit, "number")]
+    fitting = [
+        d for d in scope.world.defines if d.type.kind == kind and d.type.unit in (unit, "number")
+    ]
     for define in scope.world.random.sample(fitting, len(fitting)):
         text = use_of(scope, define, depth)
         if text:
@@ -377,11 +458,19 @@ def share(scope: Scope, depth: int) -> Typed:
 def expected(scope: Scope, unit: str) -> Typed | None:
     """Returns an entry of a table of numbers by the shares of a row that is not empty."""
     r = scope.world.random
-    tables = [p for p in scope.world.params if p.type.by and p.type.kind in ("int", "real") and p.type.unit == unit]
+    tables = [
+        p
+        for p in scope.world.params
+        if p.type.by and p.type.kind in ("int", "real") and p.type.unit == unit
+    ]
     for table in r.sample(tables, len(tables)):
         text, type_ = table.name, table.type
         for words in table.type.by:
-            filled = [v for v in scope.rows("int") if v[0] in scope.filled and v[1].by == (words,) and v[1].low >= 0]
+            filled = [
+                v
+                for v in scope.rows("int")
+                if v[0] in scope.filled and v[1].by == (words,) and v[1].low >= 0
+            ]
             if filled and r.random() < 0.7:
                 text = f"{text}[mix({r.choice(filled)[0]})]"
                 type_ = element(type_).model_copy(update={"kind": "real"})

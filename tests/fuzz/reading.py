@@ -62,7 +62,11 @@ class Scope:
     bound: frozenset[str] = frozenset()
 
     def having(self, *variables: Variable) -> "Scope":
-        return replace(self, variables=(*self.variables, *variables), bound=self.bound | {v.name for v in variables})
+        return replace(
+            self,
+            variables=(*self.variables, *variables),
+            bound=self.bound | {v.name for v in variables},
+        )
 
     def agents(self) -> list[Variable]:
         return [v for v in self.variables if v.is_agent]
@@ -107,7 +111,10 @@ class Scope:
     def _of_agent(self, v: Variable) -> list[Typed]:
         w = self.world
         found = [(f"{v.name}.{f.name}", f.type) for f in w.fields_of(v.sort)]
-        found += [(f"{v.name}.index", _index(w, v.sort)), (f"{v.name}.heading", ir.Type(kind="word", words=HEADINGS))]
+        found += [
+            (f"{v.name}.index", _index(w, v.sort)),
+            (f"{v.name}.heading", ir.Type(kind="word", words=HEADINGS)),
+        ]
         if self.sort not in ("forbid", "start"):
             found += self._place(v)
         return found
@@ -119,7 +126,10 @@ class Scope:
     def _place(self, v: Variable) -> list[Typed]:
         rows, cols = len(self.world.rows), len(self.world.rows[0])
         sides = (("row", rows), ("col", cols))
-        return [(f"{v.name}.{name}", ir.Type(kind="int", unit="cells", low=0, high=most - 1)) for name, most in sides]
+        return [
+            (f"{v.name}.{name}", ir.Type(kind="int", unit="cells", low=0, high=most - 1))
+            for name, most in sides
+        ]
 
     def single_values(self, kind: str) -> list[Typed]:
         """Returns the values of a kind that are one value, not a row."""

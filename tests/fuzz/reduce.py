@@ -25,7 +25,11 @@ def reduced(program: Program, fails: Fails, tries: int = 3000) -> Program:
     while left > 0:
         before = program
         for name in ("", *program.files):
-            text, left = _reduced_text(_text(program, name), lambda t, n=name: fails(_with(program, n, t)), left)  # noqa: B023
+            text, left = _reduced_text(
+                _text(program, name),
+                lambda t, n=name: fails(_with(program, n, t)),  # noqa: B023
+                left,
+            )
             program = _with(program, name, text)
         if program == before:
             break
@@ -37,7 +41,11 @@ def _text(program: Program, name: str) -> str:
 
 
 def _with(program: Program, name: str, text: str) -> Program:
-    return replace(program, files={**program.files, name: text}) if name else replace(program, text=text)
+    return (
+        replace(program, files={**program.files, name: text})
+        if name
+        else replace(program, text=text)
+    )
 
 
 def _reduced_text(text: str, fails: Callable[[str], bool], left: int) -> tuple[str, int]:
@@ -66,7 +74,11 @@ def _nodes(text: str) -> list[Tree[Token]]:
         tree = read_tree(Source("game.sj", text))[1]
     except CompileError:
         return []  # a map in a file of its own
-    found = [n for n in tree.iter_subtrees_topdown() if n.data not in ("start", "game") and not n.meta.empty]
+    found = [
+        n
+        for n in tree.iter_subtrees_topdown()
+        if n.data not in ("start", "game") and not n.meta.empty
+    ]
     return sorted(found, key=lambda n: n.meta.start_pos - n.meta.end_pos)
 
 

@@ -31,7 +31,11 @@ def indented(lines: Lines) -> Lines:
 def braces(head: str, body: Lines) -> Lines:
     if not body:
         return [f"{head} {{ }}"]
-    return [f"{head} {{ {body[0]} }}"] if len(body) == 1 and len(head + body[0]) < 100 else [f"{head} {{", *indented(body), "}"]
+    return (
+        [f"{head} {{ {body[0]} }}"]
+        if len(body) == 1 and len(head + body[0]) < 100
+        else [f"{head} {{", *indented(body), "}"]
+    )
 
 
 def block(scope: Scope, phase: Phase, depth: int, least: int = 1) -> Lines:
@@ -114,21 +118,33 @@ def match_(scope: Scope, phase: Phase, depth: int) -> Lines:
     if " in " in left.split(" where ")[0] and not w.is_now(BOLD):
         return effect(scope, phase)
     frame = len(scope.frames)
-    sides = [replace(v, frame=frame, listed=v.name in left.split()) for v in within.variables[len(scope.variables) :]]
-    within = replace(within, variables=(*scope.variables, *sides), frames=(*scope.frames, Frame(False, match=True)))
+    sides = [
+        replace(v, frame=frame, listed=v.name in left.split())
+        for v in within.variables[len(scope.variables) :]
+    ]
+    within = replace(
+        within,
+        variables=(*scope.variables, *sides),
+        frames=(*scope.frames, Frame(False, match=True)),
+    )
     body = block(within, phase, depth + 1)
     both = [v for v in sides if v.is_agent]
     if len(both) > 1 and w.is_now(0.3):
         one = w.variable()
         among = within.having(Variable(one, (), frame + 1))
         among = replace(among, frames=(*within.frames, Frame(False, placed=True)))
-        body += braces(f"each agent as {one} in {{ {both[0].name}, {both[1].name} }}", effect(among, phase) or [f"give 1 to {one}"])
+        body += braces(
+            f"each agent as {one} in {{ {both[0].name}, {both[1].name} }}",
+            effect(among, phase) or [f"give 1 to {one}"],
+        )
     return braces(f"match {left} with {'first ' if nearest else ''}{right}", body)
 
 
 def when(scope: Scope, phase: Phase, depth: int) -> Lines:
     guard, inner = where(scope, 2)
-    return braces(f"when {guard}", block(inner, phase, depth + 1)) + _otherwise(scope, phase, depth, chained=True)
+    return braces(f"when {guard}", block(inner, phase, depth + 1)) + _otherwise(
+        scope, phase, depth, chained=True
+    )
 
 
 def chance(scope: Scope, phase: Phase, depth: int) -> Lines:
@@ -146,7 +162,11 @@ def let(scope: Scope) -> tuple[Lines, Scope]:
         case "word":
             words = w.random.choice(w.words())
             found = word(scope, words, 2)
-            text, type_ = (found[0], ir.Type(kind="word", words=found[1])) if found else ("1", ir.Type(kind="int", low=1, high=1))
+            text, type_ = (
+                (found[0], ir.Type(kind="word", words=found[1]))
+                if found
+                else ("1", ir.Type(kind="int", low=1, high=1))
+            )
         case "condition":
             text, type_ = condition(scope, 2), ir.CONDITION
         case "row" if scope.rows("int"):
@@ -165,7 +185,10 @@ def draw(scope: Scope) -> tuple[Lines, Scope]:
     match r.choice(("range", "range", "words", "weights", "numbers", "real")):
         case "real":
             low, more = r.choice((-1.5, 0.0, 0.25)), r.choice((0.0, 0.5, 2.0))
-            text, made = f"{low} .. {low + more}", ir.Type(kind="real", unit="number", low=low, high=low + more)
+            text, made = (
+                f"{low} .. {low + more}",
+                ir.Type(kind="real", unit="number", low=low, high=low + more),
+            )
         case "range":
             ends = _ends(scope)
             text, made = f"{ends[0]} .. {ends[1]}", ends[2]
@@ -175,7 +198,10 @@ def draw(scope: Scope) -> tuple[Lines, Scope]:
         case "numbers":
             some = [str(n) for n in r.sample(range(9), r.choice((1, 2, 3)))]
             low, high = min(map(int, some)), max(map(int, some))
-            text, made = f"{{ {_weights(scope, some)} }}", ir.Type(kind="int", unit="number", low=low, high=high)
+            text, made = (
+                f"{{ {_weights(scope, some)} }}",
+                ir.Type(kind="int", unit="number", low=low, high=high),
+            )
         case _:
             some = r.sample(words, r.choice((1, min(len(words), 3), min(len(words), 3))))
             text, made = f"{{ {_weights(scope, some)} }}", ir.Type(kind="word", words=tuple(some))
@@ -188,11 +214,19 @@ def _ends(scope: Scope) -> tuple[str, str, ir.Type]:
     if pairs and r.random() < 0.5:
         low, high = r.choice(pairs).split(" <= ")
         types = {p.name: p.type for p in scope.world.params}
-        return low, high, ir.Type(kind="int", unit=types[low].unit, low=types[low].low, high=types[high].high)
+        return (
+            low,
+            high,
+            ir.Type(kind="int", unit=types[low].unit, low=types[low].low, high=types[high].high),
+        )
     low, more = r.randint(-2, 2), r.randint(0, 4)
     if r.random() < 0.3:
         value, type_ = integer(scope, "count", 1)
-        return str(low), fitted((value, type_), low, low + 6), ir.Type(kind="int", unit="count", low=low, high=low + 6)
+        return (
+            str(low),
+            fitted((value, type_), low, low + 6),
+            ir.Type(kind="int", unit="count", low=low, high=low + 6),
+        )
     return str(low), str(low + more), ir.Type(kind="int", unit="number", low=low, high=low + more)
 
 
@@ -200,10 +234,18 @@ def _weights(scope: Scope, words: list[str]) -> str:
     r = scope.world.random
     if len(words) == 1:
         return f"{words[0]}: 1"
-    chances = [p.name for p in scope.world.params if p.type.unit == "probability" and not p.type.by and p.type.high <= 0.5]
+    chances = [
+        p.name
+        for p in scope.world.params
+        if p.type.unit == "probability" and not p.type.by and p.type.high <= 0.5
+    ]
     if chances and r.random() < 0.6:
-        given = [r.choice(chances) if i < 1 or len(words) == 2 else "0.25" for i in range(len(words) - 1)]
-        return ", ".join(f"{w}: {p}" for w, p in zip(words, [*given, "1 - " + " - ".join(given)], strict=True))
+        given = [
+            r.choice(chances) if i < 1 or len(words) == 2 else "0.25" for i in range(len(words) - 1)
+        ]
+        return ", ".join(
+            f"{w}: {p}" for w, p in zip(words, [*given, "1 - " + " - ".join(given)], strict=True)
+        )
     parts = {2: ("0.3", "0.7"), 3: ("0.25", "0.5", "0.25")}[len(words)]
     return ", ".join(f"{w}: {p}" for w, p in zip(words, parts, strict=True))
 
@@ -212,10 +254,25 @@ def effect(scope: Scope, phase: Phase) -> Lines:
     """Returns a statement without others inside."""
     r = scope.world.random
     if scope.world.with_arguments and r.random() < 0.15:
-        made = by_choice(scope, lambda inner: give(inner, phase) if r.random() < 0.5 else tally(inner, phase) or give(inner, phase))
+        made = by_choice(
+            scope,
+            lambda inner: (
+                give(inner, phase)
+                if r.random() < 0.5
+                else tally(inner, phase) or give(inner, phase)
+            ),
+        )
         if made:
             return made
-    makers = [write] * 6 + [give] * 3 + [tally] * 3 + [send] * 2 + [shift] * 2 + [mark] * 2 + [remove, end]
+    makers = (
+        [write] * 6
+        + [give] * 3
+        + [tally] * 3
+        + [send] * 2
+        + [shift] * 2
+        + [mark] * 2
+        + [remove, end]
+    )
     for make in (r.choice(makers), r.choice(makers)):
         made = make(scope, phase.written, 2) if make is write else make(scope, phase)  # type: ignore[operator]
         if made:
@@ -259,7 +316,9 @@ def send(scope: Scope, phase: Phase) -> Lines:
     who = _to_be_sent(scope, phase)
     if who is None:
         return []
-    kind = r.choice([n for n in (*w.kinds, *w.groups) if w.num_cells(w.kinds_of(n)) or w.is_now(0.1)])
+    kind = r.choice(
+        [n for n in (*w.kinds, *w.groups) if w.num_cells(w.kinds_of(n)) or w.is_now(0.1)]
+    )
     later = w.is_now(0.4)
     named = scope if is_own(who, scope) and not later else of_target_alone(scope, who)
     held = [text for text, _ in named.single_values("cell")]
@@ -270,7 +329,9 @@ def send(scope: Scope, phase: Phase) -> Lines:
     certain = kind and " where " not in text and w.num_cells(w.kinds_of(kind)) >= w.bodies
     phase.written.places += 1
     delay = f" after {r.choice(('1', '2', '3', _delay(scope)))}" if later else ""
-    facing = f" facing {r.choice(('north', 'east', 'south', 'west', 'same'))}" if w.is_now(0.5) else ""
+    facing = (
+        f" facing {r.choice(('north', 'east', 'south', 'west', 'same'))}" if w.is_now(0.5) else ""
+    )
     stay = " otherwise stay" if not certain or w.is_now(0.3) else ""
     return [f"send {who.name} to {text}{delay}{facing}{stay}"]
 
@@ -294,8 +355,20 @@ def shift(scope: Scope, phase: Phase) -> Lines:
     phase.written.places += 1
     far = r.choice(("0", "1", "1", "1", "2", "3", fitted(integer(named, "cells", 1), 0, 4)))
     headings = word(named, HEADINGS, 1)
-    ways = ["ahead", "back", "left", "right", *HEADINGS[:2], *([headings[0]] if headings and " " not in headings[0] else [])]
-    ways += [f"{how} {v.name}" for v in named.variables for how in ("away from", "toward") if v.name != who.name]
+    ways = [
+        "ahead",
+        "back",
+        "left",
+        "right",
+        *HEADINGS[:2],
+        *([headings[0]] if headings and " " not in headings[0] else []),
+    ]
+    ways += [
+        f"{how} {v.name}"
+        for v in named.variables
+        for how in ("away from", "toward")
+        if v.name != who.name
+    ]
     facing = f" facing {r.choice((*HEADINGS, 'same'))}" if w.is_now(0.4) else ""
     return [f"send {who.name} by {far} {r.choice(ways)}{facing} otherwise stay"]
 

@@ -10,7 +10,9 @@ from tests.fuzz.programs import Program
 FOUND = sorted((Path(__file__).parent / "found").glob("*.sj"))
 
 
-@pytest.mark.parametrize("jit", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["numpy", "jax"])
+@pytest.mark.parametrize(
+    "jit", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["numpy", "jax"]
+)
 @pytest.mark.parametrize("path", FOUND, ids=lambda path: path.stem)
 def test_interpreter_and_compiled_agree(path: Path, jit: bool) -> None:
     (verdict,) = judge(Program(path.read_text("utf-8")), seed=TRACED, steps=20, jit=jit)

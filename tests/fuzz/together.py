@@ -90,7 +90,9 @@ def interpret(game: ir.Game, play: Play) -> History:
 
 def runs_away(world: World) -> bool:
     """Returns whether a real number of the state is beyond `FAR`."""
-    return any(abs(x) > FAR or np.isnan(x) for x in _reals([world.fields, world.agents, world.cells]))
+    return any(
+        abs(x) > FAR or np.isnan(x) for x in _reals([world.fields, world.agents, world.cells])
+    )
 
 
 def _reals(values: Any) -> Iterator[Any]:
@@ -108,18 +110,27 @@ class OnNumPy(Environment):
 
     def __init__(self, game: ir.Game, module: ModuleType):
         super().__init__(module, module.default_params(), game=game)
-        self.pools = [f"{pool.phase} {pool.send.pool}" for pools in all_pools(game).values() for pool in pools]
+        self.pools = [
+            f"{pool.phase} {pool.send.pool}" for pools in all_pools(game).values() for pool in pools
+        ]
         self._tokens = module.observe  # not jitted
 
     def begin(self, words: Words) -> Any:
         return self.module.reset(self.params, key_of(words))
 
     def advance(self, words: Words, state: Any, actions: list[int]) -> Any:
-        state, out = self.module.step(state, numpy_jax.as_array(actions, np.int32), self.params, key_of(words))
+        state, out = self.module.step(
+            state, numpy_jax.as_array(actions, np.int32), self.params, key_of(words)
+        )
         metrics = self.module.measures(state, self.params)
         state = state.replace(step=state.step + 1)
         truncated = (state.step >= self.module.episode_length(self.params)) & ~out.ended
-        info = {"truncated": truncated, "terminated": out.ended, "events": self._events(out), "metrics": metrics}
+        info = {
+            "truncated": truncated,
+            "terminated": out.ended,
+            "events": self._events(out),
+            "metrics": metrics,
+        }
         return state, out.reward, truncated | out.ended, info
 
 
@@ -144,7 +155,9 @@ def of_text(game: ir.Game, text: str) -> OnNumPy:
 def run(env: OnNumPy, play: Play, history: History) -> Report:
     """Returns how far the module on NumPy and the interpreter went together."""
     report = Report()
-    for number, (state, observation, mask, step_) in enumerate(moments(env, play, len(history.moments))):
+    for number, (state, observation, mask, step_) in enumerate(
+        moments(env, play, len(history.moments))
+    ):
         if step_ is None:
             compare(env, state, observation, history.first, report, ROUNDED)
         else:
@@ -167,13 +180,21 @@ def plain(env: OnNumPy, state: Any) -> dict[str, Any]:
     """
     (_, cols), pad = env.module.FRAME, env.module.PAD
     positions = [attribute_of("position", sort) for sort in body_sorts(env.game)]
-    values = {n: v for n, v in vars(state).items() if n not in positions and not n.startswith("mark_")}
+    values = {
+        n: v for n, v in vars(state).items() if n not in positions and not n.startswith("mark_")
+    }
     places = {n: np.asarray(getattr(state, n)) for n in positions if hasattr(state, n)}
     for sort in body_sorts(env.game):
         name, ticks = attribute_of("away_pool", sort), values.get(attribute_of("away", sort))
         if name in values and ticks is not None:
-            values[name] = [env.pools[int(pool)] if back else "" for pool, back in zip(values[name], np.asarray(ticks), strict=True)]
-    return values | {n: np.where(at != 0, np.stack([at // cols - pad, at % cols - pad]), -1) for n, at in places.items()}
+            values[name] = [
+                env.pools[int(pool)] if back else ""
+                for pool, back in zip(values[name], np.asarray(ticks), strict=True)
+            ]
+    return values | {
+        n: np.where(at != 0, np.stack([at // cols - pad, at % cols - pad]), -1)
+        for n, at in places.items()
+    }
 
 
 def moments(env: OnNumPy, play: Play, steps: int) -> Iterator[Any]:
@@ -190,7 +211,10 @@ def moments(env: OnNumPy, play: Play, steps: int) -> Iterator[Any]:
 
 def jitted(env: Environment, plays: list[Play], histories: list[History]) -> list[str]:
     """Returns the differences of some plays at once on JAX: a batch of steps that begin anew, scanned, in one compilation."""
-    starts, keys, actions = (jnp.asarray(x, t) for x, t in zip(_stacked(plays), (jnp.uint32, jnp.uint32, jnp.int32), strict=True))
+    starts, keys, actions = (
+        jnp.asarray(x, t)
+        for x, t in zip(_stacked(plays), (jnp.uint32, jnp.uint32, jnp.int32), strict=True)
+    )
 
     def one(start: jax.Array, keys: jax.Array, actions: jax.Array) -> Any:
         first = env._reset(start)
@@ -230,8 +254,14 @@ def forms(env: Environment) -> list[str]:
         after = jax.eval_shape(env._step_env, key, before, actions)[1]
         jax.eval_shape(env.allowed_actions, before)
     declared = jax.eval_shape(env.module.initial_state)
-    shown = [{n: f"{v.dtype}{v.shape}" for n, v in vars(s).items()} for s in (declared, before, after)]
-    return [f"{n} is {', then '.join(s[n] for s in shown)}" for n in shown[0] if len({s[n] for s in shown}) > 1]
+    shown = [
+        {n: f"{v.dtype}{v.shape}" for n, v in vars(s).items()} for s in (declared, before, after)
+    ]
+    return [
+        f"{n} is {', then '.join(s[n] for s in shown)}"
+        for n in shown[0]
+        if len({s[n] for s in shown}) > 1
+    ]
 
 
 def _same(name: str, mine: Any, theirs: Any, report: Report) -> None:

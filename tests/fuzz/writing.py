@@ -10,7 +10,9 @@ from tests.fuzz.quantities import integer, key_for, real
 from tests.fuzz.reading import Scope, Typed, Variable
 from tests.fuzz.typed_numbers import fitted
 
-HEADING = Field("heading", ir.Type(kind="word", words=HEADINGS), "")  # of movers: a field as others are
+HEADING = Field(
+    "heading", ir.Type(kind="word", words=HEADINGS), ""
+)  # of movers: a field as others are
 BOLD = 0.06  # how often a write is made that may well be refused
 
 
@@ -60,11 +62,15 @@ def write(scope: Scope, written: Written, depth: int) -> Lines:
     return []
 
 
-def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field, text: str, depth: int) -> Lines:
+def _write_one(
+    scope: Scope, written: Written, owner: Variable | None, f: Field, text: str, depth: int
+) -> Lines:
     w = scope.world
     keys = _keys(owner, f)
     entry = _own_entry(scope, owner, f) if w.is_now(0.8) else ""
-    own = bool(entry) or (all(x.single for x in scope.frames) if owner is None else is_own(owner, scope))
+    own = bool(entry) or (
+        all(x.single for x in scope.frames) if owner is None else is_own(owner, scope)
+    )
     text += f"[{entry}]" if entry else ""
     f = replace(f, type=f.type.model_copy(update={"by": ()})) if entry else f
     bold = w.is_now(BOLD)
@@ -72,7 +78,11 @@ def _write_one(scope: Scope, written: Written, owner: Variable | None, f: Field,
     if sums and w.is_now(0.55 if own else 0.8):
         return _add(scope, written, keys, own, bold, f, text, depth)
     lot = "lot of an entry" if entry else "lot"
-    if scope.sort == "phase" and (bold or written.allows(keys, lot)) and w.is_now(0.5 if keys and written.fields.get(keys[0]) else 0.15):
+    if (
+        scope.sort == "phase"
+        and (bold or written.allows(keys, lot))
+        and w.is_now(0.5 if keys and written.fields.get(keys[0]) else 0.15)
+    ):
         by_lot = value(scope, f, depth)
         if by_lot is not None:
             written.note(keys, lot)
@@ -92,7 +102,9 @@ def _own_entry(scope: Scope, owner: Variable | None, f: Field) -> str:
     """Returns the agent whose entry of a row by agent each instance has for itself; empty if there is none."""
     if not f.type.by or f.type.by[0].sort != "agent" or (owner is not None and owner.frame < 0):
         return ""
-    left = {i for i, frame in enumerate(scope.frames) if not frame.single} - ({owner.frame} if owner is not None else set())
+    left = {i for i, frame in enumerate(scope.frames) if not frame.single} - (
+        {owner.frame} if owner is not None else set()
+    )
     fitting = [v.name for v in scope.agents() if v.frame >= 0 and left <= {v.frame}]
     return scope.world.random.choice(fitting) if fitting else ""
 
@@ -109,7 +121,13 @@ def of_target_alone(scope: Scope, owner: Variable | None) -> Scope:
     """Returns a scope in which only the target is known: what it gives is the same for all who reach it."""
     held = owner is not None and owner.name in scope.sure  # an agent that a field holds
     variables = () if owner is None or held else (owner,)
-    return replace(scope, variables=variables, locals=(), sure=frozenset({owner.name} if held and owner else ()), filled=frozenset())
+    return replace(
+        scope,
+        variables=variables,
+        locals=(),
+        sure=frozenset({owner.name} if held and owner else ()),
+        filled=frozenset(),
+    )
 
 
 def _target(scope: Scope, f: Field, text: str, made: Typed) -> str:
@@ -125,15 +143,26 @@ def _target(scope: Scope, f: Field, text: str, made: Typed) -> str:
 def value(scope: Scope, f: Field, depth: int) -> Typed | None:
     """Returns what a field of this type can be set to."""
     w, type_ = scope.world, f.type
-    rows = [v for v in scope.values if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit == type_.unit]
-    rows = [v for v in rows if type_.low <= v[1].low and v[1].high <= type_.high and set(v[1].words) <= set(type_.words)]
+    rows = [
+        v
+        for v in scope.values
+        if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit == type_.unit
+    ]
+    rows = [
+        v
+        for v in rows
+        if type_.low <= v[1].low and v[1].high <= type_.high and set(v[1].words) <= set(type_.words)
+    ]
     if type_.by and rows and w.is_now(0.25):
         return w.random.choice(rows)
     one = type_.model_copy(update={"by": ()})
     if type_.by and rows and type_.by[0].sort != "agent" and w.is_now(0.4):
         filler = value(scope, replace(f, type=one), depth)
         if filler is not None:
-            return f"shift({w.random.choice(rows)[0]}, {w.random.choice((-2, -1, 0, 1, 1, 3))}, {filler[0]})", type_
+            return (
+                f"shift({w.random.choice(rows)[0]}, {w.random.choice((-2, -1, 0, 1, 1, 3))}, {filler[0]})",
+                type_,
+            )
     match type_.kind:
         case "word":
             found = word(scope, type_.words, 2)
@@ -148,14 +177,25 @@ def value(scope: Scope, f: Field, depth: int) -> Typed | None:
             return agent_value(scope), one
         case "cell":
             cells = [v.name for v in scope.cells() if set(v.kinds) <= set(type_.kinds)] * 3
-            cells += [text for text, t in scope.single_values("cell") if set(t.kinds) <= set(type_.kinds)]
+            cells += [
+                text for text, t in scope.single_values("cell") if set(t.kinds) <= set(type_.kinds)
+            ]
             return w.random.choice([*cells, "nowhere"]), one
         case _:
             sets = [text for text, _ in scope.single_values("agents")]
             return w.random.choice([*sets, "nobody"]), one
 
 
-def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: bool, bold: bool, f: Field, text: str, depth: int) -> Lines:
+def _add(
+    scope: Scope,
+    written: Written,
+    keys: list[tuple[str, str, str]],
+    own: bool,
+    bold: bool,
+    f: Field,
+    text: str,
+    depth: int,
+) -> Lines:
     w, type_ = scope.world, f.type
     guarded = type_.kind == "int" and not f.capped
     sort = "bound" if guarded else "add"
@@ -166,7 +206,11 @@ def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: 
         who = w.random.choice(somebody(scope) or ["nobody"])
         target = _entry(scope, f, text)
         return [f"add {who} to {target}"] if who != "nobody" and target else []
-    rows = [v for v in scope.values if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit in (type_.unit, "number")]
+    rows = [
+        v
+        for v in scope.values
+        if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit in (type_.unit, "number")
+    ]
     if type_.by and not guarded:
         whole = w.is_now(0.4)
         if whole and not rows:
@@ -182,7 +226,11 @@ def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: 
     if not guarded:
         return [f"add {_number(scope, type_, depth)} to {target}"]
     step = w.random.choice((1, 1, 2, -1))
-    test = f"{target} <= {int(type_.high) - step}" if step > 0 else f"{target} >= {int(type_.low) - step}"
+    test = (
+        f"{target} <= {int(type_.high) - step}"
+        if step > 0
+        else f"{target} >= {int(type_.low) - step}"
+    )
     if step > 0 and w.is_now(0.5):
         test = f"{target} < {int(type_.high) - step + 1}"
     return [f"when {test} {{", f"  add {step} to {target}", "}"]
@@ -191,7 +239,9 @@ def _add(scope: Scope, written: Written, keys: list[tuple[str, str, str]], own: 
 def _entry(scope: Scope, f: Field, text: str) -> str:
     if not f.type.by:
         return text
-    key = key_for(scope, f.type.by[0], 1) or (f.type.by[0].names[0] if f.type.by[0].sort == "word" else "")
+    key = key_for(scope, f.type.by[0], 1) or (
+        f.type.by[0].names[0] if f.type.by[0].sort == "word" else ""
+    )
     return f"{text}[{key}]" if key else ""
 
 

@@ -30,7 +30,9 @@ def _environment(game: str, variant: str | None, agents: int | None) -> Environm
 
 
 @cache
-def on_map(game: str, rows: tuple[str, ...], agents: int, sizes: tuple[tuple[str, int], ...] = ()) -> Environment:
+def on_map(
+    game: str, rows: tuple[str, ...], agents: int, sizes: tuple[tuple[str, int], ...] = ()
+) -> Environment:
     """Returns a bundled game on a small map with so many agents."""
     return make(game, num_agents=agents, map=rows, params=dict(sizes))
 
@@ -38,7 +40,9 @@ def on_map(game: str, rows: tuple[str, ...], agents: int, sizes: tuple[tuple[str
 def frame_cells(env: Environment, places: Any) -> np.ndarray:
     """Returns the numbers of (row, col) cells, in the last axis of `places`, as states hold them."""
     places = np.asarray(places)
-    return ((places[..., 0] + env.module.PAD) * env.module.FRAME[1] + places[..., 1] + env.module.PAD).astype(np.int32)
+    return (
+        (places[..., 0] + env.module.PAD) * env.module.FRAME[1] + places[..., 1] + env.module.PAD
+    ).astype(np.int32)
 
 
 def places(env: Environment, position: Any) -> np.ndarray:
@@ -50,7 +54,9 @@ def places(env: Environment, position: Any) -> np.ndarray:
 def placed(env: Environment, cells: list[Cell], headings: Any = 0, **fields: Any) -> Any:
     """Returns a first state with the agents on these (row, col) cells, and attributes of the state as given."""
     _, state = env.reset(jax.random.key(0))
-    changed = {name: jnp.asarray(value, getattr(state, name).dtype) for name, value in fields.items()}
+    changed = {
+        name: jnp.asarray(value, getattr(state, name).dtype) for name, value in fields.items()
+    }
     assert all(changed[name].shape == getattr(state, name).shape for name in changed)
     heading = jnp.broadcast_to(jnp.asarray(headings, jnp.int32), (env.num_agents,))
     return state.replace(position=jnp.asarray(frame_cells(env, cells)), heading=heading, **changed)
@@ -59,9 +65,16 @@ def placed(env: Environment, cells: list[Cell], headings: Any = 0, **fields: Any
 def cells_of(env: Environment, kind: str) -> list[Cell]:
     """Returns the cells of a kind in reading order."""
     glyphs = {g.glyph for g in env.game.glyphs if g.kind == kind}
-    return [(r, c) for r, row in enumerate(env.game.rows) for c, glyph in enumerate(row) if glyph in glyphs]
+    return [
+        (r, c)
+        for r, row in enumerate(env.game.rows)
+        for c, glyph in enumerate(row)
+        if glyph in glyphs
+    ]
 
 
 def words_of(env: Environment, kind: str, field: str) -> tuple[str, ...]:
     """Returns the words of a cell field, in the order of their numbers."""
-    return next(f.type.words for k in env.game.kinds if k.name == kind for f in k.fields if f.name == field)
+    return next(
+        f.type.words for k in env.game.kinds if k.name == kind for f in k.fields if f.name == field
+    )

@@ -33,15 +33,24 @@ def variants_of(game: str) -> tuple[str, ...]:
 
     Those that stand for a substrate of Melting Pot, and are not named after it, are tested in `tests/meltingpot/`.
     """
-    elsewhere = {s.variant for s in written_substrates() if s.game == game} - {"", "meltingpot", "closed", "partnership"}
-    return tuple(name for name in compose(read_source(find_game(game))).variants if name not in elsewhere)
+    elsewhere = {s.variant for s in written_substrates() if s.game == game} - {
+        "",
+        "meltingpot",
+        "closed",
+        "partnership",
+    }
+    return tuple(
+        name for name in compose(read_source(find_game(game))).variants if name not in elsewhere
+    )
 
 
 @cache
 def rules_of(form: Form) -> ir.Game:
     """Returns the typed rules. Raises CompileError where the game does not admit so many agents."""
     variants = (form.variant,) if form.variant else ()
-    return build(read_source(find_game(form.game)), variants, Overrides(num_agents=form.agents)).game
+    return build(
+        read_source(find_game(form.game)), variants, Overrides(num_agents=form.agents)
+    ).game
 
 
 def all_forms() -> Iterator[Form]:

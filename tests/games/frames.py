@@ -4,7 +4,12 @@ from sjdsl.testing import Stage
 
 ARROWS = "^>v<"
 AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))  # north, east, south, west, as (rows, columns)
-BY_HEADING = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}  # quarter turns from the heading
+BY_HEADING = {
+    "forward": 0,
+    "step_right": 1,
+    "backward": 2,
+    "step_left": 3,
+}  # quarter turns from the heading
 
 
 def check_moves(stage: Stage, picture: tuple[str, ...], compass: bool) -> None:
@@ -14,7 +19,11 @@ def check_moves(stage: Stage, picture: tuple[str, ...], compass: bool) -> None:
     """
     row, column = stage.put(*picture).places()[0] or (0, 0)
     for heading, arrow in enumerate(ARROWS):
-        turned = (*picture[:row], picture[row][:column] + arrow + picture[row][column + 1 :], *picture[row + 1 :])
+        turned = (
+            *picture[:row],
+            picture[row][:column] + arrow + picture[row][column + 1 :],
+            *picture[row + 1 :],
+        )
         for action, quarter in BY_HEADING.items():
             rows, columns = AROUND[quarter if compass else (heading + quarter) % 4]
             scene = stage.put(*turned).step(action)

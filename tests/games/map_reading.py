@@ -16,7 +16,9 @@ def read_map(game: str) -> tuple[str, ...]:
 def find(game: str, glyphs: str) -> Cells:
     """Returns the (row, col) of every cell that shows one of `glyphs`."""
     rows = enumerate(read_map(game))
-    return frozenset((row, col) for row, line in rows for col, glyph in enumerate(line) if glyph in glyphs)
+    return frozenset(
+        (row, col) for row, line in rows for col, glyph in enumerate(line) if glyph in glyphs
+    )
 
 
 def box(rows: Iterable[int], cols: Iterable[int]) -> Cells:

@@ -85,5 +85,7 @@ def test_bundled_games_on_bare_maps(game: str, rows: tuple[str, ...]) -> None:
     env = make(game, map=rows)
     _, state = env.reset(jax.random.key(0))
     for action in (0, env.num_actions - 1):
-        _, state, reward, *_ = env.step_env(jax.random.key(action), state, jnp.full(env.num_agents, action))
+        _, state, reward, *_ = env.step_env(
+            jax.random.key(action), state, jnp.full(env.num_agents, action)
+        )
         assert not np.asarray(reward).any()

@@ -61,7 +61,8 @@ TESTS = {
     "mushrooms start": STARTS,
     "mushrooms walk": CONTESTED,
     **{
-        f"mushrooms sprout({kind})": "test_mushrooms_chances.py test_what_grows_after_a_meal" for kind in ("red", "green", "blue", "orange")
+        f"mushrooms sprout({kind})": "test_mushrooms_chances.py test_what_grows_after_a_meal"
+        for kind in ("red", "green", "blue", "orange")
     },
     "mushrooms fire": "test_mushrooms_chances.py test_home_is_every_free_bare_cell_alike",
     **{
@@ -94,9 +95,19 @@ def drawing_phases() -> Iterator[str]:
         rules = rules_of(form)
         values = {p.name: p.value for p in rules.params}
         for phase in (rules.start, *rules.schedule):
-            if isinstance(phase, ir.Phase) and any(isinstance(node, DRAWING) for node in ir.walk(phase)):
-                read = {(node.name, values[node.name]) for node in ir.walk(phase) if isinstance(node, ir.ParamRef)}
-                key = ("harvest" if form.game in HARVESTS else form.game, content(phase), frozenset(read))
+            if isinstance(phase, ir.Phase) and any(
+                isinstance(node, DRAWING) for node in ir.walk(phase)
+            ):
+                read = {
+                    (node.name, values[node.name])
+                    for node in ir.walk(phase)
+                    if isinstance(node, ir.ParamRef)
+                }
+                key = (
+                    "harvest" if form.game in HARVESTS else form.game,
+                    content(phase),
+                    frozenset(read),
+                )
                 if key not in seen:
                     seen.add(key)
                     yield f"{form} {phase.label}"
@@ -105,7 +116,9 @@ def drawing_phases() -> Iterator[str]:
 def content(value: object) -> object:
     """Returns what a node says, without places in the text and what is proven of its values."""
     if isinstance(value, ir.Node):
-        names = [name for name in type(value).model_fields if name not in ("origin", "type", "most")]
+        names = [
+            name for name in type(value).model_fields if name not in ("origin", "type", "most")
+        ]
         return type(value).__name__, *(content(getattr(value, name)) for name in names)
     return tuple(content(item) for item in value) if isinstance(value, tuple) else value
 
@@ -120,4 +133,6 @@ def test_the_tests_are_there() -> None:
     for name in set(TESTS.values()):
         file, function = name.split()
         module = ast.parse((folder / file).read_text(encoding="utf-8"))
-        assert function in {node.name for node in module.body if isinstance(node, ast.FunctionDef)}, name
+        assert function in {
+            node.name for node in module.body if isinstance(node, ast.FunctionDef)
+        }, name

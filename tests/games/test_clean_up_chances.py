@@ -18,7 +18,13 @@ STAYS = [6] * 7
 SAND = [(9, c) for c in range(4, 8)] + [(8, c) for c in range(4, 7)]  # where nothing happens
 
 
-def state_with(dirty: int | np.ndarray, places: Any = SAND, headings: Any = (0,) * 7, step: int = 0, variant: str | None = None) -> Any:
+def state_with(
+    dirty: int | np.ndarray,
+    places: Any = SAND,
+    headings: Any = (0,) * 7,
+    step: int = 0,
+    variant: str | None = None,
+) -> Any:
     """Returns a state with the first so many cells of water dirty, or those of a mask."""
     env = environment("clean_up", variant)
     _, state = env.reset(jax.random.key(0))
@@ -61,7 +67,15 @@ def counted() -> Any:
 
 
 # dirty cells -> growth of each orchard cell in a step, rounds. 0.05 (1 - f / 0.4), f of 167. Source: the released code's figures
-GROWTH = [(0, 0.05, 1), (33, 0.0253, 2), (66, 5.988e-4, 12), (67, 0, 12), (79, 0, 2), (100, 0, 2), (147, 0, 2)]
+GROWTH = [
+    (0, 0.05, 1),
+    (33, 0.0253, 2),
+    (66, 5.988e-4, 12),
+    (67, 0, 12),
+    (79, 0, 2),
+    (100, 0, 2),
+    (147, 0, 2),
+]
 # f of 147. Source: Melting Pot's figures
 WITHOUT_CHANNEL = [(0, 0.05, 1), (29, 0.02534, 2), (58, 6.803e-4, 12), (59, 0, 12), (79, 0, 2)]
 
@@ -69,12 +83,18 @@ WITHOUT_CHANNEL = [(0, 0.05, 1), (29, 0.02534, 2), (58, 6.803e-4, 12), (59, 0, 1
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     ("variant", "dirty", "chance", "rounds"),
-    [(None, *row) for row in GROWTH] + [("socialjax", *GROWTH[1])] + [("meltingpot", *row) for row in WITHOUT_CHANNEL],
+    [(None, *row) for row in GROWTH]
+    + [("socialjax", *GROWTH[1])]
+    + [("meltingpot", *row) for row in WITHOUT_CHANNEL],
 )
-def test_growth_falls_with_dirt(variant: str | None, dirty: int, chance: float, rounds: int) -> None:
+def test_growth_falls_with_dirt(
+    variant: str | None, dirty: int, chance: float, rounds: int
+) -> None:
     """In Melting Pot the cells of the channel do not count."""
     env = environment("clean_up", variant)
-    grown = counter(variant)(dirty, state_with(dirty, variant=variant), STAYS, env.params, rounds)["grown"]
+    grown = counter(variant)(dirty, state_with(dirty, variant=variant), STAYS, env.params, rounds)[
+        "grown"
+    ]
     exact = 0.05 * max(0.0, 1 - dirty / (WATER if variant == "meltingpot" else RIVER) / 0.4)
     assert chance == pytest.approx(exact, rel=2e-3)
     if chance == 0:
@@ -109,7 +129,13 @@ def test_dirt_comes_to_every_clean_cell_alike(counted: Any) -> None:
     water = cells_of(env, "water")
     clean = np.arange(WATER) % 3 == 1
     places = [water[i] for i in np.flatnonzero(clean)[[0, 7, 8, 20, 30, 40, 48]]]
-    seen = counted(2, state_with(~clean, places, step=60), STAYS, env.params.replace(pollution=jnp.float32(1)), 24)
+    seen = counted(
+        2,
+        state_with(~clean, places, step=60),
+        STAYS,
+        env.params.replace(pollution=jnp.float32(1)),
+        24,
+    )
     assert seen["some"] == 24 * BATCH
     assert seen["dirtied"][~clean].sum() == 0
     assert_uniform(seen["dirtied"][clean], 0.15)
@@ -123,9 +149,13 @@ def test_as_released_dirt_waits_a_step_more_and_is_lost_on_covered_cells() -> No
     covered = np.flatnonzero(clean)[[0, 7, 8, 20, 30, 40, 48]]
     sure = env.params.replace(pollution=jnp.float32(1))
     places = [water[i] for i in covered]
-    first = counter("socialjax")(0, state_with(~clean, places, step=50, variant="socialjax"), STAYS, sure, 2)
+    first = counter("socialjax")(
+        0, state_with(~clean, places, step=50, variant="socialjax"), STAYS, sure, 2
+    )
     assert first["some"] == 0
-    seen = counter("socialjax")(2, state_with(~clean, places, step=51, variant="socialjax"), STAYS, sure, 24)
+    seen = counter("socialjax")(
+        2, state_with(~clean, places, step=51, variant="socialjax"), STAYS, sure, 24
+    )
     assert_share(seen["some"], 24 * BATCH, 42 / 49, 0.02)
     bare = np.setdiff1d(np.flatnonzero(clean), covered)
     assert seen["dirtied"].sum() == seen["dirtied"][bare].sum() == seen["some"]
@@ -150,7 +180,13 @@ def test_home_is_every_free_gate_alike(variant: str | None) -> None:
     env = environment("clean_up", variant)
     gates = cells_of(env, "gate")
     places = [(11, 17), (11, 16), (6, 3), (12, 1), (12, 2), (12, 3), (12, 4)]
-    seen = counter(variant)(5, state_with(0, places, [3, 0, 0, 0, 0, 0, 0], variant=variant), [7, *STAYS[1:]], env.params, 16)
+    seen = counter(variant)(
+        5,
+        state_with(0, places, [3, 0, 0, 0, 0, 0, 0], variant=variant),
+        [7, *STAYS[1:]],
+        env.params,
+        16,
+    )
     homes = seen["place"][1, frame_cells(env, [gate for gate in gates if gate not in places])]
     assert (len(homes), homes.sum()) == (17, 16 * BATCH)
     assert_uniform(homes, 0.1)
@@ -176,13 +212,17 @@ def test_who_was_away_comes_to_every_free_gate_alike() -> None:
 
 @pytest.mark.parametrize("variant", [None, "socialjax"])
 @pytest.mark.parametrize("number", [2, 3])
-def test_a_cell_that_several_clean_counts_once_and_for_each_alike(number: int, variant: str | None) -> None:
+def test_a_cell_that_several_clean_counts_once_and_for_each_alike(
+    number: int, variant: str | None
+) -> None:
     env = environment("clean_up", variant)
     dirty = np.array([cell == (4, 2) for cell in cells_of(env, "water")])
     state = state_with(dirty, [(5, 1), (5, 3), (5, 2), *SAND[3:]], variant=variant)
 
     def cleaned(key: jax.Array) -> jax.Array:
-        return env.step_env(key, state, jnp.array([8] * number + [6] * (7 - number)))[4]["events"]["cleaned"]
+        return env.step_env(key, state, jnp.array([8] * number + [6] * (7 - number)))[4]["events"][
+            "cleaned"
+        ]
 
     found = np.asarray(jax.jit(jax.vmap(cleaned))(jax.random.split(jax.random.key(9), BATCH)))
     assert (found.sum(axis=1) == 1).all()

@@ -8,16 +8,33 @@ from .frames import check_moves
 
 LOOKS = {"b": "orchard fruit=ripe"}
 # 18 cells of water and 2 of channel: 8 dirty cells are a fraction of 0.4
-STAGE = Stage("clean_up", ("HHHHHHS", "HHHHHHS", "HHHH#HH", ".......", "PPP.#..", "BBBBBBB", "BBBBBBB"), 3, looks=LOOKS)
+STAGE = Stage(
+    "clean_up",
+    ("HHHHHHS", "HHHHHHS", "HHHH#HH", ".......", "PPP.#..", "BBBBBBB", "BBBBBBB"),
+    3,
+    looks=LOOKS,
+)
 DIRTY = ("FFFFFFS", "FFFFFFS", "FFFF#FF")
 CLEAN = ("HHHHHHS", "HHHHHHS", "HHHH#HH")
 BARE = ("BBBBBBB", "BBBBBBB")
 AHEAD = [(-1, 0), (0, 1), (1, 0), (0, -1)]
 
 
-def put(*picture: str, step: int = 0, seed: int = 0, under: dict[int, str] | None = None, **params: float) -> Scene:
+def put(
+    *picture: str,
+    step: int = 0,
+    seed: int = 0,
+    under: dict[int, str] | None = None,
+    **params: float,
+) -> Scene:
     """Returns a scene in which nothing grows and no dirt comes, unless `best_rate` and `pollution` say so."""
-    return STAGE.put(*picture, step=step, seed=seed, under=under, params={"best_rate": 0, "pollution": 0} | params)
+    return STAGE.put(
+        *picture,
+        step=step,
+        seed=seed,
+        under=under,
+        params={"best_rate": 0, "pollution": 0} | params,
+    )
 
 
 def count(scene: Scene, kind: str, name: str, word: str) -> int:
@@ -38,7 +55,16 @@ def test_the_four_cells_of_the_beam_become_clean() -> None:
 @pytest.mark.parametrize(("heading", "arrow"), list(enumerate("^>v<")))
 def test_the_beam_turns_with_the_agent(heading: int, arrow: str) -> None:
     """From the middle of the water; its own cell stays dirty."""
-    scene = put("FFFFFFS", f"FF{arrow}FFFS  0", "FFFF#FF", ".......", "PPP^#..", "BB>BBBB", BARE[1], under={0: "F"}).step("clean")
+    scene = put(
+        "FFFFFFS",
+        f"FF{arrow}FFFS  0",
+        "FFFF#FF",
+        ".......",
+        "PPP^#..",
+        "BB>BBBB",
+        BARE[1],
+        under={0: "F"},
+    ).step("clean")
     row, col = AHEAD[heading]
     right = AHEAD[(heading + 1) % 4]
     beam = {
@@ -47,8 +73,14 @@ def test_the_beam_turns_with_the_agent(heading: int, arrow: str) -> None:
         (1 + row + right[0], 2 + col + right[1]),
         (1 + row - right[0], 2 + col - right[1]),
     }
-    water = [(r, c) for r, line in enumerate(STAGE.map) for c, glyph in enumerate(line) if glyph == "H"]
-    clean = {cell for cell, state in zip(water, scene.value("water.state"), strict=True) if state == "clean"}
+    water = [
+        (r, c) for r, line in enumerate(STAGE.map) for c, glyph in enumerate(line) if glyph == "H"
+    ]
+    clean = {
+        cell
+        for cell, state in zip(water, scene.value("water.state"), strict=True)
+        if state == "clean"
+    }
     assert clean == beam & set(water)
     assert scene.events["cleaned"] == [len(clean), 0, 0]
 
@@ -78,7 +110,15 @@ def test_those_who_stand_beside_undo_nothing(bystander: tuple[str, ...]) -> None
 
 def test_dirt_under_agents_is_cleaned() -> None:
     """Agent 1 one ahead and agent 2 two ahead shield nothing, and are not hit."""
-    scene = put("FFFFFFS", "FFvFFFS  2", "FFvF#FF  1", "..^....  0", "PPP.#..", *BARE, under={1: "F", 2: "F"}).step("clean")
+    scene = put(
+        "FFFFFFS",
+        "FFvFFFS  2",
+        "FFvF#FF  1",
+        "..^....  0",
+        "PPP.#..",
+        *BARE,
+        under={1: "F", 2: "F"},
+    ).step("clean")
     scene.shows("FFFFFFS", "FFvFFFS  2", "FHvH#FF  1", "..^....  0", "PPP.#..", *BARE)
     assert scene.events["cleaned"] == [4, 0, 0]
     assert count(scene, "water", "state", "clean") == 4
@@ -92,7 +132,9 @@ def test_a_wall_ends_its_lane_and_no_other() -> None:
 
 
 def test_only_dirt_is_counted() -> None:
-    scene = put("HHHHHHS", "HHFHHHS", "HFHH#HH", "..^....  0", "PPP^#..", "BB>BBBB", BARE[1]).step("clean")
+    scene = put("HHHHHHS", "HHFHHHS", "HFHH#HH", "..^....  0", "PPP^#..", "BB>BBBB", BARE[1]).step(
+        "clean"
+    )
     assert scene.events["cleaned"] == [2, 0, 0]
     assert scene.step("clean").events["cleaned"] == [0, 0, 0]
 
@@ -118,7 +160,10 @@ def test_a_zap_sends_home_who_stands_in_its_four_cells() -> None:
         rows = [list(line) for line in (*CLEAN, ".......")]
         rows[row][col], rows[3][2] = "v", "^"
         told = {row: "1", 3: "0"} if row != 3 else {3: "01"}
-        picture = [f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows)]
+        picture = [
+            f"{''.join(line)}  {told[r]}" if r in told else "".join(line)
+            for r, line in enumerate(rows)
+        ]
         scene = put(*picture, "P^P.#..  2", *BARE).step("zap").has({"reward": 0})
         hit = (row, col) in {(2, 2), (1, 2), (2, 1), (2, 3)}
         scene.has({"event hits": [int(hit), 0, 0], "event cleaned": 0})
@@ -128,9 +173,17 @@ def test_a_zap_sends_home_who_stands_in_its_four_cells() -> None:
 
 
 def test_a_zap_passes_agents_and_ends_at_a_wall() -> None:
-    scene = put("HHHHHHS", "HHvHHHS  1", "HHvH#HH  2", "..^....  0", "PPP.#..", *BARE).step("zap").has({"event hits": [2, 0, 0]})
+    scene = (
+        put("HHHHHHS", "HHvHHHS  1", "HHvH#HH  2", "..^....  0", "PPP.#..", *BARE)
+        .step("zap")
+        .has({"event hits": [2, 0, 0]})
+    )
     assert {*scene.places()[1:]} <= {(4, 0), (4, 1), (4, 2)}
-    scene = put("HHHHHHS", "HHHHvHS  1", "HHHv#HH  2", "....^..  0", "PPP.#..", *BARE).step("zap").has({"event hits": [1, 0, 0]})
+    scene = (
+        put("HHHHHHS", "HHHHvHS  1", "HHHv#HH  2", "....^..  0", "PPP.#..", *BARE)
+        .step("zap")
+        .has({"event hits": [1, 0, 0]})
+    )
     assert scene.places()[1] == (1, 4)
 
 
@@ -167,22 +220,62 @@ def test_a_little_less_dirt_lets_some_grow() -> None:
     """7 of 20: a chance of 1/8 for each of 13 cells; none in ten steps happens with 3e-8."""
     ripe = 0
     for seed in range(10):
-        scene = put("FFFFFFS", "FHHHHHS", "HHHH#HH", "^......", "PPP^#..", ">BBBBBB", BARE[1], best_rate=1, seed=seed)
+        scene = put(
+            "FFFFFFS",
+            "FHHHHHS",
+            "HHHH#HH",
+            "^......",
+            "PPP^#..",
+            ">BBBBBB",
+            BARE[1],
+            best_rate=1,
+            seed=seed,
+        )
         ripe += count(scene.step("stay"), "orchard", "fruit", "ripe")
     assert 0 < ripe < 65
 
 
 def test_growth_sees_the_dirt_before_this_steps_cleaning() -> None:
-    scene = put("HHHHHHS", "HHHHHHS", "HHFH#HH", "..^....", "PPP^#..", ">BBBBBB", BARE[1], best_rate=1, spoiled_at=0.05)
+    scene = put(
+        "HHHHHHS",
+        "HHHHHHS",
+        "HHFH#HH",
+        "..^....",
+        "PPP^#..",
+        ">BBBBBB",
+        BARE[1],
+        best_rate=1,
+        spoiled_at=0.05,
+    )
     assert count(scene.step("clean"), "orchard", "fruit", "ripe") == 0
     assert count(scene.step("clean"), "orchard", "fruit", "ripe") == 13
 
 
 def test_growth_sees_the_dirt_before_this_steps_new_dirt() -> None:
-    scene = put(*CLEAN, "^......", "PPP^#..", ">BBBBBB", BARE[1], best_rate=1, spoiled_at=0.05, pollution=1, step=60).step("stay")
+    scene = put(
+        *CLEAN,
+        "^......",
+        "PPP^#..",
+        ">BBBBBB",
+        BARE[1],
+        best_rate=1,
+        spoiled_at=0.05,
+        pollution=1,
+        step=60,
+    ).step("stay")
     assert count(scene, "water", "state", "dirty") == 1
     assert count(scene, "orchard", "fruit", "ripe") == 13
-    scene = put(*CLEAN, "^......", "PPP^#..", ">BBBBBB", BARE[1], best_rate=1, spoiled_at=0.05, pollution=1, step=59).change(best_rate=0)
+    scene = put(
+        *CLEAN,
+        "^......",
+        "PPP^#..",
+        ">BBBBBB",
+        BARE[1],
+        best_rate=1,
+        spoiled_at=0.05,
+        pollution=1,
+        step=59,
+    ).change(best_rate=0)
     scene.step("stay").change(best_rate=1).step("stay")
     assert count(scene, "orchard", "fruit", "ripe") == 0
 
@@ -201,33 +294,63 @@ def test_apples_are_eaten_as_they_are_entered_and_as_they_come() -> None:
 @pytest.mark.parametrize(("step", "dirty"), [(0, 0), (48, 0), (49, 0), (50, 1), (51, 1), (999, 1)])
 def test_no_new_dirt_in_the_first_fifty_steps(step: int, dirty: int) -> None:
     """Then one cell in a step, for certain if the chance is 1."""
-    scene = put(*CLEAN, ".......", "PPP^#..", "BB>BBBB", "<BBBBBB", step=step, pollution=1).step("stay")
+    scene = put(*CLEAN, ".......", "PPP^#..", "BB>BBBB", "<BBBBBB", step=step, pollution=1).step(
+        "stay"
+    )
     assert count(scene, "water", "state", "dirty") == dirty
 
 
 def test_dirt_comes_one_cell_a_step_until_all_is_dirty() -> None:
     scene = put(*CLEAN, ".......", "PPP^#..", "BB>BBBB", "<BBBBBB", step=100, pollution=1)
-    assert [count(scene.step("stay"), "water", "state", "dirty") for _ in range(20)] == [*range(1, 19), 18, 18]
+    assert [count(scene.step("stay"), "water", "state", "dirty") for _ in range(20)] == [
+        *range(1, 19),
+        18,
+        18,
+    ]
 
 
 def test_dirt_comes_under_agents_too() -> None:
     """The only clean cell is under agent 0."""
-    scene = put("FF^FFFS", *DIRTY[1:], ".......", "PPP^#..", "BB>BBBB", BARE[1], step=50, pollution=1, under={0: "H"}).step("stay")
+    scene = put(
+        "FF^FFFS",
+        *DIRTY[1:],
+        ".......",
+        "PPP^#..",
+        "BB>BBBB",
+        BARE[1],
+        step=50,
+        pollution=1,
+        under={0: "H"},
+    ).step("stay")
     assert count(scene, "water", "state", "dirty") == 18
     assert scene.seen(0, "content") == "water state=dirty"
 
 
 def test_dirt_can_be_cleaned_in_the_step_it_comes() -> None:
     """The only clean cell is in front of a cleaner."""
-    scene = put("FFFFFFS", "FFFFFFS", "FFFF#FH", "......^  0", "PPP^#..", "BB>BBBB", BARE[1], step=50, pollution=1).step("clean")
+    scene = put(
+        "FFFFFFS",
+        "FFFFFFS",
+        "FFFF#FH",
+        "......^  0",
+        "PPP^#..",
+        "BB>BBBB",
+        BARE[1],
+        step=50,
+        pollution=1,
+    ).step("clean")
     assert scene.events["cleaned"] == [2, 0, 0]
     scene.shows("FFFFFFS", "FFFFFFS", "FFFF#HH", "......^  0", "PPP^#..", "BB>BBBB", BARE[1])
 
 
 def test_water_channel_and_orchard_are_walked_on_and_walls_are_not() -> None:
-    scene = put("HHHHH>S", "HHHHHHS", "HHHH#HH", "....^..", ">PP.#..", *BARE).step("forward, forward, backward")
+    scene = put("HHHHH>S", "HHHHHHS", "HHHH#HH", "....^..", ">PP.#..", *BARE).step(
+        "forward, forward, backward"
+    )
     assert scene.places() == [(0, 6), (3, 4), (4, 0)]
-    scene = put("HHHHHH^", "HHHHHHS", "HHHH#HH", "....v..", "vPP.#..", *BARE).step("backward, forward, forward")
+    scene = put("HHHHHH^", "HHHHHHS", "HHHH#HH", "....v..", "vPP.#..", *BARE).step(
+        "backward, forward, forward"
+    )
     assert scene.places() == [(1, 6), (3, 4), (5, 0)]
 
 
@@ -248,7 +371,12 @@ def test_forward_is_up(heading: int, arrow: str) -> None:
     around = ["water state=clean", "grass", "grass", "grass"]  # north, east, south, west
     for turn, (ahead, right) in enumerate([(1, 0), (0, 1), (-1, 0), (0, -1)]):
         assert scene.seen(0, "content", ahead=ahead, right=right) == around[(heading + turn) % 4]
-    corners = ["wall", "wall", "gate", "water state=clean"]  # north-east, south-east, south-west, north-west
+    corners = [
+        "wall",
+        "wall",
+        "gate",
+        "water state=clean",
+    ]  # north-east, south-east, south-west, north-west
     for turn, (ahead, right) in enumerate([(1, 1), (-1, 1), (-1, -1), (1, -1)]):
         assert scene.seen(0, "content", ahead=ahead, right=right) == corners[(heading + turn) % 4]
     assert scene.seen(0, "content", ahead=4) == "outside"  # the map has 7 rows and 7 columns
@@ -276,7 +404,15 @@ def test_headings_of_others_are_relative_to_ones_own(observer: int) -> None:
 
 def test_dirt_under_agents_is_seen() -> None:
     """By who stands on it and by others."""
-    scene = put("HH^HHHS  1", "HH^HHHS  0", "HHHH#HH", ".......", "PPP^#..  2", *BARE, under={0: "F", 1: "F"})
+    scene = put(
+        "HH^HHHS  1",
+        "HH^HHHS  0",
+        "HHHH#HH",
+        ".......",
+        "PPP^#..  2",
+        *BARE,
+        under={0: "F", 1: "F"},
+    )
     assert scene.seen(0, "content") == "water state=dirty"
     assert scene.seen(0, "content", ahead=1) == "water state=dirty"
     assert scene.seen(0, "agent", ahead=1) == "other same heading"
@@ -286,7 +422,9 @@ def test_dirt_under_agents_is_seen() -> None:
 
 def test_marks_are_seen_in_one_observation() -> None:
     """Of cleaning and of zapping, side by side, by everybody, over whatever is there; then no more."""
-    scene = put("HHHHHHS", "HHHHHHS", "HHFH#HH", "..^.^..  01", "PPP^#..  2", *BARE).step("clean, zap")
+    scene = put("HHHHHHS", "HHHHHHS", "HHFH#HH", "..^.^..  01", "PPP^#..  2", *BARE).step(
+        "clean, zap"
+    )
     assert scene.seen(0, "marks", ahead=1) == "scrub"
     assert scene.seen(0, "marks", ahead=2) == "scrub"
     assert scene.seen(0, "marks", ahead=1, right=-1) == "scrub"
@@ -306,5 +444,9 @@ def test_moves() -> None:
 
 
 def test_marks_block_nobody() -> None:
-    scene = put("HHHHHHS", "HHHHHHS", "HHHH#HH", "..^....  0", "PPP^#..", ">BBBBBB", BARE[1]).step("clean").step("forward")
+    scene = (
+        put("HHHHHHS", "HHHHHHS", "HHHH#HH", "..^....  0", "PPP^#..", ">BBBBBB", BARE[1])
+        .step("clean")
+        .step("forward")
+    )
     assert scene.places()[0] == (2, 2)

@@ -40,7 +40,10 @@ def counted() -> Any:
 CORNERS = [(1, 1), (14, 9)]
 
 
-@pytest.mark.parametrize(("variant", "colour"), [(None, 0.0005), pytest.param("meltingpot", 0.00025, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize(
+    ("variant", "colour"),
+    [(None, 0.0005), pytest.param("meltingpot", 0.00025, marks=pytest.mark.thorough)],
+)
 def test_coins_come_so_often(variant: str | None, colour: float) -> None:
     """Of each colour. Sources: the paper (the released code's sum is 0.00099975); Melting Pot's 0.0005 is for both colours together."""
     env = environment("coins", variant)
@@ -59,7 +62,9 @@ def test_cells_and_colours_are_alike(counted: Any) -> None:
     """At a hundred times the rate: every cell, both colours, neighbours in the numbering independent in both."""
     env = environment("coins")
     steps = 16 * BATCH
-    seen = counted(1, placed(env, CORNERS), [STAY, STAY], env.params.replace(spawn=jnp.float32(0.05)), 16)
+    seen = counted(
+        1, placed(env, CORNERS), [STAY, STAY], env.params.replace(spawn=jnp.float32(0.05)), 16
+    )
     for site in range(174):
         assert_share(seen["red"][site], steps, 0.05, 0.1)
         assert_share(seen["green"][site], steps, 0.05, 0.1)

@@ -32,7 +32,10 @@ def counter(game: str) -> Any:
     return many(env, lambda _, after, __: after.position == contested)
 
 
-@pytest.mark.parametrize(("game", "number"), [("coins", 2), *((game, n) for game in CELLS if game != "coins" for n in (2, 3))])
+@pytest.mark.parametrize(
+    ("game", "number"),
+    [("coins", 2), *((game, n) for game in CELLS if game != "coins" for n in (2, 3))],
+)
 def test_a_contested_cell_goes_to_each_alike(game: str, number: int) -> None:
     env, ((row, col), waiting) = environment(game), CELLS[game]
     around = [(row, col - 1), (row + 1, col), (row, col + 1)][:number]

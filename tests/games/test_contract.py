@@ -25,9 +25,32 @@ from .found import Form, forms, programs, rules_of
 from .plays import AFTER, Play, played
 
 # number of actions and of agents. Source: the released code; the agents of Coop Mining, Gift, Mushrooms and PD as decided for this project
-ACTIONS = {"coins": 7, **dict.fromkeys(HARVESTS, 8), "clean_up": 9, "coop_mining": 8, "gift_refinement": 9, "mushrooms": 8, "pd_arena": 8}
-AGENTS = {"coins": 2, **dict.fromkeys(HARVESTS, 7), "clean_up": 7, "coop_mining": 6, "gift_refinement": 5, "mushrooms": 5, "pd_arena": 4}
-HOMES = {"coins": "", **dict.fromkeys(HARVESTS, "P"), "clean_up": "P", "coop_mining": "", "gift_refinement": "", "pd_arena": "P"}
+ACTIONS = {
+    "coins": 7,
+    **dict.fromkeys(HARVESTS, 8),
+    "clean_up": 9,
+    "coop_mining": 8,
+    "gift_refinement": 9,
+    "mushrooms": 8,
+    "pd_arena": 8,
+}
+AGENTS = {
+    "coins": 2,
+    **dict.fromkeys(HARVESTS, 7),
+    "clean_up": 7,
+    "coop_mining": 6,
+    "gift_refinement": 5,
+    "mushrooms": 5,
+    "pd_arena": 4,
+}
+HOMES = {
+    "coins": "",
+    **dict.fromkeys(HARVESTS, "P"),
+    "clean_up": "P",
+    "coop_mining": "",
+    "gift_refinement": "",
+    "pd_arena": "P",
+}
 TOGETHER = 10  # steps that both engines take from a start
 SAMPLED = 6  # steps that both engines take from wherever a run has come to, beside those in which something is counted
 
@@ -36,7 +59,9 @@ def is_rare(form: Form) -> bool:
     """Returns whether a form is played only with all tests: crowds (see `tests/differential/test_twenty_agents.py`), most variants, and
     games that have tests of their own beside the nine, or the rules of another on another map."""
     usual = form.variant is None or (form.game, form.variant) == ("clean_up", "socialjax")
-    return form.agents is not None or not usual or form.game not in NINE or form.game in HARVESTS[1:]
+    return (
+        form.agents is not None or not usual or form.game not in NINE or form.game in HARVESTS[1:]
+    )
 
 
 def how_often(form: Form) -> list[pytest.MarkDecorator]:
@@ -45,7 +70,9 @@ def how_often(form: Form) -> list[pytest.MarkDecorator]:
     return [pytest.mark.thorough] if form.variant else []
 
 
-@pytest.fixture(scope="module", params=[pytest.param(f, marks=how_often(f)) for f in programs()], ids=str)
+@pytest.fixture(
+    scope="module", params=[pytest.param(f, marks=how_often(f)) for f in programs()], ids=str
+)
 def form(request: pytest.FixtureRequest) -> Form:
     """Of module scope, so that the tests of one form follow one another and share its runs."""
     return request.param
@@ -54,8 +81,21 @@ def form(request: pytest.FixtureRequest) -> Form:
 @pytest.mark.parametrize("game", NINE)
 def test_description(game: str) -> None:
     env = environment(game)
-    assert (env.name, env.num_agents, env.num_actions, env.episode_length) == (game, AGENTS[game], ACTIONS[game], 1000)
-    assert env.action_names[:7] == ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")
+    assert (env.name, env.num_agents, env.num_actions, env.episode_length) == (
+        game,
+        AGENTS[game],
+        ACTIONS[game],
+        1000,
+    )
+    assert env.action_names[:7] == (
+        "turn_left",
+        "turn_right",
+        "step_left",
+        "step_right",
+        "forward",
+        "backward",
+        "stay",
+    )
     assert env.observation_shape == (env.num_agents, len(env.token_planes), 11, 11)
 
 
@@ -63,14 +103,22 @@ def test_names(form: Form) -> None:
     env = played(form).env
     assert env.num_agents == rules_of(form).agents.number
     assert len(set(env.action_names)) == env.num_actions
-    assert len(set(env.channel_names)) == len(env.channel_names) == sum(len(p.channels) for p in env.token_planes)
+    assert (
+        len(set(env.channel_names))
+        == len(env.channel_names)
+        == sum(len(p.channels) for p in env.token_planes)
+    )
 
 
 def test_shapes_and_dtypes(form: Form) -> None:
     play = played(form)
     env, agents = play.env, play.env.num_agents
     both, steps = 2, play.env.episode_length + AFTER
-    for seen, lead in ((play.reset_observation, ()), (play.observations, (both, steps)), (play.terminal, (both,))):
+    for seen, lead in (
+        (play.reset_observation, ()),
+        (play.observations, (both, steps)),
+        (play.terminal, (both,)),
+    ):
         assert (seen.shape, seen.dtype) == ((*lead, *env.observation_shape), np.uint8)
     assert (play.rewards.shape, play.rewards.dtype) == ((both, steps, agents), np.float32)
     for flag in (play.dones, play.infos["truncated"], play.infos["terminated"]):
@@ -79,7 +127,10 @@ def test_shapes_and_dtypes(form: Form) -> None:
     names = [name for e in env.game.events for _, name in counts_of(e)]
     assert sorted(play.infos["events"]) == sorted(names)
     for name, value in play.infos["events"].items():
-        assert (value.shape, value.dtype) == ((both, steps, agents) if name.split("[")[0] in per_agent else (both, steps), np.int32)
+        assert (value.shape, value.dtype) == (
+            (both, steps, agents) if name.split("[")[0] in per_agent else (both, steps),
+            np.int32,
+        )
     assert sorted(play.infos["metrics"]) == sorted(m.name for m in env.game.measures)
     for value in play.infos["metrics"].values():
         assert (value.shape, value.dtype) == ((both, steps), np.float32)
@@ -111,12 +162,24 @@ def test_one_agent_a_cell_and_none_where_agents_are_blocked(form: Form) -> None:
     here = play.states.position > 0
     rows, cols = len(rules.rows), len(rules.rows[0])
     assert ((where >= 0) & (where < (rows, cols))).all(axis=-1)[here].all()
-    alone = np.where(here, where[..., 0] * cols + where[..., 1], -1 - np.arange(play.env.num_agents))
+    alone = np.where(
+        here, where[..., 0] * cols + where[..., 1], -1 - np.arange(play.env.num_agents)
+    )
     assert (np.diff(np.sort(alone, axis=-1), axis=-1) > 0).all()
-    blocking = {kind.name for kind in rules.kinds for block in kind.blocks if block.what == "agents" and block.condition is None}
-    blocked = np.isin([list(row) for row in rules.rows], [g.glyph for g in rules.glyphs if g.kind in blocking])
+    blocking = {
+        kind.name
+        for kind in rules.kinds
+        for block in kind.blocks
+        if block.what == "agents" and block.condition is None
+    }
+    blocked = np.isin(
+        [list(row) for row in rules.rows], [g.glyph for g in rules.glyphs if g.kind in blocking]
+    )
     assert not blocked[where[here][:, 0], where[here][:, 1]].any()
-    if not any(isinstance(node, ir.Remove) or (isinstance(node, ir.Send) and node.after is not None) for node in ir.walk(rules)):
+    if not any(
+        isinstance(node, ir.Remove) or (isinstance(node, ir.Send) and node.after is not None)
+        for node in ir.walk(rules)
+    ):
         assert here.all()
 
 
@@ -128,7 +191,9 @@ def test_an_agent_goes_one_cell_or_home(form: Form) -> None:
     for run, end in enumerate(play.ends()):
         where = places(play.env, play.states.position[run, :end])
         here = play.states.position[run, :end] > 0
-        far = (np.abs(np.diff(where, axis=0)).sum(axis=2) > 1) & here[1:] & here[:-1]  # who comes back walks at once
+        far = (
+            (np.abs(np.diff(where, axis=0)).sum(axis=2) > 1) & here[1:] & here[:-1]
+        )  # who comes back walks at once
         assert {play.env.game.rows[r][c] for r, c in where[1:][far]} <= set(HOMES[form.game])
 
 
@@ -149,16 +214,25 @@ def test_one_sees_oneself_in_the_window(form: Form) -> None:
     assert own.sum() == here.sum()
     assert form.game not in NINE or (window.ahead, window.left) == (9, 5)
     for index, plane in enumerate(play.env.token_planes):
-        most = {"word": len(plane.labels) - 1, "bits": 2 ** len(plane.labels) - 1, "number": plane.high}[plane.encoding]
+        most = {
+            "word": len(plane.labels) - 1,
+            "bits": 2 ** len(plane.labels) - 1,
+            "number": plane.high,
+        }[plane.encoding]
         assert play.observations[..., index, :, :].max() <= most
 
 
 def test_uniform_planes_have_one_value_in_a_window(form: Form) -> None:
     """They are what is shown of the observer, of everyone and of the world."""
     play = played(form)
-    of_world = {observable.field for observable in play.env.game.observables if observable.what == "world"}
+    of_world = {
+        observable.field for observable in play.env.game.observables if observable.what == "world"
+    }
     for index, plane in enumerate(play.env.token_planes):
-        assert plane.uniform == (plane.name.startswith(("agent.", "everyone[")) or plane.name.partition("[")[0] in of_world)
+        assert plane.uniform == (
+            plane.name.startswith(("agent.", "everyone["))
+            or plane.name.partition("[")[0] in of_world
+        )
         values = play.observations[..., index, :, :]
         assert not plane.uniform or (values == values[..., :1, :1]).all()
 
@@ -188,7 +262,9 @@ def test_the_next_episode_starts_as_the_interpreter_says(form: Form) -> None:
     for run, end in enumerate(play.ends()):
         before = world_of(play.env, play.state(run, end), given(play, run))
         draws = Threefry(*play.words[end].tolist())
-        world, outcome = step(play.env.game, before, play.actions[run, end].tolist(), given(play, run), draws)
+        world, outcome = step(
+            play.env.game, before, play.actions[run, end].tolist(), given(play, run), draws
+        )
         assert outcome.truncated or outcome.terminated
         assert_outcome(play, run, end, outcome)
         np.testing.assert_array_equal(play.terminal[run], observe(play.env.game, world))
@@ -198,20 +274,32 @@ def test_the_next_episode_starts_as_the_interpreter_says(form: Form) -> None:
 
 def test_the_same_keys_give_the_same_runs(form: Form) -> None:
     """Step by step and all at once: the run of a batch is that of each environment alone; another key gives another."""
-    if form not in (Form("coins"), Form("clean_up"), Form("pd_arena", "socialjax"), Form("harvest_open", "meltingpot")):
+    if form not in (
+        Form("coins"),
+        Form("clean_up"),
+        Form("pd_arena", "socialjax"),
+        Form("harvest_open", "meltingpot"),
+    ):
         pytest.skip("some stand for all: the batch is one transformation of one function")
     play = played(form)
     params = jax.tree.map(lambda x: x[1], play.params)
     for t in (0, 1, play.ends()[1]):
         state, actions = play.state(1, t), play.actions[1, t]
-        _, after, reward, done, info = play.env.step(jax.random.wrap_key_data(play.words[t]), state, actions, params)
-        for mine, theirs in zip(jax.tree.leaves(after), jax.tree.leaves(play.state(1, t + 1)), strict=True):
+        _, after, reward, done, info = play.env.step(
+            jax.random.wrap_key_data(play.words[t]), state, actions, params
+        )
+        for mine, theirs in zip(
+            jax.tree.leaves(after), jax.tree.leaves(play.state(1, t + 1)), strict=True
+        ):
             np.testing.assert_array_equal(mine, theirs)
         np.testing.assert_array_equal(reward, play.rewards[1, t])
         assert bool(done) == play.dones[1, t]
         if done:
             np.testing.assert_array_equal(info["terminal_observation"], play.terminal[1])
-    assert len({tuple(play.env.reset(jax.random.key(seed))[1].position.tolist()) for seed in range(8)}) > 1
+    assert (
+        len({tuple(play.env.reset(jax.random.key(seed))[1].position.tolist()) for seed in range(8)})
+        > 1
+    )
 
 
 def started(play: Play) -> World:
@@ -240,7 +328,9 @@ def steps_of_interest(play: Play, run: int) -> list[int]:
 def both_step(play: Play, run: int, t: int, world: World) -> World:
     """Returns the interpreter's next world, which is the compiled one."""
     draws = Threefry(*play.words[t].tolist())
-    world, outcome = step(play.env.game, world, play.actions[run, t].tolist(), given(play, run), draws)
+    world, outcome = step(
+        play.env.game, world, play.actions[run, t].tolist(), given(play, run), draws
+    )
     assert_outcome(play, run, t, outcome)
     compared(play, run, t + 1, world, play.observations[run, t])
     return world

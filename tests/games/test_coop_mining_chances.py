@@ -49,15 +49,25 @@ def camped(**changed: Any) -> Any:
 
 def raised(iron: float, gold: float) -> Any:
     """Returns the parameters with other chances of growth."""
-    return environment("coop_mining", None).params.replace(spawn_iron=jnp.float32(iron), spawn_gold=jnp.float32(gold))
+    return environment("coop_mining", None).params.replace(
+        spawn_iron=jnp.float32(iron), spawn_gold=jnp.float32(gold)
+    )
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     ("variant", "rounds", "within"),
-    [(None, 24, 0.06), *(pytest.param(variant, 12, 0.12, marks=pytest.mark.slow) for variant in ("socialjax", "meltingpot"))],
+    [
+        (None, 24, 0.06),
+        *(
+            pytest.param(variant, 12, 0.12, marks=pytest.mark.slow)
+            for variant in ("socialjax", "meltingpot")
+        ),
+    ],
 )
-def test_iron_and_gold_come_so_often(variant: str | None, rounds: int, within: float, counted: Any) -> None:
+def test_iron_and_gold_come_so_often(
+    variant: str | None, rounds: int, within: float, counted: Any
+) -> None:
     """Of each cell and step without ore; half as often in the variants."""
     env, (iron, gold) = environment("coop_mining", variant), RATES[variant]
     run = counted if variant is None else counter(variant)
@@ -88,7 +98,14 @@ def test_contested_iron_goes_to_each_miner_alike() -> None:
     env = environment("coop_mining", None)
     rock, camps = cells_of(env, "rock"), cells_of(env, "camp")
     row, col = OPEN
-    run = many(env, lambda _, after, reward: (jnp.sum(after.rock_ore, dtype=jnp.int32), reward, jnp.outer(reward, reward)))
+    run = many(
+        env,
+        lambda _, after, reward: (
+            jnp.sum(after.rock_ore, dtype=jnp.int32),
+            reward,
+            jnp.outer(reward, reward),
+        ),
+    )
     irons = [rock.index((row, c)) for c in (col, col + 4)]
     one, two = (np.isin(np.arange(ROCK), found) * IRON for found in (irons[:1], irons))
     west, south, east = (row, col - 1), (row + 1, col), (row, col + 1)
@@ -96,7 +113,12 @@ def test_contested_iron_goes_to_each_miner_alike() -> None:
     left, paid, _ = run(5, state, [MINE] * 3 + [STAY] * 3, raised(0, 0), 4)
     assert (left, paid[3:].sum(), paid.sum()) == (0, 0, 4 * BATCH)
     assert_uniform(paid[:3], 0.07)
-    state = placed(env, [west, south, (row, col + 3), (row + 1, col + 4), *camps[:2]], [1, 0, 1, 0, 0, 0], rock_ore=two)
+    state = placed(
+        env,
+        [west, south, (row, col + 3), (row + 1, col + 4), *camps[:2]],
+        [1, 0, 1, 0, 0, 0],
+        rock_ore=two,
+    )
     left, paid, pairs = run(6, state, [MINE] * 4 + [STAY] * 2, raised(0, 0), 4)
     assert (left, paid[4:].sum(), paid.sum()) == (0, 0, 8 * BATCH)
     assert_uniform(pairs[:2, 2:4].reshape(-1), 0.08)

@@ -13,7 +13,14 @@ ROWS = ("OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOO#O", "OOOOO
 EMPTY = "OOOOOOO"
 LOOKS = {"i": "rock ore=iron", "g": "rock ore=gold", "p": "rock ore=partial"}
 STAGES = {
-    variant: Stage("coop_mining", ROWS, 6, variant=variant, looks=LOOKS, interpreted=BRIEFLY and variant is not None)
+    variant: Stage(
+        "coop_mining",
+        ROWS,
+        6,
+        variant=variant,
+        looks=LOOKS,
+        interpreted=BRIEFLY and variant is not None,
+    )
     for variant in (None, "socialjax")
 }
 RELEASED = STAGES["socialjax"]
@@ -23,12 +30,27 @@ AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))
 MINERS = ((3, 2, ">"), (3, 4, "<"), (2, 3, "v"), (4, 3, "^"), (3, 1, ">"), (1, 3, "v"))
 
 
-def put(stage: Stage, *picture: str, seed: int = 0, step: int = 0, under: dict[int, str] | None = None, **params: float) -> Scene:
+def put(
+    stage: Stage,
+    *picture: str,
+    seed: int = 0,
+    step: int = 0,
+    under: dict[int, str] | None = None,
+    **params: float,
+) -> Scene:
     """Returns a scene in which no ore grows unless `params` say so; agents without a place in the picture stand in the camps."""
-    return stage.put(*picture, seed=seed, step=step, under=under, params={"spawn_iron": 0, "spawn_gold": 0} | params)
+    return stage.put(
+        *picture,
+        seed=seed,
+        step=step,
+        under=under,
+        params={"spawn_iron": 0, "spawn_gold": 0} | params,
+    )
 
 
-def placed(stage: Stage, poses: list[tuple[int, int, str]], ores: dict[tuple[int, int], str], **facts: Any) -> Scene:
+def placed(
+    stage: Stage, poses: list[tuple[int, int, str]], ores: dict[tuple[int, int], str], **facts: Any
+) -> Scene:
     """Returns a scene with agents 0, 1, … at these places; those left stand in the camps, facing south."""
     rest = [(7, column, "v") for column in range(6 - len(poses))]
     rows, beside = [list(row) for row in ROWS], [[] for _ in ROWS]
@@ -38,7 +60,14 @@ def placed(stage: Stage, poses: list[tuple[int, int, str]], ores: dict[tuple[int
         rows[row][column] = arrow
         beside[row].append((column, agent))
     told = ["".join(str(agent) for _, agent in sorted(row)) for row in beside]
-    return put(stage, *("".join(row) + (f"  {numbers}" if numbers else "") for row, numbers in zip(rows, told, strict=True)), **facts)
+    return put(
+        stage,
+        *(
+            "".join(row) + (f"  {numbers}" if numbers else "")
+            for row, numbers in zip(rows, told, strict=True)
+        ),
+        **facts,
+    )
 
 
 def ores(scene: Scene) -> str:
@@ -73,25 +102,61 @@ def mine(*agents: int) -> str:
 @pytest.mark.parametrize("heading", range(4))
 @pytest.mark.parametrize("distance", range(1, 5))
 def test_iron_is_mined_up_to_three_cells_ahead(stage: Stage, heading: int, distance: int) -> None:
-    row, column = (3 - 2 * AROUND[heading][0], 3 - 2 * AROUND[heading][1])  # two cells behind the middle
+    row, column = (
+        3 - 2 * AROUND[heading][0],
+        3 - 2 * AROUND[heading][1],
+    )  # two cells behind the middle
     ore = (row + distance * AROUND[heading][0], column + distance * AROUND[heading][1])
     scene = placed(stage, [(row, column, "^>v<"[heading])], {ore: "i"}).step("mine")
     assert ores(scene) == ("" if distance <= 3 else "iron")
-    scene.has({"reward": [int(distance <= 3), 0, 0, 0, 0, 0], "event iron_mined": [int(distance <= 3), 0, 0, 0, 0, 0]})
+    scene.has(
+        {
+            "reward": [int(distance <= 3), 0, 0, 0, 0, 0],
+            "event iron_mined": [int(distance <= 3), 0, 0, 0, 0, 0],
+        }
+    )
 
 
 @BOTH
 def test_the_ray_is_straight(stage: Stage) -> None:
-    scene = put(stage, EMPTY, "iiOiiOO", "iiOiiOO", "ii^iiOO", "iiiiiOO", "OOOOO#O", EMPTY, "vvvvvPP").step("mine")
-    scene.shows(EMPTY, "iiOiiOO", "iiOiiOO", "ii^iiOO", "iiiiiOO", "OOOOO#O", EMPTY, "vvvvvPP").has({"reward": 0})
+    scene = put(
+        stage, EMPTY, "iiOiiOO", "iiOiiOO", "ii^iiOO", "iiiiiOO", "OOOOO#O", EMPTY, "vvvvvPP"
+    ).step("mine")
+    scene.shows(EMPTY, "iiOiiOO", "iiOiiOO", "ii^iiOO", "iiiiiOO", "OOOOO#O", EMPTY, "vvvvvPP").has(
+        {"reward": 0}
+    )
 
 
 @BOTH
 def test_the_ray_passes_agents(stage: Stage) -> None:
     """And ore under an agent is ore."""
-    scene = put(stage, EMPTY, "OOOiOOO", EMPTY, "OOOvOOO  1", "OOO^OOO  0", "OOOOO#O", EMPTY, "vvvvPPP", under={1: "O"}).step("mine")
-    scene.shows(EMPTY, *[EMPTY] * 2, "OOOvOOO  1", "OOO^OOO  0", "OOOOO#O", EMPTY, "vvvvPPP").has({"reward": [1, 0, 0, 0, 0, 0]})
-    scene = put(stage, EMPTY, "OOOiOOO", EMPTY, "OOOvOOO  1", "OOO^OOO  0", "OOOOO#O", EMPTY, "vvvvPPP", under={1: "i"}).step("mine")
+    scene = put(
+        stage,
+        EMPTY,
+        "OOOiOOO",
+        EMPTY,
+        "OOOvOOO  1",
+        "OOO^OOO  0",
+        "OOOOO#O",
+        EMPTY,
+        "vvvvPPP",
+        under={1: "O"},
+    ).step("mine")
+    scene.shows(EMPTY, *[EMPTY] * 2, "OOOvOOO  1", "OOO^OOO  0", "OOOOO#O", EMPTY, "vvvvPPP").has(
+        {"reward": [1, 0, 0, 0, 0, 0]}
+    )
+    scene = put(
+        stage,
+        EMPTY,
+        "OOOiOOO",
+        EMPTY,
+        "OOOvOOO  1",
+        "OOO^OOO  0",
+        "OOOOO#O",
+        EMPTY,
+        "vvvvPPP",
+        under={1: "i"},
+    ).step("mine")
     scene.has({"reward": [1, 0, 0, 0, 0, 0]}).shows(
         EMPTY, "OOOiOOO", EMPTY, "OOOvOOO", "OOO^OOO", "OOOOO#O", EMPTY, "vvvvPPP", under={1: "O"}
     )
@@ -100,14 +165,28 @@ def test_the_ray_passes_agents(stage: Stage) -> None:
 @BOTH
 @pytest.mark.parametrize("nearest", ["i", "g", "p"])
 def test_the_ray_ends_at_the_first_ore(stage: Stage, nearest: str) -> None:
-    scene = put(stage, EMPTY, "OOOiOOO", f"OOO{nearest}OOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP").step("mine")
-    assert ores(scene) == {"i": "iron", "g": "iron partial", "p": "iron gold"}[nearest]  # a partial ore without time left closes
+    scene = put(
+        stage,
+        EMPTY,
+        "OOOiOOO",
+        f"OOO{nearest}OOO",
+        "OOO^OOO  0",
+        EMPTY,
+        "OOOOO#O",
+        EMPTY,
+        "vvvvvPP",
+    ).step("mine")
+    assert (
+        ores(scene) == {"i": "iron", "g": "iron partial", "p": "iron gold"}[nearest]
+    )  # a partial ore without time left closes
     scene.has({"event iron_mined": [int(nearest == "i"), 0, 0, 0, 0, 0]})
 
 
 @BOTH
 def test_two_irons_in_line_are_mined_one_after_the_other(stage: Stage) -> None:
-    scene = put(stage, EMPTY, "OOOiOOO", "OOOiOOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP")
+    scene = put(
+        stage, EMPTY, "OOOiOOO", "OOOiOOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP"
+    )
     scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
     scene.shows(EMPTY, "OOOiOOO", EMPTY, "OOO^OOO", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP")
     scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
@@ -130,7 +209,16 @@ def test_ones_own_cell_is_not_mined(stage: Stage) -> None:
 
 @BOTH
 def test_rays_do_not_leave_the_map(stage: Stage) -> None:
-    picture = ("O^OiO^O", "iOOOOOO", "iOOOOO>", "iOOOOOO", "<OOOOOO", "iOOOO#O", "iOOOOOi", "OOvOOvP".replace("O", "P"))
+    picture = (
+        "O^OiO^O",
+        "iOOOOOO",
+        "iOOOOO>",
+        "iOOOOOO",
+        "<OOOOOO",
+        "iOOOO#O",
+        "iOOOOOi",
+        "OOvOOvP".replace("O", "P"),
+    )
     scene = put(stage, *picture).step(", ".join(["mine"] * 6))
     assert scene.reward == [0] * 6
     scene.shows(*picture)
@@ -138,7 +226,9 @@ def test_rays_do_not_leave_the_map(stage: Stage) -> None:
 
 @BOTH
 def test_ore_blocks_nobody_and_stays(stage: Stage) -> None:
-    scene = put(stage, EMPTY, "OOOiOOO", "OOOgOOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP")
+    scene = put(
+        stage, EMPTY, "OOOiOOO", "OOOgOOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP"
+    )
     scene.step("forward").has({"reward": 0}).step("forward").has({"reward": 0}).step("forward")
     scene.shows("OOO^OOO  0", "OOOiOOO", "OOOgOOO", EMPTY, EMPTY, "OOOOO#O", EMPTY, "vvvvvPP")
 
@@ -169,21 +259,40 @@ def test_contested_iron_goes_to_one_of_the_miners(stage: Stage, miners: int, run
 @BOTH
 def test_each_ore_is_settled_for_itself(stage: Stage) -> None:
     """Two irons and a gold in one step."""
-    scene = placed(stage, [(1, 0, ">"), (3, 0, ">"), (5, 0, ">"), (5, 2, "<")], {(1, 1): "i", (3, 2): "i", (5, 1): "g"})
-    scene.step(mine(0, 1, 2, 3)).has({"reward": [1, 1, *gold(stage, 0, 1)[:2], 0, 0], "event ores_shared": 1})
+    scene = placed(
+        stage,
+        [(1, 0, ">"), (3, 0, ">"), (5, 0, ">"), (5, 2, "<")],
+        {(1, 1): "i", (3, 2): "i", (5, 1): "g"},
+    )
+    scene.step(mine(0, 1, 2, 3)).has(
+        {"reward": [1, 1, *gold(stage, 0, 1)[:2], 0, 0], "event ores_shared": 1}
+    )
     assert ores(scene) == ""
 
 
 # Gold
 
 # miners in one step -> what each is paid, what becomes of the ore, what is counted
-TOGETHER = [(1, 0, "partial", 0), (2, 8, "", 1), (3, 8, "", 1), (4, 8, "", 1), (5, 0, "gold", 0), (6, 0, "gold", 0)]
+TOGETHER = [
+    (1, 0, "partial", 0),
+    (2, 8, "", 1),
+    (3, 8, "", 1),
+    (4, 8, "", 1),
+    (5, 0, "gold", 0),
+    (6, 0, "gold", 0),
+]
 
 
 @pytest.mark.parametrize(("miners", "paid", "ore", "shared"), TOGETHER)
 def test_gold_is_for_two_to_four(miners: int, paid: float, ore: str, shared: int) -> None:
     scene = around(miners, STAGES[None]).step(mine(*range(miners)))
-    scene.has({"reward": [paid if agent < miners else 0 for agent in range(6)], "event ores_shared": shared, "event iron_mined": 0})
+    scene.has(
+        {
+            "reward": [paid if agent < miners else 0 for agent in range(6)],
+            "event ores_shared": shared,
+            "event iron_mined": 0,
+        }
+    )
     assert scene.events["gold_mined"] == [int(reward == 8) for reward in scene.reward]
     assert ores(scene) == ore
     assert scene.value("rock.miners")[24] == ({0} if miners == 1 else set())  # (3, 3)
@@ -196,7 +305,13 @@ def test_the_second_miner_has_three_steps(stage: Stage, later: int) -> None:
     scene = around(2, stage).step(mine(0)).has({"reward": 0})
     scene.step("", times=later - 1).step(mine(1)) if later > 1 else scene.step(mine(1))
     if later < 3:
-        scene.has({"reward": gold(stage, 0, 1), "event ores_shared": 1, "event gold_mined": counted(stage)})
+        scene.has(
+            {
+                "reward": gold(stage, 0, 1),
+                "event ores_shared": 1,
+                "event gold_mined": counted(stage),
+            }
+        )
         assert ores(scene) == ""
     else:
         scene.has({"reward": 0, "event ores_shared": 0, "rock.miners": {(3, 3): {1}}})
@@ -209,7 +324,9 @@ def test_alone_one_opens_the_ore_again_and_again(stage: Stage) -> None:
     """Partial for two observations, gold for one; hitting it once more does not prolong the time."""
     scene = around(1, stage)
     for ore in ["partial", "partial", "gold"] * 2:
-        scene.step(mine(0)).has({"reward": 0, "rock.miners": {(3, 3): set() if ore == "gold" else {0}}})
+        scene.step(mine(0)).has(
+            {"reward": 0, "rock.miners": {(3, 3): set() if ore == "gold" else {0}}}
+        )
         assert ores(scene) == ore
 
 
@@ -229,8 +346,16 @@ def test_who_has_hit_is_paid_wherever_it_is(stage: Stage) -> None:
 @pytest.mark.parametrize(("first", "then", "paid"), [(1, 3, 8), (1, 4, 0), (1, 5, 0)])
 def test_all_miners_of_the_window_count(first: int, then: int, paid: float) -> None:
     """One opens the ore, the others come a step later: four in all share it, five get nothing and the ore is whole again."""
-    scene = around(6, STAGES[None]).step(mine(*range(first))).step(mine(*range(first, first + then)))
-    scene.has({"reward": [paid if agent < first + then else 0 for agent in range(6)], "rock.miners": {(3, 3): set()}, "rock.left": 0})
+    scene = (
+        around(6, STAGES[None]).step(mine(*range(first))).step(mine(*range(first, first + then)))
+    )
+    scene.has(
+        {
+            "reward": [paid if agent < first + then else 0 for agent in range(6)],
+            "rock.miners": {(3, 3): set()},
+            "rock.left": 0,
+        }
+    )
     assert ores(scene) == ("" if paid else "gold")
     if not paid:
         scene.step(mine(0)).has({"reward": 0, "rock.miners": {(3, 3): {0}}})
@@ -251,12 +376,20 @@ RELEASED_GOLD: list[tuple[list[list[int]], list[float]]] = [
 
 
 @pytest.mark.parametrize(("steps", "reward"), RELEASED_GOLD)
-def test_as_released_gold_pays_who_completes_it(steps: list[list[int]], reward: list[float]) -> None:
+def test_as_released_gold_pays_who_completes_it(
+    steps: list[list[int]], reward: list[float]
+) -> None:
     scene = around(6, RELEASED)
     for miners in steps:
         scene.step(mine(*miners) if miners else "")
     paid = sum(reward) > 0
-    scene.has({"reward": reward, "event ores_shared": int(paid), "rock.miners": {(3, 3): set() if paid else {1}}})
+    scene.has(
+        {
+            "reward": reward,
+            "event ores_shared": int(paid),
+            "rock.miners": {(3, 3): set() if paid else {1}},
+        }
+    )
     assert ores(scene) == ("" if paid else "partial")
     assert sum(scene.events["gold_mined"]) == 2 * paid
 
@@ -264,19 +397,31 @@ def test_as_released_gold_pays_who_completes_it(steps: list[list[int]], reward: 
 @BOTH
 def test_two_windows_run_for_themselves(stage: Stage) -> None:
     """The gold of agent 0 is opened a step before that of agent 1, and closes a step before."""
-    scene = placed(stage, [(1, 0, ">"), (3, 0, ">")], {(1, 1): "g", (3, 1): "g"}).step(mine(0)).step(mine(1))
-    scene.has({"rock.ore": {(1, 1): "partial", (3, 1): "partial"}, "rock.left": {(1, 1): 1, (3, 1): 2}})
+    scene = (
+        placed(stage, [(1, 0, ">"), (3, 0, ">")], {(1, 1): "g", (3, 1): "g"})
+        .step(mine(0))
+        .step(mine(1))
+    )
+    scene.has(
+        {"rock.ore": {(1, 1): "partial", (3, 1): "partial"}, "rock.left": {(1, 1): 1, (3, 1): 2}}
+    )
     scene.step().has({"rock.ore": {(1, 1): "gold", (3, 1): "partial"}})
     scene.step().has({"rock.ore": {(1, 1): "gold", (3, 1): "gold"}})
 
 
 def test_numbers_of_miners_and_payments_are_parameters() -> None:
     params = {"fewest": 3, "most": 3, "patience": 1, "gold_pays": 5, "iron_pays": 2}
-    for miners, paid, ore in ((2, 0, "gold"), (3, 5, ""), (4, 0, "gold")):  # a window of one step: this one
+    for miners, paid, ore in (
+        (2, 0, "gold"),
+        (3, 5, ""),
+        (4, 0, "gold"),
+    ):  # a window of one step: this one
         scene = around(miners, STAGES[None]).change(**params).step(mine(*range(miners)))
         scene.has({"reward": [paid if agent < miners else 0 for agent in range(6)]})
         assert ores(scene) == ore
-    around(1, STAGES[None], under="i").change(**params).step(mine(0)).has({"reward": [2, 0, 0, 0, 0, 0]})
+    around(1, STAGES[None], under="i").change(**params).step(mine(0)).has(
+        {"reward": [2, 0, 0, 0, 0, 0]}
+    )
 
 
 # Growth
@@ -285,9 +430,29 @@ def test_numbers_of_miners_and_payments_are_parameters() -> None:
 @BOTH
 def test_ore_grows_on_bare_rock_where_nobody_stands(stage: Stage) -> None:
     """With certainty for iron: not in camps, not in walls, not where there is ore already. As released it grows under agents, too."""
-    scene = put(stage, "OgOOOOO", EMPTY, "OOO^OOO  0", "OOOiOOO", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP", under={0: "O"}, spawn_iron=1).step()
+    scene = put(
+        stage,
+        "OgOOOOO",
+        EMPTY,
+        "OOO^OOO  0",
+        "OOOiOOO",
+        EMPTY,
+        "OOOOO#O",
+        EMPTY,
+        "vvvvvPP",
+        under={0: "O"},
+        spawn_iron=1,
+    ).step()
     scene.shows(
-        "igiiiii", "iiiiiii", "iii^iii", "iiiiiii", "iiiiiii", "iiiii#i", "iiiiiii", "vvvvvPP", under={0: "i" if stage is RELEASED else "O"}
+        "igiiiii",
+        "iiiiiii",
+        "iii^iii",
+        "iiiiiii",
+        "iiiiiii",
+        "iiiii#i",
+        "iiiiiii",
+        "vvvvvPP",
+        under={0: "i" if stage is RELEASED else "O"},
     )
 
 
@@ -306,15 +471,37 @@ def test_ore_grows_last(stage: Stage) -> None:
     Not on one that was entered, unless ore grows under agents.
     """
     under = "iron" if stage is RELEASED else "none"
-    scene = put(stage, EMPTY, EMPTY, "OOOiOOO", "OOO^O^O  01", EMPTY, "OOOOO#O", EMPTY, "vvvvPPP", spawn_iron=1).step("mine, forward")
-    scene.has({"reward": [1, 0, 0, 0, 0, 0], "rock.ore": {(2, 3): "iron", (3, 5): "iron", (2, 5): under, (3, 3): under}})
-    scene = put(stage, *ROWS[:3], "OOO^OOO  0", *ROWS[4:-1], "vvvvvPP", spawn_iron=1).step("mine").has({"reward": 0})
+    scene = put(
+        stage,
+        EMPTY,
+        EMPTY,
+        "OOOiOOO",
+        "OOO^O^O  01",
+        EMPTY,
+        "OOOOO#O",
+        EMPTY,
+        "vvvvPPP",
+        spawn_iron=1,
+    ).step("mine, forward")
+    scene.has(
+        {
+            "reward": [1, 0, 0, 0, 0, 0],
+            "rock.ore": {(2, 3): "iron", (3, 5): "iron", (2, 5): under, (3, 3): under},
+        }
+    )
+    scene = (
+        put(stage, *ROWS[:3], "OOO^OOO  0", *ROWS[4:-1], "vvvvvPP", spawn_iron=1)
+        .step("mine")
+        .has({"reward": 0})
+    )
     scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
 
 
 @BOTH
 def test_a_partial_ore_stays_a_partial_ore(stage: Stage) -> None:
-    scene = around(1, stage).change(spawn_iron=1).step(mine(0)).has({"rock.ore": {(3, 3): "partial"}})
+    scene = (
+        around(1, stage).change(spawn_iron=1).step(mine(0)).has({"rock.ore": {(3, 3): "partial"}})
+    )
     scene.step().has({"rock.ore": {(3, 3): "partial"}}).step().has({"rock.ore": {(3, 3): "gold"}})
 
 
@@ -328,9 +515,24 @@ def test_moves(variant: str | None, compass: bool) -> None:
 
 def test_what_is_seen() -> None:
     """Ore in its three states; nothing of who has hit it or how long it stays open; the ray in one observation."""
-    scene = put(STAGES[None], "OOOiOOO", "OOOgOOO", "OOO^OOO  0", "OO>Ov<O  342", EMPTY, "OOOOO#O", EMPTY, "vPPPPP^  15")
+    scene = put(
+        STAGES[None],
+        "OOOiOOO",
+        "OOOgOOO",
+        "OOO^OOO  0",
+        "OO>Ov<O  342",
+        EMPTY,
+        "OOOOO#O",
+        EMPTY,
+        "vPPPPP^  15",
+    )
     scene.step("mine")
-    assert [scene.seen(0, "content", ahead=n) for n in (3, 2, 1, 0)] == ["outside", "rock ore=iron", "rock ore=partial", "rock ore=none"]
+    assert [scene.seen(0, "content", ahead=n) for n in (3, 2, 1, 0)] == [
+        "outside",
+        "rock ore=iron",
+        "rock ore=partial",
+        "rock ore=none",
+    ]
     assert {plane.name for plane in scene.env.token_planes} == {"content", "agent", "marks"}
     assert scene.seen(0, "agent", ahead=-1, right=-1) == "other turned right"
     assert scene.seen(0, "content", ahead=-1, right=5) == "outside"

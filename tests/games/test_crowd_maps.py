@@ -22,11 +22,18 @@ CROWD = 20  # paper: the larger number of agents of its speed table
 SENT_HOME = ("harvest_open", "harvest_closed", "harvest_partnership", "clean_up")
 
 
-@pytest.mark.parametrize(("game", "cells", "before"), [(game, *change) for game, change in NEW.items()])
+@pytest.mark.parametrize(
+    ("game", "cells", "before"), [(game, *change) for game, change in NEW.items()]
+)
 def test_only_these_cells_are_new_starts(game: str, cells: Cells, before: str) -> None:
     """All else is as on the game's own map, so what is known of that holds here too."""
     pairs = zip(read_map(game), read_map(f"{game}_crowd"), strict=True)
-    changed = {(r, c): (a, b) for r, (old, new) in enumerate(pairs) for c, (a, b) in enumerate(zip(old, new, strict=True)) if a != b}
+    changed = {
+        (r, c): (a, b)
+        for r, (old, new) in enumerate(pairs)
+        for c, (a, b) in enumerate(zip(old, new, strict=True))
+        if a != b
+    }
     assert changed == dict.fromkeys(cells, (before, "P"))
 
 

@@ -14,13 +14,28 @@ from sjdsl.library.games_folder import find_game
 
 from .environments import NINE
 
-MOVES = ("turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay")  # released code: 0 .. 6
-T_SHAPE = {(1, 0), (2, 0), (1, -1), (1, 1)}  # released code: two ahead, and both diagonals; (ahead, right)
+MOVES = (
+    "turn_left",
+    "turn_right",
+    "step_left",
+    "step_right",
+    "forward",
+    "backward",
+    "stay",
+)  # released code: 0 .. 6
+T_SHAPE = {
+    (1, 0),
+    (2, 0),
+    (1, -1),
+    (1, 1),
+}  # released code: two ahead, and both diagonals; (ahead, right)
 
 
 def lanes(length: int) -> set[tuple[int, int]]:
     """Returns the cells of a beam of Melting Pot: a line ahead, and one on each side that starts beside the agent."""
-    return {(ahead, 0) for ahead in range(1, length + 1)} | {(ahead, side) for ahead in range(length) for side in (-1, 1)}
+    return {(ahead, 0) for ahead in range(1, length + 1)} | {
+        (ahead, side) for ahead in range(length) for side in (-1, 1)
+    }
 
 
 class Facts(NamedTuple):
@@ -122,12 +137,28 @@ CROWD = {"numbers": {"players": 20}}  # paper: its speed table
 ROOMS_CROWD = {**CROWD, "rows": "_crowd"}
 COMPASS = {"relative": False, "seen": frozen("heading")}  # ours: released windows tell half of it
 THROUGH_WALLS = {**COMPASS, "walls_stop": frozen("agents")}
-COOLING = {"seen": frozen("cooling"), "timers": frozen("cooling")}  # MP: who may use its beam knows it
-BY_CHANCE = {"length": 5000, "least": 1000, "interval": 100}  # MP: episodes end after 1000 steps or more, by chance
+COOLING = {
+    "seen": frozen("cooling"),
+    "timers": frozen("cooling"),
+}  # MP: who may use its beam knows it
+BY_CHANCE = {
+    "length": 5000,
+    "least": 1000,
+    "interval": 100,
+}  # MP: episodes end after 1000 steps or more, by chance
 IDENTITY = {"of_others": frozen("index")}  # MP: each player has a colour of its own
 HARVEST = {"schedule": "tick walk regrow eat fire finish", **COOLING, **IDENTITY}
-OPEN_BEAM = {**HARVEST, "numbers": {"respawn_delay": 4, "regrow_1": 0.0025, **BY_CHANCE, "ending": 0.15}, "shape": lanes(3)}  # MP
-ROOM_BEAM = {**HARVEST, "numbers": {"respawn_delay": 100, **BY_CHANCE, "ending": 0.15}, "shape": lanes(4), "rows": "_crowd"}  # MP
+OPEN_BEAM = {
+    **HARVEST,
+    "numbers": {"respawn_delay": 4, "regrow_1": 0.0025, **BY_CHANCE, "ending": 0.15},
+    "shape": lanes(3),
+}  # MP
+ROOM_BEAM = {
+    **HARVEST,
+    "numbers": {"respawn_delay": 100, **BY_CHANCE, "ending": 0.15},
+    "shape": lanes(4),
+    "rows": "_crowd",
+}  # MP
 # everything a variant changes of the above
 CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("coins", "socialjax"): COMPASS,
@@ -206,7 +237,10 @@ CHANGES: dict[tuple[str, str], dict[str, Any]] = {
     ("harvest_open", "crowd"): CROWD,
     ("mushrooms", "crowd"): {"numbers": {"players": 20, "everyone": (0.0, 0.1, 0.0, -0.2), "others": (0.0, 0.0, 3 / 19, 0.0)}},
 }  # fmt: skip
-HARVEST_MAPS = {"closed": "harvest_closed", "partnership": "harvest_partnership"}  # variants that are maps
+HARVEST_MAPS = {
+    "closed": "harvest_closed",
+    "partnership": "harvest_partnership",
+}  # variants that are maps
 
 
 def game_of(name: str, variant: str = "") -> ir.Game:
@@ -216,17 +250,26 @@ def game_of(name: str, variant: str = "") -> ir.Game:
 def facts_of(game: ir.Game, plain: ir.Game) -> Facts:
     """Returns what a game says. `rows`: what is added to the name of the map of the plain game, empty for the same map."""
     maps = {
-        suffix: find_game(plain.name).parent / "maps" / f"{plain.name}{suffix}.txt" for suffix in ("_crowd", "_meltingpot", "_socialjax")
+        suffix: find_game(plain.name).parent / "maps" / f"{plain.name}{suffix}.txt"
+        for suffix in ("_crowd", "_meltingpot", "_socialjax")
     }
-    others = [suffix for suffix, path in maps.items() if path.is_file() and tuple(path.read_text().split()) == game.rows]
+    others = [
+        suffix
+        for suffix, path in maps.items()
+        if path.is_file() and tuple(path.read_text().split()) == game.rows
+    ]
     turns = [turn.label if isinstance(turn, ir.Phase) else "tick" for turn in game.schedule]
-    cells = {cell for shape in game.shapes if shape.directed for lane in shape.lanes for cell in lane}
+    cells = {
+        cell for shape in game.shapes if shape.directed for lane in shape.lanes for cell in lane
+    }
     return Facts(
         numbers={n.name: n.value for n in (*game.sizes, *game.params)},
         own=tuple(action for action in game.agents.actions if action not in MOVES),
         schedule=" ".join(turns),
         shape=cells,
-        walls_stop=frozenset(b.what for kind in game.kinds if kind.name == "wall" for b in kind.blocks),
+        walls_stop=frozenset(
+            b.what for kind in game.kinds if kind.name == "wall" for b in kind.blocks
+        ),
         seen=frozenset(s.field for s in game.observables if s.what == "own"),
         of_others=frozenset(s.field for s in game.observables if s.what in ("other", "everyone")),
         timers=frozenset(f.name for f in game.agents.fields if f.timer),
@@ -239,7 +282,12 @@ def facts_of(game: ir.Game, plain: ir.Game) -> Facts:
 def test_default(name: str) -> None:
     game = game_of(name)
     assert game.agents.actions[: len(MOVES)] == MOVES
-    assert (game.window.ahead, game.window.behind, game.window.left, game.window.right) == (9, 1, 5, 5)  # released code: 11 x 11
+    assert (game.window.ahead, game.window.behind, game.window.left, game.window.right) == (
+        9,
+        1,
+        5,
+        5,
+    )  # released code: 11 x 11
     assert facts_of(game, game)._asdict() == DEFAULT[name]._asdict()
 
 
@@ -255,7 +303,9 @@ def test_variant(name: str, variant: str) -> None:
 
 def test_no_variant_is_forgotten() -> None:
     found = {(name, variant) for name in NINE for variant in game_of(name).variants}
-    assert found - set(CHANGES) == {(name, variant) for name in NINE if name.startswith("harvest") for variant in HARVEST_MAPS}
+    assert found - set(CHANGES) == {
+        (name, variant) for name in NINE if name.startswith("harvest") for variant in HARVEST_MAPS
+    }
 
 
 @pytest.mark.parametrize(("variant", "file"), HARVEST_MAPS.items())

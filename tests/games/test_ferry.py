@@ -32,14 +32,25 @@ def test_who_boards_at_a_dock_where_the_boat_lies_lands_across(boat: str, crosse
     assert scene.places()[0] == ((0, 8) if crosses else (0, 3))
 
 
-@pytest.mark.parametrize(("sold", "price"), [([0, 0, 0, 0, 0], 10), ([1, 2, 0, 0, 1], 6), ([9, 9, 0, 0, 0], 1)])
+@pytest.mark.parametrize(
+    ("sold", "price"), [([0, 0, 0, 0, 0], 10), ([1, 2, 0, 0, 1], 6), ([9, 9, 0, 0, 0], 1)]
+)
 def test_the_price_falls_with_the_sales_that_are_remembered(sold: list[int], price: int) -> None:
-    scene = STAGE.put("ff.DblllD.As", "A..DrrruD...", fields={"agent.load": [2, 0], "sold": dict(enumerate(sold))}, step=1)
-    scene.step("sell, sell").has({"reward": [price, 0], "agent.load": [1, 0], "event sold_": [1, 0]})
+    scene = STAGE.put(
+        "ff.DblllD.As",
+        "A..DrrruD...",
+        fields={"agent.load": [2, 0], "sold": dict(enumerate(sold))},
+        step=1,
+    )
+    scene.step("sell, sell").has(
+        {"reward": [price, 0], "agent.load": [1, 0], "event sold_": [1, 0]}
+    )
     scene.has({"sold": dict(enumerate([sold[0] + 1, *sold[1:]]))})
 
 
 def test_the_market_forgets_day_by_day() -> None:
-    scene = STAGE.put("Af.DblllD.As", EMPTY, fields={"sold": dict(enumerate([1, 2, 3, 4, 5]))}, step=9)
+    scene = STAGE.put(
+        "Af.DblllD.As", EMPTY, fields={"sold": dict(enumerate([1, 2, 3, 4, 5]))}, step=9
+    )
     for _ in range(2):  # the second step is no end of a day
         scene.step().has({"sold": dict(enumerate([0, 1, 2, 3, 4]))})

@@ -13,7 +13,14 @@ from sjdsl.compiler.syntax.read import read_source
 from sjdsl.library.games_folder import find_game, main_games
 
 MOST_LINES = 80  # a game is read aloud: non-blank lines of the rules, without comments, each of at most WIDTH columns
-APART = (ast.Map, ast.Checks, ast.Variant, ast.Look, ast.ScriptedPolicy, ast.Scenario)  # what is no rule
+APART = (
+    ast.Map,
+    ast.Checks,
+    ast.Variant,
+    ast.Look,
+    ast.ScriptedPolicy,
+    ast.Scenario,
+)  # what is no rule
 WIDTH = 140
 SOURCE = re.compile(r"\b(paper|released code|Melting Pot)\b|\bours: \S")
 STRING = re.compile(r'"[^"\n]*"')
@@ -41,7 +48,11 @@ def counted_lines(source: Source) -> int:
     apart = [s.span for s in parse(source).game.sections if isinstance(s, APART)]
     text = source.text
     for span in apart:
-        text = text[: span.start] + re.sub(r"[^\n]", " ", text[span.start : span.end]) + text[span.end :]
+        text = (
+            text[: span.start]
+            + re.sub(r"[^\n]", " ", text[span.start : span.end])
+            + text[span.end :]
+        )
     return sum(bool(line.code.strip()) for line in lines_of(text))
 
 
@@ -74,7 +85,9 @@ def numbers_of(source: Source) -> Iterator[tuple[str, set[int]]]:
             yield f"line {line.number}: {', '.join(sorted(found))}", {line.number}
 
 
-def all_sections(sections: tuple[ast.Section, ...]) -> Iterator[ast.Section | ast.Override | ast.Drop]:
+def all_sections(
+    sections: tuple[ast.Section, ...],
+) -> Iterator[ast.Section | ast.Override | ast.Drop]:
     """Yields the sections of a game and of its variants."""
     for section in sections:
         yield section
@@ -90,7 +103,11 @@ def lines_within(source: Source, span: Span) -> set[int]:
 def without_source(source: Source) -> list[str]:
     """Returns the numbers of a game of which no line says where they are from."""
     comments = {line.number: line.comment for line in lines_of(source.text)}
-    return [name for name, rows in numbers_of(source) if not any(SOURCE.search(comments[row]) for row in rows)]
+    return [
+        name
+        for name, rows in numbers_of(source)
+        if not any(SOURCE.search(comments[row]) for row in rows)
+    ]
 
 
 @pytest.mark.parametrize("game", main_games())
@@ -100,7 +117,9 @@ def test_a_game_is_short(game: str) -> None:
 
 @pytest.mark.parametrize("game", main_games())
 def test_lines_are_not_wide(game: str) -> None:
-    assert [n for n, line in enumerate(find_game(game).read_text().split("\n"), 1) if len(line) > WIDTH] == []
+    assert [
+        n for n, line in enumerate(find_game(game).read_text().split("\n"), 1) if len(line) > WIDTH
+    ] == []
 
 
 @pytest.mark.parametrize("game", main_games())

@@ -22,18 +22,32 @@ Bag = tuple[int, int, int]
 
 
 def put(
-    stage: Stage, *picture: str, bags: dict[int, Bag] | None = None, seed: int = 0, step: int = 0, spawn: float = 0, **facts: Any
+    stage: Stage,
+    *picture: str,
+    bags: dict[int, Bag] | None = None,
+    seed: int = 0,
+    step: int = 0,
+    spawn: float = 0,
+    **facts: Any,
 ) -> Scene:
     """Returns a scene in which no token comes by itself; `bags`: raw, cut and fine tokens by agent."""
-    fields = {"agent.bag": {agent: dict(zip(LEVELS, bag, strict=True)) for agent, bag in (bags or {}).items()}}
-    return stage.put(*picture, seed=seed, step=step, params={"spawn": spawn}, fields=fields, **facts)
+    fields = {
+        "agent.bag": {
+            agent: dict(zip(LEVELS, bag, strict=True)) for agent, bag in (bags or {}).items()
+        }
+    }
+    return stage.put(
+        *picture, seed=seed, step=step, params={"spawn": spawn}, fields=fields, **facts
+    )
 
 
 def in_line(stage: Stage, line: str, **facts: Any) -> Scene:
     """Returns a scene with agents in row 1, numbered from the left; the others are out of the way."""
     others = 5 - sum(sign in "^>v<" for sign in line)
     told = "".join(map(str, range(5 - others)))
-    return put(stage, EMPTY, f"{line}  {told}", *ROWS[2:-1], "v" * others + ROWS[-1][others:], **facts)
+    return put(
+        stage, EMPTY, f"{line}  {told}", *ROWS[2:-1], "v" * others + ROWS[-1][others:], **facts
+    )
 
 
 def bags(scene: Scene, *agents: int) -> list[Bag]:
@@ -57,13 +71,20 @@ GIFTS = [
 
 @BOTH
 @pytest.mark.parametrize(("before", "after", "arrives"), GIFTS)
-def test_the_lowest_level_is_given_and_refined(stage: Stage, before: Bag, after: Bag, arrives: Bag) -> None:
+def test_the_lowest_level_is_given_and_refined(
+    stage: Stage, before: Bag, after: Bag, arrives: Bag
+) -> None:
     scene = in_line(stage, "TT>>TTTT", bags={0: before}).step("gift")
     assert bags(scene, 0, 1) == [after, arrives]
     scene.has({"reward": 0, "event given": [int(before != after), 0, 0, 0, 0]})
     for level, number in zip(LEVELS, arrives, strict=True):
         scene.has({f"event received[{level}]": [0, number, 0, 0, 0]})
-    scene.has({"metric refined_held": sum(after[1:]) + sum(arrives[1:]), "agent.post": {n: dict.fromkeys(LEVELS, 0) for n in range(5)}})
+    scene.has(
+        {
+            "metric refined_held": sum(after[1:]) + sum(arrives[1:]),
+            "agent.post": {n: dict.fromkeys(LEVELS, 0) for n in range(5)},
+        }
+    )
 
 
 @pytest.mark.parametrize(("giver", "receiver"), list(itertools.product("^>v<", repeat=2)))
@@ -72,12 +93,26 @@ def test_the_receiver_may_face_anywhere(giver: str, receiver: str) -> None:
     rows = [list(line) for line in ROWS]
     rows[1][4], rows[row][column] = giver, receiver
     told = {1: "0", row: "1"} if row != 1 else {1: "01" if column > 4 else "10"}
-    picture = [f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows)]
+    picture = [
+        f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows)
+    ]
     scene = put(DEFAULT, *picture[:-1], "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
     assert bags(scene, 0, 1) == [(1, 0, 0), (0, 3, 0)]
 
 
-@pytest.mark.parametrize("action", ["turn_left", "turn_right", "step_left", "step_right", "forward", "backward", "stay", "consume"])
+@pytest.mark.parametrize(
+    "action",
+    [
+        "turn_left",
+        "turn_right",
+        "step_left",
+        "step_right",
+        "forward",
+        "backward",
+        "stay",
+        "consume",
+    ],
+)
 def test_no_other_action_gives(action: str) -> None:
     scene = in_line(DEFAULT, "TT>>TTTT", bags={0: (2, 0, 0)}).step(action)
     assert bags(scene, 0, 1) == [(0 if action == "consume" else 2, 0, 0), (0, 0, 0)]
@@ -91,12 +126,19 @@ def test_without_a_neighbour_ahead_nothing_is_given(stage: Stage, line: str) -> 
     scene = in_line(stage, line, bags={giver: (2, 1, 1)}).step("stay, gift" if giver else "gift")
     assert bags(scene, giver) == [(2, 1, 1)]
     scene.has({"event given": 0})
-    assert put(stage, "TTT^TTTT  0", *ROWS[1:-1], "vvvvPPPP", bags={0: (2, 1, 1)}).step("gift").value("event given") == [0] * 5
+    assert (
+        put(stage, "TTT^TTTT  0", *ROWS[1:-1], "vvvvPPPP", bags={0: (2, 1, 1)})
+        .step("gift")
+        .value("event given")
+        == [0] * 5
+    )
 
 
 @BOTH
 def test_the_neighbour_diagonally_ahead_gets_nothing(stage: Stage) -> None:
-    scene = put(stage, "TTTT>TTT  1", "TTT>TTTT  0", *ROWS[2:-1], "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    scene = put(
+        stage, "TTTT>TTT  1", "TTT>TTTT  0", *ROWS[2:-1], "vvvPPPPP", bags={0: (2, 0, 0)}
+    ).step("gift")
     assert bags(scene, 0, 1) == [(2, 0, 0), (0, 0, 0)]
 
 
@@ -105,10 +147,17 @@ ROOM = [(11, 14, 3), (12, 15, 3), (13, 15, 2), (14, 15, 1), (15, 15, 0)]
 
 
 @pytest.mark.parametrize(("before", "after", "received"), ROOM)
-def test_what_does_not_fit_is_lost_and_nothing_is_given_to_a_full_bag(before: int, after: int, received: int) -> None:
+def test_what_does_not_fit_is_lost_and_nothing_is_given_to_a_full_bag(
+    before: int, after: int, received: int
+) -> None:
     scene = in_line(DEFAULT, "TT>>TTTT", bags={0: (1, 0, 0), 1: (15, before, 15)}).step("gift")
     assert bags(scene, 0, 1) == [(int(received == 0), 0, 0), (15, after, 15)]
-    scene.has({"event received[cut]": [0, received, 0, 0, 0], "event given": [int(received > 0), 0, 0, 0, 0]})
+    scene.has(
+        {
+            "event received[cut]": [0, received, 0, 0, 0],
+            "event given": [int(received > 0), 0, 0, 0, 0],
+        }
+    )
 
 
 def test_only_the_level_that_would_arrive_needs_room() -> None:
@@ -124,16 +173,27 @@ def test_several_givers_add_up(givers: int) -> None:
     picture = ("TTTTTvTT  0", "TTTT>^<T  142", "TT#TT^TT  3", *ROWS[3:])
     actions = ", ".join(["gift"] * givers)
     scene = put(DEFAULT, *picture, bags=dict.fromkeys(range(4), (2, 0, 0))).step(actions)
-    assert bags(scene, *range(5)) == [(1, 0, 0)] * givers + [(2, 0, 0)] * (4 - givers) + [(0, 3 * givers, 0)]
-    scene.has({"event given": [int(agent < givers) for agent in range(5)], "event received[cut]": {4: 3 * givers}})
-    mixed = put(DEFAULT, *picture, bags={0: (1, 0, 0), 1: (0, 1, 0), 2: (0, 0, 1)}).step("gift, gift, gift")
+    assert bags(scene, *range(5)) == [(1, 0, 0)] * givers + [(2, 0, 0)] * (4 - givers) + [
+        (0, 3 * givers, 0)
+    ]
+    scene.has(
+        {
+            "event given": [int(agent < givers) for agent in range(5)],
+            "event received[cut]": {4: 3 * givers},
+        }
+    )
+    mixed = put(DEFAULT, *picture, bags={0: (1, 0, 0), 1: (0, 1, 0), 2: (0, 0, 1)}).step(
+        "gift, gift, gift"
+    )
     assert bags(mixed, *range(5)) == [(0, 0, 0)] * 4 + [(0, 3, 4)]
 
 
 def test_room_is_judged_before_all_gifts() -> None:
     """There is room for one token, so both givers pay; what is too much is lost."""
     picture = ("TTTTTvTT  0", "TTTT>^<T  142", "TT#TT^TT  3", *ROWS[3:])
-    scene = put(DEFAULT, *picture, bags={0: (1, 0, 0), 1: (1, 0, 0), 4: (0, 14, 0)}).step("gift, gift")
+    scene = put(DEFAULT, *picture, bags={0: (1, 0, 0), 1: (1, 0, 0), 4: (0, 14, 0)}).step(
+        "gift, gift"
+    )
     assert bags(scene, 0, 1, 4) == [(0, 0, 0), (0, 0, 0), (0, 15, 0)]
     scene.has({"event given": [1, 1, 0, 0, 0], "event received[cut]": {4: 1}})
     # agent 1 is full when gifts are judged, though it gives one away in this step
@@ -151,16 +211,27 @@ def test_gifts_of_a_step_do_not_see_each_other() -> None:
     assert bags(scene, 0, 1, 2) == [(0, 0, 0), (0, 2, 0), (0, 0, 3)]
     scene = in_line(DEFAULT, "TT><TTTT", bags={0: (1, 0, 0), 1: (0, 1, 0)}).step("gift, gift")
     assert bags(scene, 0, 1) == [(0, 0, 3), (0, 3, 0)]
-    ring = put(DEFAULT, "TTT>vTTT  01", "TTT^<TTT  32", *ROWS[2:-1], "vPPPPPPP", bags=dict.fromkeys(range(4), (1, 0, 0)))
+    ring = put(
+        DEFAULT,
+        "TTT>vTTT  01",
+        "TTT^<TTT  32",
+        *ROWS[2:-1],
+        "vPPPPPPP",
+        bags=dict.fromkeys(range(4), (1, 0, 0)),
+    )
     assert bags(ring.step("gift, gift, gift, gift"), *range(4)) == [(0, 3, 0)] * 4
 
 
 @BOTH
 def test_gifts_come_after_moves(stage: Stage) -> None:
     """Agent 1 walks in front of the giver, or away from it; all face north, so that both frames agree."""
-    scene = put(stage, "TTTTTTTT", "TTT^TTTT  1", "TT#^TTTT  0", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift, forward")
+    scene = put(
+        stage, "TTTTTTTT", "TTT^TTTT  1", "TT#^TTTT  0", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}
+    ).step("gift, forward")
     assert bags(scene, 0, 1) == [(2, 0, 0), (0, 0, 0)]
-    scene = put(stage, "TTTTTTTT", "TT^TTTTT  1", "TT#^TTTT  0", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift, step_right")
+    scene = put(
+        stage, "TTTTTTTT", "TT^TTTTT  1", "TT#^TTTT  0", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}
+    ).step("gift, step_right")
     assert bags(scene, 0, 1) == [(1, 0, 0), (0, 3, 0)]
 
 
@@ -172,7 +243,9 @@ def test_as_released_a_token_goes_ahead_unasked_to_who_faces_the_same_way(action
 
 
 def test_as_released_a_full_bag_loses_the_token() -> None:
-    assert bags(in_line(RELEASED, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("stay"), 0, 1) == [(0, 0, 0), (0, 15, 0)]
+    assert bags(
+        in_line(RELEASED, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("stay"), 0, 1
+    ) == [(0, 0, 0), (0, 15, 0)]
 
 
 # Melting Pot's reach of five cells
@@ -180,7 +253,11 @@ def test_as_released_a_full_bag_loses_the_token() -> None:
 
 @pytest.mark.parametrize(("line", "received"), [(">TTTT>TT", 5), (">TTTTT>T", 0), ("><TTTTTT", 5)])
 def test_with_more_reach_gifts_go_further(line: str, received: int) -> None:
-    scene = in_line(FAR, line, bags={0: (2, 0, 0)}).step("gift").has({"event received[cut]": {1: received}})
+    scene = (
+        in_line(FAR, line, bags={0: (2, 0, 0)})
+        .step("gift")
+        .has({"event received[cut]": {1: received}})
+    )
     assert bags(scene, 0) == [(2 - received // 5, 0, 0)]
 
 
@@ -188,11 +265,15 @@ def test_the_first_agent_on_the_ray_receives() -> None:
     scene = in_line(FAR, ">TT<T<TT", bags={0: (2, 0, 0)}).step("gift")
     assert bags(scene, 0, 1, 2) == [(1, 0, 0), (0, 5, 0), (0, 0, 0)]
     scene = in_line(FAR, ">TT<T<TT", bags={0: (2, 0, 0), 1: (0, 15, 0)}).step("gift")
-    assert bags(scene, 0, 1, 2) == [(1, 0, 0), (0, 15, 0), (0, 0, 0)], "what a full bag cannot hold is lost. Source: Melting Pot"
+    assert bags(scene, 0, 1, 2) == [(1, 0, 0), (0, 15, 0), (0, 0, 0)], (
+        "what a full bag cannot hold is lost. Source: Melting Pot"
+    )
 
 
 def test_walls_stop_the_ray() -> None:
-    scene = put(FAR, "TTTTTTTT", "TTTTTTTT", "T>#<TTTT  01", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}).step("gift")
+    scene = put(
+        FAR, "TTTTTTTT", "TTTTTTTT", "T>#<TTTT  01", "TTTTTTTT", "vvvPPPPP", bags={0: (2, 0, 0)}
+    ).step("gift")
     scene.has({"event given": 0, "event received[cut]": 0})
     assert scene.value("marks offer") == {(2, 2)}
 
@@ -201,7 +282,9 @@ def test_walls_stop_the_ray() -> None:
 
 
 @BOTH
-@pytest.mark.parametrize(("bag", "reward"), [((3, 4, 5), 12), ((1, 0, 0), 1), ((0, 0, 15), 15), ((0, 0, 0), 0)])
+@pytest.mark.parametrize(
+    ("bag", "reward"), [((3, 4, 5), 12), ((1, 0, 0), 1), ((0, 0, 15), 15), ((0, 0, 0), 0)]
+)
 def test_consuming_pays_one_for_each_token(stage: Stage, bag: Bag, reward: float) -> None:
     scene = in_line(stage, "TT><TTTT", bags={0: bag, 1: (1, 1, 1)}).step("consume")
     scene.has({"reward": [reward, 0, 0, 0, 0], "event consumed": [reward, 0, 0, 0, 0]})
@@ -209,7 +292,11 @@ def test_consuming_pays_one_for_each_token(stage: Stage, bag: Bag, reward: float
     scene.step("consume").has({"reward": 0})
 
 
-@pytest.mark.parametrize(("stage", "reward", "left"), [(DEFAULT, 2, (0, 3, 0)), (RELEASED, 5, (0, 0, 0))], ids=["default", "socialjax"])
+@pytest.mark.parametrize(
+    ("stage", "reward", "left"),
+    [(DEFAULT, 2, (0, 3, 0)), (RELEASED, 5, (0, 0, 0))],
+    ids=["default", "socialjax"],
+)
 def test_a_gift_that_meets_consumption(stage: Stage, reward: float, left: Bag) -> None:
     """Consumption first: what arrives stays. Gifts first: it is consumed, too."""
     scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (1, 1, 0)}).step("gift, consume")
@@ -217,10 +304,18 @@ def test_a_gift_that_meets_consumption(stage: Stage, reward: float, left: Bag) -
     assert bags(scene, 0, 1) == [(0, 0, 0), left]
 
 
-@pytest.mark.parametrize(("stage", "giver", "left"), [(DEFAULT, 0, (0, 3, 0)), (RELEASED, 0, (0, 0, 0))], ids=["default", "socialjax"])
+@pytest.mark.parametrize(
+    ("stage", "giver", "left"),
+    [(DEFAULT, 0, (0, 3, 0)), (RELEASED, 0, (0, 0, 0))],
+    ids=["default", "socialjax"],
+)
 def test_consumption_makes_room_only_if_it_comes_first(stage: Stage, giver: int, left: Bag) -> None:
     """As released it comes after gifts, and a full bag loses the token."""
-    scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)}).step("gift, consume").has({"reward": [0, 15, 0, 0, 0]})
+    scene = (
+        in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)})
+        .step("gift, consume")
+        .has({"reward": [0, 15, 0, 0, 0]})
+    )
     assert bags(scene, 0, 1) == [(giver, 0, 0), left]
 
 
@@ -237,7 +332,9 @@ def test_a_token_is_picked_up_by_walking_onto_it(stage: Stage) -> None:
 @BOTH
 @pytest.mark.parametrize(("before", "after"), [(13, 14), (14, 15), (15, 15)])
 def test_with_a_full_bag_the_token_is_lost(stage: Stage, before: int, after: int) -> None:
-    scene = put(stage, "TTTTrTTT", "TTTT^TTT  0", *ROWS[2:-1], "vvvvPPPP", bags={0: (before, 15, 15)}).step("forward")
+    scene = put(
+        stage, "TTTTrTTT", "TTTT^TTT  0", *ROWS[2:-1], "vvvvPPPP", bags={0: (before, 15, 15)}
+    ).step("forward")
     scene.shows("TTTT^TTT  0", *ROWS[1:-1], "vvvvPPPP", under={0: "T"})
     assert bags(scene, 0) == [(after, 15, 15)]
 
@@ -255,27 +352,50 @@ def test_tokens_come_on_bare_ground_where_nobody_stands(stage: Stage) -> None:
 # Moves, starts, what is seen
 
 
-@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+@pytest.mark.parametrize(
+    ("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"]
+)
 def test_moves(stage: Stage, compass: bool) -> None:
     check_moves(stage, ("TTTTTTTT", "TTTT^TTT", *ROWS[2:-1], "vvvvPPPP"), compass)
 
 
 def test_what_is_seen() -> None:
     """Tokens on the ground and one's own bag, not that of others; in the released rules no bag at all."""
-    scene = put(DEFAULT, "TTTTrTTT", "TTTT^TTT  0", "TT#T^TTT  1", ROWS[3], "vvvPPPPP", bags={0: (1, 2, 3), 1: (4, 5, 6)})
-    assert [scene.seen(0, "content", ahead=n) for n in (2, 1, 0)] == ["outside", "ground token=raw", "ground token=none"]
+    scene = put(
+        DEFAULT,
+        "TTTTrTTT",
+        "TTTT^TTT  0",
+        "TT#T^TTT  1",
+        ROWS[3],
+        "vvvPPPPP",
+        bags={0: (1, 2, 3), 1: (4, 5, 6)},
+    )
+    assert [scene.seen(0, "content", ahead=n) for n in (2, 1, 0)] == [
+        "outside",
+        "ground token=raw",
+        "ground token=none",
+    ]
     assert [scene.seen(0, f"agent.bag[{level}]") for level in LEVELS] == [1, 2, 3]
     assert [scene.seen(1, f"agent.bag[{level}]") for level in LEVELS] == [4, 5, 6]
     assert scene.seen(1, "agent", ahead=1) == "other same heading"
-    assert {plane.name for plane in RELEASED.env.token_planes} == {"content", "agent", "marks", "agent.heading"}
+    assert {plane.name for plane in RELEASED.env.token_planes} == {
+        "content",
+        "agent",
+        "marks",
+        "agent.heading",
+    }
 
 
 @BOTH
 def test_the_ray_is_seen_in_one_observation(stage: Stage) -> None:
     """Also of one who has nothing to give; as released on bare ground only, where no agent stands."""
-    scene = put(stage, "TTTTrTTT", "TTTT^TTT  0", "TT#T^TTT  1", ROWS[3], "vvvPPPPP", bags={1: (1, 0, 0)}).step("gift, gift")
+    scene = put(
+        stage, "TTTTrTTT", "TTTT^TTT  0", "TT#T^TTT  1", ROWS[3], "vvvPPPPP", bags={1: (1, 0, 0)}
+    ).step("gift, gift")
     assert scene.value("marks offer") == {(0, 4), (1, 4)}
-    assert [scene.seen(1, "marks", ahead=n) for n in (0, 1, 2, 3)] == (["", "offer", "offer", ""] if stage is DEFAULT else [""] * 4)
+    assert [scene.seen(1, "marks", ahead=n) for n in (0, 1, 2, 3)] == (
+        ["", "offer", "offer", ""] if stage is DEFAULT else [""] * 4
+    )
     assert scene.step().value("marks offer") == set()
     scene = put(stage, "TTTTTTTT", "TTTT^TTT  0", *ROWS[2:4], "vvvvPPPP").step("gift")
     assert scene.seen(0, "marks", ahead=1) == "offer"
@@ -284,4 +404,6 @@ def test_the_ray_is_seen_in_one_observation(stage: Stage) -> None:
 def test_held_tokens_are_counted_as_released_before_they_are_consumed() -> None:
     """Released code: after gifts, before consumption; by default at the end of the step."""
     for stage, held in ((DEFAULT, 0), (RELEASED, 5)):
-        put(stage, *ROWS[:4], "vvvvvPPP", bags={0: (1, 2, 3)}).step("consume").has({"metric refined_held": held, "event consumed": {0: 6}})
+        put(stage, *ROWS[:4], "vvvvvPPP", bags={0: (1, 2, 3)}).step("consume").has(
+            {"metric refined_held": held, "event consumed": {0: 6}}
+        )

@@ -17,14 +17,27 @@ GAME = "harvest_open"
 SOUTH = [(15, c) for c in range(7)]  # where nothing happens
 # chance of growth with so many apples near. Source: the paper's and the released code's figures
 GROWTH = {0: 0, 1: 0.001, 2: 0.005, **dict.fromkeys(range(3, 13), 0.025)}
-BESIDE_ONE = {None: GROWTH[1], "socialjax": GROWTH[1], "meltingpot": 0.0025}  # Source of the second: Melting Pot, the open field
+BESIDE_ONE = {
+    None: GROWTH[1],
+    "socialjax": GROWTH[1],
+    "meltingpot": 0.0025,
+}  # Source of the second: Melting Pot, the open field
 
 
-def state_with(places: list[tuple[int, int]], headings: list[int] | None = None, fruit: Any = None, variant: str | None = None) -> Any:
+def state_with(
+    places: list[tuple[int, int]],
+    headings: list[int] | None = None,
+    fruit: Any = None,
+    variant: str | None = None,
+) -> Any:
     env = environment(GAME, variant)
     _, state = env.reset(jax.random.key(0))
     changed = {} if fruit is None else {"soil_fruit": jnp.asarray(fruit, jnp.uint8)}
-    return state.replace(position=jnp.asarray(frame_cells(env, places)), heading=jnp.array(headings or [0] * 7, jnp.int32), **changed)
+    return state.replace(
+        position=jnp.asarray(frame_cells(env, places)),
+        heading=jnp.array(headings or [0] * 7, jnp.int32),
+        **changed,
+    )
 
 
 @cache
@@ -52,11 +65,22 @@ def counted() -> Any:
 
 def near(cells: list[tuple[int, int]], fruit: np.ndarray) -> np.ndarray:
     """Returns for each cell how many of those within a distance of 2 bear an apple, by looking at all of them."""
-    return np.array([sum(int(f) for (r, c), f in zip(cells, fruit, strict=True) if 0 < (r - a) ** 2 + (c - b) ** 2 <= 4) for a, b in cells])
+    return np.array(
+        [
+            sum(
+                int(f)
+                for (r, c), f in zip(cells, fruit, strict=True)
+                if 0 < (r - a) ** 2 + (c - b) ** 2 <= 4
+            )
+            for a, b in cells
+        ]
+    )
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("variant", [None, "socialjax", pytest.param("meltingpot", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "variant", [None, "socialjax", pytest.param("meltingpot", marks=pytest.mark.slow)]
+)
 def test_growth_for_each_number_of_apples_near(variant: str | None) -> None:
     """Random patches, most of them bare so that one apple near is the common case; told to 6, 6 and 2 parts in a hundred."""
     env = environment(GAME, variant)
@@ -66,10 +90,14 @@ def test_growth_for_each_number_of_apples_near(variant: str | None) -> None:
     for seed in range(10):
         fruit = random.random(64) < (0.15 if seed < 8 else 0.5)
         number = near(cells, fruit)
-        if variant == "socialjax":  # released code: the two cells of the last column that have a neighbour below left don't count it
+        if (
+            variant == "socialjax"
+        ):  # released code: the two cells of the last column that have a neighbour below left don't count it
             for cell, below in (((0, 21), (1, 20)), ((7, 21), (8, 20))):
                 number[cells.index(cell)] -= fruit[cells.index(below)]
-        grown = counter(variant)(seed, state_with(SOUTH, fruit=fruit, variant=variant), [6] * 7, env.params, 15)["grown"]
+        grown = counter(variant)(
+            seed, state_with(SOUTH, fruit=fruit, variant=variant), [6] * 7, env.params, 15
+        )["grown"]
         assert not grown[fruit].any()
         np.add.at(trials, number[~fruit], 15 * BATCH)
         np.add.at(hits, number[~fruit], grown[~fruit])
@@ -101,7 +129,9 @@ def test_cells_grow_independently(counted: Any) -> None:
     cells = cells_of(env, "soil")
     fruit = np.zeros(64, bool)
     fruit[::3] = True
-    half = env.params.replace(regrow_1=jnp.float32(0.5), regrow_2=jnp.float32(0.5), regrow_3=jnp.float32(0.5))
+    half = env.params.replace(
+        regrow_1=jnp.float32(0.5), regrow_2=jnp.float32(0.5), regrow_3=jnp.float32(0.5)
+    )
     seen = counted(0, state_with(SOUTH, fruit=fruit), [6] * 7, half, 4)
     can = ~fruit & (near(cells, fruit) > 0)
     pairs = can & np.roll(can, 1)
@@ -118,7 +148,13 @@ def test_home_is_every_free_gate_alike(variant: str | None) -> None:
     gates = cells_of(env, "gate")
     assert len(gates) == 60
     places = [(10, 5), (10, 6), (9, 5), (13, 5), (15, 10), (0, 10), (0, 11)]
-    seen = counter(variant)(8, state_with(places, [1, 0, 0, 0, 0, 0, 0], variant=variant), [7, 6, 6, 6, 6, 6, 6], env.params, 30)
+    seen = counter(variant)(
+        8,
+        state_with(places, [1, 0, 0, 0, 0, 0, 0], variant=variant),
+        [7, 6, 6, 6, 6, 6, 6],
+        env.params,
+        30,
+    )
     free = [gate for gate in gates if gate not in places]
     assert len(free) == 58
     assert seen["place"][0, frame_cells(env, (10, 5))] == 30 * BATCH
@@ -136,7 +172,9 @@ def test_who_was_away_comes_to_every_free_gate_alike() -> None:
     places = [(10, 5), (9, 5), (10, 6), (13, 5), (15, 10), (0, 10), (0, 11)]
     state = state_with(places, [0, 0, 0, 0, 0, 0, 0], variant="meltingpot")
     _, state, *_ = env.step_env(jax.random.key(0), state, jnp.array([7, 6, 6, 6, 6, 6, 6]))
-    state = state.replace(heading=state.heading.at[0].set(1), agent_cooling=jnp.zeros_like(state.agent_cooling))
+    state = state.replace(
+        heading=state.heading.at[0].set(1), agent_cooling=jnp.zeros_like(state.agent_cooling)
+    )
     _, state, *_ = env.step_env(jax.random.key(1), state, jnp.array([7, 6, 6, 6, 6, 6, 6]))
     assert (state.away > 0).tolist() == [False, True, True, False, False, False, False]
     state = state.replace(away=jnp.minimum(state.away, 1))

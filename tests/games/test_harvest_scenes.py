@@ -10,30 +10,47 @@ from sjdsl.testing import Scene, Stage
 from .environments import BRIEFLY
 
 LOOKS = {"a": "soil fruit=none"}
-GROVE = Stage("harvest_open", ("AAAAAA", "AAAAAA", "AAAAAA", "AAAAAA", "AAAAA#", "AAAA#A", "QQPP.."), 2, looks=LOOKS)
+GROVE = Stage(
+    "harvest_open",
+    ("AAAAAA", "AAAAAA", "AAAAAA", "AAAAAA", "AAAAA#", "AAAA#A", "QQPP.."),
+    2,
+    looks=LOOKS,
+)
 SOIL = [(r, c) for r, row in enumerate(GROVE.map) for c, glyph in enumerate(row) if glyph == "A"]
 HOME = "QQ^>.."  # two agents out of the way
 RATES = ("regrow_1", "regrow_2", "regrow_3")  # chances with one, two, three or more apples near
 FIELD = Stage("harvest_open", ("QQPPPP", "....#.", "......", "......", "......", "......"), 4)
 GATES = {(0, c) for c in range(2, 6)}
-PATIENT = Stage("harvest_open", ("QQPP", "....", "...."), 2, params={"respawn_delay": 2}, interpreted=BRIEFLY)
+PATIENT = Stage(
+    "harvest_open", ("QQPP", "....", "...."), 2, params={"respawn_delay": 2}, interpreted=BRIEFLY
+)
 
 # Source: SocialJax, harvest_open: the cells of a zap as (ahead, right) of the agent
 BEAM = {(1, 0), (2, 0), (1, 1), (1, -1)}
 
 
-def grove(*picture: str, rates: tuple[float, float, float] = (0, 0, 0), seed: int = 0, under: dict[int, str] | None = None) -> Scene:
+def grove(
+    *picture: str,
+    rates: tuple[float, float, float] = (0, 0, 0),
+    seed: int = 0,
+    under: dict[int, str] | None = None,
+) -> Scene:
     return GROVE.put(*picture, seed=seed, under=under, params=dict(zip(RATES, rates, strict=True)))
 
 
 def with_ripe(*ripe: tuple[int, int], rates: tuple[float, float, float]) -> Scene:
     """Returns a scene with apples on these cells alone."""
-    rows = ["".join("A" if (r, c) in ripe else glyph.replace("A", "a") for c, glyph in enumerate(row)) for r, row in enumerate(GROVE.map)]
+    rows = [
+        "".join("A" if (r, c) in ripe else glyph.replace("A", "a") for c, glyph in enumerate(row))
+        for r, row in enumerate(GROVE.map)
+    ]
     return grove(*rows[:-1], HOME, rates=rates)
 
 
 def ripe(scene: Scene) -> set[tuple[int, int]]:
-    return {cell for cell, fruit in zip(SOIL, scene.value("soil.fruit"), strict=True) if fruit == "ripe"}
+    return {
+        cell for cell, fruit in zip(SOIL, scene.value("soil.fruit"), strict=True) if fruit == "ripe"
+    }
 
 
 def near(cell: tuple[int, int]) -> set[tuple[int, int]]:
@@ -50,19 +67,48 @@ def test_each_number_of_apples_has_its_chance() -> None:
     for trial in range(12):
         before = {cell for cell in SOIL if random.random() < 0.1 + 0.04 * trial}
         counts = {cell: len(near(cell) & before) for cell in SOIL}
-        for rates, enough in (((0, 0, 0), set()), ((0, 0, 1), {*range(3, 13)}), ((0, 1, 1), {*range(2, 13)}), ((1, 1, 1), {*range(1, 13)})):
-            assert ripe(with_ripe(*before, rates=rates).step("stay")) == before | {c for c in SOIL if counts[c] in enough}
-        assert ripe(with_ripe(*before, rates=(0, 1, 0)).step("stay")) == before | {c for c in SOIL if counts[c] == 2}
+        for rates, enough in (
+            ((0, 0, 0), set()),
+            ((0, 0, 1), {*range(3, 13)}),
+            ((0, 1, 1), {*range(2, 13)}),
+            ((1, 1, 1), {*range(1, 13)}),
+        ):
+            assert ripe(with_ripe(*before, rates=rates).step("stay")) == before | {
+                c for c in SOIL if counts[c] in enough
+            }
+        assert ripe(with_ripe(*before, rates=(0, 1, 0)).step("stay")) == before | {
+            c for c in SOIL if counts[c] == 2
+        }
 
 
 def test_nothing_grows_under_an_agent() -> None:
-    scene = grove("aaaaaa", "aA>aaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", rates=(1, 1, 1), under={0: "a"}).step("stay")
+    scene = grove(
+        "aaaaaa",
+        "aA>aaa",
+        "aaaaaa",
+        "aaaaaa",
+        "aaaaa#",
+        "aaaa#a",
+        "QQPP>.",
+        rates=(1, 1, 1),
+        under={0: "a"},
+    ).step("stay")
     scene.shows("AAAaaa", "AA>Aaa", "AAAaaa", "aAaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
     assert scene.reward == [0, 0]  # nor is it eaten as it comes
 
 
 def test_nothing_grows_under_an_agent_that_leaves_in_this_step() -> None:
-    scene = grove("aaaaaa", "aA>aaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", rates=(1, 1, 1), under={0: "a"}).step("forward")
+    scene = grove(
+        "aaaaaa",
+        "aA>aaa",
+        "aaaaaa",
+        "aaaaaa",
+        "aaaaa#",
+        "aaaa#a",
+        "QQPP>.",
+        rates=(1, 1, 1),
+        under={0: "a"},
+    ).step("forward")
     scene.shows("AAAaaa", "AAa>aa", "AAAaaa", "aAaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
     assert scene.reward == [1, 0]  # the apple at (1, 3) has grown in this step
     assert (1, 2) in ripe(scene.step("stay"))
@@ -83,7 +129,9 @@ def test_an_apple_eaten_before_counts_no_more() -> None:
 
 
 def test_an_emptied_patch_is_dead() -> None:
-    scene = grove("aaaaaa", "aaaaaa", ">Aaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}).step("forward")
+    scene = grove(
+        "aaaaaa", "aaaaaa", ">Aaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}
+    ).step("forward")
     scene.shows("aaaaaa", "aaaaaa", "a>aaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
     scene.change(regrow_1=1, regrow_2=1, regrow_3=1)
     for _ in range(3):
@@ -94,7 +142,9 @@ def test_an_emptied_patch_is_dead() -> None:
 
 
 def test_who_enters_a_cell_eats_its_apple() -> None:
-    scene = grove("AAAaaa", "A>AAaa", "AAAaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}).step("forward, stay")
+    scene = grove(
+        "AAAaaa", "A>AAaa", "AAAaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}
+    ).step("forward, stay")
     scene.shows("AAAaaa", "Aa>Aaa", "AAAaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.")
     assert (scene.reward, scene.events["eaten"]) == ([1, 0], [1, 0])
     assert scene.metrics["apples_left"] == 8
@@ -103,7 +153,9 @@ def test_who_enters_a_cell_eats_its_apple() -> None:
 
 
 def test_an_apple_is_worth_its_parameter() -> None:
-    scene = grove("aaaaaa", "a>Aaaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}).change(apple=2.5)
+    scene = grove(
+        "aaaaaa", "a>Aaaa", "aaaaaa", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP>.", under={0: "a"}
+    ).change(apple=2.5)
     assert scene.step("forward").reward == [2.5, 0]
 
 
@@ -120,9 +172,16 @@ def placed(poses: dict[int, tuple[int, int, str]], seed: int = 0) -> Scene:
     for row, col, arrow in poses.values():
         rows[row][col] = arrow
     beside = [
-        "".join(str(a) for a, (r, _, _) in sorted(poses.items(), key=lambda item: item[1][1]) if r == row) for row in range(len(rows))
+        "".join(
+            str(a)
+            for a, (r, _, _) in sorted(poses.items(), key=lambda item: item[1][1])
+            if r == row
+        )
+        for row in range(len(rows))
     ]
-    return field(*("".join(row) + "  " + ids for row, ids in zip(rows, beside, strict=True)), seed=seed)
+    return field(
+        *("".join(row) + "  " + ids for row, ids in zip(rows, beside, strict=True)), seed=seed
+    )
 
 
 def home(scene: Scene, agent: int) -> bool:
@@ -134,10 +193,15 @@ def test_the_four_cells_of_the_beam(heading: int, arrow: str) -> None:
     """The zapper in the middle, another on each cell around it in turn."""
     ahead_row, ahead_col = [(-1, 0), (0, 1), (1, 0), (0, -1)][heading]
     for ahead, right in itertools.product(range(-2, 3), repeat=2):
-        row, col = 3 + ahead * ahead_row + right * ahead_col, 2 + ahead * ahead_col - right * ahead_row
+        row, col = (
+            3 + ahead * ahead_row + right * ahead_col,
+            2 + ahead * ahead_col - right * ahead_row,
+        )
         if (row, col) in {(3, 2), (1, 4)}:  # the zapper itself, the wall
             continue
-        scene = placed({0: (3, 2, arrow), 1: (row, col, "v"), 2: (0, 0, ">"), 3: (0, 1, ">")}).step("zap")
+        scene = placed({0: (3, 2, arrow), 1: (row, col, "v"), 2: (0, 0, ">"), 3: (0, 1, ">")}).step(
+            "zap"
+        )
         hit = (ahead, right) in BEAM
         assert scene.events["hits"] == [int(hit), 0, 0, 0]
         assert home(scene, 1) == hit
@@ -168,7 +232,9 @@ def test_a_wall_two_ahead_shields_nobody() -> None:
 
 
 def test_two_hit_each_other() -> None:
-    scene = field("QQPPPP", "....#.", "......", ".><...  01", "......", "^....^  23").step("zap, zap")
+    scene = field("QQPPPP", "....#.", "......", ".><...  01", "......", "^....^  23").step(
+        "zap, zap"
+    )
     assert scene.events["hits"] == [1, 1, 0, 0]
     assert home(scene, 0) and home(scene, 1)
     assert scene.places()[0] != scene.places()[1]
@@ -176,7 +242,9 @@ def test_two_hit_each_other() -> None:
 
 def test_one_is_hit_by_two() -> None:
     """Each counts its hit; the one hit is sent once, and nobody is paid or pays."""
-    scene = field("QQPPPP", "....#.", "......", ".>^...  02", "......", "..^..^  13").step("zap, zap")
+    scene = field("QQPPPP", "....#.", "......", ".>^...  02", "......", "..^..^  13").step(
+        "zap, zap"
+    )
     assert scene.events["hits"] == [1, 1, 0, 0]
     assert home(scene, 2)
     assert scene.reward == [0, 0, 0, 0]
@@ -196,7 +264,10 @@ def test_zapping_again_at_once() -> None:
 def test_who_is_hit_on_a_gate_may_come_back_to_it() -> None:
     """Its own cell is as free as the others; that of the zapper is not."""
     places = {
-        field("^^P>vP  2301", "....#.", "......", "......", "......", "......", seed=seed).step("zap").places()[1] for seed in range(30)
+        field("^^P>vP  2301", "....#.", "......", "......", "......", "......", seed=seed)
+        .step("zap")
+        .places()[1]
+        for seed in range(30)
     }
     assert places == {(0, 2), (0, 4), (0, 5)}
 
@@ -210,7 +281,16 @@ def test_who_is_sent_home_acts_from_there_in_the_next_step() -> None:
 
 
 def test_who_is_hit_keeps_what_it_has_eaten_in_the_step() -> None:
-    scene = grove("aaaaaa", "aaavaa  1", "a>aAaa  0", "aaaaaa", "aaaaa#", "aaaa#a", "QQPP..", under={0: "a", 1: "a"}).step("zap, forward")
+    scene = grove(
+        "aaaaaa",
+        "aaavaa  1",
+        "a>aAaa  0",
+        "aaaaaa",
+        "aaaaa#",
+        "aaaa#a",
+        "QQPP..",
+        under={0: "a", 1: "a"},
+    ).step("zap, forward")
     assert scene.reward == [0, 1]
     assert scene.events == {"eaten": [0, 1], "hits": [1, 0]}
     assert scene.places()[1] in {(6, 2), (6, 3)}

@@ -18,16 +18,31 @@ STAGE = Stage(GAME, ROWS, 4)
 Cell = tuple[int, int]
 
 
-def put(stands: Mapping[int, Cell], foods: Mapping[Cell, int], levels: list[int], stage: Stage = STAGE) -> Scene:
+def put(
+    stands: Mapping[int, Cell], foods: Mapping[Cell, int], levels: list[int], stage: Stage = STAGE
+) -> Scene:
     """Returns a scene with agents and food on these cells; agents that are not told of wait in the corner."""
     cells = {agent: stands.get(agent, (4, agent)) for agent in range(4)}
     rows = [list(row) for row in ROWS]
     for row, column in cells.values():
         rows[row][column] = "^"
-    told = ["".join(str(agent) for _, agent in sorted((c, agent) for agent, (r, c) in cells.items() if r == row)) for row in range(5)]
-    picture = [f"{''.join(row)}  {numbers}".rstrip() for row, numbers in zip(rows, told, strict=True)]
+    told = [
+        "".join(
+            str(agent)
+            for _, agent in sorted((c, agent) for agent, (r, c) in cells.items() if r == row)
+        )
+        for row in range(5)
+    ]
+    picture = [
+        f"{''.join(row)}  {numbers}".rstrip() for row, numbers in zip(rows, told, strict=True)
+    ]
     fields = {
-        "floor.food": {cell: foods.get(cell, 0) for row in range(5) for cell in [(row, c) for c in range(7)] if ROWS[row][cell[1]] == "."}
+        "floor.food": {
+            cell: foods.get(cell, 0)
+            for row in range(5)
+            for cell in [(row, c) for c in range(7)]
+            if ROWS[row][cell[1]] == "."
+        }
     }
     return stage.put(*picture, fields={**fields, "agent.level": levels})
 
@@ -54,16 +69,23 @@ AROUND: dict[int, Cell] = {0: (0, 3), 1: (1, 2), 2: (1, 4), 3: (2, 3)}
         (3, [1, 1, 1, 2], (0, 1), [-0.1, -0.1, 0, 0]),  # who stands by does not count
     ],
 )
-def test_levels_that_add_up_take_food_and_share_it(food: int, levels: list[int], loading: tuple[int, ...], rewards: list[float]) -> None:
+def test_levels_that_add_up_take_food_and_share_it(
+    food: int, levels: list[int], loading: tuple[int, ...], rewards: list[float]
+) -> None:
     """Source: SocialJax, released code: in proportion to levels; 0.1 less for who loads in vain."""
     taken = min(rewards) >= 0
     scene = put(AROUND, {SPOT: food, **FAR}, levels).step(load(*loading))
     scene.has({"reward": rewards, "event taken": int(taken)})
-    scene.has({"event shared" if taken else "event vain": [int(agent in loading) for agent in range(4)]})
+    scene.has(
+        {"event shared" if taken else "event vain": [int(agent in loading) for agent in range(4)]}
+    )
     assert scene.value("floor.food")[1 * 7 + 3] == (0 if taken else food)
 
 
-@pytest.mark.parametrize(("cell", "reaches"), [((1, 2), True), ((0, 3), True), ((0, 2), False), ((1, 1), False), ((3, 3), False)])
+@pytest.mark.parametrize(
+    ("cell", "reaches"),
+    [((1, 2), True), ((0, 3), True), ((0, 2), False), ((1, 1), False), ((3, 3), False)],
+)
 def test_only_who_stands_beside_food_loads_it(cell: Cell, reaches: bool) -> None:
     scene = put({0: cell}, {SPOT: 1, **FAR}, [2, 1, 1, 1]).step(load(0))
     scene.has({"reward": [int(reaches), 0, 0, 0], "event vain": [0] * 4})
@@ -77,7 +99,9 @@ def test_one_load_is_for_all_food_around() -> None:
 
 def test_who_comes_loads_where_it_arrives() -> None:
     """Moves are made first; but who moves does not load."""
-    scene = put({0: (0, 2), 1: (1, 2)}, {SPOT: 2, **FAR}, [1, 1, 1, 1]).step("step_right, load, stay, stay")
+    scene = put({0: (0, 2), 1: (1, 2)}, {SPOT: 2, **FAR}, [1, 1, 1, 1]).step(
+        "step_right, load, stay, stay"
+    )
     scene.has({"reward": [0, -0.1, 0, 0]})
     scene.step(load(0, 1)).has({"reward": [1, 1, 0, 0]})
 
@@ -94,10 +118,17 @@ def test_the_last_food_ends_the_episode(left: int) -> None:
     """On the bundled map, with one food left or two: the agents stand around the middle row."""
     env = environment(GAME)
     _, state = env.reset(jax.random.key(0))
-    cells = [(row, column) for row, line in enumerate(env.game.rows) for column, glyph in enumerate(line) if glyph == "."]
+    cells = [
+        (row, column)
+        for row, line in enumerate(env.game.rows)
+        for column, glyph in enumerate(line)
+        if glyph == "."
+    ]
     foods = {(1, 3): 1} | ({(5, 5): 1} if left else {})
     floor = np.array([foods.get(cell, 0) for cell in cells])
-    state = placed(env, [(2, 3), (4, 4), (2, 4), (4, 3)], floor_food=floor.astype(state.floor_food.dtype))
+    state = placed(
+        env, [(2, 3), (4, 4), (2, 4), (4, 3)], floor_food=floor.astype(state.floor_food.dtype)
+    )
     _, _, reward, done, info = env.step(jax.random.key(1), state, np.array([5, 0, 0, 0]))
     assert (reward[0], bool(done), bool(info["truncated"])) == (1, not left, False)
 
@@ -136,9 +167,17 @@ def test_who_meets_earns_more_than_who_goes_alone() -> None:
     """The policies of the game's file: together they take the food that nobody can take alone."""
     env = environment(GAME)
     earned = {
-        name: evaluate(env, find_policy(name, env), jax.random.key(1), num_episodes=64).collective_returns.mean()
+        name: evaluate(
+            env, find_policy(name, env), jax.random.key(1), num_episodes=64
+        ).collective_returns.mean()
         for name in ("cooperator", "defector", "random", "stay")
     }
-    assert earned["cooperator"] > 1.3 * earned["defector"] > 1.3 * max(earned["random"], earned["stay"])
+    assert (
+        earned["cooperator"]
+        > 1.3 * earned["defector"]
+        > 1.3 * max(earned["random"], earned["stay"])
+    )
     assert earned["stay"] == 0
-    assert earned["cooperator"] > 0.75 * 4 * 2, "most of what there is: four pieces of level two on average"
+    assert earned["cooperator"] > 0.75 * 4 * 2, (
+        "most of what there is: four pieces of level two on average"
+    )

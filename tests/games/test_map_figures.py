@@ -51,7 +51,9 @@ PUBLISHED = [game for game in FIGURES if not game.endswith("_crowd")]
 def test_no_map_of_these_games_is_forgotten():
     """Other games have their figures with their own tests."""
     assert len(PUBLISHED) == 9
-    assert {path.stem for path in MAPS.iterdir() if path.stem.removesuffix("_crowd") in PUBLISHED} == set(FIGURES)
+    assert {
+        path.stem for path in MAPS.iterdir() if path.stem.removesuffix("_crowd") in PUBLISHED
+    } == set(FIGURES)
 
 
 @pytest.mark.parametrize(("game", "figures"), FIGURES.items())
@@ -75,7 +77,12 @@ def test_all_free_cells_are_connected(game: str):
 
 CLOSED_GATES = box([13], range(2, 19, 2)) | box([14], range(1, 20, 2))
 DOORWAYS = frozenset({(10, 9), (10, 12)})
-FUNNEL = box([8], span(6, 15)) | box([9, 11], [10, 11]) | (box([10], span(0, 21)) - DOORWAYS) | box([12], span(2, 19))
+FUNNEL = (
+    box([8], span(6, 15))
+    | box([9, 11], [10, 11])
+    | (box([10], span(0, 21)) - DOORWAYS)
+    | box([12], span(2, 19))
+)
 THIN_ORCHARD = box([14], [*range(1, 18, 2), 23, 25, 27])
 ORCHARD = THIN_ORCHARD | box(span(15, 18), span(0, 27)) - box([15], [19, 20])
 CLEAN_UP_GATES = {
@@ -116,7 +123,12 @@ def test_cells_of_known_place(game: str, glyphs: str, cells: set[Cell]):
 
 # Harvest: patches, rooms, mirror
 
-DIAMONDS = ((2, 7), (2, 14), (7, 2), (7, 19))  # SocialJax maps, Harvest: centres of the four 13-cell patches
+DIAMONDS = (
+    (2, 7),
+    (2, 14),
+    (7, 2),
+    (7, 19),
+)  # SocialJax maps, Harvest: centres of the four 13-cell patches
 CORNERS = ((0, 0), (0, 21))  # SocialJax maps, Harvest: the two 6-cell patches
 
 
@@ -202,7 +214,9 @@ def test_clean_up_dirt_alternates_and_is_denser_at_both_ends():
     # SocialJax map, Clean Up: roughly every second column dirty, more at the ends; in row 5 only the first water cell.
     lines = read_map("clean_up")[:5]
     assert not [line for line in lines if "HH" in line]
-    ends = [Counter("".join(line[part] for line in lines))["F"] for part in (slice(0, 4), slice(24, 28))]
+    ends = [
+        Counter("".join(line[part] for line in lines))["F"] for part in (slice(0, 4), slice(24, 28))
+    ]
     middle = Counter("".join(line[4:24] for line in lines))["F"]
     assert min(ends) / 20 > middle / 100
     assert read_map("clean_up")[5][16] == "F"
@@ -231,19 +245,34 @@ class Wall(NamedTuple):
         """Tells whether a piece of wall has this shape and lies in this part of the map."""
         top, left = min(row for row, _ in piece), min(col for _, col in piece)
         lines = enumerate(self.drawing, start=top)
-        drawn = {(row, col) for row, line in lines for col, mark in enumerate(line, start=left) if mark == "#"}
+        drawn = {
+            (row, col)
+            for row, line in lines
+            for col, mark in enumerate(line, start=left)
+            if mark == "#"
+        }
         return piece == drawn and piece <= box(self.rows, self.cols)
 
 
 HOOK = ("#.....", "#.....", "#....#", "#....#", "#....#", "######")
-STEP_AND_DIAGONAL = ("###.....", "..##....", "...##...", "....##..", ".....##.", "......##", ".......#")
+STEP_AND_DIAGONAL = (
+    "###.....",
+    "..##....",
+    "...##...",
+    "....##..",
+    ".....##.",
+    "......##",
+    ".......#",
+)
 DIAGONAL_AND_BAR = ("#......", ".#.....", "..#....", "...####")
 CROSS = ("...#...", "#######", "...#...", "...#...", "...#...")
 
 # SocialJax map, Coop Mining: ten groups of interior walls, each with its shape, size and part of the 27 x 27 cells.
 MINING_WALLS = {
     "hook of 14, upper left of the centre": Wall(HOOK, span(3, 12), span(4, 13)),
-    "step and diagonal of 14, left of the centre": Wall(STEP_AND_DIAGONAL, span(9, 18), span(3, 12)),
+    "step and diagonal of 14, left of the centre": Wall(
+        STEP_AND_DIAGONAL, span(9, 18), span(3, 12)
+    ),
     "short diagonal and bar, near the centre": Wall(DIAGONAL_AND_BAR, span(10, 16), span(10, 18)),
     "cross, lower right": Wall(CROSS, span(14, 24), span(14, 24)),
     "flat bar of 8, right of the centre": Wall(("########",), span(9, 17), span(14, 24)),
@@ -284,9 +313,13 @@ def test_border_is_closed(game: str):
     assert border(game) <= find(game, "#")
 
 
-@pytest.mark.parametrize(("game", "name", "wall"), [(game, *item) for game, walls in WALLS for item in walls.items()])
+@pytest.mark.parametrize(
+    ("game", "name", "wall"), [(game, *item) for game, walls in WALLS for item in walls.items()]
+)
 def test_inner_wall_is_as_described(game: str, name: str, wall: Wall):
-    assert len([piece for piece in inner_walls(game) if wall.is_drawn_by(piece)]) == wall.times, name
+    assert len([piece for piece in inner_walls(game) if wall.is_drawn_by(piece)]) == wall.times, (
+        name
+    )
 
 
 @pytest.mark.parametrize(
@@ -306,9 +339,13 @@ def test_sizes_of_the_inner_walls(game: str, sizes: list[int]):
 def test_coop_mining_has_wide_passages():
     # SocialJax map, Coop Mining: passages are wide; ours: a block of two by two cells can go everywhere.
     free = find("coop_mining", "OP")
-    blocks = frozenset(cell for cell in free if box(span(cell[0], cell[0] + 1), span(cell[1], cell[1] + 1)) <= free)
+    blocks = frozenset(
+        cell for cell in free if box(span(cell[0], cell[0] + 1), span(cell[1], cell[1] + 1)) <= free
+    )
     assert regions(blocks) == [blocks]
-    assert {(row + down, col + right) for row, col in blocks for down in (0, 1) for right in (0, 1)} == free
+    assert {
+        (row + down, col + right) for row, col in blocks for down in (0, 1) for right in (0, 1)
+    } == free
 
 
 def test_coop_mining_starts():
@@ -318,7 +355,9 @@ def test_coop_mining_starts():
     assert columns == {"left": 5, "right": 6, "between": 7}
     # SocialJax map, Coop Mining: none adjacent to another; ours: nor across a corner, and some in every quarter.
     assert len(regions(starts, diagonal=True)) == 18
-    assert {(row < 13, col < 13) for row, col in starts if 3 < col < 23} == set(product([True, False], repeat=2))
+    assert {(row < 13, col < 13) for row, col in starts if 3 < col < 23} == set(
+        product([True, False], repeat=2)
+    )
 
 
 def test_gift_refinement_is_coop_mining_without_its_border():
@@ -336,7 +375,9 @@ def test_mushrooms_are_scattered():
 def test_pd_arena_resources_are_two_stacked_pairs_of_rows():
     # SocialJax map, PD Arena: right of centre defect over cooperate; a bit left of it and lower cooperate over defect.
     lines = enumerate(read_map("pd_arena"))
-    found = [(run, row, line.find(run)) for row, line in lines for run in ("CCC", "DDD") if run in line]
+    found = [
+        (run, row, line.find(run)) for row, line in lines for run in ("CCC", "DDD") if run in line
+    ]
     runs, rows, cols = zip(*found)
     assert runs == ("DDD", "CCC", "CCC", "DDD")
     assert (rows[1] - rows[0], rows[3] - rows[2]) == (1, 1)

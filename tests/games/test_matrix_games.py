@@ -11,7 +11,10 @@ from .map_reading import read_map
 
 ROWS = ("........", "..CD....", "........", "PPPPPPPP")
 # the two words, and what one who plays the row gets from one who plays the column. Source: Melting Pot
-GAMES = {"stag_hunt": (("stag", "hare"), ((4, 0), (2, 2))), "chicken": (("dove", "hawk"), ((3, 2), (5, 0)))}
+GAMES = {
+    "stag_hunt": (("stag", "hare"), ((4, 0), (2, 2))),
+    "chicken": (("dove", "hawk"), ((3, 2), (5, 0))),
+}
 STAGES = {game: Stage(game, ROWS, 4, interpreted=BRIEFLY and game != "stag_hunt") for game in GAMES}
 EACH = pytest.mark.parametrize("game", GAMES)
 
@@ -21,7 +24,11 @@ def meeting(game: str, mine: tuple[int, int], theirs: tuple[int, int]) -> Scene:
     words, _ = GAMES[game]
     bags = {0: dict(zip(words, mine, strict=True)), 1: dict(zip(words, theirs, strict=True))}
     picture = (*ROWS[:2], "..><....  01", "PPPPPPvv  23")
-    return STAGES[game].put(*picture, fields={"agent.bag": bags}, under={2: "P", 3: "P"}, params={"regrow": 0}).step("interact")
+    return (
+        STAGES[game]
+        .put(*picture, fields={"agent.bag": bags}, under={2: "P", 3: "P"}, params={"regrow": 0})
+        .step("interact")
+    )
 
 
 @EACH
@@ -30,7 +37,9 @@ def meeting(game: str, mine: tuple[int, int], theirs: tuple[int, int]) -> Scene:
 def test_payoffs_of_pure_strategies(game: str, mine: int, theirs: int) -> None:
     table = GAMES[game][1]
     scene = meeting(game, *(((1, 0), (0, 1))[plays] for plays in (mine, theirs)))
-    scene.has({"reward": [table[mine][theirs], table[theirs][mine], 0, 0], "event met": [1, 1, 0, 0]})
+    scene.has(
+        {"reward": [table[mine][theirs], table[theirs][mine], 0, 0], "event met": [1, 1, 0, 0]}
+    )
 
 
 @EACH
@@ -40,7 +49,9 @@ def test_payoffs_of_mixtures(game: str) -> None:
     for mine, theirs in [((3, 1), (1, 1)), ((1, 4), (2, 0)), ((50, 50), (1, 99))]:
         row, column = np.array(mine) / sum(mine), np.array(theirs) / sum(theirs)
         scene = meeting(game, mine, theirs)
-        assert scene.reward[:2] == pytest.approx([row @ table @ column, column @ table @ row], abs=1e-5)
+        assert scene.reward[:2] == pytest.approx(
+            [row @ table @ column, column @ table @ row], abs=1e-5
+        )
 
 
 @EACH
@@ -48,10 +59,23 @@ def test_one_collects_what_the_arena_has(game: str) -> None:
     """Where the Prisoner's Dilemma has patches to cooperate, the first word is collected; the second where it has the others."""
     first, second = GAMES[game][0]
     scene = (
-        STAGES[game].put("..vv....  01", *ROWS[1:3], "PPPPPPvv  23", under={2: "P", 3: "P"}, params={"regrow": 0}).step("forward, forward")
+        STAGES[game]
+        .put(
+            "..vv....  01", *ROWS[1:3], "PPPPPPvv  23", under={2: "P", 3: "P"}, params={"regrow": 0}
+        )
+        .step("forward, forward")
     )
-    scene.has({f"agent.bag[{first}]": [1, 0, 0, 0], f"agent.bag[{second}]": [0, 1, 0, 0], "patch.stock": "none", "reward": 0})
-    scene.has({f"event collected[{first}]": [1, 0, 0, 0], f"event collected[{second}]": [0, 1, 0, 0]})
+    scene.has(
+        {
+            f"agent.bag[{first}]": [1, 0, 0, 0],
+            f"agent.bag[{second}]": [0, 1, 0, 0],
+            "patch.stock": "none",
+            "reward": 0,
+        }
+    )
+    scene.has(
+        {f"event collected[{first}]": [1, 0, 0, 0], f"event collected[{second}]": [0, 1, 0, 0]}
+    )
 
 
 @EACH

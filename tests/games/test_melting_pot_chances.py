@@ -20,9 +20,23 @@ STAGES = {
     "gift_refinement": ("TTTT", "TTPP"),
     "mushrooms": ("....", "...."),
 }
-MINE = Stage("coop_mining", ("OOOOO", "OOOOO", "PPPPP"), 3, variant="meltingpot", looks={"g": "rock ore=gold"}, interpreted=True)
+MINE = Stage(
+    "coop_mining",
+    ("OOOOO", "OOOOO", "PPPPP"),
+    3,
+    variant="meltingpot",
+    looks={"g": "rock ore=gold"},
+    interpreted=True,
+)
 FOREST = Stage("mushrooms", ("........", "........"), 2, variant="meltingpot", interpreted=True)
-GLADE = Stage("mushrooms", ("....", "...."), 2, variant="meltingpot", params={"respawn_delay": 1}, interpreted=True)
+GLADE = Stage(
+    "mushrooms",
+    ("....", "...."),
+    2,
+    variant="meltingpot",
+    params={"respawn_delay": 1},
+    interpreted=True,
+)
 
 
 @pytest.mark.thorough
@@ -42,7 +56,13 @@ def test_an_episode_ends_by_chance_after_whole_intervals(game: str) -> None:
         assert not start.truncated
         return done
 
-    for finished, wanted in ((least - 1, False), (least, False), (least + 99, True), (least + 100, False), (least + 399, True)):
+    for finished, wanted in (
+        (least - 1, False),
+        (least, False),
+        (least + 99, True),
+        (least + 100, False),
+        (least + 399, True),
+    ):
         assert ends(finished, 0, 1.0) is wanted
         assert not ends(finished, 0, 0.0)
     assert_share(sum(ends(least + 99, seed, 0.5) for seed in range(RUNS)), RUNS, 0.5, 0.4)
@@ -52,7 +72,9 @@ def test_of_three_miners_two_share() -> None:
     """Who comes third gets nothing, and the ore is gone; each of the three is left out equally often."""
     left_out: Counter[int] = Counter()
     for seed in range(RUNS):
-        scene = MINE.put("O>g<O", "OO^OO", "PPPPP", seed=seed, params={"spawn_iron": 0.0, "spawn_gold": 0.0}).step("mine, mine, mine")
+        scene = MINE.put(
+            "O>g<O", "OO^OO", "PPPPP", seed=seed, params={"spawn_iron": 0.0, "spawn_gold": 0.0}
+        ).step("mine, mine, mine")
         assert sorted(scene.reward) == [0, 8, 8]
         assert scene.value("rock.ore")[2] == "none"
         left_out[scene.reward.index(0)] += 1
@@ -63,7 +85,13 @@ def test_orange_kills_each_red_one_alike() -> None:
     """And nothing else: with the chance that is set, each red mushroom dies. The orange one grows again somewhere."""
     gone = 0
     for seed in range(RUNS // 3):
-        scene = FOREST.put("O.RRRRRG", "^......v  01", seed=seed, params={"poison": 0.5}, fields={"ground.fresh": 9}).step("forward")
+        scene = FOREST.put(
+            "O.RRRRRG",
+            "^......v  01",
+            seed=seed,
+            params={"poison": 0.5},
+            fields={"ground.fresh": 9},
+        ).step("forward")
         reds = scene.value("ground.grows")[2:7].count("red")
         assert scene.value("ground.grows").count("orange") == 1
         assert scene.value("ground.grows")[7] == "green"
@@ -77,10 +105,16 @@ def test_who_is_hit_twice_comes_back_on_any_bare_cell() -> None:
     found: Counter[tuple[int, int]] = Counter()
     hit = {"agent.hits": {1: 1}, "agent.recovering": {1: 30}, "ground.fresh": 9}
     for seed in range(2 * RUNS):
-        scene = GLADE.put("...G", ">.<.  01", seed=seed, fields=hit).step("zap").has({"agent.away": [False, True], "agent.hits": 0})
+        scene = (
+            GLADE.put("...G", ">.<.  01", seed=seed, fields=hit)
+            .step("zap")
+            .has({"agent.away": [False, True], "agent.hits": 0})
+        )
         place = scene.step().places()[1]
         assert place is not None
         found[place] += 1
-    bare = [(row, col) for row in range(2) for col in range(4) if (row, col) not in {(0, 3), (1, 0)}]
+    bare = [
+        (row, col) for row in range(2) for col in range(4) if (row, col) not in {(0, 3), (1, 0)}
+    ]
     assert set(found) <= set(bare)
     assert_uniform([found[cell] for cell in bare], 0.8)

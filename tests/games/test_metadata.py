@@ -32,21 +32,34 @@ def said(game: str, *variants: str) -> dict[str, str]:
 def test_the_papers_tables_and_nothing_else_under_their_names(game: str) -> None:
     """A game that is not in the paper says nothing under the paper's names, also if it is built on one that is."""
     found = said(game)
-    assert {key: found[key] for key in PAPERS if key in found} == dict(zip(PAPERS, PUBLISHED.get(game, ()), strict=False))
+    assert {key: found[key] for key in PAPERS if key in found} == dict(
+        zip(PAPERS, PUBLISHED.get(game, ()), strict=False)
+    )
 
 
 @pytest.mark.parametrize("form", ["closed", "partnership"])
 def test_a_map_of_harvest_is_the_same_as_a_variant(form: str) -> None:
-    both = [{k: v for k, v in one.items() if k != "summary"} for one in (said("harvest_open", form), said(f"harvest_{form}"))]
+    both = [
+        {k: v for k, v in one.items() if k != "summary"}
+        for one in (said("harvest_open", form), said(f"harvest_{form}"))
+    ]
     assert both[0] == both[1]
 
 
 @pytest.mark.parametrize("game", main_games())
 def test_each_line_says_whose_it_is(game: str) -> None:
-    lines = [line for line in find_game(game).read_text(encoding="utf-8").split("\n") if re.match(r" *about (?!summary)", line)]
+    lines = [
+        line
+        for line in find_game(game).read_text(encoding="utf-8").split("\n")
+        if re.match(r" *about (?!summary)", line)
+    ]
     found = [LINE.match(line) for line in lines]
     assert all(found), lines
     for match in filter(None, found):
-        source = "paper" if match[1] in PAPERS else "ours: " if match[1].startswith("our_") else None
+        source = (
+            "paper" if match[1] in PAPERS else "ours: " if match[1].startswith("our_") else None
+        )
         assert source is not None, match[1]
-        assert match[2].startswith(source) or (source == "ours: " and match[2] == "Melting Pot"), match[0]
+        assert match[2].startswith(source) or (source == "ours: " and match[2] == "Melting Pot"), (
+            match[0]
+        )

@@ -36,7 +36,9 @@ def counter(variant: str | None) -> Any:
     sizes = env.module.FRAME[0] * env.module.FRAME[1]
 
     def look(before: Any, after: Any, _: Any) -> Any:
-        new = (after.ground_grows[None] == jnp.array(KINDS, jnp.uint8)[:, None]) & (before.ground_grows == 0)[None]
+        new = (after.ground_grows[None] == jnp.array(KINDS, jnp.uint8)[:, None]) & (
+            before.ground_grows == 0
+        )[None]
         number = jnp.sum(new, axis=1, dtype=jnp.int32)
         together = number[0] * MOST**2 + number[1] * MOST + number[2]
         return {
@@ -44,7 +46,9 @@ def counter(variant: str | None) -> Any:
             "numbers": jax.nn.one_hot(together, MOST**3, dtype=jnp.int32),
             "orange": jax.nn.one_hot(number[3], MOST, dtype=jnp.int32),
             "place": jax.nn.one_hot(after.position[:3], sizes, dtype=jnp.int32),
-            "headings": jax.nn.one_hot(after.heading[1] * 4 + after.heading[2], 16, dtype=jnp.int32),
+            "headings": jax.nn.one_hot(
+                after.heading[1] * 4 + after.heading[2], 16, dtype=jnp.int32
+            ),
         }
 
     return many(env, look)
@@ -52,7 +56,12 @@ def counter(variant: str | None) -> Any:
 
 def binomial(trials: int, probability: float) -> np.ndarray:
     """Returns the probabilities of 0, 1, … MOST - 1 successes."""
-    return np.array([comb(trials, k) * probability**k * (1 - probability) ** max(0, trials - k) for k in range(MOST)])
+    return np.array(
+        [
+            comb(trials, k) * probability**k * (1 - probability) ** max(0, trials - k)
+            for k in range(MOST)
+        ]
+    )
 
 
 def assert_grown(seen: Any, trials: Sequence[int], within: float) -> None:
@@ -69,7 +78,9 @@ def first_of(kind: int, variant: str | None = None) -> Cell:
     return next((r, row.index("?RGBO"[kind])) for r, row in enumerate(rows) if "?RGBO"[kind] in row)
 
 
-def before_meals(kinds: Sequence[int], variant: str | None = None, **fields: Any) -> tuple[Any, list[int]]:
+def before_meals(
+    kinds: Sequence[int], variant: str | None = None, **fields: Any
+) -> tuple[Any, list[int]]:
     """Returns a state and actions with which the first agents each eat a mushroom, coming from the cell below it."""
     env = environment(GAME, variant)
     eaters = [(first_of(kind, variant)[0] + 1, first_of(kind, variant)[1]) for kind in kinds]
@@ -85,7 +96,9 @@ def test_what_grows_after_a_meal(kind: int, variant: str | None) -> None:
     """In the step of the meal; two trials or, in Melting Pot, three, and there orange sows no red."""
     env = environment(GAME, variant)
     state, actions = before_meals([kind], variant)
-    params = env.params.replace(poison=jnp.float32(0)) if variant else env.params  # else some of the red ones make room
+    params = (
+        env.params.replace(poison=jnp.float32(0)) if variant else env.params
+    )  # else some of the red ones make room
     seen = counter(variant)(kind, state, actions, params, 4)
     assert_grown(seen, (TRIALS_OF_THREE if variant else TRIALS)[kind], 0.03)
 
@@ -123,7 +136,11 @@ def test_as_released_spores_come_a_step_later(kind: int) -> None:
     seen = counter("socialjax")(kind, state, actions, env.params, 1)
     assert not seen["new"].any()
     _, after, *_ = env.step_env(jax.random.key(0), state, jnp.asarray(actions))
-    assert_grown(counter("socialjax")(kind, after, [STAY] * env.num_agents, env.params, 4), TRIALS[kind], 0.03)
+    assert_grown(
+        counter("socialjax")(kind, after, [STAY] * env.num_agents, env.params, 4),
+        TRIALS[kind],
+        0.03,
+    )
 
 
 def test_where_tells_nothing_of_whether() -> None:
@@ -131,7 +148,10 @@ def test_where_tells_nothing_of_whether() -> None:
     env = environment(GAME)
     state, actions = before_meals([BLUE])
     seen = counter(None)(5, state, actions, env.params, 6)
-    under = [cells_of(env, "ground").index(cell) for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]]
+    under = [
+        cells_of(env, "ground").index(cell)
+        for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]
+    ]
     free = [i for i in range(FLOOR) if state.ground_grows[i] == 0 and i not in under]
     for kind in range(3):
         assert_share(seen["new"][kind][free[:131]].sum(), seen["new"][kind].sum(), 131 / 262, 0.06)
@@ -144,7 +164,11 @@ def test_home_is_every_free_bare_cell_alike(variant: str | None) -> None:
     places = [(6, 1), (6, 2), (6, 3), (11, 21), (11, 22)]
     state = placed(env, places, [1, 0, 2, 0, 0])
     seen = counter(variant)(6, state, [ZAP, STAY, STAY, STAY, STAY], env.params, 16)
-    bare = [c for c, grows in zip(cells_of(env, "ground"), state.ground_grows, strict=True) if grows == 0 and c not in places]
+    bare = [
+        c
+        for c, grows in zip(cells_of(env, "ground"), state.ground_grows, strict=True)
+        if grows == 0 and c not in places
+    ]
     assert len(bare) == 261
     assert not seen["new"].any()
     assert seen["place"][0, frame_cells(env, places[0])] == 16 * BATCH

@@ -23,17 +23,28 @@ BEAM = {(1, 0), (2, 0), (1, 1), (1, -1)}  # (ahead, right)
 AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
-def put(stage: Stage, *picture: str, regrow: dict[str, float] = NEVER, seed: int = 0, step: int = 0, **facts: Any) -> Scene:
+def put(
+    stage: Stage,
+    *picture: str,
+    regrow: dict[str, float] = NEVER,
+    seed: int = 0,
+    step: int = 0,
+    **facts: Any,
+) -> Scene:
     """Returns a scene in which nothing grows unless `regrow` says so; facts: `fields` and numbers of the game."""
     fields = facts.pop("fields", {})
-    return stage.put(*picture, seed=seed, step=step, fields=fields, params={"regrow": regrow, **facts})
+    return stage.put(
+        *picture, seed=seed, step=step, fields=fields, params={"regrow": regrow, **facts}
+    )
 
 
 def meal(stage: Stage, *signs: str, **facts: Any) -> Scene:
     """Returns a scene in which agents 0, 1, … have a mushroom each before them, to the north."""
     above, below = "".join(signs).ljust(8, "."), ("^" * len(signs)).ljust(8, ".")
     others = ("v" * (5 - len(signs))).rjust(8, ".")
-    return put(stage, EMPTY, EMPTY, above, below + "  " + "01234"[: len(signs)], EMPTY, others, **facts)
+    return put(
+        stage, EMPTY, EMPTY, above, below + "  " + "01234"[: len(signs)], EMPTY, others, **facts
+    )
 
 
 def eat(number: int = 1) -> str:
@@ -63,16 +74,31 @@ PAYMENTS = [
 @BOTH
 @pytest.mark.parametrize(("eaten", "reward"), PAYMENTS)
 def test_payments(stage: Stage, eaten: str, reward: list[float]) -> None:
-    scene = meal(stage, *eaten).step(eat(len(eaten))).has({"reward": reward, "ground.grows": "none", "event hits": 0})
+    scene = (
+        meal(stage, *eaten)
+        .step(eat(len(eaten)))
+        .has({"reward": reward, "ground.grows": "none", "event hits": 0})
+    )
     for kind, sign in SIGNS.items():
-        scene.has({f"event eaten[{kind}]": [int(agent < len(eaten) and eaten[agent] == sign) for agent in range(5)]})
+        scene.has(
+            {
+                f"event eaten[{kind}]": [
+                    int(agent < len(eaten) and eaten[agent] == sign) for agent in range(5)
+                ]
+            }
+        )
     scene.step().has({"reward": 0})
 
 
-@pytest.mark.parametrize(("agents", "green", "blue"), [(2, 1, 3), (3, 2 / 3, 1.5), (5, 0.4, 0.75), (20, 0.1, 3 / 19)])
+@pytest.mark.parametrize(
+    ("agents", "green", "blue"), [(2, 1, 3), (3, 2 / 3, 1.5), (5, 0.4, 0.75), (20, 0.1, 3 / 19)]
+)
 def test_what_is_shared_is_split(agents: int, green: float, blue: float) -> None:
     """The prices themselves, by the number of agents: red 1, green 2 and blue 3 in all, orange -0.2 for each."""
-    for stage in (Stage("mushrooms", agents=agents), Stage("mushrooms", agents=agents, variant="socialjax")):
+    for stage in (
+        Stage("mushrooms", agents=agents),
+        Stage("mushrooms", agents=agents, variant="socialjax"),
+    ):
         params = stage.env.params
         assert params.eater.tolist() == [1, 0, 0, 0]
         assert params.everyone.tolist() == pytest.approx([0, green, 0, -0.2])
@@ -100,7 +126,16 @@ def test_digestion(stage: Stage, kind: str) -> None:
 
 @BOTH
 def test_who_digests_does_not_zap(stage: Stage) -> None:
-    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv", fields={"agent.digesting": {0: 1}})
+    scene = put(
+        stage,
+        EMPTY,
+        EMPTY,
+        "..v.....  1",
+        "..^.....  0",
+        EMPTY,
+        ".....vvv",
+        fields={"agent.digesting": {0: 1}},
+    )
     scene.step("zap").has({"event hits": 0, "agent.row": {1: 2}})
     assert scene.value("marks fire") == set()
     scene.step("zap").has({"event hits": [1, 0, 0, 0, 0]})
@@ -156,7 +191,9 @@ def test_what_grows_after_a_meal(stage: Stage, eaten: str, after: dict[str, int]
         ("OOO", counts(red=5, orange=1)),
     ],
 )
-def test_as_released_no_more_than_five_of_a_kind_grow_in_a_step(eaten: str, after: dict[str, int]) -> None:
+def test_as_released_no_more_than_five_of_a_kind_grow_in_a_step(
+    eaten: str, after: dict[str, int]
+) -> None:
     """All trials succeed."""
     scene = meal(RELEASED, *eaten, regrow=CERTAIN).step(eat(len(eaten)))
     assert grown(scene.step()) == after
@@ -184,13 +221,19 @@ def test_as_released_who_is_sent_onto_a_mushroom_crushes_it() -> None:
 
 
 @BOTH
-@pytest.mark.parametrize(("kind", "eaten"), [("red", "R"), ("green", "G"), ("blue", "B"), ("red", "B"), ("green", "B")])
+@pytest.mark.parametrize(
+    ("kind", "eaten"), [("red", "R"), ("green", "G"), ("blue", "B"), ("red", "B"), ("green", "B")]
+)
 @pytest.mark.parametrize("left", [5, 6])
-def test_no_kind_grows_while_more_than_five_are_left(stage: Stage, kind: str, eaten: str, left: int) -> None:
+def test_no_kind_grows_while_more_than_five_are_left(
+    stage: Stage, kind: str, eaten: str, left: int
+) -> None:
     """Five left after the meal grow to seven, six stay six; the other kinds grow as ever."""
     others = "vvvv".rjust(8, ".")
     row = (SIGNS[kind] * left).rjust(8, ".")
-    scene = put(stage, EMPTY, row, f"{eaten}.......", "^.......  0", EMPTY, others, regrow=CERTAIN).step("forward")
+    scene = put(
+        stage, EMPTY, row, f"{eaten}.......", "^.......  0", EMPTY, others, regrow=CERTAIN
+    ).step("forward")
     if stage is RELEASED:
         scene.step()
     expected = dict(next(after for sign, after in SPORES if sign == eaten))
@@ -207,7 +250,9 @@ def full(*bare: tuple[int, int], eaten: str) -> list[str]:
     return ["".join(row) for row in rows]
 
 
-@pytest.mark.parametrize(("stage", "start"), [(DEFAULT, (0, 0)), (DEFAULT, (1, 5)), (RELEASED, (1, 5))])
+@pytest.mark.parametrize(
+    ("stage", "start"), [(DEFAULT, (0, 0)), (DEFAULT, (1, 5)), (RELEASED, (1, 5))]
+)
 def test_every_floor_cell_is_a_site(stage: Stage, start: tuple[int, int]) -> None:
     """By default also that of a mushroom of the map, (0, 0). Not one with a mushroom, nor one with an agent: two cells are left, and both grow."""
     scene = put(stage, *full(start, eaten="R"), regrow=CERTAIN).step("forward")
@@ -236,17 +281,29 @@ def test_a_chance_of_nought_lets_nothing_grow(stage: Stage) -> None:
 # Zapping
 
 
-@pytest.mark.parametrize(("stage", "arrow"), [(DEFAULT, "^"), (DEFAULT, ">"), (DEFAULT, "v"), (DEFAULT, "<"), (RELEASED, ">")])
+@pytest.mark.parametrize(
+    ("stage", "arrow"),
+    [(DEFAULT, "^"), (DEFAULT, ">"), (DEFAULT, "v"), (DEFAULT, "<"), (RELEASED, ">")],
+)
 def test_the_four_cells_of_the_beam(stage: Stage, arrow: str) -> None:
     """The zapper in the middle, another on each cell around it in turn: who is hit is somewhere else, on bare floor."""
     ahead_row, ahead_col = AROUND["^>v<".index(arrow)]
     for ahead, right in set(itertools.product(range(-1, 3), range(-2, 3))) - {(0, 0)}:
-        row, column = 2 + ahead * ahead_row + right * ahead_col, 3 + ahead * ahead_col - right * ahead_row
+        row, column = (
+            2 + ahead * ahead_row + right * ahead_col,
+            3 + ahead * ahead_col - right * ahead_row,
+        )
         rows = [list(line) for line in ROWS]
         rows[2][3], rows[row][column], rows[5][5:] = arrow, "^", "vvv"
         first = "0" if row != 2 else "01" if column > 3 else "10"
         told = {2: first, **({row: "1"} if row != 2 else {}), 5: "234"}
-        scene = put(stage, *(f"{''.join(line)}  {told[r]}" if r in told else "".join(line) for r, line in enumerate(rows))).step("zap")
+        scene = put(
+            stage,
+            *(
+                f"{''.join(line)}  {told[r]}" if r in told else "".join(line)
+                for r, line in enumerate(rows)
+            ),
+        ).step("zap")
         hit = (ahead, right) in BEAM
         scene.has({"event hits": [int(hit), 0, 0, 0, 0], "reward": 0})
         assert (scene.places()[1] == (row, column)) != hit
@@ -257,11 +314,21 @@ def test_the_four_cells_of_the_beam(stage: Stage, arrow: str) -> None:
 @BOTH
 def test_the_beam_passes_agents_and_spares_mushrooms(stage: Stage) -> None:
     """Two in line and two beside are hit; each is sent to a place of its own, and eats nothing there."""
-    scene = put(stage, f"R{EMPTY[1:]}", "..v.....  1", ".BvG....  2", "..^.....  0", "RGBORGBO", "....vv..  34")
+    scene = put(
+        stage,
+        f"R{EMPTY[1:]}",
+        "..v.....  1",
+        ".BvG....  2",
+        "..^.....  0",
+        "RGBORGBO",
+        "....vv..  34",
+    )
     scene.step("zap").has({"event hits": [2, 0, 0, 0, 0], "reward": 0, "event eaten[red]": 0})
     assert len(set(scene.places())) == 5
     assert grown(scene) == counts(red=3, green=3, blue=3, orange=2)
-    scene = put(stage, EMPTY, EMPTY, ".vvv....  123", "..^.....  0", EMPTY, "......v.  4").step("zap")
+    scene = put(stage, EMPTY, EMPTY, ".vvv....  123", "..^.....  0", EMPTY, "......v.  4").step(
+        "zap"
+    )
     scene.has({"event hits": [3, 0, 0, 0, 0]})
     assert len(set(scene.places())) == 5
 
@@ -269,11 +336,21 @@ def test_the_beam_passes_agents_and_spares_mushrooms(stage: Stage) -> None:
 def test_who_is_hit_goes_to_bare_floor_where_nobody_stands() -> None:
     """The one cell that is left; of two, each in some of 20 runs (but for a chance of 2e-6); without one it stays."""
     rows = ["O" * 8, "O" * 8, "OOvOOOOO  1", "OO^OOOOO  0", "O" * 8, "OOOOOvvv  234"]
-    put(DEFAULT, *rows).step("zap").has({"event hits": {0: 1}, "agent.row": {1: 2}, "agent.col": {1: 2}, "agent.heading": {1: "south"}})
+    put(DEFAULT, *rows).step("zap").has(
+        {
+            "event hits": {0: 1},
+            "agent.row": {1: 2},
+            "agent.col": {1: 2},
+            "agent.heading": {1: "south"},
+        }
+    )
     rows[4] = "OOOOOO.O"
     assert put(DEFAULT, *rows).step("zap").places()[1] == (4, 6)
     rows[0] = ".OOOOOOO"
-    assert {put(DEFAULT, *rows, seed=seed).step("zap").places()[1] for seed in range(20)} == {(4, 6), (0, 0)}
+    assert {put(DEFAULT, *rows, seed=seed).step("zap").places()[1] for seed in range(20)} == {
+        (4, 6),
+        (0, 0),
+    }
 
 
 # Agent 0 at an edge, facing out, and whom its beam hits as released. Source: the released code, commit 9df972d, in these states
@@ -297,7 +374,9 @@ def test_beams_leave_the_map_only_as_released(picture: tuple[str, ...], hit: set
 
 @BOTH
 def test_two_hit_each_other(stage: Stage) -> None:
-    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv").step("zap, zap")
+    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv").step(
+        "zap, zap"
+    )
     scene.has({"event hits": [1, 1, 0, 0, 0], "reward": 0})
     assert scene.places()[0] != (3, 2) and scene.places()[1] != (2, 2)
 
@@ -305,14 +384,25 @@ def test_two_hit_each_other(stage: Stage) -> None:
 # Episodes, moves, what is seen
 
 
-@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+@pytest.mark.parametrize(
+    ("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"]
+)
 def test_moves(stage: Stage, compass: bool) -> None:
     check_moves(stage, (EMPTY, EMPTY, "...^....", EMPTY, EMPTY, "....vvvv"), compass)
 
 
 def test_what_is_seen() -> None:
     """Each kind of mushroom, one's own digestion, the beam in one observation."""
-    scene = put(DEFAULT, EMPTY, "..RGBO..", "..vR....  1", "..^.....  0", EMPTY, "....v^>.  342", fields={"agent.digesting": {1: 7}})
+    scene = put(
+        DEFAULT,
+        EMPTY,
+        "..RGBO..",
+        "..vR....  1",
+        "..^.....  0",
+        EMPTY,
+        "....v^>.  342",
+        fields={"agent.digesting": {1: 7}},
+    )
     seen = [scene.seen(0, "content", ahead=2, right=right) for right in range(5)]
     assert seen == [f"ground grows={kind}" for kind in (*KINDS, "none")]
     assert scene.seen(0, "content", ahead=-3 + 2, right=-3) == "outside"

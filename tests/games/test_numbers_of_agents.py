@@ -16,7 +16,10 @@ from .found import Form, forms, rules_of
 # the most agents, and why not one more. Sources: the starts of the published maps; for Coins the paper; 64 is a limit of the language
 MOST = {
     "coins": (2, r"`players` is 3, outside 2 \.\. 2 \(two colours, an agent for each\)"),
-    "harvest_open": (60, r"`players` is 61, outside 2 \.\. 60 \(of 60 gates one stays free for whoever is hit\)"),
+    "harvest_open": (
+        60,
+        r"`players` is 61, outside 2 \.\. 60 \(of 60 gates one stays free for whoever is hit\)",
+    ),
     "harvest_closed": (19, "`gate` has 19 cells, and up to 20 agents may be there or come"),
     "harvest_partnership": (19, "`gate` has 19 cells, and up to 20 agents may be there or come"),
     "clean_up": (19, "`gate` has 19 cells for 20 agents"),
@@ -34,13 +37,22 @@ MOST_OF_A_CROWD = {
     "gift_refinement": (20, "`camp` has 20 cells for 21 agents"),
 }
 # the others: the starts of their maps, or the limit of the language. Melting Pot has no other maps of them
-MOST_OF_OTHERS = {"allelopathic_harvest": 64, "chicken": 64, "lb_foraging": 4, "predator_prey": 34, "stag_hunt": 64, "territory": 9}
+MOST_OF_OTHERS = {
+    "allelopathic_harvest": 64,
+    "chicken": 64,
+    "lb_foraging": 4,
+    "predator_prey": 34,
+    "stag_hunt": 64,
+    "territory": 9,
+}
 MOST_OF_OTHERS |= {"ferry": 8, "reputation": 6, "reputation+village": 40, "stag_chase": 8}
 
 
 def seldom(form: Form) -> Any:
     """Variants of one map have one answer: most of them come with the thorough tests."""
-    return form if form.variant in (None, "crowd") else pytest.param(form, marks=pytest.mark.thorough)
+    return (
+        form if form.variant in (None, "crowd") else pytest.param(form, marks=pytest.mark.thorough)
+    )
 
 
 NAMED = [seldom(form) for form in forms() if form.game in NINE and form.agents is None]
@@ -48,7 +60,10 @@ OTHERS = [seldom(form) for form in forms() if form.game not in NINE and form.age
 
 
 def most_of(form: Form) -> tuple[int, str]:
-    crowded = form.variant == "crowd" or form in (Form("harvest_closed", "meltingpot"), Form("harvest_partnership", "meltingpot"))
+    crowded = form.variant == "crowd" or form in (
+        Form("harvest_closed", "meltingpot"),
+        Form("harvest_partnership", "meltingpot"),
+    )
     return MOST_OF_A_CROWD.get(form.game, MOST[form.game]) if crowded else MOST[form.game]
 
 
@@ -70,8 +85,17 @@ def test_up_to_the_starts_of_the_map(form: Form) -> None:
 @pytest.mark.parametrize("form", NAMED, ids=str)
 def test_one_alone_is_told_why(form: Form) -> None:
     """In one message: what is wrong with the number, not what follows from it."""
-    high = {"coins": 2, "coop_mining": 32, "clean_up": 64, "gift_refinement": 64, "mushrooms": 64, "pd_arena": 64}.get(form.game, 60)
-    assert re.fullmatch(rf"SJ214 `players` is 1, outside 2 \.\. {high}( \(.*\))?", refusal(form._replace(agents=1)))
+    high = {
+        "coins": 2,
+        "coop_mining": 32,
+        "clean_up": 64,
+        "gift_refinement": 64,
+        "mushrooms": 64,
+        "pd_arena": 64,
+    }.get(form.game, 60)
+    assert re.fullmatch(
+        rf"SJ214 `players` is 1, outside 2 \.\. {high}( \(.*\))?", refusal(form._replace(agents=1))
+    )
 
 
 @pytest.mark.parametrize("form", OTHERS, ids=str)
@@ -91,7 +115,9 @@ def test_few_and_many_can_be_simulated(game: str) -> None:
         env = make(game, num_agents=number)
         key = jax.random.key(0)
         observation, state = jax.eval_shape(env.reset, key)
-        seen, after, reward, _, _ = jax.eval_shape(env.step, key, state, jnp.zeros(number, jnp.int32))
+        seen, after, reward, _, _ = jax.eval_shape(
+            env.step, key, state, jnp.zeros(number, jnp.int32)
+        )
         assert observation.shape == seen.shape == (number, len(env.token_planes), 11, 11)
         assert reward.shape == (number,)
         assert jax.tree.map(lambda x: x.shape, state) == jax.tree.map(lambda x: x.shape, after)

@@ -32,7 +32,9 @@ def counter(variant: str | None) -> Any:
     south = int(frame_cells(env, (12, 0)))
 
     def number(bits: Any) -> Any:
-        return jnp.sum(jnp.stack(bits).astype(jnp.int32) * 2 ** jnp.arange(len(bits)), dtype=jnp.int32)
+        return jnp.sum(
+            jnp.stack(bits).astype(jnp.int32) * 2 ** jnp.arange(len(bits)), dtype=jnp.int32
+        )
 
     def look(before: Any, after: Any, reward: Any) -> Any:
         grown = (before.patch_stock == 0) & (after.patch_stock == 1)
@@ -46,7 +48,9 @@ def counter(variant: str | None) -> Any:
             "resting": jax.nn.one_hot(number([*(rest > 0)]), 16, dtype=jnp.int32),
             "halves": jax.nn.one_hot(number(halves), 16, dtype=jnp.int32),
             "place": jax.nn.one_hot(after.position, sizes, dtype=jnp.int32),
-            "headings": jax.nn.one_hot(after.heading[0] * 4 + after.heading[1], 16, dtype=jnp.int32),
+            "headings": jax.nn.one_hot(
+                after.heading[0] * 4 + after.heading[1], 16, dtype=jnp.int32
+            ),
             "suckers": reward == -1,
         }
 
@@ -60,7 +64,12 @@ def gates() -> list[tuple[int, int]]:
     return found
 
 
-def meeting(*places: tuple[int, int], headings: tuple[int, ...], bags: Any = COOP, variant: str | None = None) -> Any:
+def meeting(
+    *places: tuple[int, int],
+    headings: tuple[int, ...],
+    bags: Any = COOP,
+    variant: str | None = None,
+) -> Any:
     """Returns a state with some agents in the middle, the others on gates; all carry the same, unless told."""
     others = gates()[:16:5][len(places) :]
     looks = [*headings, *[0] * len(others)]
@@ -73,7 +82,9 @@ def meeting(*places: tuple[int, int], headings: tuple[int, ...], bags: Any = COO
 def test_growth(variant: str | None) -> None:
     """A tenth of the bare patches in a step: each alike, neighbours in the numbering independent. Source: the released code."""
     env = environment(GAME, variant)
-    seen = counter(variant)(0, placed(env, gates()[:16:5], patch_stock=np.zeros(12)), [STAY] * 4, env.params, 8)
+    seen = counter(variant)(
+        0, placed(env, gates()[:16:5], patch_stock=np.zeros(12)), [STAY] * 4, env.params, 8
+    )
     assert seen["grown"].shape == (12,)
     for site in range(12):
         assert_share(seen["grown"][site], 8 * BATCH, 0.1, 0.12)
@@ -95,7 +106,9 @@ def test_both_rest_each_for_its_own_time() -> None:
     assert_share(seen["alike"], steps, 1 / 91, 0.25)
     # the shorter half is 10 to 55, 46 of the 91 lengths
     later = np.array([46, 45]) / 91
-    times_alone = seen["halves"].reshape(2, 2, 2, 2).sum(axis=(0, 1)).T  # longer rest of agent 0, of agent 1
+    times_alone = (
+        seen["halves"].reshape(2, 2, 2, 2).sum(axis=(0, 1)).T
+    )  # longer rest of agent 0, of agent 1
     assert_shares(times_alone, np.outer(later, later), 0.02)
 
 
@@ -114,7 +127,9 @@ def test_both_come_to_free_gates() -> None:
     # 32 gates are in the south and 30 free ones in the north; two different ones
     length = np.array([46, 45]) / 91
     place = np.array([[30 * 29, 30 * 32], [32 * 30, 32 * 31]]) / (62 * 61)
-    found = seen["halves"].reshape(2, 2, 2, 2)  # southern half of agent 1, of 0, longer rest of 1, of 0
+    found = seen["halves"].reshape(
+        2, 2, 2, 2
+    )  # southern half of agent 1, of 0, longer rest of 1, of 0
     assert_shares(found, place[:, :, None, None] * length[:, None] * length, 0.02)
 
 
@@ -142,7 +157,9 @@ def test_of_a_chain_of_four_the_middle_pair_meets_in_a_third() -> None:
 def test_of_a_round_of_four_either_two_pairs_meet() -> None:
     """0 turns to 1, 1 to 2, 2 to 3, 3 to 0, and 1 alone defects: it meets 0 or 2, each in half of the steps."""
     env = environment(GAME)
-    state = meeting(MIDDLE, EAST, (7, 11), SOUTH, headings=(1, 2, 3, 0), bags=[COOP, DEFECT, COOP, COOP])
+    state = meeting(
+        MIDDLE, EAST, (7, 11), SOUTH, headings=(1, 2, 3, 0), bags=[COOP, DEFECT, COOP, COOP]
+    )
     seen = counter(None)(6, state, [INTERACT] * 4, env.params, 6)
     assert seen["resting"][0b1111] == 6 * BATCH
     assert seen["suckers"].sum() == 6 * BATCH
@@ -153,7 +170,15 @@ def test_of_a_round_of_four_either_two_pairs_meet() -> None:
 def test_as_released_only_targets_rest() -> None:
     """Each for its own time, a step less after the tick, at a gate of its own; also with nothing in the bag. Who acted stays free."""
     env = environment(GAME, "socialjax")
-    state = meeting(WEST, MIDDLE, EAST, (6, 12), headings=(1, 3, 1, 0), bags=[COOP, DEFECT, COOP, EMPTY], variant="socialjax")
+    state = meeting(
+        WEST,
+        MIDDLE,
+        EAST,
+        (6, 12),
+        headings=(1, 3, 1, 0),
+        bags=[COOP, DEFECT, COOP, EMPTY],
+        variant="socialjax",
+    )
     seen = counter("socialjax")(8, state, [INTERACT, INTERACT, INTERACT, STAY], env.params, 16)
     steps = 16 * BATCH
     assert seen["resting"][0b1011] == steps
@@ -167,4 +192,6 @@ def test_as_released_only_targets_rest() -> None:
     assert_share(seen["alike"], steps, 1 / 91, 0.25)
     assert_uniform(seen["headings"], 0.1)
     length = np.array([47, 44]) / 91  # 9 to 55, a step of the time being over
-    assert_shares(seen["halves"].reshape(2, 2, 2, 2).sum(axis=(0, 1)), np.outer(length, length), 0.02)
+    assert_shares(
+        seen["halves"].reshape(2, 2, 2, 2).sum(axis=(0, 1)), np.outer(length, length), 0.02
+    )

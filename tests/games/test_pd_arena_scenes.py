@@ -21,19 +21,38 @@ Bag = tuple[int, int]
 
 
 def put(
-    stage: Stage, *picture: str, bags: dict[int, Bag] | None = None, held: dict[int, int] | None = None, rest: int = 20, **facts: Any
+    stage: Stage,
+    *picture: str,
+    bags: dict[int, Bag] | None = None,
+    held: dict[int, int] | None = None,
+    rest: int = 20,
+    **facts: Any,
 ) -> Scene:
     """Returns a scene in which nothing grows and who meets is held so many steps; `bags`: coop and defect resources by agent."""
-    fields = {"agent.bag": {agent: {"coop": coop, "defect": defect} for agent, (coop, defect) in (bags or {}).items()}}
+    fields = {
+        "agent.bag": {
+            agent: {"coop": coop, "defect": defect}
+            for agent, (coop, defect) in (bags or {}).items()
+        }
+    }
     params = {"regrow": 0, "rest_lo": rest, "rest_hi": rest, **facts.pop("params", {})}
-    return stage.put(*picture, fields=fields | {"agent.resting": held or {}}, params=params, **facts)
+    return stage.put(
+        *picture, fields=fields | {"agent.resting": held or {}}, params=params, **facts
+    )
 
 
 def in_line(stage: Stage, line: str, **facts: Any) -> Scene:
     """Returns a scene with agents in row 2, numbered from the left; the others look out of the map at the bottom."""
     here = sum(sign in "^>v<" for sign in line)
     told = "".join(map(str, range(here)))
-    return put(stage, *ROWS[:2], f"{line}  {told}", *ROWS[3:5], "v" * (4 - here) + GATES[4 - here :], **facts)
+    return put(
+        stage,
+        *ROWS[:2],
+        f"{line}  {told}",
+        *ROWS[3:5],
+        "v" * (4 - here) + GATES[4 - here :],
+        **facts,
+    )
 
 
 def bags(scene: Scene, *agents: int) -> list[Bag]:
@@ -43,7 +62,10 @@ def bags(scene: Scene, *agents: int) -> list[Bag]:
 
 def sent(scene: Scene, *agents: int) -> bool:
     """Returns whether these agents stand on gates and are held."""
-    return all(scene.value("agent.row")[agent] == 5 and scene.value("agent.resting")[agent] > 0 for agent in agents)
+    return all(
+        scene.value("agent.row")[agent] == 5 and scene.value("agent.resting")[agent] > 0
+        for agent in agents
+    )
 
 
 # Meetings
@@ -71,7 +93,9 @@ def test_payoffs(stage: Stage, mine: Bag, theirs: Bag, payoff: tuple[float, floa
 @BOTH
 @pytest.mark.parametrize("arrow", "^>v<")
 def test_the_target_may_face_anywhere(stage: Stage, arrow: str) -> None:
-    in_line(stage, f"..>{arrow}....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has({"reward": [-1, 5, 0, 0]})
+    in_line(stage, f"..>{arrow}....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has(
+        {"reward": [-1, 5, 0, 0]}
+    )
 
 
 @BOTH
@@ -85,18 +109,34 @@ def test_only_the_next_cell_ahead_is_reached(stage: Stage, line: str) -> None:
 
 @BOTH
 def test_no_one_is_reached_diagonally(stage: Stage) -> None:
-    scene = put(stage, *ROWS[:2], "....^...  0", "...^.^#.  12", ROWS[4], "vPPPPPPP  3", bags=dict.fromkeys(range(3), (1, 0)))
+    scene = put(
+        stage,
+        *ROWS[:2],
+        "....^...  0",
+        "...^.^#.  12",
+        ROWS[4],
+        "vPPPPPPP  3",
+        bags=dict.fromkeys(range(3), (1, 0)),
+    )
     scene.step("interact, interact, interact").has({"reward": 0, "event met": 0})
 
 
 def test_both_are_sent_off_and_held() -> None:
-    scene = in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has({"agent.resting": [20, 20, 0, 0]})
+    scene = (
+        in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)})
+        .step("interact")
+        .has({"agent.resting": [20, 20, 0, 0]})
+    )
     assert sent(scene, 0, 1)
     assert len(set(scene.places())) == 4
 
 
 def test_in_the_released_rules_only_the_target_is() -> None:
-    scene = in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact").has({"agent.resting": {0: 0}})
+    scene = (
+        in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)})
+        .step("interact")
+        .has({"agent.resting": {0: 0}})
+    )
     assert scene.places()[0] == (2, 2)
     assert sent(scene, 1)
     scene.step("forward").has({"agent.row": {0: 1}})
@@ -109,7 +149,9 @@ def test_who_is_held_may_not_act_for_so_many_steps(stage: Stage, rest: int) -> N
     scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, rest=rest).step("interact")
     place, heading = scene.places()[1], scene.headings()[1]
     for _ in range(rest if stage is DEFAULT else rest - 1):
-        scene.has({"allowed interact": {1: False}, "allowed turn_left": {1: False}}).step("stay, turn_left")
+        scene.has({"allowed interact": {1: False}, "allowed turn_left": {1: False}}).step(
+            "stay, turn_left"
+        )
         assert (scene.places()[1], scene.headings()[1]) == (place, heading)
     scene.has({"allowed interact": {1: True}}).step("stay, turn_left")
     assert scene.headings()[1] != heading
@@ -120,11 +162,19 @@ def test_each_has_a_draw_of_its_own(stage: Stage) -> None:
     """From 10 to 100 steps, both ends included in what is possible."""
     rests = []
     for seed in range(12):
-        scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, params={"rest_lo": 10, "rest_hi": 100}, seed=seed)
+        scene = in_line(
+            stage,
+            "..><....",
+            bags={0: (1, 0), 1: (0, 1)},
+            params={"rest_lo": 10, "rest_hi": 100},
+            seed=seed,
+        )
         rests.append(scene.step("interact").value("agent.resting")[:2])
     assert all(10 - (stage is RELEASED) <= rest <= 100 for _, rest in rests)
     assert len({rest for _, rest in rests}) > 6
-    assert stage is RELEASED or (all(10 <= rest <= 100 for rest, _ in rests) and any(a != b for a, b in rests))
+    assert stage is RELEASED or (
+        all(10 <= rest <= 100 for rest, _ in rests) and any(a != b for a, b in rests)
+    )
 
 
 def test_only_the_ready_meet() -> None:
@@ -137,7 +187,11 @@ def test_only_the_ready_meet() -> None:
 
 def test_in_the_released_rules_empty_bags_meet_for_nothing() -> None:
     for mine, theirs in (((0, 0), (0, 1)), ((1, 0), (0, 0)), ((0, 0), (0, 0))):
-        scene = in_line(RELEASED, "..><....", bags={0: mine, 1: theirs}).step("interact").has({"reward": 0, "event met": [1, 1, 0, 0]})
+        scene = (
+            in_line(RELEASED, "..><....", bags={0: mine, 1: theirs})
+            .step("interact")
+            .has({"reward": 0, "event met": [1, 1, 0, 0]})
+        )
         assert (scene.places()[0], bags(scene, 0, 1)) == ((2, 2), [(0, 0), (0, 0)])
         assert sent(scene, 1)
 
@@ -145,16 +199,26 @@ def test_in_the_released_rules_empty_bags_meet_for_nothing() -> None:
 def test_who_is_held_is_not_met() -> None:
     """Neither by one who is free, nor does it fire itself."""
     for actions in ("interact, stay", "stay, interact"):
-        scene = in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 9}).step(actions).has({"reward": 0, "event met": 0})
+        scene = (
+            in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 9})
+            .step(actions)
+            .has({"reward": 0, "event met": 0})
+        )
         assert (scene.places()[:2], bags(scene, 0, 1)) == ([(2, 2), (2, 3)], [(1, 0), (0, 1)])
         scene.has({"agent.resting": [0, 8, 0, 0]})
 
 
 def test_in_the_released_rules_who_is_held_is_sent_off_anew() -> None:
-    scene = in_line(RELEASED, "..><....", bags={0: (1, 0)}, held={1: 5}).step("interact").has({"reward": 0, "agent.resting": {1: 19}})
+    scene = (
+        in_line(RELEASED, "..><....", bags={0: (1, 0)}, held={1: 5})
+        .step("interact")
+        .has({"reward": 0, "agent.resting": {1: 19}})
+    )
     assert (bags(scene, 0, 1), scene.places()[0]) == ([(0, 0), (0, 0)], (2, 2))
     assert sent(scene, 1)
-    in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 5}).step("stay, interact").has({"reward": 0, "event met": 0})
+    in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 5}).step(
+        "stay, interact"
+    ).has({"reward": 0, "event met": 0})
 
 
 # Several at once
@@ -176,31 +240,50 @@ def test_of_two_who_fire_at_one_one_meets_it() -> None:
     """By chance (one of them never in 20 runs: 2e-6); the other keeps its place, its bag and its freedom."""
     winners = set()
     for seed in range(20):
-        scene = in_line(DEFAULT, "..>v<...", bags={0: (1, 0), 1: (0, 1), 2: (2, 0)}, seed=seed).step("interact, stay, interact")
+        scene = in_line(
+            DEFAULT, "..>v<...", bags={0: (1, 0), 1: (0, 1), 2: (2, 0)}, seed=seed
+        ).step("interact, stay, interact")
         winner = 0 if scene.reward[0] else 2
         other = 2 - winner
-        scene.has({"reward": {winner: -1, 1: 5, other: 0}, "event met": {winner: 1, 1: 1, other: 0}})
-        assert (bags(scene, other), scene.places()[other]) == ([(2, 0) if other else (1, 0)], (2, 2 + other))
+        scene.has(
+            {"reward": {winner: -1, 1: 5, other: 0}, "event met": {winner: 1, 1: 1, other: 0}}
+        )
+        assert (bags(scene, other), scene.places()[other]) == (
+            [(2, 0) if other else (1, 0)],
+            (2, 2 + other),
+        )
         assert sent(scene, winner, 1)
         winners.add(winner)
     assert winners == {0, 2}
 
 
 def test_in_the_released_rules_both_meet_it() -> None:
-    scene = in_line(RELEASED, "..>v<...", bags={0: (1, 0), 1: (0, 1), 2: (2, 0)}).step("interact, stay, interact")
-    scene.has({"reward": [-1, 10, -1, 0], "event met": [1, 2, 1, 0], "agent.resting": [0, 19, 0, 0]})
-    assert (bags(scene, 0, 1, 2), scene.places()[0], scene.places()[2]) == ([(0, 0)] * 3, (2, 2), (2, 4))
+    scene = in_line(RELEASED, "..>v<...", bags={0: (1, 0), 1: (0, 1), 2: (2, 0)}).step(
+        "interact, stay, interact"
+    )
+    scene.has(
+        {"reward": [-1, 10, -1, 0], "event met": [1, 2, 1, 0], "agent.resting": [0, 19, 0, 0]}
+    )
+    assert (bags(scene, 0, 1, 2), scene.places()[0], scene.places()[2]) == (
+        [(0, 0)] * 3,
+        (2, 2),
+        (2, 4),
+    )
 
 
 def test_in_the_released_rules_both_pairs_meet() -> None:
-    scene = in_line(RELEASED, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}).step("interact, interact")
+    scene = in_line(RELEASED, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}).step(
+        "interact, interact"
+    )
     scene.has({"reward": [-1, 5 + 5, -1, 0], "event met": [1, 2, 1, 0]})
     assert scene.places()[0] == (2, 2) and sent(scene, 1, 2)
 
 
 @BOTH
 def test_two_pairs_meet_in_one_step(stage: Stage) -> None:
-    scene = in_line(stage, "><...><.", bags={0: (1, 0), 1: (0, 1), 2: (0, 1), 3: (0, 1)}).step("interact, stay, interact")
+    scene = in_line(stage, "><...><.", bags={0: (1, 0), 1: (0, 1), 2: (0, 1), 3: (0, 1)}).step(
+        "interact, stay, interact"
+    )
     scene.has({"reward": [-1, 5, 1, 1], "event met": 1})
     assert len(set(scene.places())) == 4
 
@@ -208,17 +291,39 @@ def test_two_pairs_meet_in_one_step(stage: Stage) -> None:
 @BOTH
 def test_meetings_come_after_moves_and_collecting(stage: Stage) -> None:
     """Agent 1 walks in front of agent 0, out of its reach, or onto a resource there; it faces north, so that both frames agree."""
-    scene = put(stage, *ROWS[:2], "...^....  1", "....^.#.  0", ROWS[4], "vvPPPPPP", bags={0: (1, 0), 1: (0, 1)})
+    scene = put(
+        stage,
+        *ROWS[:2],
+        "...^....  1",
+        "....^.#.  0",
+        ROWS[4],
+        "vvPPPPPP",
+        bags={0: (1, 0), 1: (0, 1)},
+    )
     scene.step("interact, step_right").has({"reward": [-1, 5, 0, 0]})
-    scene = put(stage, *ROWS[:2], "....^...  1", "....^.#.  0", ROWS[4], "vvPPPPPP", bags={0: (1, 0), 1: (0, 1)})
+    scene = put(
+        stage,
+        *ROWS[:2],
+        "....^...  1",
+        "....^.#.  0",
+        ROWS[4],
+        "vvPPPPPP",
+        bags={0: (1, 0), 1: (0, 1)},
+    )
     scene.step("interact, forward").has({"reward": 0, "event met": 0})
-    scene = put(stage, "..v.....  0", ROWS[1], "..^.....  1", *ROWS[3:5], "vvPPPPPP", bags={0: (0, 1)})
-    scene.step("interact, forward").has({"reward": [5, -1, 0, 0], "event collected[coop]": [0, 1, 0, 0]})
+    scene = put(
+        stage, "..v.....  0", ROWS[1], "..^.....  1", *ROWS[3:5], "vvPPPPPP", bags={0: (0, 1)}
+    )
+    scene.step("interact, forward").has(
+        {"reward": [5, -1, 0, 0], "event collected[coop]": [0, 1, 0, 0]}
+    )
 
 
 def test_payoffs_are_parameters() -> None:
     payoff = {"coop": {"defect": 0}, "defect": {"coop": 4}}
-    in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, params={"payoff": payoff}).step("interact").has({"reward": [0, 4, 0, 0]})
+    in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, params={"payoff": payoff}).step(
+        "interact"
+    ).has({"reward": [0, 4, 0, 0]})
 
 
 # Resources
@@ -226,7 +331,11 @@ def test_payoffs_are_parameters() -> None:
 
 @BOTH
 def test_resources_are_collected_by_walking_onto_them(stage: Stage) -> None:
-    scene = put(stage, EMPTY, ROWS[1], "..^^....", *ROWS[3:5], "vvPPPPPP").step("forward, forward").has({"reward": 0})
+    scene = (
+        put(stage, EMPTY, ROWS[1], "..^^....", *ROWS[3:5], "vvPPPPPP")
+        .step("forward, forward")
+        .has({"reward": 0})
+    )
     scene.shows(EMPTY, "..^^....", EMPTY, *ROWS[3:5], "vvPPPPPP", under={0: "c", 1: "d"})
     scene.has({"event collected[coop]": [1, 0, 0, 0], "event collected[defect]": [0, 1, 0, 0]})
     assert bags(scene, 0, 1) == [(1, 0), (0, 1)]
@@ -237,7 +346,9 @@ def test_resources_are_collected_by_walking_onto_them(stage: Stage) -> None:
 @BOTH
 @pytest.mark.parametrize(("before", "after"), [((99, 100), (100, 100)), ((100, 7), (100, 7))])
 def test_a_bag_holds_a_hundred_of_each(stage: Stage, before: Bag, after: Bag) -> None:
-    scene = put(stage, EMPTY, ROWS[1], "..^.....", *ROWS[3:5], "vvvPPPPP", bags={0: before}).step("forward")
+    scene = put(stage, EMPTY, ROWS[1], "..^.....", *ROWS[3:5], "vvvPPPPP", bags={0: before}).step(
+        "forward"
+    )
     scene.shows(EMPTY, "..^D....", EMPTY, *ROWS[3:5], "vvvPPPPP", under={0: "c"})
     assert bags(scene, 0) == [after]
 
@@ -245,11 +356,22 @@ def test_a_bag_holds_a_hundred_of_each(stage: Stage, before: Bag, after: Bag) ->
 @BOTH
 def test_resources_come_back_in_place_where_nobody_stands(stage: Stage) -> None:
     """With certainty, each as what it was; and what comes can be collected in the same step."""
-    put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP", params={"regrow": 1}).step().shows(*ROWS[:5], "vvvvPPPP")
-    put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP").step().shows(EMPTY, "..cd....", *ROWS[2:5], "vvvvPPPP")
-    scene = put(stage, EMPTY, "..^d....  0", "...^....  1", *ROWS[3:5], "vvPPPPPP", under={0: "c"}, params={"regrow": 1}).step(
-        "stay, forward"
+    put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP", params={"regrow": 1}).step().shows(
+        *ROWS[:5], "vvvvPPPP"
     )
+    put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP").step().shows(
+        EMPTY, "..cd....", *ROWS[2:5], "vvvvPPPP"
+    )
+    scene = put(
+        stage,
+        EMPTY,
+        "..^d....  0",
+        "...^....  1",
+        *ROWS[3:5],
+        "vvPPPPPP",
+        under={0: "c"},
+        params={"regrow": 1},
+    ).step("stay, forward")
     scene.shows(EMPTY, "..^^....", EMPTY, *ROWS[3:5], "vvPPPPPP", under={0: "c", 1: "d"})
     assert bags(scene, 0, 1) == [(0, 0), (0, 1)]
 
@@ -257,14 +379,18 @@ def test_resources_come_back_in_place_where_nobody_stands(stage: Stage) -> None:
 # Moves, starts, what is seen
 
 
-@pytest.mark.parametrize(("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"])
+@pytest.mark.parametrize(
+    ("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"]
+)
 def test_moves(stage: Stage, compass: bool) -> None:
     check_moves(stage, (*ROWS[:2], "....^...", *ROWS[3:5], "vvvPPPPP"), compass)
 
 
 @BOTH
 def test_walls_stop(stage: Stage) -> None:
-    put(stage, *ROWS[:3], ROWS[3], "......^.  0", "vvvPPPPP").step("forward").shows(*ROWS[:4], "......^.", "vvvPPPPP")
+    put(stage, *ROWS[:3], ROWS[3], "......^.  0", "vvvPPPPP").step("forward").shows(
+        *ROWS[:4], "......^.", "vvvPPPPP"
+    )
 
 
 def test_what_is_seen() -> None:
@@ -273,7 +399,9 @@ def test_what_is_seen() -> None:
     scene = put(DEFAULT, *picture, bags={0: (2, 3), 1: (4, 100)}, held={1: 50})
     assert scene.seen(0, "content", ahead=1) == "patch class=coop stock=ripe"
     assert scene.seen(1, "content", ahead=1) == "patch class=defect stock=none"
-    assert [scene.seen(agent, f"agent.bag[{word}]") for agent in (0, 1) for word in ("coop", "defect")] == [2, 3, 4, 100]
+    assert [
+        scene.seen(agent, f"agent.bag[{word}]") for agent in (0, 1) for word in ("coop", "defect")
+    ] == [2, 3, 4, 100]
     assert [scene.seen(agent, "agent.resting") for agent in (0, 1)] == ["free", "held"]
     assert own_planes(DEFAULT) == {"agent.bag[coop]", "agent.bag[defect]", "agent.resting"}
 
@@ -282,12 +410,21 @@ def test_as_released_everybody_sees_every_bag_and_nobody_who_is_held() -> None:
     """In every cell of everybody's window, also of agents far away: all that can be taken to cooperate, then all to defect."""
     bags = {0: (2, 3), 1: (4, 100), 2: (0, 0), 3: (7, 1)}
     scene = put(RELEASED, "......^.  0", *ROWS[1:5], "v>PPPP^P  123", bags=bags, held={1: 50})
-    wanted = [(f"everyone[{agent}].bag[{word}]", bags[agent][n]) for n, word in enumerate(("coop", "defect")) for agent in range(4)]
-    assert [p.name for p in RELEASED.env.token_planes if p.name.startswith("everyone")] == [name for name, _ in wanted]
+    wanted = [
+        (f"everyone[{agent}].bag[{word}]", bags[agent][n])
+        for n, word in enumerate(("coop", "defect"))
+        for agent in range(4)
+    ]
+    assert [p.name for p in RELEASED.env.token_planes if p.name.startswith("everyone")] == [
+        name for name, _ in wanted
+    ]
     for observer in range(4):
-        assert [(name, scene.seen(observer, name, ahead, right)) for name, _ in wanted for ahead in (-1, 9) for right in (-5, 5)] == [
-            pair for pair in wanted for _ in range(4)
-        ]
+        assert [
+            (name, scene.seen(observer, name, ahead, right))
+            for name, _ in wanted
+            for ahead in (-1, 9)
+            for right in (-5, 5)
+        ] == [pair for pair in wanted for _ in range(4)]
     assert own_planes(RELEASED) == {"agent.heading", *(name for name, _ in wanted)}
 
 

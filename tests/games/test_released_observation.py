@@ -19,7 +19,14 @@ LOOKS = {
     "coins": {"floor", "mine", "theirs"},
     **{f"harvest_{form}": {"floor", "apple"} for form in ("open", "closed", "partnership")},
     "clean_up": {"grass", "apple", "channel", "water state=clean", "water state=dirty", "covered"},
-    "coop_mining": {"rock ore=none", "camp", "rock ore=iron", "rock ore=gold", "rock ore=partial", "covered"},
+    "coop_mining": {
+        "rock ore=none",
+        "camp",
+        "rock ore=iron",
+        "rock ore=gold",
+        "rock ore=partial",
+        "covered",
+    },
     "mushrooms": {f"ground grows={kind}" for kind in ("none", "red", "green", "blue", "orange")},
     "gift_refinement": {"floor", "token"},
     "pd_arena": {"floor", "coop", "defect"},
@@ -37,8 +44,16 @@ PLANES = {
         "agent.heading",
     ],
 }
-HEADINGS = ("agent: self", "agent: other same heading", "agent: other turned right", "agent: other opposite", "agent: other turned left")
-OWN_HEADING = tuple(f"agent.heading: {way}" for way in ("north", "east", "south", "west"))  # in the page's row on windows
+HEADINGS = (
+    "agent: self",
+    "agent: other same heading",
+    "agent: other turned right",
+    "agent: other opposite",
+    "agent: other turned left",
+)
+OWN_HEADING = tuple(
+    f"agent.heading: {way}" for way in ("north", "east", "south", "west")
+)  # in the page's row on windows
 
 
 def released_game(name: str) -> ir.Game:
@@ -48,9 +63,19 @@ def released_game(name: str) -> ir.Game:
 
 def unread(entry: Entry, game: ir.Game) -> list[str]:
     """Returns our channels that say more than the released ones."""
-    read = {name for source in [*entry.tiles, *entry.rest] for name in channels_of(source, game.agents.number)}
+    read = {
+        name
+        for source in [*entry.tiles, *entry.rest]
+        for name in channels_of(source, game.agents.number)
+    }
     read |= {name for layer in entry.layers for name in layer}
-    known = {*read, *HEADINGS, *OWN_HEADING, "agent: none", *(f"content: {look}" for look in entry.plain)}
+    known = {
+        *read,
+        *HEADINGS,
+        *OWN_HEADING,
+        "agent: none",
+        *(f"content: {look}" for look in entry.plain),
+    }
     return [name for name in channel_names(token_planes(game)) if name not in known]
 
 
@@ -58,14 +83,20 @@ def unread(entry: Entry, game: ir.Game) -> list[str]:
 def test_looks_and_planes_are_the_released_ones(game: str) -> None:
     shown = planes(released_game(game))
     assert set(shown[0].labels) == {"outside", *LOOKS[game]}
-    assert [plane.name for plane in shown] == PLANES.get(game, ["content", "agent", "marks", "agent.heading"])
+    assert [plane.name for plane in shown] == PLANES.get(
+        game, ["content", "agent", "marks", "agent.heading"]
+    )
 
 
 @pytest.mark.parametrize("theirs", entries())
 def test_every_channel_is_in_the_table_or_in_the_program(theirs: str) -> None:
     entry = entries()[theirs]
     game = released_game(entry.game)
-    read = [name for source in [*entry.tiles, *entry.rest] for name in channels_of(source, game.agents.number)]
+    read = [
+        name
+        for source in [*entry.tiles, *entry.rest]
+        for name in channels_of(source, game.agents.number)
+    ]
     assert set(read) <= set(channel_names(token_planes(game)))
     assert len(set(read)) == len(read)
     assert unread(entry, game) == []
@@ -77,4 +108,7 @@ def test_the_page_has_what_no_channel_of_ours_shows() -> None:
     page = PAGE.read_text(encoding="utf-8")
     for entry in entries().values():
         for source in entry.rest:
-            assert f"| {source.removeprefix(NOT_HERE)} | shown | not shown |" in page or not source.startswith(NOT_HERE)
+            assert (
+                f"| {source.removeprefix(NOT_HERE)} | shown | not shown |" in page
+                or not source.startswith(NOT_HERE)
+            )

@@ -27,12 +27,18 @@ from .environments import HARVESTS, NINE
 
 AGENTS = {"coins": 2}  # three elsewhere
 STEPS = {"coop_mining": 30}  # 60 elsewhere
-SEVEN = tuple(name for name in NINE if name not in HARVESTS[1:])  # two Harvests have the policies of the open one
+SEVEN = tuple(
+    name for name in NINE if name not in HARVESTS[1:]
+)  # two Harvests have the policies of the open one
 MORE = {  # chances that make a short episode as busy as a long one
     "coins": {"spawn": 0.01},
     "coop_mining": {"spawn_gold": 0.002, "spawn_iron": 0.002},
     "gift_refinement": {"spawn": 0.002},
-    "harvest_open": {"regrow_1": 0.0, "regrow_2": 0.0, "regrow_3": 0.0},  # no apple ripens under an agent's foot
+    "harvest_open": {
+        "regrow_1": 0.0,
+        "regrow_2": 0.0,
+        "regrow_3": 0.0,
+    },  # no apple ripens under an agent's foot
 }
 
 
@@ -51,13 +57,22 @@ def play(name: str, who: tuple[str, ...]) -> Played:
     """Plays a policy for each agent."""
     game = build(read_source(find_game(name)), (), Overrides(num_agents=len(who))).game
     policies = {policy.name: policy for policy in game.policies}
-    params, drawn, key = default_params(game) | MORE.get(name, {}), np.random.default_rng(0), key_of(0)
+    params, drawn, key = (
+        default_params(game) | MORE.get(name, {}),
+        np.random.default_rng(0),
+        key_of(0),
+    )
     worlds = [reset(game, params, Threefry(*fold_in(key, 0)))]
     events, chosen, names = tuple(Counter() for _ in who), tuple(Counter() for _ in who), []
     for number in range(STEPS.get(name, 60)):
         bits = drawn.integers(0, 2**32, (len(who), 2)).tolist()
-        actions = [choose(policies[policy], game, worlds[-1], agent, tuple(bits[agent])) for agent, policy in enumerate(who)]
-        world, outcome = step(game, worlds[-1], actions, params, Threefry(*fold_in(key, number + 1)))
+        actions = [
+            choose(policies[policy], game, worlds[-1], agent, tuple(bits[agent]))
+            for agent, policy in enumerate(who)
+        ]
+        world, outcome = step(
+            game, worlds[-1], actions, params, Threefry(*fold_in(key, number + 1))
+        )
         worlds.append(world)
         names.append([game.agents.actions[action] for action in actions])
         for counter, action in zip(chosen, names[-1], strict=True):
@@ -101,10 +116,19 @@ def test_harvest() -> None:
 def _ripe_around(played: Played, agent: int) -> list[int]:
     """Returns how many other apples were ripe within a radius of 2 of each that an agent ate, when it chose to step there."""
     soil = {g.glyph for g in played.game.glyphs if g.kind == "soil"}
-    cells = [(r, c) for r, row in enumerate(played.game.rows) for c, glyph in enumerate(row) if glyph in soil]
+    cells = [
+        (r, c)
+        for r, row in enumerate(played.game.rows)
+        for c, glyph in enumerate(row)
+        if glyph in soil
+    ]
     found = []
     for before, after in pairwise(played.worlds):
-        ripe = {cell for cell, fruit in zip(cells, before.cells["soil", "fruit"], strict=True) if fruit == "ripe"}
+        ripe = {
+            cell
+            for cell, fruit in zip(cells, before.cells["soil", "fruit"], strict=True)
+            if fruit == "ripe"
+        }
         here = after.position[agent]
         if here in ripe:
             found.append(sum(0 < hypot(row - here.row, col - here.col) <= 2 for row, col in ripe))
@@ -130,7 +154,10 @@ def test_mushrooms() -> None:
     played = mixed("mushrooms")
     for events in played.events[:2]:
         assert events["eaten[blue]"] >= 1 and events["eaten[red]"] == events["eaten[orange]"] == 0
-    assert played.events[2]["eaten[red]"] >= 1 and played.events[2]["eaten[blue]"] == played.events[2]["eaten[orange]"] == 0
+    assert (
+        played.events[2]["eaten[red]"] >= 1
+        and played.events[2]["eaten[blue]"] == played.events[2]["eaten[orange]"] == 0
+    )
 
 
 def test_gift_refinement() -> None:

@@ -13,7 +13,14 @@ from .found import Form, forms, rules_of
 
 RESETS = 40_000
 # glyphs of the cells where agents begin; the first two agents of Harvest have two cells of their own. Source: the released code
-STARTS = {"coins": "P", **dict.fromkeys(HARVESTS, "P"), "clean_up": "P", "coop_mining": "P", "gift_refinement": "P", "pd_arena": "P"}
+STARTS = {
+    "coins": "P",
+    **dict.fromkeys(HARVESTS, "P"),
+    "clean_up": "P",
+    "coop_mining": "P",
+    "gift_refinement": "P",
+    "pd_arena": "P",
+}
 STARTS |= {"mushrooms": "."}
 
 
@@ -23,7 +30,9 @@ def different_starts() -> list[Form]:
     for form in forms():
         if form.game in NINE and form.variant != "meltingpot":  # the same sentences on other maps
             rules = rules_of(form)
-            sends = tuple(node.cell_stream for node in ir.walk(rules.start) if isinstance(node, ir.Send))
+            sends = tuple(
+                node.cell_stream for node in ir.walk(rules.start) if isinstance(node, ir.Send)
+            )
             found.setdefault((rules.rows, rules.agents.number, sends), form)
     return list(found.values())
 
@@ -48,11 +57,21 @@ def numbers(cells: np.ndarray, starts: list[tuple[int, int]]) -> np.ndarray:
 
 def glyphs(env: Environment, wanted: str) -> list[tuple[int, int]]:
     """Returns the cells of the map with these glyphs, in reading order."""
-    return [(r, c) for r, row in enumerate(env.game.rows) for c, glyph in enumerate(row) if glyph in wanted]
+    return [
+        (r, c)
+        for r, row in enumerate(env.game.rows)
+        for c, glyph in enumerate(row)
+        if glyph in wanted
+    ]
 
 
 @pytest.mark.parametrize(
-    "form", [pytest.param(f, marks=pytest.mark.thorough if f.variant or f.agents else []) for f in different_starts()], ids=str
+    "form",
+    [
+        pytest.param(f, marks=pytest.mark.thorough if f.variant or f.agents else [])
+        for f in different_starts()
+    ],
+    ids=str,
 )
 def test_starts(form: Form) -> None:
     """Different cells; each agent on each of them, looking each way, equally often; no two of these tell of each other."""
@@ -73,7 +92,9 @@ def test_starts(form: Form) -> None:
     for agent in range(outer.shape[1]):
         assert_uniform(times(outer[:, agent], len(starts)), 0.3 if len(starts) < 65 else 0.6)
     if len(starts) > 2:
-        low = outer < len(starts) / 2  # the half of the map it begins in, and the way another agent, or it, looks
+        low = (
+            outer < len(starts) / 2
+        )  # the half of the map it begins in, and the way another agent, or it, looks
         for a, b in ((0, 1), (1, outer.shape[1] - 1)):
             for half in (False, True):
                 assert_uniform(times(heading[low[:, a] == half][:, inner + b], 4), 0.08)

@@ -14,7 +14,9 @@ import optax
 
 from sjdsl.interop import socialjax
 
-TABLE = tomllib.loads((Path(__file__).parent / "socialjax_scripts.toml").read_text(encoding="utf-8"))
+TABLE = tomllib.loads(
+    (Path(__file__).parent / "socialjax_scripts.toml").read_text(encoding="utf-8")
+)
 FAMILIES: dict[str, dict[str, Any]] = TABLE["families"]
 GAMES: dict[str, dict[str, Any]] = TABLE["games"]
 Metrics = list[dict[str, float]]
@@ -37,20 +39,26 @@ def train(family: str, config: dict[str, Any], sharing: bool = True, shown: bool
     return metrics
 
 
-def learn_policy(env: Any, asked: dict[str, Any], config: dict[str, Any], sharing: bool, key: jax.Array) -> Metrics:
+def learn_policy(
+    env: Any, asked: dict[str, Any], config: dict[str, Any], sharing: bool, key: jax.Array
+) -> Metrics:
     """Two policy-gradient steps, as IPPO, MAPPO, SVO, IRAT and TRANSFER collect their steps."""
     num_envs, agents = config["NUM_ENVS"], env.num_agents
     shape = env.observation_space()[0].shape
     actors = agents * num_envs
     init_key, reset_key, play_key = jax.random.split(key, 3)
-    weights = 0.01 * jax.random.normal(init_key, (1 if sharing else agents, int(np.prod(shape)), env.action_space().n))
+    weights = 0.01 * jax.random.normal(
+        init_key, (1 if sharing else agents, int(np.prod(shape)), env.action_space().n)
+    )
     optimiser = optax.adam(1e-3)
     axes = (0, 0, 0, None) if asked.get("timestep") else (0, 0, 0)
 
     def logits_of(weights: jax.Array, observation: jax.Array) -> jax.Array:
         """`[E, N, rows, cols, channels]` -> `[N, E, A]`."""
         by_agent = jnp.transpose(observation, (1, 0, 2, 3, 4)).reshape(agents, num_envs, -1)
-        return jnp.einsum("nef,nfa->nea", by_agent, jnp.broadcast_to(weights, (agents, *weights.shape[1:])))
+        return jnp.einsum(
+            "nef,nfa->nea", by_agent, jnp.broadcast_to(weights, (agents, *weights.shape[1:]))
+        )
 
     def play(carry: Any, _: None) -> Any:
         weights, state, observation, key, update = carry
@@ -59,7 +67,9 @@ def learn_policy(env: Any, asked: dict[str, Any], config: dict[str, Any], sharin
         actions = [chosen[agent] for agent in env.agents]
         now = (update * config["NUM_STEPS"] * num_envs,) if asked.get("timestep") else ()
         step_keys = jax.random.split(step_key, num_envs)
-        after, state, reward, done, info = jax.vmap(env.step, in_axes=axes)(step_keys, state, actions, *now)
+        after, state, reward, done, info = jax.vmap(env.step, in_axes=axes)(
+            step_keys, state, actions, *now
+        )
         info = jax.tree.map(lambda x: x.reshape(actors), dict(info))
         if asked.get("joint"):
             world = jnp.transpose(observation, (0, 2, 3, 1, 4)).reshape(num_envs, *shape[:-1], -1)
@@ -68,11 +78,18 @@ def learn_policy(env: Any, asked: dict[str, Any], config: dict[str, Any], sharin
             info["over"] = jnp.tile(done["__all__"], agents)
         ends = jnp.stack([done[str(agent)] for agent in env.agents]).reshape(actors)
         rewards = jnp.stack([reward[:, agent] for agent in env.agents]).reshape(agents, num_envs)
-        return (weights, state, after, key, update), (observation, chosen, rewards, info | {"ends": ends})
+        return (weights, state, after, key, update), (
+            observation,
+            chosen,
+            rewards,
+            info | {"ends": ends},
+        )
 
     def update(carry: Any, number: jax.Array) -> Any:
         weights, moments, state, observation, key = carry
-        (_, state, observation, key, _), kept = jax.lax.scan(play, (weights, state, observation, key, number), None, config["NUM_STEPS"])
+        (_, state, observation, key, _), kept = jax.lax.scan(
+            play, (weights, state, observation, key, number), None, config["NUM_STEPS"]
+        )
         observations, chosen, rewards, info = kept
 
         def loss(weights: jax.Array) -> jax.Array:
@@ -81,7 +98,11 @@ def learn_policy(env: Any, asked: dict[str, Any], config: dict[str, Any], sharin
             return -(taken * rewards).mean()
 
         updates, moments = optimiser.update(jax.grad(loss)(weights), moments)
-        metric = {**jax.tree.map(jnp.mean, info), "reward": rewards.mean(), "moved": jnp.abs(updates).sum()}
+        metric = {
+            **jax.tree.map(jnp.mean, info),
+            "reward": rewards.mean(),
+            "moved": jnp.abs(updates).sum(),
+        }
         return (optax.apply_updates(weights, updates), moments, state, observation, key), metric
 
     observation, state = jax.vmap(env.reset, in_axes=(0,))(jax.random.split(reset_key, num_envs))
@@ -94,9 +115,15 @@ def evaluate(env: Any, asked: dict[str, Any]) -> None:
     observation, state = env.reset(jax.random.PRNGKey(0))
     pictures = [np.asarray(env.render(state))]
     for key in jax.random.split(jax.random.PRNGKey(1), 2):
-        batch = jnp.stack([observation[agent] for agent in env.agents]).reshape(-1, *env.observation_space()[0].shape)
-        actions = {agent: batch[agent].sum().astype(int) % env.action_space().n for agent in env.agents}
-        observation, state, _, done, _ = env.step(key, state, [action.item() for action in actions.values()])
+        batch = jnp.stack([observation[agent] for agent in env.agents]).reshape(
+            -1, *env.observation_space()[0].shape
+        )
+        actions = {
+            agent: batch[agent].sum().astype(int) % env.action_space().n for agent in env.agents
+        }
+        observation, state, _, done, _ = env.step(
+            key, state, [action.item() for action in actions.values()]
+        )
         pictures.append(np.asarray(env.render(state)))
         assert not done["__all__"]
         if asked.get("locations"):
@@ -106,4 +133,6 @@ def evaluate(env: Any, asked: dict[str, Any]) -> None:
 
 def unstacked(metrics: dict[str, jax.Array]) -> Metrics:
     """Returns the metrics of each update."""
-    return [{name: float(values[number]) for name, values in metrics.items()} for number in range(2)]
+    return [
+        {name: float(values[number]) for name, values in metrics.items()} for number in range(2)
+    ]

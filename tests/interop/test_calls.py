@@ -39,7 +39,10 @@ BIG = (5, 5 + 2**32, 5 + 2**64, 2**63, 2**63 + 2**70, 2**200)
 
 
 def test_every_bit_of_a_seed_counts() -> None:
-    words = [tuple(jax.random.key_data(seeded_key(seed)).tolist()) for seed in (*BIG, 0, 2**32, 2**64, 2**32 - 1)]
+    words = [
+        tuple(jax.random.key_data(seeded_key(seed)).tolist())
+        for seed in (*BIG, 0, 2**32, 2**64, 2**32 - 1)
+    ]
     assert len(set(words)) == len(words)
     assert words[0] == tuple(jax.random.key_data(jax.random.key(5)).tolist())  # as before
     assert words[-1] == tuple(jax.random.key_data(jax.random.key(2**32 - 1)).tolist())
@@ -50,7 +53,9 @@ def test_every_bit_of_a_seed_counts() -> None:
 def test_large_seeds_begin_differently(adapter: str) -> None:
     begin = SEEDED[adapter]
     assert np.array_equal(begin(BIG[1]), begin(BIG[1]))
-    assert len({np.asarray(begin(seed)).tobytes() for seed in BIG}) > 3  # agents that meet nobody may see the same
+    assert (
+        len({np.asarray(begin(seed)).tobytes() for seed in BIG}) > 3
+    )  # agents that meet nobody may see the same
 
 
 @pytest.mark.parametrize("seed", [-1, 2.5, "5", True, np.float64(3)])
@@ -58,14 +63,20 @@ def test_large_seeds_begin_differently(adapter: str) -> None:
 def test_what_is_no_seed_is_refused(adapter: str, seed: Any) -> None:
     with pytest.raises(
         (TypeError, ValueError),
-        match=f"the seed must be a whole number of 0 or more, not {seed!r}".replace("(", r"\(").replace(")", r"\)"),
+        match=f"the seed must be a whole number of 0 or more, not {seed!r}".replace(
+            "(", r"\("
+        ).replace(")", r"\)"),
     ):
         SEEDED[adapter](seed)
 
 
 def test_actions_are_whole_numbers() -> None:
     """Neither a fraction nor a whole number that is stored as one, nor a truth value, in any adapter."""
-    agents, vector, slots = AgentGame("coins", **SHORT), VectorGame("coins", 1, **SHORT), VecGame("coins", 1, **SHORT)
+    agents, vector, slots = (
+        AgentGame("coins", **SHORT),
+        VectorGame("coins", 1, **SHORT),
+        VecGame("coins", 1, **SHORT),
+    )
     pairs, players = parallel_env("coins", **SHORT), Substrate("coins", **SHORT)
     theirs, suite = JaxMARLGame("coins", **SHORT), socialjax.make("coin_game")
     key = jax.random.key(0)
@@ -165,7 +176,10 @@ def test_no_event_is_swallowed(named: str) -> None:
         for row in rows:
             assert_counted(row)
             assert ("episode" in row) == ("terminal_observation" in row) == (step == 3)
-    assert infos["_final_obs"].all() and infos["final_obs"][0].shape == vector.single_observation_space.shape
+    assert (
+        infos["_final_obs"].all()
+        and infos["final_obs"][0].shape == vector.single_observation_space.shape
+    )
     assert_counted(infos["final_info"])
 
 
@@ -175,13 +189,25 @@ def test_masks_are_the_games(tmp_path: Path) -> None:
     path = tmp_path / "yard.sj"
     path.write_text(text)
     rest = 4
-    pair, vector, slots, agent = parallel_env(str(path)), VectorGame(str(path), 2), VecGame(str(path), 2), AgentGame(str(path), agent=1)
+    pair, vector, slots, agent = (
+        parallel_env(str(path)),
+        VectorGame(str(path), 2),
+        VecGame(str(path), 2),
+        AgentGame(str(path), agent=1),
+    )
     with pytest.raises(RuntimeError, match="call reset before action_masks"):
         slots.action_masks()
     _, infos = pair.reset(seed=0)
-    assert all(info["action_mask"].all() and info["action_mask"].dtype == np.int8 for info in infos.values())
+    assert all(
+        info["action_mask"].all() and info["action_mask"].dtype == np.int8
+        for info in infos.values()
+    )
     infos = pair.step({"agent_0": 3, "agent_1": rest, "agent_2": 3})[-1]
-    assert [info["action_mask"].tolist() for info in infos.values()] == [[1] * 5, [1, 1, 0, 1, 0], [1] * 5]
+    assert [info["action_mask"].tolist() for info in infos.values()] == [
+        [1] * 5,
+        [1, 1, 0, 1, 0],
+        [1] * 5,
+    ]
     assert pair.action_space("agent_1").sample(infos["agent_1"]["action_mask"]) in (0, 1, 3)
     wanted = np.ones((6, 5), bool)
     wanted[4, [2, 4]] = False
@@ -190,4 +216,8 @@ def test_masks_are_the_games(tmp_path: Path) -> None:
     np.testing.assert_array_equal(vector.action_masks(), wanted)
     np.testing.assert_array_equal(slots.env_method("action_masks"), wanted)
     np.testing.assert_array_equal(slots.env_method("action_masks", indices=[4, 0]), wanted[[4, 0]])
-    assert agent.step(rest)[-1]["action_mask"].tolist() == agent.action_masks().astype(int).tolist() == [1, 1, 0, 1, 0]
+    assert (
+        agent.step(rest)[-1]["action_mask"].tolist()
+        == agent.action_masks().astype(int).tolist()
+        == [1, 1, 0, 1, 0]
+    )

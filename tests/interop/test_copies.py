@@ -18,7 +18,10 @@ from sjdsl.interop.pettingzoo import parallel_env
 from sjdsl.interop.stable_baselines3 import VecGame
 
 SHORT = {"params": {"length": 7, "spawn": 0.3}}
-COPIES: dict[str, Callable[[Any], Any]] = {"deepcopy": copy.deepcopy, "pickle": lambda env: pickle.loads(pickle.dumps(env))}
+COPIES: dict[str, Callable[[Any], Any]] = {
+    "deepcopy": copy.deepcopy,
+    "pickle": lambda env: pickle.loads(pickle.dumps(env)),
+}
 
 
 def _paired(env: Any) -> Any:
@@ -32,25 +35,42 @@ def _alone(env: Any) -> Any:
 
 
 # how to make each, to begin an episode with a seed or without one, and to play a step
-STANDING: dict[str, tuple[Callable[[int], Any], Callable[[Any, int | None], Any], Callable[[Any], Any]]] = {
+STANDING: dict[
+    str, tuple[Callable[[int], Any], Callable[[Any, int | None], Any], Callable[[Any], Any]]
+] = {
     "gymnasium": (
         lambda _: VectorGame("coins", 2, **SHORT),
         lambda env, seed: env.reset(seed=seed),
         lambda env: env.step(np.array([0, 4, 2, 3]))[:4],
     ),
-    "gymnasium, one agent": (lambda _: AgentGame("coins", **SHORT), lambda env, seed: env.reset(seed=seed), _alone),
+    "gymnasium, one agent": (
+        lambda _: AgentGame("coins", **SHORT),
+        lambda env, seed: env.reset(seed=seed),
+        _alone,
+    ),
     "stable_baselines3": (
         lambda _: VecGame("coins", 2, **SHORT),
         lambda env, seed: (None if seed is None else env.seed(seed), env.reset()),
         lambda env: env.step(np.array([0, 4, 2, 3])),
     ),
-    "pettingzoo": (lambda _: parallel_env("coins", **SHORT), lambda env, seed: env.reset(seed=seed), _paired),
-    "dm_env": (lambda seed: Substrate("coins", seed=seed, **SHORT), lambda env, _: env.reset(), lambda env: env.step([0, 4])),
+    "pettingzoo": (
+        lambda _: parallel_env("coins", **SHORT),
+        lambda env, seed: env.reset(seed=seed),
+        _paired,
+    ),
+    "dm_env": (
+        lambda seed: Substrate("coins", seed=seed, **SHORT),
+        lambda env, _: env.reset(),
+        lambda env: env.step([0, 4]),
+    ),
 }
 
 
 def alike(first: Any, second: Any) -> bool:
-    return all(np.array_equal(x, y) for x, y in zip(jax.tree.leaves(first), jax.tree.leaves(second), strict=True))
+    return all(
+        np.array_equal(x, y)
+        for x, y in zip(jax.tree.leaves(first), jax.tree.leaves(second), strict=True)
+    )
 
 
 @pytest.mark.parametrize("adapter", STANDING)
@@ -77,7 +97,9 @@ def test_a_copy_plays_on_alike(adapter: str, way: str) -> None:
     copied, later = COPIES[way](env), COPIES[way](env)
     played = [step(env) for _ in range(9)]  # through an episode's end
     assert alike([step(copied) for _ in range(9)], played)
-    assert alike([step(later) for _ in range(9)], played)  # what the first two have played is nothing to it
+    assert alike(
+        [step(later) for _ in range(9)], played
+    )  # what the first two have played is nothing to it
 
 
 @pytest.mark.parametrize("way", COPIES)

@@ -16,7 +16,12 @@ SHORT = {"params": {"length": LENGTH}}
 def assert_fits(env: Substrate, step: dm_env.TimeStep) -> None:
     """Discount, rewards and observations, key by key, as the specs say."""
     env.discount_spec().validate(step.discount)
-    assert len(step.reward) == len(env.reward_spec()) == len(step.observation) == len(env.observation_spec())
+    assert (
+        len(step.reward)
+        == len(env.reward_spec())
+        == len(step.observation)
+        == len(env.observation_spec())
+    )
     for reward, spec in zip(step.reward, env.reward_spec(), strict=True):
         spec.validate(reward)
     for observation, spec in zip(step.observation, env.observation_spec(), strict=True):
@@ -40,7 +45,9 @@ def test_an_episode_is_cut_off_and_another_begins() -> None:
     first = env.step([0, 0])  # before reset
     assert first.first() and first.reward == [0, 0]
     steps = [env.step([step % 7, 1]) for step in range(LENGTH)]
-    assert [step.step_type for step in steps] == [dm_env.StepType.MID] * (LENGTH - 1) + [dm_env.StepType.LAST]
+    assert [step.step_type for step in steps] == [dm_env.StepType.MID] * (LENGTH - 1) + [
+        dm_env.StepType.LAST
+    ]
     assert {step.discount for step in steps} == {1.0}
     assert env.step([0, 0]).first()
 
@@ -61,7 +68,9 @@ def test_windows_are_turned_so_that_ahead_is_up() -> None:
         top, left = row[player] + 10 - 9, col[player] + 10 - 9
         square = padded[top * tile : (top + 19) * tile, left * tile : (left + 19) * tile]
         upright = np.rot90(square, int(headings[player]))
-        np.testing.assert_array_equal(observation["RGB"], upright[: 11 * tile, 4 * tile : 15 * tile])
+        np.testing.assert_array_equal(
+            observation["RGB"], upright[: 11 * tile, 4 * tile : 15 * tile]
+        )
 
 
 def test_rewards_and_events_are_the_games() -> None:
@@ -97,7 +106,9 @@ def test_wrong_actions_are_refused() -> None:
     env.reset()
     with pytest.raises(ValueError, match="expected 2 actions, one for each player, got 1"):
         env.step([0])
-    with pytest.raises(ValueError, match=r"the action of player 1 must be a whole number from 0 to 6, not 9"):
+    with pytest.raises(
+        ValueError, match=r"the action of player 1 must be a whole number from 0 to 6, not 9"
+    ):
         env.step([0, 9])
 
 
@@ -150,13 +161,18 @@ def test_a_substrate_gives_what_the_original_lists() -> None:
     step = env.step([env.action_names.index("interact"), 0])
     assert_fits(env, step)
     seen = step.observation[0]
-    assert (seen["INVENTORY"].shape, seen["INTERACTION_INVENTORIES"].tolist()) == ((2,), [[-1, -1], [-1, -1]])
+    assert (seen["INVENTORY"].shape, seen["INTERACTION_INVENTORIES"].tolist()) == (
+        (2,),
+        [[-1, -1], [-1, -1]],
+    )
     assert [float(o["READY_TO_SHOOT"]) for o in step.observation] == [0, 1]
     assert float(env.step([0, 0]).observation[0]["READY_TO_SHOOT"]) == 0.5
     agenda = Substrate("hidden_agenda", seed=0)
     first = agenda.reset()
     assert_fits(agenda, first)
-    assert first.observation[0]["VOTING"].tolist() == np.eye(7)[[5] * 5].tolist(), "nobody has a vote yet, and nobody is out"
+    assert first.observation[0]["VOTING"].tolist() == np.eye(7)[[5] * 5].tolist(), (
+        "nobody has a vote yet, and nobody is out"
+    )
     assert [name for name in first.observation[0] if name.isupper() and "." not in name] == [
         *("RGB", "INVENTORY", "READY_TO_SHOOT", "VOTING", "COLLECTIVE_REWARD")
     ]

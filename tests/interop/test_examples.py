@@ -8,7 +8,11 @@ import pytest
 
 # Tested in tests/trainers (a reward has no `main`) and in test_sweep_clusters.py.
 ELSEWHERE = ("giver_credit", "ppo_single_file", "sweep_ray", "sweep_slurm")
-EXAMPLES = sorted(path for path in (Path(__file__).parents[2] / "examples").glob("*.py") if path.stem not in ELSEWHERE)
+EXAMPLES = sorted(
+    path
+    for path in (Path(__file__).parents[2] / "examples").glob("*.py")
+    if path.stem not in ELSEWHERE
+)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -19,6 +23,8 @@ def test_it_runs(path: Path) -> None:
 
 def test_every_adapter_has_one() -> None:
     adapters = {"jaxmarl", "socialjax", "pettingzoo", "gymnasium", "stable_baselines3", "dm_env"}
-    assert {adapter for adapter in adapters for path in EXAMPLES if path.stem.startswith(adapter)} == adapters
+    assert {
+        adapter for adapter in adapters for path in EXAMPLES if path.stem.startswith(adapter)
+    } == adapters
     docs = Path(__file__).parents[2] / "docs/interop"
     assert {path.stem for path in docs.glob("*.md")} >= adapters

@@ -44,10 +44,15 @@ def test_last_observations_of_episodes() -> None:
         if ended:
             assert info["_final_obs"].all() and not info["_own_coins"].any()
             again = env._advance(key, state, actions_of(env, step).reshape(2, 2).astype(np.int32))
-            last = np.moveaxis(np.asarray(env._look(again[4]["terminal_state"])), 2, -1).reshape(observation.shape)
+            last = np.moveaxis(np.asarray(env._look(again[4]["terminal_state"])), 2, -1).reshape(
+                observation.shape
+            )
             np.testing.assert_array_equal(np.stack(list(info["final_obs"])), last)
             assert not np.array_equal(last, observation)
-            np.testing.assert_array_equal(info["final_info"]["own_coins"], np.asarray(again[4]["events"]["own_coins"]).reshape(-1))
+            np.testing.assert_array_equal(
+                info["final_info"]["own_coins"],
+                np.asarray(again[4]["events"]["own_coins"]).reshape(-1),
+            )
 
 
 def test_common_rewards_are_sums_of_an_environment() -> None:
@@ -94,11 +99,16 @@ def assert_alike(ours: Any, theirs: Any) -> None:
     for mine, own in zip(ours[:4], theirs[:4], strict=True):
         np.testing.assert_array_equal(mine, own)
     assert ("_final_obs" in ours[4]) == ("_final_obs" in theirs[4])
-    for mine, own in ((ours[4], theirs[4]), (ours[4].get("final_info", {}), theirs[4].get("final_info", {}))):
+    for mine, own in (
+        (ours[4], theirs[4]),
+        (ours[4].get("final_info", {}), theirs[4].get("final_info", {})),
+    ):
         for name in set(own) & {"_on_tree", "_final_obs", "_final_info"}:
             np.testing.assert_array_equal(mine[name], own[name])
         holds = own.get("_on_tree", np.zeros(3, bool))
-        np.testing.assert_array_equal(mine.get("on_tree", holds)[holds], own.get("on_tree", holds)[holds])
+        np.testing.assert_array_equal(
+            mine.get("on_tree", holds)[holds], own.get("on_tree", holds)[holds]
+        )
     for mine, own in zip(ours[4].get("final_obs", []), theirs[4].get("final_obs", []), strict=True):
         assert (mine is None) == (own is None) and (mine is None or np.array_equal(mine, own))
 
@@ -106,7 +116,10 @@ def assert_alike(ours: Any, theirs: Any) -> None:
 def test_autoreset_is_gymnasiums(certain: str) -> None:
     """Step by step what Gymnasium's own vector environment gives, through episodes that end at different times."""
     alone = [lambda: AgentGame(certain, others="stay")] * 3
-    ours, theirs = VectorGame(certain, 3), SyncVectorEnv(alone, autoreset_mode=AutoresetMode.SAME_STEP)
+    ours, theirs = (
+        VectorGame(certain, 3),
+        SyncVectorEnv(alone, autoreset_mode=AutoresetMode.SAME_STEP),
+    )
     assert ours.metadata["autoreset_mode"] == theirs.metadata["autoreset_mode"]
     np.testing.assert_array_equal(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
     ends = np.zeros(3, int)
@@ -123,7 +136,9 @@ def test_wrong_calls_are_refused() -> None:
     with pytest.raises(RuntimeError, match="call reset before step"):
         env.step(actions_of(env, 0))
     env.reset(seed=0)
-    with pytest.raises(ValueError, match=r"the action of slot 1 must be a whole number from 0 to 6, not 7"):
+    with pytest.raises(
+        ValueError, match=r"the action of slot 1 must be a whole number from 0 to 6, not 7"
+    ):
         env.step(np.array([0, 7, 0, 0]))
     with pytest.raises(ValueError, match=r"expected actions of shape \(4,\), got \(2,\)"):
         env.step(np.zeros(2, int))

@@ -28,12 +28,18 @@ def test_gymnasiums_own_checks_pass(observation: str) -> None:
     """Without a warning; every way of drawing included."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(gymnasium.make("sjdsl/Coins-v0", observation=observation, render_mode="ansi", **SHORT).unwrapped)
+        check_env(
+            gymnasium.make(
+                "sjdsl/Coins-v0", observation=observation, render_mode="ansi", **SHORT
+            ).unwrapped
+        )
 
 
 def test_bundled_games_are_registered() -> None:
     assert environment_id("clean_up") == "sjdsl/CleanUp-v0"
-    assert {environment_id(game) for game in ("coins", "pd_arena", "harvest_open", "predator_prey")} <= set(gymnasium.registry)
+    assert {
+        environment_id(game) for game in ("coins", "pd_arena", "harvest_open", "predator_prey")
+    } <= set(gymnasium.registry)
     env = gymnasium.make("sjdsl/Coins-v0", agent=1, others="stay", **SHORT)
     assert env.unwrapped.agent == 1
     _, info = env.reset(seed=0)
@@ -56,7 +62,10 @@ def test_a_step_is_the_games_own() -> None:
         jax.debug.callback(lambda actions: played.append(actions.tolist()), chosen)
         return chosen
 
-    game, shown = sjdsl.make("coins", params={"spawn": 0.3, "length": 40}), sjdsl.make("coins", observation="onehot")
+    game, shown = (
+        sjdsl.make("coins", params={"spawn": 0.3, "length": 40}),
+        sjdsl.make("coins", observation="onehot"),
+    )
     env = AgentGame("coins", agent=1, others=others, params={"spawn": 0.3, "length": 40})
     observation, _ = env.reset(seed=7)
     state = env._state
@@ -66,8 +75,12 @@ def test_a_step_is_the_games_own() -> None:
         observation, reward, _, truncated, info = env.step((3 * step) % 7)
         jax.effects_barrier()
         actions = [played[-1][0], (3 * step) % 7]
-        *_, state, paid, done, facts = game.step_env(jax.random.split(before, 3)[2], state, jnp.asarray(actions))
-        np.testing.assert_array_equal(observation, np.moveaxis(np.asarray(shown.observe(state)[1]), 0, -1))
+        *_, state, paid, done, facts = game.step_env(
+            jax.random.split(before, 3)[2], state, jnp.asarray(actions)
+        )
+        np.testing.assert_array_equal(
+            observation, np.moveaxis(np.asarray(shown.observe(state)[1]), 0, -1)
+        )
         assert info["rewards"].tolist() == paid.tolist() and reward == float(paid[1])
         assert info["own_coins"] == int(facts["events"]["own_coins"][1])
         assert truncated == bool(done)
@@ -80,9 +93,21 @@ def test_others_may_be_a_stored_policy(tmp_path: Path) -> None:
     """It acts as it does elsewhere: the same key and tokens, the same actions."""
     game, config = sjdsl.make("coins", params={"length": LENGTH}), PPOConfig()
     shapes = parameter_shapes(game, config)
-    drawn = jax.tree.map(lambda leaf: np.random.default_rng(leaf.size).normal(0, 0.1, leaf.shape).astype(leaf.dtype), shapes)
+    drawn = jax.tree.map(
+        lambda leaf: np.random.default_rng(leaf.size).normal(0, 0.1, leaf.shape).astype(leaf.dtype),
+        shapes,
+    )
     stored = tmp_path / "run/policies/last.safetensors"
-    write_policy(stored, drawn, {"game": describe_game(game), "config": config.model_dump(mode="json"), "update": 0, "env_steps": 0})
+    write_policy(
+        stored,
+        drawn,
+        {
+            "game": describe_game(game),
+            "config": config.model_dump(mode="json"),
+            "update": 0,
+            "env_steps": 0,
+        },
+    )
     env = AgentGame("coins", others=tmp_path / "run", **SHORT)
     env.reset(seed=1)
     for number in range(4):
@@ -92,7 +117,10 @@ def test_others_may_be_a_stored_policy(tmp_path: Path) -> None:
         actions = load_policy(stored, game)(others_key, game.observe(state)).at[0].set(6)
         _, after, *_ = game.step_env(step_key, state, actions)
         assert jax.tree.all(jax.tree.map(jnp.array_equal, after, env._state)), number
-    assert AgentGame("coins", others=str(stored), **SHORT).reset(seed=1)[0].shape == env.observation_space.shape
+    assert (
+        AgentGame("coins", others=str(stored), **SHORT).reset(seed=1)[0].shape
+        == env.observation_space.shape
+    )
 
 
 def test_pictures_and_texts(capsys: pytest.CaptureFixture[str]) -> None:
@@ -117,7 +145,10 @@ def test_wrong_calls_are_refused() -> None:
         AgentGame("coins", agent=2)
     with pytest.raises(ValueError, match="render_mode is None, human, ansi, rgb_array"):
         AgentGame("coins", render_mode="film")
-    with pytest.raises(PolicyError, match=r"there is no policy `randm`; did you mean `random`\? A policy is random, stay"):
+    with pytest.raises(
+        PolicyError,
+        match=r"there is no policy `randm`; did you mean `random`\? A policy is random, stay",
+    ):
         AgentGame("coins", others="randm")
 
 
@@ -139,7 +170,13 @@ def test_processes_are_spawned(tmp_path: Path, context: str) -> None:
     """Forked ones, in which JAX would wait for ever, end with what to write instead."""
     script = tmp_path / "processes.py"
     script.write_text(PROCESSES)
-    done = subprocess.run([sys.executable, str(script), context], capture_output=True, text=True, check=False, timeout=500)
+    done = subprocess.run(
+        [sys.executable, str(script), context],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=500,
+    )
     if context == "fork":
         assert done.returncode != 0
         assert """vectorization_mode="async", vector_kwargs={"context": "spawn"})""" in done.stderr

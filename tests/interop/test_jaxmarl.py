@@ -20,7 +20,10 @@ SHORT = {"params": {"length": LENGTH}}
 
 
 def actions_of(env: JaxMARLGame, step: int) -> dict[str, jax.Array]:
-    return {agent: jnp.int32((3 * step + number) % env.env.num_actions) for number, agent in enumerate(env.agents)}
+    return {
+        agent: jnp.int32((3 * step + number) % env.env.num_actions)
+        for number, agent in enumerate(env.agents)
+    }
 
 
 @pytest.fixture(scope="module")
@@ -35,12 +38,19 @@ def test_the_contract_of_the_base_class(game: str, flat: bool) -> None:
     assert isinstance(env, MultiAgentEnv)
     assert env.name == game
     for agent in env.agents:
-        assert env.observation_spaces[agent] == env.observation_space(agent) == env.observation_space()
+        assert (
+            env.observation_spaces[agent] == env.observation_space(agent) == env.observation_space()
+        )
         assert env.action_spaces[agent] == env.action_space(agent) == env.action_space()
-        assert isinstance(env.observation_space(agent), Space) and isinstance(env.action_space(agent), Space)
+        assert isinstance(env.observation_space(agent), Space) and isinstance(
+            env.action_space(agent), Space
+        )
     first, state = env.reset(jax.random.PRNGKey(0))
     keys = jax.random.split(jax.random.PRNGKey(1), env.num_agents)
-    actions = {agent: env.action_space(agent).sample(key) for agent, key in zip(env.agents, keys, strict=True)}
+    actions = {
+        agent: env.action_space(agent).sample(key)
+        for agent, key in zip(env.agents, keys, strict=True)
+    }
     after, _, reward, done, info = env.step(jax.random.PRNGKey(2), state, actions)
     for observation in (first, after):
         assert list(observation) == env.agents
@@ -59,12 +69,19 @@ def test_a_step_is_the_games_own(coins: JaxMARLGame) -> None:
     mine, state = coins.reset(reset_key)
     theirs, game = env.reset(reset_key)
     for number, key in enumerate(keys):
-        np.testing.assert_array_equal(mine["agent_1"], np.moveaxis(np.asarray(theirs[1]), 0, -1).reshape(-1))
+        np.testing.assert_array_equal(
+            mine["agent_1"], np.moveaxis(np.asarray(theirs[1]), 0, -1).reshape(-1)
+        )
         actions = actions_of(coins, number)
         mine, state, reward, done, info = coins.step(key, state, actions)
         theirs, game, raw, ended, facts = env.step(key, game, jnp.stack(list(actions.values())))
         assert [float(r) for r in reward.values()] == raw.tolist()
-        assert bool(done["__all__"]) == bool(done["agent_0"]) == bool(ended) == (number % LENGTH == LENGTH - 1)
+        assert (
+            bool(done["__all__"])
+            == bool(done["agent_0"])
+            == bool(ended)
+            == (number % LENGTH == LENGTH - 1)
+        )
         np.testing.assert_array_equal(info["own_coins"], facts["events"]["own_coins"])
         assert info["truncated"].tolist() == [bool(facts["truncated"])] * 2
         assert int(state.step) == int(game.step) == (number + 1) % LENGTH
@@ -77,7 +94,9 @@ def test_a_chosen_state_follows_an_episode(coins: JaxMARLGame) -> None:
     _, going, _, done, _ = coins.step(last, state, actions_of(coins, 0), reset_state=chosen)
     assert not done["__all__"] and int(going.step) == 1
     late = state.replace(step=coins.max_steps - 1)
-    observation, after, _, done, _ = coins.step(last, late, actions_of(coins, 0), reset_state=chosen)
+    observation, after, _, done, _ = coins.step(
+        last, late, actions_of(coins, 0), reset_state=chosen
+    )
     assert done["__all__"]
     assert jax.tree.all(jax.tree.map(jnp.array_equal, after, chosen))
     np.testing.assert_array_equal(observation["agent_0"], coins.get_obs(chosen)["agent_0"])
@@ -109,7 +128,10 @@ def test_its_rollout_manager_plays_batches(coins: JaxMARLGame) -> None:
     assert observation["agent_0"].shape == (3, size + 2)
     for key in jax.random.split(jax.random.key(10), 4):
         act, step = jax.random.split(key)
-        actions = {a: manager.batch_sample(k, a) for a, k in zip(coins.agents, jax.random.split(act), strict=True)}
+        actions = {
+            a: manager.batch_sample(k, a)
+            for a, k in zip(coins.agents, jax.random.split(act), strict=True)
+        }
         observation, state, reward, _, info = manager.batch_step(step, state, actions)
     assert observation["__all__"].shape == (3, 2 * size)
     np.testing.assert_allclose(reward["__all__"], reward["agent_0"] + reward["agent_1"])
@@ -121,7 +143,10 @@ def test_world_states_for_central_critics() -> None:
     of_all = JaxMARLGame("coins", world_state="observations", **SHORT)
     observation, state = of_all.reset(jax.random.key(11))
     assert observation["world_state"].shape == (2, of_all.world_state_size())
-    np.testing.assert_array_equal(observation["world_state"][1], jnp.concatenate([observation["agent_0"], observation["agent_1"]]))
+    np.testing.assert_array_equal(
+        observation["world_state"][1],
+        jnp.concatenate([observation["agent_0"], observation["agent_1"]]),
+    )
     of_state = JaxMARLGame("coins", world_state="state", **SHORT)
     seen = of_state.get_obs(state)["world_state"]
     np.testing.assert_array_equal(seen[0], of_state.env.state_vector(state.game))
@@ -141,7 +166,11 @@ def test_common_and_shaped_rewards() -> None:
         actions = actions_of(env, number)
         _, _, raw, _, _ = plain.step(key, state, actions)
         _, state, reward, _, info = env.step(key, state, actions)
-        assert float(reward["agent_0"]) == float(reward["agent_1"]) == float(raw["agent_0"] + raw["agent_1"])
+        assert (
+            float(reward["agent_0"])
+            == float(reward["agent_1"])
+            == float(raw["agent_0"] + raw["agent_1"])
+        )
         assert info["shaped_reward"] == {"agent_0": 0.0, "agent_1": 0.0}
         paid += float(raw["agent_0"]) != float(raw["agent_1"])
     assert paid > 0
@@ -161,22 +190,36 @@ def test_masks_and_roles() -> None:
     """Who rests in the arena may only stay; predators and prey are two classes."""
     arena = JaxMARLGame("pd_arena")
     _, state = arena.reset(jax.random.key(15))
-    resting = state.replace(game=state.game.replace(agent_resting=state.game.agent_resting.at[2].set(5)))
+    resting = state.replace(
+        game=state.game.replace(agent_resting=state.game.agent_resting.at[2].set(5))
+    )
     masks = arena.get_avail_actions(resting)
     assert masks["agent_0"].all()
-    assert [name for name, allowed in zip(arena.env.action_names, masks["agent_2"], strict=True) if allowed] == ["stay"]
+    assert [
+        name
+        for name, allowed in zip(arena.env.action_names, masks["agent_2"], strict=True)
+        if allowed
+    ] == ["stay"]
     assert arena.agent_classes == {"agents": arena.agents}
     hunt = JaxMARLGame("predator_prey").agent_classes
-    assert sorted(map(len, hunt.values())) == sorted(np.unique(sjdsl.make("predator_prey").roles, return_counts=True)[1].tolist())
+    assert sorted(map(len, hunt.values())) == sorted(
+        np.unique(sjdsl.make("predator_prey").roles, return_counts=True)[1].tolist()
+    )
 
 
 def test_its_registry_makes_our_games(tmp_path: Path) -> None:
     """By the names of bundled games and of files; its own names and messages stay; registering again changes nothing."""
-    assert {"sjdsl_clean_up", "sjdsl/clean_up", "sjdsl_coins", "MPE_simple_v3"} <= set(jaxmarl.registered_envs)
+    assert {"sjdsl_clean_up", "sjdsl/clean_up", "sjdsl_coins", "MPE_simple_v3"} <= set(
+        jaxmarl.registered_envs
+    )
     env = jaxmarl.make("sjdsl_coins", flat=False, **SHORT)
     assert isinstance(env, JaxMARLGame) and env.name == "coins" and env.max_steps == LENGTH
     (tmp_path / "my_game.sj").write_text(GAME)
-    assert jaxmarl.make(f"sjdsl/{tmp_path}/my_game.sj").name == jaxmarl.make(f"sjdsl_{tmp_path}/my_game.sj").name == "my_game"
+    assert (
+        jaxmarl.make(f"sjdsl/{tmp_path}/my_game.sj").name
+        == jaxmarl.make(f"sjdsl_{tmp_path}/my_game.sj").name
+        == "my_game"
+    )
     assert jaxmarl.make("sjdsl/coins", **SHORT).env.hash == env.env.hash
     assert jaxmarl.make("MPE_simple_v3").name == "SimpleMPE"
     with pytest.raises(ValueError, match="is not in registered jaxmarl environments"):

@@ -17,7 +17,9 @@ coins = partial(parallel_env, "coins", **SHORT)
 
 
 def actions_of(env: ParallelGame, step: int) -> dict[str, int]:
-    return {agent: (3 * step + index) % env.env.num_actions for index, agent in enumerate(env.agents)}
+    return {
+        agent: (3 * step + index) % env.env.num_actions for index, agent in enumerate(env.agents)
+    }
 
 
 def trajectory(env: ParallelGame, seed: int, steps: int) -> list[tuple]:
@@ -39,7 +41,10 @@ def assert_alike(first: list[tuple], second: list[tuple]) -> None:
 
 
 def _plain(infos: dict[str, dict]) -> dict[str, dict]:
-    return {agent: {name: np.asarray(value).tolist() for name, value in info.items()} for agent, info in infos.items()}
+    return {
+        agent: {name: np.asarray(value).tolist() for name, value in info.items()}
+        for agent, info in infos.items()
+    }
 
 
 @pytest.mark.filterwarnings("error::UserWarning")
@@ -78,10 +83,16 @@ def test_the_returns_are_the_games() -> None:
     ("actions", "error", "message"),
     [
         ({"agent_0": 1}, KeyError, "no action for agent_1"),
-        ({"agent_0": 1, "agent_1": 7}, ValueError, "the action of agent_1 must be a whole number from 0 to 6, not 7"),
+        (
+            {"agent_0": 1, "agent_1": 7},
+            ValueError,
+            "the action of agent_1 must be a whole number from 0 to 6, not 7",
+        ),
     ],
 )
-def test_wrong_actions_are_refused(actions: dict[str, int], error: type[Exception], message: str) -> None:
+def test_wrong_actions_are_refused(
+    actions: dict[str, int], error: type[Exception], message: str
+) -> None:
     env = coins()
     env.reset(seed=0)
     with pytest.raises(error, match=re.escape(message)):
@@ -111,7 +122,9 @@ def test_boards_in_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     seen.step(actions_of(seen, 0))
     assert capsys.readouterr().out.count("\n") == 17
     assert seen.render() is None
-    with pytest.raises(ValueError, match="render_mode is None, human, ansi, rgb_array, not 'video'"):
+    with pytest.raises(
+        ValueError, match="render_mode is None, human, ansi, rgb_array, not 'video'"
+    ):
         coins(render_mode="video")
 
 

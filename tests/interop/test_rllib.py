@@ -9,7 +9,9 @@ import torch
 
 from sjdsl.interop.pettingzoo import parallel_env
 
-pytest.importorskip("ray.rllib.algorithms.ppo", reason="RLlib is not installed", exc_type=ImportError)
+pytest.importorskip(
+    "ray.rllib.algorithms.ppo", reason="RLlib is not installed", exc_type=ImportError
+)
 
 from ray.rllib.algorithms.ppo.torch.default_ppo_torch_rl_module import DefaultPPOTorchRLModule
 from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig
@@ -20,15 +22,22 @@ PAGE = (Path(__file__).parents[2] / "docs/interop/rllib.md").read_text()
 
 
 def module_of(env: ParallelPettingZooEnv, config: DefaultModelConfig) -> DefaultPPOTorchRLModule:
-    spaces = {"observation_space": env.observation_space["agent_0"], "action_space": env.action_space["agent_0"]}
+    spaces = {
+        "observation_space": env.observation_space["agent_0"],
+        "action_space": env.action_space["agent_0"],
+    }
     return RLModuleSpec(module_class=DefaultPPOTorchRLModule, model_config=config, **spaces).build()
 
 
 def test_the_network_of_the_page_fits() -> None:
     """Its inputs are the channels, not the rows; it has an output for each action. Without it RLlib has no network for these windows."""
     env = ParallelPettingZooEnv(parallel_env("clean_up"))
-    filters, dense = re.search(r"conv_filters=(\[.*\]), head_fcnet_hiddens=(\[.*?\])", PAGE).groups()
-    made = module_of(env, DefaultModelConfig(conv_filters=eval(filters), head_fcnet_hiddens=eval(dense)))
+    filters, dense = re.search(
+        r"conv_filters=(\[.*\]), head_fcnet_hiddens=(\[.*?\])", PAGE
+    ).groups()
+    made = module_of(
+        env, DefaultModelConfig(conv_filters=eval(filters), head_fcnet_hiddens=eval(dense))
+    )
     seen, infos = env.reset(seed=0)
     assert {info["action_mask"].shape for info in infos.values()} == {(9,)}
     first = next(layer for layer in made.modules() if isinstance(layer, torch.nn.Conv2d))

@@ -38,7 +38,11 @@ def with_agent(env: Any, state: Any, cells: list[tuple[int, int]], headings: lis
     """Returns the state with the agents on these cells of the map."""
     pad, cols = env.env.module.PAD, env.env.module.FRAME[1]
     places = jnp.asarray([(r + pad) * cols + c + pad for r, c in cells], state.game.position.dtype)
-    return state.replace(game=state.game.replace(position=places, heading=jnp.asarray(headings, state.game.heading.dtype)))
+    return state.replace(
+        game=state.game.replace(
+            position=places, heading=jnp.asarray(headings, state.game.heading.dtype)
+        )
+    )
 
 
 @pytest.mark.parametrize(("name", "depth"), DEPTHS.items())
@@ -58,7 +62,10 @@ def test_every_id_has_the_suites_shapes(name: str, depth: int) -> None:
     assert env.action_space().n == env.action_space(0).n == env.env.num_actions
 
 
-@pytest.mark.parametrize(("name", "compass"), [("clean_up", COMPASS), ("mushrooms", COMPASS), ("coop_mining", COMPASS_OF_MINING)])
+@pytest.mark.parametrize(
+    ("name", "compass"),
+    [("clean_up", COMPASS), ("mushrooms", COMPASS), ("coop_mining", COMPASS_OF_MINING)],
+)
 def test_moves_follow_the_suites_compass(name: str, compass: dict[int, tuple[int, int]]) -> None:
     """Whatever the heading; clean_up's cell (8, 8) and its neighbours, and those of the others, are free ground."""
     env = socialjax.make(name)
@@ -68,7 +75,11 @@ def test_moves_follow_the_suites_compass(name: str, compass: dict[int, tuple[int
     for heading in range(4):
         placed = with_agent(env, state, [centre, *far], [heading] * env.num_agents)
         for action, (down, right) in compass.items():
-            _, after, *_ = env.step(jax.random.key(3), placed, [jnp.int32(action)] + [jnp.int32(STAY)] * (env.num_agents - 1))
+            _, after, *_ = env.step(
+                jax.random.key(3),
+                placed,
+                [jnp.int32(action)] + [jnp.int32(STAY)] * (env.num_agents - 1),
+            )
             row, col = (np.asarray(x) for x in env.env.cells(after.game))
             assert (row[0] - centre[0], col[0] - centre[1]) == (down, right), (heading, action)
 
@@ -86,7 +97,11 @@ def expected_harvest(env: Any, state: Any, agent: int) -> np.ndarray:
     """The 15 channels of one agent by a loop over its window; agents hide what is beneath."""
     rows = env.env.game.rows
     soil = [(r, c) for r, row in enumerate(rows) for c, letter in enumerate(row) if letter == "A"]
-    ripe = {cell for cell, fruit in zip(soil, np.asarray(state.game.soil_fruit), strict=True) if fruit == 1}
+    ripe = {
+        cell
+        for cell, fruit in zip(soil, np.asarray(state.game.soil_fruit), strict=True)
+        if fruit == 1
+    }
     walls = {(r, c) for r, row in enumerate(rows) for c, letter in enumerate(row) if letter == "#"}
     row, col = (np.asarray(x) for x in env.env.cells(state.game))
     headings = np.asarray(state.game.heading)  # ours: clockwise from north
@@ -95,7 +110,10 @@ def expected_harvest(env: Any, state: Any, agent: int) -> np.ndarray:
     seen = np.zeros((11, 11, 15))
     for r in range(11):
         for c in range(11):
-            cell = tuple(int((row[agent], col[agent])[i] + (9 - r) * ahead[i] + (c - 5) * right[i]) for i in (0, 1))
+            cell = tuple(
+                int((row[agent], col[agent])[i] + (9 - r) * ahead[i] + (c - 5) * right[i])
+                for i in (0, 1)
+            )
             here = [other for other in range(env.num_agents) if (row[other], col[other]) == cell]
             if here:
                 (other,) = here
@@ -103,7 +121,9 @@ def expected_harvest(env: Any, state: Any, agent: int) -> np.ndarray:
                     seen[r, c, 5] = 1
                 else:
                     seen[r, c, 6] = 1
-                    turned_left = (headings[agent] - headings[other]) % 4  # the suite counts headings the other way round
+                    turned_left = (
+                        headings[agent] - headings[other]
+                    ) % 4  # the suite counts headings the other way round
                     seen[r, c, 7 + turned_left] = 1
             elif not (0 <= cell[0] < len(rows) and 0 <= cell[1] < len(rows[0])) or cell in walls:
                 seen[r, c, 0] = 1
@@ -123,7 +143,9 @@ def test_channels_cell_by_cell(name: str) -> None:
             wanted = expected_harvest(env, state, agent)
             np.testing.assert_array_equal(np.asarray(observation[agent]), wanted)
             facing |= set(np.nonzero(wanted[..., 7:11].any(axis=(0, 1)))[0].tolist())
-        observation, state, *_ = env.step(key, state, [(number * 5 + agent) % 7 for agent in env.agents])
+        observation, state, *_ = env.step(
+            key, state, [(number * 5 + agent) % 7 for agent in env.agents]
+        )
     assert facing == {0, 1, 2, 3}
 
 
@@ -139,8 +161,14 @@ def test_the_arena_shows_all_bags() -> None:
 def test_refined_tokens_are_logged_ten_times_before_they_are_consumed() -> None:
     env = socialjax.make("gift")
     _, state = resets(env, 3)
-    bags = jnp.zeros_like(state.game.agent_bag).at[0].set(jnp.asarray([4, 2, 1], state.game.agent_bag.dtype))
-    *_, info = env.step(jax.random.key(1), state.replace(game=state.game.replace(agent_bag=bags)), [8, *[STAY] * 4])
+    bags = (
+        jnp.zeros_like(state.game.agent_bag)
+        .at[0]
+        .set(jnp.asarray([4, 2, 1], state.game.agent_bag.dtype))
+    )
+    *_, info = env.step(
+        jax.random.key(1), state.replace(game=state.game.replace(agent_bag=bags)), [8, *[STAY] * 4]
+    )
     assert info["level_two_and_three_tokens"].tolist() == [30.0] * 5
 
 
@@ -148,7 +176,9 @@ def test_clean_water_is_logged_as_it_was_at_the_start_of_the_step() -> None:
     """Released code: 68 of its 147 cells of water are clean in the first step, whatever is cleaned in it."""
     env = socialjax.make("clean_up")
     _, state = resets(env, 3)
-    *_, info = env.step(jax.random.key(1), with_agent(env, state, [(5, c) for c in range(7)], [0] * 7), [8] * 7)
+    *_, info = env.step(
+        jax.random.key(1), with_agent(env, state, [(5, c) for c in range(7)], [0] * 7), [8] * 7
+    )
     assert info["cleaned_water"].tolist() == [68.0] * 7
 
 
@@ -157,33 +187,62 @@ def paid(raw: list[float], **mode: Any) -> np.ndarray:
     from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 
     given = {"shared_rewards": False, **mode}
-    return np.asarray(make_rewards(Mode(**given), len(raw))(jnp.asarray(raw, jnp.float32), jnp.int32(0))[0])
+    return np.asarray(
+        make_rewards(Mode(**given), len(raw))(jnp.asarray(raw, jnp.float32), jnp.int32(0))[0]
+    )
 
 
 def test_the_suites_scales() -> None:
     """Figures of the released code: one eater among seven, and a step without any reward."""
     eater = [1.0] + [0.0] * 6
     np.testing.assert_allclose(paid(eater), [7, 0, 0, 0, 0, 0, 0])
-    np.testing.assert_allclose(paid(eater, shared_rewards=True, svo=True), [1] * 7)  # shared comes first
-    np.testing.assert_allclose(paid([0.0] * 7, svo=True, svo_w=0.5, svo_ideal_angle_degrees=90), [-5.4978] * 7, atol=1e-4)
-    np.testing.assert_allclose(paid([0.0] * 2, svo=True, svo_ideal_angle_degrees=90), [-1.5708] * 2, atol=1e-4)
-    np.testing.assert_allclose(paid([0.0] * 2, svo=True, svo_ideal_angle_degrees=90, svo_target_agents=[1]), [0, -1.5708], atol=1e-4)
-    np.testing.assert_allclose(paid([1.0, 1.0], svo=True, svo_ideal_angle_degrees=45), [2, 2], atol=1e-5)
+    np.testing.assert_allclose(
+        paid(eater, shared_rewards=True, svo=True), [1] * 7
+    )  # shared comes first
+    np.testing.assert_allclose(
+        paid([0.0] * 7, svo=True, svo_w=0.5, svo_ideal_angle_degrees=90), [-5.4978] * 7, atol=1e-4
+    )
+    np.testing.assert_allclose(
+        paid([0.0] * 2, svo=True, svo_ideal_angle_degrees=90), [-1.5708] * 2, atol=1e-4
+    )
+    np.testing.assert_allclose(
+        paid([0.0] * 2, svo=True, svo_ideal_angle_degrees=90, svo_target_agents=[1]),
+        [0, -1.5708],
+        atol=1e-4,
+    )
+    np.testing.assert_allclose(
+        paid([1.0, 1.0], svo=True, svo_ideal_angle_degrees=45), [2, 2], atol=1e-5
+    )
     away = math.atan2(0.5, 1)
-    np.testing.assert_allclose(paid([2.0, 1.0], svo=True, svo_ideal_angle_degrees=0)[0], 4 - 2 * 0.5 * away, atol=1e-5)
+    np.testing.assert_allclose(
+        paid([2.0, 1.0], svo=True, svo_ideal_angle_degrees=0)[0], 4 - 2 * 0.5 * away, atol=1e-5
+    )
     np.testing.assert_allclose(paid([1.0, 0.0], interest=True, s_interest=0.75), [1.5, 0.5])
-    np.testing.assert_allclose(paid([1.0, 0.0, 0.0], interest=True, s_interest_schedule=[1.0, 0.5]), [3, 0, 0])
+    np.testing.assert_allclose(
+        paid([1.0, 0.0, 0.0], interest=True, s_interest_schedule=[1.0, 0.5]), [3, 0, 0]
+    )
     averse = paid([1.0, 0.0, 0.0], inequity_aversion=True)
     np.testing.assert_allclose(averse, [3 - 0.05 * 3, -5 * 3 / 2, -5 * 3 / 2], atol=1e-5)
-    np.testing.assert_allclose(paid([1.0, 0.0, 0.0], inequity_aversion=True, inequity_aversion_target_agents=[0])[1:], [0, 0])
+    np.testing.assert_allclose(
+        paid([1.0, 0.0, 0.0], inequity_aversion=True, inequity_aversion_target_agents=[0])[1:],
+        [0, 0],
+    )
 
 
 def test_exchange_follows_its_schedule() -> None:
     from sjdsl.interop.socialjax_rewards import Mode, make_rewards
 
-    mode = Mode(shared_rewards=False, interest=True, s_interest_schedule=[1.0, 0.5], s_interest_change_every=100)
+    mode = Mode(
+        shared_rewards=False,
+        interest=True,
+        s_interest_schedule=[1.0, 0.5],
+        s_interest_change_every=100,
+    )
     rewards = make_rewards(mode, 2)
-    kept = [float(rewards(jnp.asarray([1.0, 0.0]), jnp.int32(t))[1]["s_interest"][0]) for t in (0, 99, 100, 199, 200)]
+    kept = [
+        float(rewards(jnp.asarray([1.0, 0.0]), jnp.int32(t))[1]["s_interest"][0])
+        for t in (0, 99, 100, 199, 200)
+    ]
     assert kept == [1.0, 1.0, 0.5, 0.5, 1.0]
 
 
@@ -195,7 +254,16 @@ def test_episodes_within_episodes() -> None:
     for key in jax.random.split(jax.random.key(10), 8):
         _, state, _, done, _ = env.step(key, state, [STAY, STAY])
         seen.append((int(state.inner_t), int(state.outer_t), bool(done["__all__"])))
-    assert seen == [(1, 0, False), (2, 0, False), (0, 1, False), (1, 1, False), (2, 1, False), (0, 0, True), (1, 0, False), (2, 0, False)]
+    assert seen == [
+        (1, 0, False),
+        (2, 0, False),
+        (0, 1, False),
+        (1, 1, False),
+        (2, 1, False),
+        (0, 0, True),
+        (1, 0, False),
+        (2, 0, False),
+    ]
 
 
 def test_step_env_and_chosen_states() -> None:
@@ -260,14 +328,31 @@ def test_maps_of_other_games(name: str, theirs: list[str], ours: tuple[str, ...]
 @pytest.mark.parametrize(
     ("name", "kwargs", "error", "message"),
     [
-        ("harvest", {}, ValueError, "there is no id `harvest`; the ids are coin_game, harvest_common_open"),
-        ("coin_game", {"svo_weight": 1}, TypeError, "`coin_game` has no keyword `svo_weight`; it has cnn, inequity_aversion"),
+        (
+            "harvest",
+            {},
+            ValueError,
+            "there is no id `harvest`; the ids are coin_game, harvest_common_open",
+        ),
+        (
+            "coin_game",
+            {"svo_weight": 1},
+            TypeError,
+            "`coin_game` has no keyword `svo_weight`; it has cnn, inequity_aversion",
+        ),
         ("coop_mining", {"map_ASCII": []}, TypeError, "has no keyword `map_ASCII`"),
-        ("coin_game", {"enable_smooth_rewards": True}, TypeError, "has no keyword `enable_smooth_rewards`"),
+        (
+            "coin_game",
+            {"enable_smooth_rewards": True},
+            TypeError,
+            "has no keyword `enable_smooth_rewards`",
+        ),
         ("coin_game", {"obs_size": 5}, ValueError, "obs_size must be 11"),
     ],
 )
-def test_what_there_is_not(name: str, kwargs: dict[str, Any], error: type[Exception], message: str) -> None:
+def test_what_there_is_not(
+    name: str, kwargs: dict[str, Any], error: type[Exception], message: str
+) -> None:
     with pytest.raises(error, match=re.escape(message)):
         socialjax.make(name, **kwargs)
 
@@ -285,17 +370,37 @@ def test_flat_observations_and_pictures() -> None:
 FORAGER_STAY, NORTH, SOUTH, WEST, EAST, LOAD = range(6)
 
 
-def foragers(cells: list[tuple[int, int]], levels: list[int], foods: dict[tuple[int, int], int], **kwargs: Any) -> tuple[Any, Any]:
+def foragers(
+    cells: list[tuple[int, int]],
+    levels: list[int],
+    foods: dict[tuple[int, int], int],
+    **kwargs: Any,
+) -> tuple[Any, Any]:
     """Returns a game and a state of it with agents and foods of these levels on these cells, and nothing else."""
     env = socialjax.make("lb_foraging", num_agents=len(cells), **kwargs)
     _, state = resets(env, 0)
-    ground = [(r, c) for r, line in enumerate(env.env.game.rows) for c, glyph in enumerate(line) if glyph == "."]
+    ground = [
+        (r, c)
+        for r, line in enumerate(env.env.game.rows)
+        for c, glyph in enumerate(line)
+        if glyph == "."
+    ]
     food = jnp.asarray([foods.get(cell, 0) for cell in ground], state.game.floor_food.dtype)
     state = with_agent(env, state, cells, [0] * len(cells))
-    return env, state.replace(game=state.game.replace(floor_food=food, agent_level=jnp.asarray(levels, state.game.agent_level.dtype)))
+    return env, state.replace(
+        game=state.game.replace(
+            floor_food=food, agent_level=jnp.asarray(levels, state.game.agent_level.dtype)
+        )
+    )
 
 
-def released_view(env: Any, cells: list[tuple[int, int]], levels: list[int], foods: dict[tuple[int, int], int], agent: int) -> np.ndarray:
+def released_view(
+    env: Any,
+    cells: list[tuple[int, int]],
+    levels: list[int],
+    foods: dict[tuple[int, int], int],
+    agent: int,
+) -> np.ndarray:
     """Released code: 8 x 8 cells from four rows above and four columns to the left; levels of agents, of food, and what is no wall."""
     rows = env.env.game.rows
     seen = np.zeros((8, 8, 3))
@@ -310,11 +415,20 @@ def released_view(env: Any, cells: list[tuple[int, int]], levels: list[int], foo
     return seen
 
 
-def released_rewards(cells: list[tuple[int, int]], levels: list[int], foods: dict[tuple[int, int], int], actions: list[int]) -> np.ndarray:
+def released_rewards(
+    cells: list[tuple[int, int]],
+    levels: list[int],
+    foods: dict[tuple[int, int], int],
+    actions: list[int],
+) -> np.ndarray:
     """Released code: the level of the food in proportion to one's own; 0.1 less for each food where levels do not suffice."""
     earned = np.zeros(len(cells))
     for (row, col), food in foods.items():
-        who = [n for n, (r, c) in enumerate(cells) if abs(r - row) + abs(c - col) == 1 and actions[n] == LOAD]
+        who = [
+            n
+            for n, (r, c) in enumerate(cells)
+            if abs(r - row) + abs(c - col) == 1 and actions[n] == LOAD
+        ]
         together = sum(levels[n] for n in who)
         for n in who:
             earned[n] += levels[n] * food / together if together >= food else -0.1
@@ -327,7 +441,9 @@ FOODS = {(3, 3): 3, (1, 3): 2, (5, 5): 1, (4, 6): 3}
 
 @pytest.mark.parametrize("levels", [[1, 2, 1, 2], [2, 2, 2, 2], [1, 1, 1, 1], [2, 1, 2, 1]])
 @pytest.mark.parametrize("loading", [(0,), (0, 1), (0, 1, 2, 3), (3,), ()])
-def test_foragers_see_and_earn_what_they_do_in_the_released_code(levels: list[int], loading: tuple[int, ...]) -> None:
+def test_foragers_see_and_earn_what_they_do_in_the_released_code(
+    levels: list[int], loading: tuple[int, ...]
+) -> None:
     env, state = foragers(CELLS, levels, FOODS)
     seen = env.get_obs(state)
     assert seen.shape == (4, 8, 8, 3)
@@ -339,12 +455,21 @@ def test_foragers_see_and_earn_what_they_do_in_the_released_code(levels: list[in
     np.testing.assert_allclose(reward, wanted, atol=1e-6)
     np.testing.assert_allclose(info["original_rewards"], wanted, atol=1e-6)
     shared, same = foragers(CELLS, levels, FOODS, shared_rewards=True)
-    np.testing.assert_allclose(shared.step_env(jax.random.key(1), same, actions)[2], [wanted.sum()] * 4, atol=1e-5)
+    np.testing.assert_allclose(
+        shared.step_env(jax.random.key(1), same, actions)[2], [wanted.sum()] * 4, atol=1e-5
+    )
     scaled, same = foragers(CELLS, levels, FOODS, svo=True)
-    np.testing.assert_allclose(scaled.step_env(jax.random.key(1), same, actions)[4]["original_rewards"], 4 * wanted, atol=1e-5)
+    np.testing.assert_allclose(
+        scaled.step_env(jax.random.key(1), same, actions)[4]["original_rewards"],
+        4 * wanted,
+        atol=1e-5,
+    )
 
 
-@pytest.mark.parametrize(("action", "cell"), [(NORTH, (2, 2)), (SOUTH, (4, 2)), (WEST, (3, 1)), (EAST, (3, 3)), (LOAD, (3, 2))])
+@pytest.mark.parametrize(
+    ("action", "cell"),
+    [(NORTH, (2, 2)), (SOUTH, (4, 2)), (WEST, (3, 1)), (EAST, (3, 3)), (LOAD, (3, 2))],
+)
 def test_foragers_go_where_they_do_in_the_released_code(action: int, cell: tuple[int, int]) -> None:
     env, state = foragers([(3, 2), (1, 5)], [1, 1], {(5, 1): 3})
     _, after, *_ = env.step_env(jax.random.key(1), state, [action, FORAGER_STAY])
@@ -361,7 +486,9 @@ def test_the_last_food_ends_an_episode_of_foraging() -> None:
     assert env.num_inner_steps == 100
     with pytest.raises(ValueError, match="sight must be 8; for another window, change"):
         socialjax.make("lb_foraging", sight=5)
-    fewer = socialjax.make("lb_foraging", num_food=2, max_food_level=5, max_player_level=3, load_penalty=0.5)
+    fewer = socialjax.make(
+        "lb_foraging", num_food=2, max_food_level=5, max_player_level=3, load_penalty=0.5
+    )
     _, state = resets(fewer, 1)
     assert int((state.game.floor_food > 0).sum()) <= 2, "a try is lost where there is no floor"
 
@@ -378,7 +505,12 @@ def test_territory_pays_and_shows_what_it_does_in_the_released_code() -> None:
         env = socialjax.make("territory_open", shared_rewards=shared)
         assert (env.num_agents, env.num_inner_steps) == (9, 1000)
         _, state = resets(env, 0)
-        bricks = [(r, c) for r, row in enumerate(env.env.game.rows) for c, glyph in enumerate(row) if glyph == "R"]
+        bricks = [
+            (r, c)
+            for r, row in enumerate(env.env.game.rows)
+            for c, glyph in enumerate(row)
+            if glyph == "R"
+        ]
         assert len(bricks) == 88
         owner = (
             jnp.full(88, -1, state.game.brick_owner.dtype)
@@ -388,10 +520,14 @@ def test_territory_pays_and_shows_what_it_does_in_the_released_code() -> None:
         paint = jnp.zeros(88, state.game.brick_paint.dtype).at[:3].set(1)
         for quiet, owned in ((98, 0), (99, 1)):
             calm = jnp.full(88, quiet, state.game.brick_quiet.dtype)
-            held = state.replace(game=state.game.replace(brick_owner=owner, brick_paint=paint, brick_quiet=calm))
+            held = state.replace(
+                game=state.game.replace(brick_owner=owner, brick_paint=paint, brick_quiet=calm)
+            )
             _, _, reward, *_ = env.step_env(jax.random.key(1), held, [STAY] * 9)
             wanted = owned * 0.01 * np.array([0, 0, 0, 0, 2, 0, 0, 1, 0])
-            np.testing.assert_allclose(reward, [wanted.sum() * scale] * 9 if shared else wanted, atol=1e-6)
+            np.testing.assert_allclose(
+                reward, [wanted.sum() * scale] * 9 if shared else wanted, atol=1e-6
+            )
         held = with_agent(env, held, [(2, 3), *((20, 2 + agent) for agent in range(8))], [0] * 9)
         seen = env.get_obs(held)[0]
         (row, _) = bricks[0]
@@ -434,14 +570,24 @@ def test_spaces_are_those_that_the_suites_wrappers_test_for(suite: Path) -> None
     del suite
     theirs = importlib.import_module("socialjax.environments.spaces")
     env = socialjax.make("coin_game")
-    assert isinstance(env.observation_space()[0], theirs.Box) and isinstance(env.action_space(), theirs.Discrete)
-    assert (env.observation_space()[0].shape, env.action_space().n, env.action_space().dtype) == ((11, 11, 14), 7, jnp.int32)
-    assert env.observation_spaces == env.action_spaces == {}  # its manager fills them itself where they are empty
+    assert isinstance(env.observation_space()[0], theirs.Box) and isinstance(
+        env.action_space(), theirs.Discrete
+    )
+    assert (env.observation_space()[0].shape, env.action_space().n, env.action_space().dtype) == (
+        (11, 11, 14),
+        7,
+        jnp.int32,
+    )
+    assert (
+        env.observation_spaces == env.action_spaces == {}
+    )  # its manager fills them itself where they are empty
 
 
 def test_without_the_suite_spaces_are_ours() -> None:
     env = socialjax.make("coin_game")
-    assert isinstance(env.observation_space()[0], spaces.Box) and isinstance(env.action_space(), spaces.Discrete)
+    assert isinstance(env.observation_space()[0], spaces.Box) and isinstance(
+        env.action_space(), spaces.Discrete
+    )
 
 
 def test_a_suite_that_cannot_be_imported_is_passed_over(suite: Path) -> None:

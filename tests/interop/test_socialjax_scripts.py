@@ -35,7 +35,13 @@ def assert_learnt(metrics: list[dict[str, float]], names: list[str]) -> None:
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_calls_of_each_family(family: str) -> None:
-    kwargs = {**FAMILIES[family]["kwargs"], "num_inner_steps": STEPS, "cnn": True, "jit": True, "regrow_rate": 0.2}
+    kwargs = {
+        **FAMILIES[family]["kwargs"],
+        "num_inner_steps": STEPS,
+        "cnn": True,
+        "jit": True,
+        "regrow_rate": 0.2,
+    }
     metrics = train(family, {"ENV_NAME": "coin_game", "ENV_KWARGS": kwargs, **TINY})
     assert_learnt(metrics, [*FAMILIES[family]["infos"], *GAMES["coins"]["figures"]])
     assert [metric["ends"] for metric in metrics] == [pytest.approx(1 / STEPS)] * 2
@@ -62,11 +68,15 @@ def test_where_agents_are_by_the_suites_count() -> None:
     env = socialjax.make("coin_game")
     _, state = env.reset(jax.random.key(3))
     row, col, heading = state.agent_locs[0].tolist()
-    assert state.agent_locs[:, :2].T.tolist() == [cells.tolist() for cells in env.env.cells(state.game)]
+    assert state.agent_locs[:, :2].T.tolist() == [
+        cells.tolist() for cells in env.env.cells(state.game)
+    ]
     facing = {0: (1, 0), 1: (0, 1), 2: (-1, 0), 3: (0, -1)}[heading]  # the suite's table of steps
     ours = {0: (-1, 0), 1: (0, 1), 2: (1, 0), 3: (0, -1)}[int(state.game.heading[0])]
     assert facing == ours
     for action, (down, right) in {2: (0, 1), 3: (0, -1), 4: (1, 0), 5: (-1, 0)}.items():
         _, after, *_ = env.step(jax.random.key(4), state, [action, 6])
         there = [min(max(row + down, 0), 15), min(max(col + right, 0), 10), heading]
-        assert after.agent_locs[0].tolist() == there or there[:2] == state.agent_locs[1, :2].tolist()
+        assert (
+            after.agent_locs[0].tolist() == there or there[:2] == state.agent_locs[1, :2].tolist()
+        )

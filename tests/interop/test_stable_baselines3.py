@@ -35,7 +35,9 @@ def test_a_step_and_the_end_of_episodes() -> None:
         assert done.tolist() == [step == LENGTH - 1] * 4
     assert all(info["TimeLimit.truncated"] for info in infos)
     assert all(info["terminal_observation"] in env.observation_space for info in infos)
-    assert not np.array_equal(np.stack([info["terminal_observation"] for info in infos]), observation)
+    assert not np.array_equal(
+        np.stack([info["terminal_observation"] for info in infos]), observation
+    )
     assert {"own_coins", "other_coins"} <= set(infos[0])
 
 
@@ -43,7 +45,9 @@ def test_ppo_learns_to_eat() -> None:
     """Apples that come back fast: of four seeds each came to 1.6 to 7 times its first returns. Returns are counted by its own monitor."""
     plenty = {"length": 50, "regrow_1": 0.2, "regrow_2": 0.2, "regrow_3": 0.2}
     env = VecMonitor(VecGame("harvest_open", 2, params=plenty))
-    model = PPO("MlpPolicy", env, n_steps=50, batch_size=140, n_epochs=6, learning_rate=1e-3, seed=1)
+    model = PPO(
+        "MlpPolicy", env, n_steps=50, batch_size=140, n_epochs=6, learning_rate=1e-3, seed=1
+    )
     model.learn(50 * 14 * 2)
     early = np.mean([episode["r"] for episode in model.ep_info_buffer])
     model.learn(50 * 14 * 14, reset_num_timesteps=False)
@@ -100,12 +104,21 @@ def test_frames_are_stacked_along_channels() -> None:
 def test_convolutions_train_on_stacked_frames(tmp_path: Path) -> None:
     """Its `CnnPolicy` with the features of the example; saved and loaded, the policy is the same. The features depend on where a thing is."""
     env = VecFrameStack(VecGame("coins", 2, **SHORT), 2)
-    model = PPO("CnnPolicy", env, policy_kwargs={"features_extractor_class": WindowCNN}, n_steps=8, batch_size=16, n_epochs=1, seed=0)
+    model = PPO(
+        "CnnPolicy",
+        env,
+        policy_kwargs={"features_extractor_class": WindowCNN},
+        n_steps=8,
+        batch_size=16,
+        n_epochs=1,
+        seed=0,
+    )
     model.learn(64)
     model.save(tmp_path / "policy.zip")
     seen = env.reset()
     np.testing.assert_array_equal(
-        PPO.load(tmp_path / "policy.zip").predict(seen, deterministic=True)[0], model.predict(seen, deterministic=True)[0]
+        PPO.load(tmp_path / "policy.zip").predict(seen, deterministic=True)[0],
+        model.predict(seen, deterministic=True)[0],
     )
     cnn = model.policy.features_extractor
     assert cnn.layers[0].in_channels == env.observation_space.shape[-1]

@@ -12,12 +12,24 @@ import pytest
 from sjdsl.sweeps import Axis, SweepSpec, sweep
 
 GAME = str(Path(__file__).parents[1] / "experiments" / "games" / "matrix_game.sj")
-TINY: dict[str, Any] = {"network": "mlp", "network_width": 4, "num_envs": 4, "num_steps": 4, "num_minibatches": 1, "num_epochs": 1}
+TINY: dict[str, Any] = {
+    "network": "mlp",
+    "network_width": 4,
+    "num_envs": 4,
+    "num_steps": 4,
+    "num_minibatches": 1,
+    "num_epochs": 1,
+}
 TINY |= {"total_timesteps": 16 * 4, "checkpoint_updates": 1, "seeds": 1}
 
 
 def asked(*rewards: str, **settings: Any) -> SweepSpec:
-    return SweepSpec([GAME], [Axis("reward", rewards or ("individual", "common"))], settings={**TINY, **settings}, episodes=2)
+    return SweepSpec(
+        [GAME],
+        [Axis("reward", rewards or ("individual", "common"))],
+        settings={**TINY, **settings},
+        episodes=2,
+    )
 
 
 def results(folder: Path) -> bytes:
@@ -59,7 +71,9 @@ def test_submitit(alone: Path, tmp_path: Path) -> None:
     assert results(tmp_path / "sweep") == results(alone)
 
 
-def test_a_job_that_is_pre_empted_goes_on_from_its_last_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_job_that_is_pre_empted_goes_on_from_its_last_checkpoint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     submitit = pytest.importorskip("submitit")
     from examples.sweep_slurm import main
 

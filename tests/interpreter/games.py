@@ -56,7 +56,9 @@ def of_agent(name: str, type_: ir.Type = INT, who: ir.Expr | None = None) -> ir.
 
 
 def of_cell(kind: str, name: str, type_: ir.Type, who: ir.Expr | None = None) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=who or cell(kind), held_by=ir.Sort("cell", (kind,)), name=name)
+    return ir.FieldRead(
+        type=type_, owner=who or cell(kind), held_by=ir.Sort("cell", (kind,)), name=name
+    )
 
 
 def of_world(name: str, type_: ir.Type = INT) -> ir.FieldRead:
@@ -115,16 +117,32 @@ def when(test: ir.Expr, *body: ir.Statement, otherwise: tuple[ir.Statement, ...]
 
 def send(to: ir.Domain, who: ir.Expr | None = None, *, pool: int = 0, **facts: object) -> ir.Send:
     """The streams of pool p are 1000 + p for the order and 2000 + p for the headings."""
-    return ir.Send(who=who or agent(), domain=to, pool=pool, cell_stream=1000 + pool, heading_stream=2000 + pool, **facts)
+    return ir.Send(
+        who=who or agent(),
+        domain=to,
+        pool=pool,
+        cell_stream=1000 + pool,
+        heading_stream=2000 + pool,
+        **facts,
+    )
 
 
 def phase(*body: ir.Statement, name: str = "act") -> ir.Phase:
-    marks = tuple(dict.fromkeys(node.shape for part in body for node in ir.walk(part) if isinstance(node, ir.Mark)))
+    marks = tuple(
+        dict.fromkeys(
+            node.shape for part in body for node in ir.walk(part) if isinstance(node, ir.Mark)
+        )
+    )
     return ir.Phase(label=name, name=name, body=body, marks=marks)
 
 
 def line(length: int, name: str = "ray", see_through: bool = False) -> ir.Shape:
-    return ir.Shape(name=name, lanes=(tuple((i, 0) for i in range(1, length + 1)),), see_through=see_through, directed=True)
+    return ir.Shape(
+        name=name,
+        lanes=(tuple((i, 0) for i in range(1, length + 1)),),
+        see_through=see_through,
+        directed=True,
+    )
 
 
 def kind(name: str, glyph: str, *fields: ir.VarField, blocks: tuple[ir.Block, ...] = ()) -> ir.Kind:
@@ -136,25 +154,42 @@ def var(held_by: str, name: str, type_: ir.Type = INT, **facts: object) -> ir.Va
     return ir.VarField(held_by=ir.Sort(held_by), name=name, type=type_, **facts)
 
 
-def game(*turns: ir.TurnNode, rows: tuple[str, ...] = ("...",), number_of_agents: int = 1, **facts: object) -> ir.Game:
+def game(
+    *turns: ir.TurnNode,
+    rows: tuple[str, ...] = ("...",),
+    number_of_agents: int = 1,
+    **facts: object,
+) -> ir.Game:
     """A game whose map may hold floor `.` and wall `#`, and whose start sends every agent to the floor."""
-    floor, wall = kind("floor", "."), kind("wall", "#", blocks=(ir.Block(what="agents"), ir.Block(what="ray")))
+    floor, wall = (
+        kind("floor", "."),
+        kind("wall", "#", blocks=(ir.Block(what="agents"), ir.Block(what="ray"))),
+    )
     declared: dict[str, object] = {
         "name": "small",
         "title": "Small",
         "episode": number(10),
         "kinds": (floor, wall),
         "rows": rows,
-        "agents": ir.Agents(number=number_of_agents, actions=ACTS, relative=True, fields=facts.pop("agent_fields", ())),
+        "agents": ir.Agents(
+            number=number_of_agents,
+            actions=ACTS,
+            relative=True,
+            fields=facts.pop("agent_fields", ()),
+        ),
         "start": phase(each(agents(), send(cells("floor"), pool=99)), name="start"),
         "schedule": turns,
         "window": ir.Window(ahead=1, behind=1, left=1, right=1),
     } | facts
-    declared.setdefault("glyphs", tuple(ir.GlyphMeaning(glyph=k.glyph, kind=k.name) for k in declared["kinds"]))
+    declared.setdefault(
+        "glyphs", tuple(ir.GlyphMeaning(glyph=k.glyph, kind=k.name) for k in declared["kinds"])
+    )
     return ir.Game(**declared)
 
 
-def world_of(game_: ir.Game, *places: tuple[int, int] | None, headings: tuple[int, ...] = ()) -> World:
+def world_of(
+    game_: ir.Game, *places: tuple[int, int] | None, headings: tuple[int, ...] = ()
+) -> World:
     """Returns the game's first state with the agents put where the test wants them."""
     world = copied(reset(game_, default_params(game_), Table()))
     for number_, place in enumerate(places):
@@ -164,6 +199,8 @@ def world_of(game_: ir.Game, *places: tuple[int, int] | None, headings: tuple[in
     return world
 
 
-def instance(game_: ir.Game, world: World | None = None, actions: tuple[int, ...] = (), **names: object) -> Instance:
+def instance(
+    game_: ir.Game, world: World | None = None, actions: tuple[int, ...] = (), **names: object
+) -> Instance:
     """Returns a place to evaluate expressions in."""
     return Instance(board_of(game_), world or world_of(game_), actions, Table(), names)

@@ -10,7 +10,9 @@ RG = ("red", "green")
 COLOUR = g.word_type("none", *RG)
 BAG = ir.Type(kind="int", unit="count", low=0, high=5, by=(ir.Level("word", RG),))
 SMALL = ir.Type(kind="int", unit="count", low=0, high=9)
-SOIL = g.kind("soil", "A", g.var("cell", "fruit", COLOUR, start="none"), g.var("cell", "hits", SMALL, start=0))
+SOIL = g.kind(
+    "soil", "A", g.var("cell", "fruit", COLOUR, start="none"), g.var("cell", "hits", SMALL, start=0)
+)
 SOIL_FRUIT, SOIL_HITS = g.of_cell("soil", "fruit", COLOUR), g.of_cell("soil", "hits", SMALL)
 FIELDS = (
     g.var("agent", "bag", BAG, capped=True, start=0),
@@ -42,7 +44,9 @@ def small(*body, rows=("..A", "AA.", "..."), agents=2, **facts):
 
 
 def run(game, *places, draws=None, actions=None, headings=(), before=None):
-    world = g.world_of(game, *(places or ((0, 0), (0, 1), (2, 0), (2, 1))[: game.agents.number]), headings=headings)
+    world = g.world_of(
+        game, *(places or ((0, 0), (0, 1), (2, 0), (2, 1))[: game.agents.number]), headings=headings
+    )
     if before is not None:
         before(world)
     actions = actions or (g.STAY,) * game.agents.number

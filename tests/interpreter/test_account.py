@@ -10,7 +10,9 @@ from . import games as g
 from .statement_games import SOIL_FRUIT, score, set_, small
 
 QUARTER = ir.Number(type=g.REAL, value=0.25)
-GROW = ir.Chance(branches=(ir.Branch(test=QUARTER, body=(set_(SOIL_FRUIT, g.word("red")),)),), stream=5)
+GROW = ir.Chance(
+    branches=(ir.Branch(test=QUARTER, body=(set_(SOIL_FRUIT, g.word("red")),)),), stream=5
+)
 FIRES, FAILS = 0x3FFFFFFF, 0x40000000  # the word's upper 31 bits against a quarter of 2^31
 
 
@@ -18,7 +20,9 @@ def told(game: ir.Game, words: dict) -> list[Account]:
     accounts: list[Account] = []
     params = default_params(game)
     world = reset(game, params, g.Table())
-    step(game, world, [0] * game.agents.number, params, g.Table(words, rest=g.LAST), accounts.append)
+    step(
+        game, world, [0] * game.agents.number, params, g.Table(words, rest=g.LAST), accounts.append
+    )
     return accounts
 
 
@@ -38,7 +42,9 @@ def test_a_write_comes_with_its_instance_and_its_draws():
 
 
 def test_picks_tell_who_was_picked():
-    pick = ir.Pick(number=g.number(1), most=1, domain=g.agents(), body=(set_(score(), g.number(7)),), stream=9)
+    pick = ir.Pick(
+        number=g.number(1), most=1, domain=g.agents(), body=(set_(score(), g.number(7)),), stream=9
+    )
     (account,) = told(small(pick), {(9, 0): g.LAST})
     assert [(d.word, d.result) for d in account.drawn] == [(g.LAST, True)]
     (done,) = account.done
@@ -49,7 +55,10 @@ def test_picks_tell_who_was_picked():
 def test_what_a_draw_gives_holds_for_the_statements_after_it():
     draw = ir.Draw(name="n", type=g.INT, low=g.number(3), high=g.number(6), stream=4)
     before, after = set_(score(), g.number(1)), set_(score("other"), g.number(2))
-    game = small(g.each(g.agents(where=g.is_agent(0)), before), g.each(g.agents("other", where=g.is_agent(1, "other")), draw, after))
+    game = small(
+        g.each(g.agents(where=g.is_agent(0)), before),
+        g.each(g.agents("other", where=g.is_agent(1, "other")), draw, after),
+    )
     (account,) = told(game, {})
     assert [len(d.causes) for d in account.done] == [0, 1]
     assert account.done[1].causes[0].result == 6

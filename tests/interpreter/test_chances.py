@@ -38,7 +38,11 @@ def test_a_chain_of_chances_uses_one_word(word, branch):
 @pytest.mark.parametrize(("share", "expected"), [(0.0, "none"), (1.0, "red")])
 def test_chances_of_nought_and_one_are_certain(share, expected):
     chance = ir.Chance(
-        branches=(ir.Branch(test=ir.Number(type=g.REAL, value=share), body=(set_(SOIL_FRUIT, g.word("red")),)),),
+        branches=(
+            ir.Branch(
+                test=ir.Number(type=g.REAL, value=share), body=(set_(SOIL_FRUIT, g.word("red")),)
+            ),
+        ),
         stream=5,
     )
     game = small(g.each(g.cells("soil"), chance))
@@ -51,24 +55,38 @@ def test_instance_numbers_are_mixed_radix_outermost_first():
     draws = Recorded(g.Table())
     game = small(g.each(g.cells("soil"), g.each(g.agents(where=g.is_agent(1)), chance)), chance)
     run(game, draws=draws)
-    assert [(u.stream, u.number) for u in draws.used if u.stream == 5] == [(5, 1), (5, 3), (5, 5), (5, 0)]
+    assert [(u.stream, u.number) for u in draws.used if u.stream == 5] == [
+        (5, 1),
+        (5, 3),
+        (5, 5),
+        (5, 0),
+    ]
 
 
-@pytest.mark.parametrize(("word", "number"), [(0, 2), (0x55555555, 2), (0x55555556, 3), (0xAAAAAAAB, 4), (g.LAST, 4)])
+@pytest.mark.parametrize(
+    ("word", "number"), [(0, 2), (0x55555555, 2), (0x55555556, 3), (0xAAAAAAAB, 4), (g.LAST, 4)]
+)
 def test_draw_from_a_range(word, number):
     draw = ir.Draw(name="n", type=g.INT, low=g.number(2), high=g.number(4), stream=6)
     game = small(g.each(g.agents(), draw, set_(score(), ir.Local(type=g.INT, name="n"))))
     assert run(game, draws=g.Table({(6, 1): word}))[0].agents["score"] == [2, number]
 
 
-@pytest.mark.parametrize(("word", "drawn"), [(0, "red"), (0x7FFFFFFF, "red"), (0x80000000, "green"), (g.LAST, "green")])
+@pytest.mark.parametrize(
+    ("word", "drawn"), [(0, "red"), (0x7FFFFFFF, "red"), (0x80000000, "green"), (g.LAST, "green")]
+)
 def test_draw_of_a_fair_word(word, drawn):
     draw = ir.Draw(name="w", type=COLOUR, words=RG, stream=6)
-    game = small(draw, g.each(g.agents(), set_(g.of_agent("colour", COLOUR), ir.Local(type=COLOUR, name="w"))))
+    game = small(
+        draw,
+        g.each(g.agents(), set_(g.of_agent("colour", COLOUR), ir.Local(type=COLOUR, name="w"))),
+    )
     assert run(game, draws=g.Table({(6, 0): word}))[0].agents["colour"] == [drawn] * 2
 
 
-@pytest.mark.parametrize(("word", "drawn"), [(0, "red"), (0x3FFFFFFF, "red"), (0x40000000, "green"), (g.LAST, "green")])
+@pytest.mark.parametrize(
+    ("word", "drawn"), [(0, "red"), (0x3FFFFFFF, "red"), (0x40000000, "green"), (g.LAST, "green")]
+)
 def test_draw_of_a_weighted_word(word, drawn):
     weights = tuple(ir.Number(type=g.REAL, value=w) for w in (0.25, 0.75))
     draw = ir.Draw(name="w", type=COLOUR, words=RG, weights=weights, stream=6)
@@ -78,14 +96,20 @@ def test_draw_of_a_weighted_word(word, drawn):
 
 
 def pick(n, domain, *body, otherwise=()):
-    return ir.Pick(number=g.number(n), most=n, domain=domain, body=body, otherwise=otherwise, stream=7)
+    return ir.Pick(
+        number=g.number(n), most=n, domain=domain, body=body, otherwise=otherwise, stream=7
+    )
 
 
 def test_pick_takes_one_of_those_left_in_each_turn():
     game = small(pick(2, g.cells("soil"), set_(SOIL_FRUIT, g.word("red"))))
-    fruit = run(game, draws=g.Table({(7, 0): g.turn(1, 3), (7, 1): g.turn(1, 2)}))[0].cells["soil", "fruit"]
+    fruit = run(game, draws=g.Table({(7, 0): g.turn(1, 3), (7, 1): g.turn(1, 2)}))[0].cells[
+        "soil", "fruit"
+    ]
     assert fruit == ["none", "red", "red"]
-    fruit = run(game, draws=g.Table({(7, 0): g.turn(1, 3) - 1, (7, 1): g.turn(1, 2)}))[0].cells["soil", "fruit"]
+    fruit = run(game, draws=g.Table({(7, 0): g.turn(1, 3) - 1, (7, 1): g.turn(1, 2)}))[0].cells[
+        "soil", "fruit"
+    ]
     assert fruit == ["red", "none", "red"]
 
 
@@ -100,7 +124,9 @@ def test_pick_takes_all_if_there_are_fewer_and_otherwise_only_if_there_is_none()
 
 
 def test_a_pick_inside_another_quantifier_has_words_of_its_own_and_so_has_what_it_holds():
-    inner = ir.Chance(branches=(ir.Branch(test=ir.Number(type=g.REAL, value=1.0), body=()),), stream=8)
+    inner = ir.Chance(
+        branches=(ir.Branch(test=ir.Number(type=g.REAL, value=1.0), body=()),), stream=8
+    )
     game = small(g.each(g.agents(), pick(1, g.cells("soil"), inner)))
     draws = Recorded(g.Table({(7, 0): g.turn(1, 3), (7, 1): g.turn(2, 3)}))
     run(game, draws=draws)
@@ -131,7 +157,13 @@ def test_first_happens_once_for_each_lane():
 def test_match_takes_pairs_greedily_in_random_order():
     partner = g.of_agent("friend", ir.AGENT, g.agent("a"))
     game = small(
-        ir.Match(left=g.agents("a"), right=g.agents("b"), first=False, stream=9, body=(set_(partner, g.agent("b")),)),
+        ir.Match(
+            left=g.agents("a"),
+            right=g.agents("b"),
+            first=False,
+            stream=9,
+            body=(set_(partner, g.agent("b")),),
+        ),
         agents=4,
     )
     words = {(9, 1 * 4 + 2): 100, (9, 2 * 4 + 0): 90, (9, 3 * 4 + 0): 80, (9, 0 * 4 + 3): 70}
@@ -142,7 +174,13 @@ def test_match_takes_pairs_greedily_in_random_order():
 def test_match_breaks_ties_by_number_and_pairs_nobody_with_itself():
     partner = g.of_agent("friend", ir.AGENT, g.agent("a"))
     game = small(
-        ir.Match(left=g.agents("a"), right=g.agents("b"), first=False, stream=9, body=(set_(partner, g.agent("b")),)),
+        ir.Match(
+            left=g.agents("a"),
+            right=g.agents("b"),
+            first=False,
+            stream=9,
+            body=(set_(partner, g.agent("b")),),
+        ),
         agents=3,
     )
     world, _ = run(game, draws=g.Table({(9, 0): g.LAST}))
@@ -156,7 +194,11 @@ def test_match_with_first_pairs_only_the_nearest():
         (True, {(9, 2): g.LAST, (9, 5): 8}, [None, 2, None]),
         (False, {(9, 2): g.LAST, (9, 5): 8}, [2, None, None]),
     ):
-        game = small(ir.Match(left=g.agents("a"), right=right, first=first, stream=9, body=body), rows=("...",), agents=3)
+        game = small(
+            ir.Match(left=g.agents("a"), right=right, first=first, stream=9, body=body),
+            rows=("...",),
+            agents=3,
+        )
         world, _ = run(game, (0, 0), (0, 1), (0, 2), headings=(1, 1, 1), draws=g.Table(words))
         assert world.agents["friend"] == expected
 
@@ -164,7 +206,13 @@ def test_match_with_first_pairs_only_the_nearest():
 def test_a_draw_in_a_match_is_numbered_by_the_left_member():
     body = (ir.Chance(branches=(), stream=8),)
     game = small(
-        ir.Match(left=g.agents("a", where=g.is_agent(2, "a")), right=g.cells("soil"), first=False, stream=9, body=body),
+        ir.Match(
+            left=g.agents("a", where=g.is_agent(2, "a")),
+            right=g.cells("soil"),
+            first=False,
+            stream=9,
+            body=body,
+        ),
         agents=3,
     )
     draws = Recorded(g.Table())
@@ -175,6 +223,8 @@ def test_a_draw_in_a_match_is_numbered_by_the_left_member():
 
 def test_an_agent_is_matched_with_one_cell_only():
     body = (add(SOIL_HITS, g.plus(g.index("a"), g.number(1))),)
-    game = small(ir.Match(left=g.agents("a"), right=g.cells("soil"), first=False, stream=9, body=body))
+    game = small(
+        ir.Match(left=g.agents("a"), right=g.cells("soil"), first=False, stream=9, body=body)
+    )
     world, _ = run(game, draws=g.Table({(9, 1): 50, (9, 4): 40, (9, 5): 30}))
     assert world.cells["soil", "hits"] == [0, 1, 2]

@@ -19,7 +19,10 @@ def test_threefry_gives_the_known_answers(counter, key, expected):
 
 
 def test_two_words_are_the_halves_of_one_block():
-    draws, block = Threefry(0x13198A2E, 0x03707344), threefry((0x13198A2E, 0x03707344), (0x243F6A88, 0x05A308D3))
+    draws, block = (
+        Threefry(0x13198A2E, 0x03707344),
+        threefry((0x13198A2E, 0x03707344), (0x243F6A88, 0x05A308D3)),
+    )
     assert (draws.word(0x243F6A88, 0x0B4611A6), draws.word(0x243F6A88, 0x0B4611A7)) == block
 
 

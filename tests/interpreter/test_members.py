@@ -9,15 +9,33 @@ from sjdsl.interpreter.state import Away, Cell
 
 from . import games as g
 
-FAN = ir.Shape(name="fan", lanes=(((1, 0), (2, 0)), ((0, -1), (1, -1)), ((0, 1), (1, 1))), see_through=False, directed=True)
-ROUND = ir.Shape(name="round", lanes=(((1, 0), (0, -1), (0, 1), (-1, 0)),), see_through=True, directed=False)
+FAN = ir.Shape(
+    name="fan",
+    lanes=(((1, 0), (2, 0)), ((0, -1), (1, -1)), ((0, 1), (1, 1))),
+    see_through=False,
+    directed=True,
+)
+ROUND = ir.Shape(
+    name="round", lanes=(((1, 0), (0, -1), (0, 1), (-1, 0)),), see_through=True, directed=False
+)
 DOOR = g.kind(
     "door",
     "D",
     g.var("cell", "state", g.word_type("open", "shut"), start="shut"),
-    blocks=(ir.Block(what="ray", condition=g.same(g.of_cell("door", "state", g.word_type("open", "shut")), g.word("shut"))),),
+    blocks=(
+        ir.Block(
+            what="ray",
+            condition=g.same(
+                g.of_cell("door", "state", g.word_type("open", "shut")), g.word("shut")
+            ),
+        ),
+    ),
 )
-FLOOR, WALL, SOIL = g.kind("floor", "."), g.kind("wall", "#", blocks=(ir.Block(what="ray"),)), g.kind("soil", "A")
+FLOOR, WALL, SOIL = (
+    g.kind("floor", "."),
+    g.kind("wall", "#", blocks=(ir.Block(what="ray"),)),
+    g.kind("soil", "A"),
+)
 GAME = g.game(
     rows=(".A.#", "A.D.", "...A"),
     kinds=(FLOOR, WALL, SOIL, DOOR),
@@ -61,7 +79,10 @@ def test_all_agents_but_those_away():
 
 def test_agents_on_a_kind_bind_the_cell_as_well():
     on = members_of(g.agents("one", on=g.cell("soil", "under")), here(*PLACES))
-    assert [m.names for m in on] == [{"one": 1, "under": Cell(1, 0)}, {"one": 3, "under": Cell(2, 3)}]
+    assert [m.names for m in on] == [
+        {"one": 1, "under": Cell(1, 0)},
+        {"one": 3, "under": Cell(2, 3)},
+    ]
     assert [m.number for m in on] == [1, 3]
 
 

@@ -106,7 +106,9 @@ def test_the_loser_of_a_cell_holds_up_its_follower():
 
 def test_a_winner_whose_cell_stays_taken_moves_nobody_else_in():
     # 0 stands in the middle and stays; 1 would have won against 2, but both are stopped.
-    world = run(("...",), [(0, 1), (0, 0), (0, 2)], [g.STAY, g.FORWARD, g.FORWARD], (EAST, EAST, WEST))
+    world = run(
+        ("...",), [(0, 1), (0, 0), (0, 2)], [g.STAY, g.FORWARD, g.FORWARD], (EAST, EAST, WEST)
+    )
     assert spread(world) == [(0, 1), (0, 0), (0, 2)]
 
 

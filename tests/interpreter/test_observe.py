@@ -13,7 +13,9 @@ from . import games as g
 FRUIT, AGE = g.word_type("none", "ripe"), g.word_type("old", "new")
 TEAM = g.word_type("red", "blue")
 BAG = ir.Type(kind="int", unit="count", low=0, high=9, by=(ir.Level("word", ("raw", "cut")),))
-SOIL = g.kind("soil", "A", g.var("cell", "fruit", FRUIT, start="none"), g.var("cell", "age", AGE, start="old"))
+SOIL = g.kind(
+    "soil", "A", g.var("cell", "fruit", FRUIT, start="none"), g.var("cell", "age", AGE, start="old")
+)
 FIELDS = (g.var("agent", "team", TEAM, start="red"), g.var("agent", "bag", BAG, start=0))
 HEADING = ir.Observable(what="heading", type=g.word_type("north", "east", "south", "west"))
 
@@ -42,7 +44,11 @@ CELL_AGE = ir.Observable(what="cell", kind="soil", field="age", type=AGE)
 def test_kinds_without_visible_fields_have_one_value():
     game = small()
     first = planes(game)[0]
-    assert (first.name, first.encoding, first.labels) == ("content", "word", ("outside", "floor", "soil", "wall"))
+    assert (first.name, first.encoding, first.labels) == (
+        "content",
+        "word",
+        ("outside", "floor", "soil", "wall"),
+    )
     world = g.world_of(game, (1, 1), (2, 2))
     assert plane(game, world, "content")[0] == [[1, 1, 3], [1, 2, 1], [2, 1, 1]]
     assert plane(game, world, "content")[1] == [[2, 1, 0], [1, 1, 0], [0, 0, 0]]
@@ -59,7 +65,9 @@ def test_kinds_without_visible_fields_have_one_value():
 )
 def test_the_window_turns_so_that_forward_is_up(heading, window):
     game = small()
-    assert plane(game, g.world_of(game, (1, 1), (2, 2), headings=(heading,)), "content")[0] == window
+    assert (
+        plane(game, g.world_of(game, (1, 1), (2, 2), headings=(heading,)), "content")[0] == window
+    )
 
 
 def test_the_window_may_be_longer_to_one_side():
@@ -111,7 +119,11 @@ def test_labels_replace_the_words_and_depend_on_who_looks():
 
 def test_a_hidden_field_is_a_state_of_its_own():
     game = small(fruit(hidden_when=g.is_agent(1)))
-    assert planes(game)[0].labels[2:5] == ("soil fruit=none", "soil fruit=ripe", "soil fruit=hidden")
+    assert planes(game)[0].labels[2:5] == (
+        "soil fruit=none",
+        "soil fruit=ripe",
+        "soil fruit=hidden",
+    )
     world = g.world_of(game, (1, 1), (1, 0))
     assert plane(game, world, "content")[0][1][1] == 2
     assert plane(game, world, "content")[1][1][2] == 4
@@ -121,7 +133,10 @@ def test_a_hidden_field_is_a_state_of_its_own():
 @pytest.mark.parametrize("own", range(4))
 def test_headings_of_others_are_relative_to_ones_own(own, turn):
     game = small(HEADING)
-    assert planes(game)[1].labels[2 + turn] == "other " + ("same heading", "turned right", "opposite", "turned left")[turn]
+    assert (
+        planes(game)[1].labels[2 + turn]
+        == "other " + ("same heading", "turned right", "opposite", "turned left")[turn]
+    )
     world = g.world_of(game, (1, 1), (0, 1), headings=(own, (own + turn) % 4))
     values = plane(game, world, "agent")[0]
     assert sorted(v for row in values for v in row if v) == [1, 2 + turn]

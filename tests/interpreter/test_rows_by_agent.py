@@ -94,7 +94,9 @@ def test_tables_fit_other_numbers_of_agents() -> None:
     assert param_values(made(), {})["pace"] == (1, 1, 2, 3)
 
 
-@pytest.mark.parametrize("given", [{0: 7.0, 2: 1}, {"0": 7.0, "2": 1}, [7.0, 0.5, 1, 0.5], np.array([7, 0.5, 1, 0.5])])
+@pytest.mark.parametrize(
+    "given", [{0: 7.0, 2: 1}, {"0": 7.0, "2": 1}, [7.0, 0.5, 1, 0.5], np.array([7, 0.5, 1, 0.5])]
+)
 def test_entries_are_given_by_number(given: object) -> None:
     assert param_values(made(), {"taste": given})["taste"] == (7.0, 0.5, 1.0, 0.5)
 
@@ -116,7 +118,11 @@ def test_entries_that_are_not_there_are_refused(given: dict[str, object], said: 
 
 def test_a_changed_entry_pays() -> None:
     game = made()
-    params = default_params(game) | {name: real(value) for name, value in param_values(game, {"taste": {1: 10}}).items() if name == "taste"}
+    params = default_params(game) | {
+        name: real(value)
+        for name, value in param_values(game, {"taste": {1: 10}}).items()
+        if name == "taste"
+    }
     world = reset(game, params, Threefry(0, 0))
     world, _ = step(game, world, [HELP, STAY, STAY, STAY], params, Threefry(1, 0))
     _, outcome = step(game, world, [HELP, STAY, STAY, STAY], params, Threefry(1, 1))

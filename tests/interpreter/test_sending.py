@@ -34,7 +34,11 @@ def advance(game, world, actions, draws=None):
 
 def test_agents_take_free_cells_in_id_order():
     places = [(0, 0), (0, 1), (1, 0)]
-    world = run(den_game(home()), places, draws=g.Table({(1000, 0): g.turn(1, 3), (1000, 1): g.turn(1, 2), (1000, 2): g.LAST}))
+    world = run(
+        den_game(home()),
+        places,
+        draws=g.Table({(1000, 0): g.turn(1, 3), (1000, 1): g.turn(1, 2), (1000, 2): g.LAST}),
+    )
     assert world.position == [(1, 2), (2, 2), (0, 2)]
     world = run(den_game(home()), places, [g.STAY, g.ZAP, g.ZAP])
     assert world.position == [(0, 0), (0, 2), (1, 2)]
@@ -55,10 +59,18 @@ def test_a_destination_may_depend_on_the_cell():
     assert run(den_game(phase, agents=1), [(0, 0)]).position == [(2, 2)]
 
 
-@pytest.mark.parametrize(("word", "heading"), [(0, 0), (0x40000000, 1), (0x80000000, 2), (g.LAST, 3)])
+@pytest.mark.parametrize(
+    ("word", "heading"), [(0, 0), (0x40000000, 1), (0x80000000, 2), (g.LAST, 3)]
+)
 def test_headings_are_drawn_by_agent(word, heading):
     draws = g.Table({(2000, 1): word})
-    world = run(den_game(home()), [(0, 0), (0, 1), (1, 0)], [g.STAY, g.ZAP, g.STAY], draws, headings=(3, 3, 3))
+    world = run(
+        den_game(home()),
+        [(0, 0), (0, 1), (1, 0)],
+        [g.STAY, g.ZAP, g.STAY],
+        draws,
+        headings=(3, 3, 3),
+    )
     assert world.heading == [3, heading, 3]
 
 
@@ -72,13 +84,17 @@ def test_a_heading_may_be_given(facing, heading):
 def test_being_sent_home_twice_is_the_same_as_once():
     zapper = g.agents("zapper", where=g.chose(g.ZAP, "zapper"))
     victims = g.agents("victim", where=g.is_agent(2, "victim"))
-    fire = g.phase(g.each(zapper, g.each(victims, g.send(g.cells("den"), g.agent("victim")))), name="fire")
+    fire = g.phase(
+        g.each(zapper, g.each(victims, g.send(g.cells("den"), g.agent("victim")))), name="fire"
+    )
     world = run(den_game(fire), [(0, 0), (0, 1), (1, 0)], [g.ZAP, g.ZAP, g.STAY])
     assert world.position == [(0, 0), (0, 1), (0, 2)]
 
 
 def test_two_destinations_for_one_agent_are_a_mistake():
-    fire = g.phase(g.each(ZAPPED, g.send(g.cells("den")), g.send(g.cells("floor"), pool=1)), name="fire")
+    fire = g.phase(
+        g.each(ZAPPED, g.send(g.cells("den")), g.send(g.cells("floor"), pool=1)), name="fire"
+    )
     with pytest.raises(AssertionError, match="two places"):
         run(den_game(fire), [(0, 0), (0, 1), (1, 0)])
 
@@ -89,7 +105,11 @@ def test_two_pools_have_words_each():
         g.each(g.agents(where=g.is_agent(1)), g.send(g.cells("floor"), pool=1)),
         name="fire",
     )
-    world = run(den_game(fire), [(0, 0), (0, 1), (1, 0)], draws=g.Table({(1000, 0): g.turn(2, 3), (1001, 1): g.turn(3, 4)}))
+    world = run(
+        den_game(fire),
+        [(0, 0), (0, 1), (1, 0)],
+        draws=g.Table({(1000, 0): g.turn(2, 3), (1001, 1): g.turn(3, 4)}),
+    )
     assert world.position == [(2, 2), (2, 1), (1, 0)]
 
 
@@ -99,10 +119,18 @@ def test_agents_take_cells_that_fit_them_in_id_order():
     lower = g.cells("den", where=g.compare(den, ">", g.index()))
     fire = g.phase(g.each(ZAPPED, g.send(lower, stay=True)), name="fire")
     draws = Recorded(g.Table({(1000, 0): g.turn(0, 2), (1000, 1): g.turn(0, 1)}))
-    assert run(den_game(fire), [(0, 0), (0, 1), (1, 0)], draws=draws).position == [(1, 2), (2, 2), (1, 0)]
+    assert run(den_game(fire), [(0, 0), (0, 1), (1, 0)], draws=draws).position == [
+        (1, 2),
+        (2, 2),
+        (1, 0),
+    ]
     assert [chosen.left for chosen in draws.chosen] == [((1, 2), (2, 2)), ((2, 2),)]
     draws = g.Table({(1000, 0): g.turn(1, 2)})  # 0 takes the only cell of 1, who stays
-    assert run(den_game(fire), [(0, 0), (0, 1), (1, 0)], draws=draws).position == [(2, 2), (0, 1), (1, 0)]
+    assert run(den_game(fire), [(0, 0), (0, 1), (1, 0)], draws=draws).position == [
+        (2, 2),
+        (0, 1),
+        (1, 0),
+    ]
 
 
 def test_a_destination_that_an_agent_comes_back_to_may_depend_on_it():
@@ -142,18 +170,24 @@ def test_a_delay_takes_an_agent_away_until_its_tick():
     rest = [g.STAY] * 3
     world = advance(game, world, rest)
     assert world.away[1] == Away(1, FIRE, None)
-    draws = Recorded(g.Table({(return_stream(1000), 1): g.turn(1, 3), (return_stream(2000), 1): g.LAST}))
+    draws = Recorded(
+        g.Table({(return_stream(1000), 1): g.turn(1, 3), (return_stream(2000), 1): g.LAST})
+    )
     world = advance(game, world, rest, draws)
     assert (world.position[1], world.away[1], world.heading[1]) == ((1, 2), None, 3)
     assert {u.stream for u in draws.used} == {return_stream(1000), return_stream(2000)}
 
 
 def test_a_delay_of_nought_is_no_delay():
-    assert run(den_game(ir.Tick(), home(after=g.number(0)), agents=1), [(0, 0)]).position == [(0, 2)]
+    assert run(den_game(ir.Tick(), home(after=g.number(0)), agents=1), [(0, 0)]).position == [
+        (0, 2)
+    ]
 
 
 def test_a_delay_before_the_tick_is_one_shorter():
-    assert run(den_game(home(after=g.number(1)), ir.Tick(), agents=1), [(0, 0)]).position == [(0, 2)]
+    assert run(den_game(home(after=g.number(1)), ir.Tick(), agents=1), [(0, 0)]).position == [
+        (0, 2)
+    ]
 
 
 def test_who_is_away_does_nothing_and_blocks_nothing():
@@ -190,7 +224,10 @@ def test_several_come_back_in_id_order():
 def test_two_pools_that_come_back_together_do_not_collide():
     def fire(who, pool):
         where = ir.Logic(fn="and", args=(g.chose(g.ZAP), g.is_agent(who)))
-        return g.phase(g.each(g.agents(where=where), g.send(g.cells("den"), pool=pool, after=g.number(1))), name=f"f{who}")
+        return g.phase(
+            g.each(g.agents(where=where), g.send(g.cells("den"), pool=pool, after=g.number(1))),
+            name=f"f{who}",
+        )
 
     game = den_game(ir.Tick(), fire(0, 0), fire(1, 1), agents=2)
     world = run(game, [(0, 0), (0, 1)])
@@ -209,7 +246,9 @@ def test_removed_agents_never_come_back():
 def shift(direction=None, steps=1, facing="same", stream=3000, who=None, quarters=0, other=None):
     heading = None if direction is None else g.word(direction, "north", "east", "south", "west")
     way = {"heading": heading, "quarters": quarters, "other": other}
-    return ir.Shift(who=who or g.agent(), steps=g.number(steps), facing=facing, stream=stream, **way)
+    return ir.Shift(
+        who=who or g.agent(), steps=g.number(steps), facing=facing, stream=stream, **way
+    )
 
 
 def blown(*places, draws=None, headings=(), **way):
@@ -240,10 +279,16 @@ EQUALLY_FAR = [((0, 0), (1, 1), {(0, 1), (1, 0)}), ((2, 2), (1, 1), {(1, 2), (2,
 
 
 @pytest.mark.parametrize("heading", range(4))
-@pytest.mark.parametrize(("place", "goal", "wanted"), [((2, 0), (1, 2), {(2, 1)}), ((0, 1), (2, 2), {(1, 1)}), *EQUALLY_FAR])
+@pytest.mark.parametrize(
+    ("place", "goal", "wanted"),
+    [((2, 0), (1, 2), {(2, 1)}), ((0, 1), (2, 2), {(1, 1)}), *EQUALLY_FAR],
+)
 def test_toward_an_agent_along_the_longer_distance(place, goal, wanted, heading):
     """Agent 0 is sent toward agent 1; where both distances are equal, along the line in which it looks."""
-    toward = g.each(g.agents(where=g.is_agent(0)), g.each(g.agents("b", where=g.is_agent(1, "b")), shift(other=g.agent("b"))))
+    toward = g.each(
+        g.agents(where=g.is_agent(0)),
+        g.each(g.agents("b", where=g.is_agent(1, "b")), shift(other=g.agent("b"))),
+    )
     game = g.game(g.phase(toward), rows=("...", "...", "..."), kinds=(FLOOR,), number_of_agents=2)
     world = run(game, [place, goal], headings=(heading, 0))
     assert world.position[0] in wanted
@@ -260,7 +305,12 @@ def test_of_two_sent_to_one_cell_the_larger_rank_enters():
             name="fire",
         )
         game = g.game(fire, rows=("...", "...", "..."), kinds=(FLOOR,), number_of_agents=2)
-        assert run(game, [(0, 1), (2, 1)], draws=g.Table({(3000, 0): first, (3001, 1): second})).position == wanted
+        assert (
+            run(
+                game, [(0, 1), (2, 1)], draws=g.Table({(3000, 0): first, (3001, 1): second})
+            ).position
+            == wanted
+        )
 
 
 def test_two_exchange_their_places():

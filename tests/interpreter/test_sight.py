@@ -31,7 +31,9 @@ game sight "Two who look along a strip" {{
 """
 
 
-def seen(observe_: str, *places: int, owners: tuple[int | None, int | None] = (None, None)) -> tuple[dict[str, np.ndarray], tuple]:
+def seen(
+    observe_: str, *places: int, owners: tuple[int | None, int | None] = (None, None)
+) -> tuple[dict[str, np.ndarray], tuple]:
     """Returns each plane by its name, `[agents, rows, columns]`, with both agents in row 0, looking east; and the content's labels."""
     game = build(Source("sight.sj", GAME.format(observe=observe_))).game
     world = reset(game, default_params(game), Threefry(0, 0))
@@ -51,14 +53,23 @@ def ahead(plane: np.ndarray) -> list[list[int]]:
 
 def test_beyond_ones_own_window_all_is_as_off_the_map() -> None:
     found, labels = seen(
-        "window ahead 1, behind 0, left 0, right 0  window ahead 4 when agent.far is yes_  show agent.bag  show other.bag", 0, 2
+        "window ahead 1, behind 0, left 0, right 0  window ahead 4 when agent.far is yes_  show agent.bag  show other.bag",
+        0,
+        2,
     )
     assert labels == ("outside", "grass", "bush", "brick", "tile")
     assert ahead(found["content"]) == [[1, 2, 0, 0, 0], [1, 3, 4, 0, 0]]
-    assert ahead(found["agent"]) == [[1, 0, 0, 0, 0], [1, 0, 0, 0, 0]]  # agent 1 stands two cells ahead of agent 0
+    assert ahead(found["agent"]) == [
+        [1, 0, 0, 0, 0],
+        [1, 0, 0, 0, 0],
+    ]  # agent 1 stands two cells ahead of agent 0
     assert ahead(found["other.bag"]) == [[0] * 5] * 2
     assert ahead(found["agent.bag"]) == [[3] * 5] * 2
-    farther, _ = seen("window ahead 2, behind 0, left 0, right 0  window ahead 4 when agent.far is yes_  show other.bag", 0, 2)
+    farther, _ = seen(
+        "window ahead 2, behind 0, left 0, right 0  window ahead 4 when agent.far is yes_  show other.bag",
+        0,
+        2,
+    )
     assert ahead(farther["other.bag"])[0] == [0, 0, 3, 0, 0]
 
 
@@ -78,7 +89,9 @@ def test_agents_cover_what_they_stand_on() -> None:
 
 def test_who_owns_the_things_of_a_group() -> None:
     found, labels = seen(f"{STRIP}  show thing.owner", 0, 2, owners=(0, 1))
-    assert labels[3:] == tuple(f"{kind} owner={who}" for kind in ("brick", "tile") for who in ("nobody", "self", "other"))
+    assert labels[3:] == tuple(
+        f"{kind} owner={who}" for kind in ("brick", "tile") for who in ("nobody", "self", "other")
+    )
     assert ahead(found["content"]) == [[1, 2, 1, 4, 8], [1, 5, 7, 0, 0]]
 
 
@@ -133,11 +146,28 @@ def test_agents_block_shapes_only() -> None:
 
 
 def test_the_place_of_one_who_may_be_away_is_asked_with_care() -> None:
-    text = GAME.replace("phase rest {{ }}", "phase rest {{ each agent where agent.col > 2 {{ remove agent }} }}")
-    for label in ("near_by where distance(agent, everyone) < 2, far_off", "at_left where everyone.col < 2, at_right"):
+    text = GAME.replace(
+        "phase rest {{ }}", "phase rest {{ each agent where agent.col > 2 {{ remove agent }} }}"
+    )
+    for label in (
+        "near_by where distance(agent, everyone) < 2, far_off",
+        "at_left where everyone.col < 2, at_right",
+    ):
         with pytest.raises(CompileError, match="who may be away"):
             build(Source("sight.sj", text.format(observe=f"show everyone.bag as {{ {label} }}")))
-        build(Source("sight.sj", text.format(observe=f"show everyone.bag as {{ gone where everyone.away, {label} }}")))
         build(
-            Source("sight.sj", text.format(observe=f"show everyone.bag as {{ {label.replace('where', 'where not everyone.away and')} }}"))
+            Source(
+                "sight.sj",
+                text.format(
+                    observe=f"show everyone.bag as {{ gone where everyone.away, {label} }}"
+                ),
+            )
+        )
+        build(
+            Source(
+                "sight.sj",
+                text.format(
+                    observe=f"show everyone.bag as {{ {label.replace('where', 'where not everyone.away and')} }}"
+                ),
+            )
         )

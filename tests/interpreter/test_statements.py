@@ -26,7 +26,9 @@ def test_everything_reads_the_start_of_the_phase():
             set_(score(), g.plus(ir.Local(type=SMALL, name="old"), g.number(1))),
         ),
         g.each(g.agents(), set_(g.of_agent("colour", COLOUR), g.word("red"))),
-        g.when(g.compare(all_scores, "==", g.number(0)), set_(g.of_world("rounds", SMALL), g.number(1))),
+        g.when(
+            g.compare(all_scores, "==", g.number(0)), set_(g.of_world("rounds", SMALL), g.number(1))
+        ),
     )
     world, _ = run(game)
     assert world.agents["score"] == [1, 1]
@@ -87,7 +89,9 @@ def test_a_set_of_agents_is_set_before_it_is_added_to():
     )
     world, _ = run(game, before=some)
     assert world.agents["foes"] == [frozenset({0, 1}), frozenset({0, 1})]
-    only = small(g.each(g.agents(where=g.is_agent(0)), set_(foes, ir.Nobody()), add(foes, g.agent())))
+    only = small(
+        g.each(g.agents(where=g.is_agent(0)), set_(foes, ir.Nobody()), add(foes, g.agent()))
+    )
     assert run(only, before=some)[0].agents["foes"][0] == frozenset({0})
 
 
@@ -147,13 +151,23 @@ def test_tallies():
 
 
 def test_when_takes_the_first_branch_that_holds():
-    branches = tuple(ir.Branch(test=g.compare(g.index(), "<", g.number(n)), body=(set_(score(), g.number(n)),)) for n in (1, 2))
-    game = small(g.each(g.agents(), ir.When(branches=branches, otherwise=(set_(score(), g.number(7)),))), agents=3)
+    branches = tuple(
+        ir.Branch(test=g.compare(g.index(), "<", g.number(n)), body=(set_(score(), g.number(n)),))
+        for n in (1, 2)
+    )
+    game = small(
+        g.each(g.agents(), ir.When(branches=branches, otherwise=(set_(score(), g.number(7)),))),
+        agents=3,
+    )
     assert run(game)[0].agents["score"] == [1, 2, 7]
 
 
 def test_mark_shows_the_cells_of_a_shape_and_end_ends():
-    game = small(g.each(g.agents(where=g.is_agent(0)), ir.Mark(shape="ray", anchor=g.agent())), ir.End(), rows=("...", ".AA"))
+    game = small(
+        g.each(g.agents(where=g.is_agent(0)), ir.Mark(shape="ray", anchor=g.agent())),
+        ir.End(),
+        rows=("...", ".AA"),
+    )
     world, outcome = run(game, (0, 1), (1, 1), headings=(1,))
     assert world.marks == [("act", 0, 2)]
     assert outcome.terminated is True

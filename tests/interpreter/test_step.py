@@ -18,7 +18,10 @@ def forbidding(*forbids, number=2, fields=(REST_FIELD,)):
 
 
 def count_zaps():
-    return g.phase(g.each(g.agents(where=g.chose(g.ZAP)), ir.Tally(event="zaps", receiver=g.agent())), name="count")
+    return g.phase(
+        g.each(g.agents(where=g.chose(g.ZAP)), ir.Tally(event="zaps", receiver=g.agent())),
+        name="count",
+    )
 
 
 ZAPS = (ir.Event(name="zaps", per_agent=True),)
@@ -33,11 +36,17 @@ def test_a_forbidden_action_becomes_stay():
     world.agents["resting"] = [0, 1]
     assert step(game, world, [g.ZAP, g.ZAP], {}, g.Table())[1].events == {"zaps": [0, 0]}
     mask = action_mask(game, world)
-    assert [[a for a, allowed in enumerate(row) if not allowed] for row in mask] == [[g.ZAP], [g.FORWARD, g.ZAP]]
+    assert [[a for a, allowed in enumerate(row) if not allowed] for row in mask] == [
+        [g.ZAP],
+        [g.FORWARD, g.ZAP],
+    ]
 
 
 def test_an_unknown_action_becomes_stay():
-    stays = g.phase(g.each(g.agents(where=g.chose(g.STAY)), ir.Tally(event="zaps", receiver=g.agent())), name="count")
+    stays = g.phase(
+        g.each(g.agents(where=g.chose(g.STAY)), ir.Tally(event="zaps", receiver=g.agent())),
+        name="count",
+    )
     game = g.game(stays, number_of_agents=3, events=ZAPS)
     _, outcome = step(game, g.world_of(game), [-1, 8, g.ZAP], {}, g.Table())
     assert outcome.events == {"zaps": [1, 1, 0]}
@@ -48,7 +57,10 @@ def rest_game(*turns):
 
 
 def rest(n):
-    return g.phase(g.each(g.agents(where=g.chose(g.LEFT)), ir.Set(target=RESTING, value=g.number(n))), name="rest")
+    return g.phase(
+        g.each(g.agents(where=g.chose(g.LEFT)), ir.Set(target=RESTING, value=g.number(n))),
+        name="rest",
+    )
 
 
 def void_steps(game):
@@ -69,12 +81,20 @@ def test_a_timer_set_after_the_tick_lasts_n_steps_and_before_it_one_less():
 
 def test_every_timer_falls_but_not_below_nought():
     by = ir.Type(kind="int", unit="steps", low=0, by=(ir.Level("word", ("a", "b")),))
-    soil = g.kind("floor", ".", g.var("cell", "left", STEPS, timer=True), g.var("cell", "kept", STEPS, start=2))
+    soil = g.kind(
+        "floor",
+        ".",
+        g.var("cell", "left", STEPS, timer=True),
+        g.var("cell", "kept", STEPS, start=2),
+    )
     game = g.game(
         ir.Tick(),
         kinds=(soil,),
         agents=forbidding(number=1),
-        fields=(g.var("world", "clock", STEPS, timer=True), g.var("world", "clocks", by, timer=True)),
+        fields=(
+            g.var("world", "clock", STEPS, timer=True),
+            g.var("world", "clocks", by, timer=True),
+        ),
     )
     world = g.world_of(game)
     world.cells["floor", "left"] = [0, 1, 5]
@@ -86,7 +106,9 @@ def test_every_timer_falls_but_not_below_nought():
 
 def test_phases_follow_one_another():
     rounds = g.of_world("rounds")
-    double = g.phase(ir.Set(target=rounds, value=g.plus(rounds, g.number(2), fn="*")), name="double")
+    double = g.phase(
+        ir.Set(target=rounds, value=g.plus(rounds, g.number(2), fn="*")), name="double"
+    )
     more = g.phase(ir.Set(target=rounds, value=g.plus(rounds, g.number(1))), name="more")
     for turns, expected in (((double, more), 3), ((more, double), 4)):
         game = g.game(*turns, fields=(g.var("world", "rounds", start=1),))
@@ -127,9 +149,15 @@ def test_a_step_leaves_the_state_it_started_from_alone():
 
 def test_reset_starts_from_the_declared_values_and_the_maps_own():
     fruit = g.word_type("none", "ripe")
-    tree = g.kind("tree", "T", g.var("cell", "fruit", fruit, start="none"), g.var("cell", "age", start=3))
+    tree = g.kind(
+        "tree", "T", g.var("cell", "fruit", fruit, start="none"), g.var("cell", "age", start=3)
+    )
     start = g.phase(
-        g.each(g.agents(), g.send(g.cells("floor"), facing="west"), ir.Set(target=RESTING, value=g.number(4))),
+        g.each(
+            g.agents(),
+            g.send(g.cells("floor"), facing="west"),
+            ir.Set(target=RESTING, value=g.number(4)),
+        ),
         ir.Give(value=g.number(5), receiver=None),
         name="start",
     )
@@ -147,7 +175,11 @@ def test_reset_starts_from_the_declared_values_and_the_maps_own():
     world = reset(game, default_params(game), g.Table({(1000, 0): g.LAST}))
     assert world.cells == {("tree", "fruit"): ["none", "ripe", "none"], ("tree", "age"): [3, 7, 3]}
     assert (world.position, world.heading, world.step) == ([(1, 1), (0, 1)], [3, 3], 0)
-    assert (world.agents["resting"], world.moved, world.away) == ([4, 4], [False, False], [None, None])
+    assert (world.agents["resting"], world.moved, world.away) == (
+        [4, 4],
+        [False, False],
+        [None, None],
+    )
 
 
 def test_default_params_have_the_types_of_the_language():
@@ -156,17 +188,29 @@ def test_default_params_have_the_types_of_the_language():
         params=(
             ir.Param(name="apple", type=g.REAL, value=1),
             ir.Param(name="fewest", type=g.INT, value=2),
-            ir.Param(name="pay", type=ir.Type(kind="real", by=(ir.Level("word", words),)), value=(0.1, 2)),
-            ir.Param(name="becomes", type=ir.Type(kind="word", words=words, by=(ir.Level("word", words),)), value=("b", "b")),
+            ir.Param(
+                name="pay", type=ir.Type(kind="real", by=(ir.Level("word", words),)), value=(0.1, 2)
+            ),
+            ir.Param(
+                name="becomes",
+                type=ir.Type(kind="word", words=words, by=(ir.Level("word", words),)),
+                value=("b", "b"),
+            ),
         )
     )
     params = default_params(game)
     assert params == {"apple": 1, "fewest": 2, "pay": (np.float32(0.1), 2), "becomes": ("b", "b")}
-    assert [type(params["apple"]), type(params["fewest"]), type(params["pay"][1])] == [np.float32, int, np.float32]
+    assert [type(params["apple"]), type(params["fewest"]), type(params["pay"][1])] == [
+        np.float32,
+        int,
+        np.float32,
+    ]
 
 
 def test_checks_can_be_read():
     game = g.game(events=ZAPS)
-    always = g.compare(ir.EventTotal(type=g.INT, name="zaps"), "<=", ir.Count(type=g.INT, domain=g.cells("floor")))
+    always = g.compare(
+        ir.EventTotal(type=g.INT, name="zaps"), "<=", ir.Count(type=g.INT, domain=g.cells("floor"))
+    )
     assert read(game, g.world_of(game), always, {("zaps", None): 3}) is True
     assert read(game, g.world_of(game), always, {("zaps", None): 4}) is False

@@ -24,7 +24,9 @@ def with_rules(source: Source) -> Source:
     own = f"  {PARAM}\n  {FIELD}\n  phase law_phase {{ {RULES} }}\n"
     name = re.search(r"^game .*\{.*$", text, re.MULTILINE)
     assert name is not None
-    return Source(source.name, f"{text[: name.end()]}\n{own}{text[name.end() + 1 :]}", source.folder)
+    return Source(
+        source.name, f"{text[: name.end()]}\n{own}{text[name.end() + 1 :]}", source.folder
+    )
 
 
 def _added(found: re.Match[str]) -> str:

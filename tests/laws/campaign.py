@@ -48,7 +48,10 @@ def main() -> None:
             jax.clear_caches()
             load_module.cache_clear()
             gc.collect()
-            print(f"{number + 1} programs, {time.process_time() - begun:.0f} s: {dict(counts)}", flush=True)
+            print(
+                f"{number + 1} programs, {time.process_time() - begun:.0f} s: {dict(counts)}",
+                flush=True,
+            )
     print(f"all, {time.process_time() - begun:.0f} s: {dict(counts)}")
 
 
@@ -56,7 +59,9 @@ def programs(examples: int, seed: int, games: bool) -> Iterator[tuple[str, ir.Ga
     """Yields the games and the random programs, each with its name or seed."""
     for name in NINE if games else ():
         yield name, game_of(name)
-        for variant in (v.name.text for v in parse(source_of(name)).game.sections if isinstance(v, ast.Variant)):
+        for variant in (
+            v.name.text for v in parse(source_of(name)).game.sections if isinstance(v, ast.Variant)
+        ):
             yield f"{name} {variant}", game_of(name, variant)
     for number in range(seed, seed + examples):
         made = random_text(number)
@@ -64,12 +69,19 @@ def programs(examples: int, seed: int, games: bool) -> Iterator[tuple[str, ir.Ga
             yield str(number), made[1].game
 
 
-def laws(name: str, game: ir.Game, steps: int, jit: bool) -> Iterator[tuple[str, Callable[[Counter[str]], str]]]:
+def laws(
+    name: str, game: ir.Game, steps: int, jit: bool
+) -> Iterator[tuple[str, Callable[[Counter[str]], str]]]:
     """Yields each law with the function that says where the game breaks it."""
     random = Random(name)
     for look in (renamed(game, random), *turns(game)):
         law = "turning" if look.mirror or look.quarters else "renaming"
-        yield law, lambda counts, look=look: counted(obeyed(game, look, random, steps, compiled=True), counts)
+        yield (
+            law,
+            lambda counts, look=look: counted(
+                obeyed(game, look, random, steps, compiled=True), counts
+            ),
+        )
     for probability, law in ((0, "impossible"), (1, "certain")):
         yield law, lambda counts, p=probability, law=law: _branches(game, p, random, law, counts)
     if name.isdigit():
@@ -83,7 +95,9 @@ def counted(tried: Tried, counts: Counter[str]) -> str:
     return tried.fault
 
 
-def _branches(game: ir.Game, probability: int, random: Random, law: str, counts: Counter[str]) -> str:
+def _branches(
+    game: ir.Game, probability: int, random: Random, law: str, counts: Counter[str]
+) -> str:
     found, tried = first_parting(game, probability, random)
     counts[f"branches {law}"] += tried
     return found

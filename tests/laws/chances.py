@@ -33,14 +33,18 @@ def sites(game: ir.Game) -> Iterator[Site]:
 
 def with_constant(game: ir.Game, site: Site, probability: float) -> ir.Game:
     """Returns the game with a number in the place of a probability."""
-    return _rewritten(game, site, lambda node: _tested(node, site, ir.Number(type=PROBABILITY, value=probability)))
+    return _rewritten(
+        game, site, lambda node: _tested(node, site, ir.Number(type=PROBABILITY, value=probability))
+    )
 
 
 def with_param(game: ir.Game, site: Site, probability: float) -> ir.Game:
     """Returns the game with a parameter in the place of a probability, so that no pass knows what it is."""
     param = ir.Param(name="law_says", type=PROBABILITY, value=probability)
     game = game.model_copy(update={"params": (*game.params, param)})
-    return _rewritten(game, site, lambda node: _tested(node, site, ir.ParamRef(type=PROBABILITY, name=param.name)))
+    return _rewritten(
+        game, site, lambda node: _tested(node, site, ir.ParamRef(type=PROBABILITY, name=param.name))
+    )
 
 
 def without_branch(game: ir.Game, site: Site) -> ir.Game:
@@ -59,7 +63,11 @@ def without_chance(game: ir.Game, site: Site) -> ir.Game:
     def rule(node: ir.Chance) -> ir.Stmt:
         body = node.branches[site.branch].body
         before = node.branches[: site.branch]
-        return node.model_copy(update={"branches": before, "otherwise": body}) if before else _always(node, body)
+        return (
+            node.model_copy(update={"branches": before, "otherwise": body})
+            if before
+            else _always(node, body)
+        )
 
     return _rewritten(game, site, rule)
 
@@ -70,7 +78,10 @@ def _always(node: ir.Chance, body: tuple[ir.Stmt, ...]) -> ir.When:
 
 
 def _tested(node: ir.Chance, site: Site, test: ir.Expr) -> ir.Chance:
-    branches = tuple(b.model_copy(update={"test": test}) if n == site.branch else b for n, b in enumerate(node.branches))
+    branches = tuple(
+        b.model_copy(update={"test": test}) if n == site.branch else b
+        for n, b in enumerate(node.branches)
+    )
     return node.model_copy(update={"branches": branches})
 
 
@@ -78,4 +89,6 @@ def _rewritten(game: ir.Game, site: Site, change: Callable[[ir.Chance], Any]) ->
     def rule(node: Any) -> Any:
         return change(node) if isinstance(node, ir.Chance) and node.stream == site.stream else node
 
-    return verify(game.model_copy(update={"schedule": tuple(rewrite(turn, rule) for turn in game.schedule)}))
+    return verify(
+        game.model_copy(update={"schedule": tuple(rewrite(turn, rule) for turn in game.schedule)})
+    )

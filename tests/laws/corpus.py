@@ -41,7 +41,11 @@ def random_text(seed: int) -> tuple[Source, Build] | None:
         try:
             made = build(source)
             lower_build(made, source)
-            right = run(on_numpy(made.game), play := random_play(made.game, seed, 4), interpret(made.game, play))
+            right = run(
+                on_numpy(made.game),
+                play := random_play(made.game, seed, 4),
+                interpret(made.game, play),
+            )
         except Exception:  # refused; or compiled wrongly: of that tests/fuzz tells
             return None
         return None if right.differences else (source, made)
@@ -62,16 +66,22 @@ def random_games(number: int, first: int = 80) -> tuple[tuple[int, ir.Game], ...
 
 def begun(game: ir.Game, random: Random) -> World:
     """Returns the state after a reset."""
-    return reset(game, default_params(game), Threefry(random.getrandbits(32), random.getrandbits(32)))
+    return reset(
+        game, default_params(game), Threefry(random.getrandbits(32), random.getrandbits(32))
+    )
 
 
 def crowded(game: ir.Game, random: Random) -> World:
     """Returns a first state with all agents who have a place side by side, facing anywhere: they meet at once."""
     world = begun(game, random)
     board = board_of(game)
-    blocking = {k.name for k in game.kinds for b in k.blocks if b.what == "agents" and b.condition is None}
+    blocking = {
+        k.name for k in game.kinds for b in k.blocks if b.what == "agents" and b.condition is None
+    }
     taken = {place for herd in world.movers.values() for place in herd.position}
-    open_ = [cell for cell, kind in board.kind_of.items() if kind not in blocking and cell not in taken]
+    open_ = [
+        cell for cell, kind in board.kind_of.items() if kind not in blocking and cell not in taken
+    ]
     here = [agent for agent, place in enumerate(world.position) if place is not None]
     for start in random.sample(open_, len(open_)):
         near = _nearest(start, set(open_), len(here))
@@ -91,7 +101,12 @@ def _nearest(start: Cell, cells: set[Cell], number: int) -> list[Cell]:
     found, waiting = [start], deque([start])
     while waiting and len(found) < number:
         row, col = waiting.popleft()
-        for cell in (Cell(row - 1, col), Cell(row, col + 1), Cell(row + 1, col), Cell(row, col - 1)):
+        for cell in (
+            Cell(row - 1, col),
+            Cell(row, col + 1),
+            Cell(row + 1, col),
+            Cell(row, col - 1),
+        ):
             if cell in cells and cell not in found:
                 found.append(cell)
                 waiting.append(cell)
@@ -100,14 +115,20 @@ def _nearest(start: Cell, cells: set[Cell], number: int) -> list[Cell]:
 
 def biased_draws(random: Random) -> BiasedDraws:
     """Returns the draws of a step in which rare events happen often."""
-    return BiasedDraws(Threefry(random.getrandbits(32), random.getrandbits(32)), random.choice(("fair", "mixed", "mixed")))
+    return BiasedDraws(
+        Threefry(random.getrandbits(32), random.getrandbits(32)),
+        random.choice(("fair", "mixed", "mixed")),
+    )
 
 
 def some_actions(game: ir.Game, random: Random, world: World | None = None) -> list[int]:
     """Returns an action for each agent, those that are no steps more often. `world`: half of the time all who can enter one cell do."""
     own = [i for i, a in enumerate(game.agents.actions) if i >= 7] or [0]
     every = range(len(game.agents.actions))
-    actions = [random.choice(own) if random.random() < 0.4 else random.choice(every) for _ in range(game.agents.number)]
+    actions = [
+        random.choice(own) if random.random() < 0.4 else random.choice(every)
+        for _ in range(game.agents.number)
+    ]
     here = [] if world is None else [place for place in world.position if place is not None]
     if world is None or not here or random.random() < 0.5:
         return actions
@@ -116,6 +137,12 @@ def some_actions(game: ir.Game, random: Random, world: World | None = None) -> l
     for agent, place in enumerate(world.position):
         for direction, (rows, cols) in enumerate(FORWARD):
             if place is not None and (place.row + rows, place.col + cols) == target:
-                name = STEPS[(direction - world.heading[agent]) % 4 if game.agents.relative else direction]
-                actions[agent] = game.agents.actions.index(name) if name in game.agents.actions else actions[agent]
+                name = STEPS[
+                    (direction - world.heading[agent]) % 4 if game.agents.relative else direction
+                ]
+                actions[agent] = (
+                    game.agents.actions.index(name)
+                    if name in game.agents.actions
+                    else actions[agent]
+                )
     return actions

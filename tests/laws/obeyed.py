@@ -21,7 +21,13 @@ from tests.laws.corpus import begun, biased_draws, crowded, some_actions
 from tests.laws.numpy_state import numpy_state
 from tests.laws.other_draws import NeverDrawn, RunsOut, Table, other_draws, tied
 from tests.laws.other_game import other_game, without_frame
-from tests.laws.other_world import other_outcome, other_view, other_world, outcome_differences, world_differences
+from tests.laws.other_world import (
+    other_outcome,
+    other_view,
+    other_world,
+    outcome_differences,
+    world_differences,
+)
 from tests.laws.symmetry import Symmetry
 
 
@@ -81,14 +87,23 @@ def _reset(game: ir.Game, changed: ir.Game, s: Symmetry, random: Random) -> str:
     except RunsOut:
         return ""
     try:
-        found = world_differences(reset(changed, world.params, words), other_world(game, changed, world, s))
+        found = world_differences(
+            reset(changed, world.params, words), other_world(game, changed, world, s)
+        )
     except NeverDrawn as draw:
         return f"reset: a draw that the first game did not make: {draw}"
     return f"reset: {found[0]}" if found else ""
 
 
 def _interpreted(
-    game: ir.Game, changed: ir.Game, start: World, actions: list[int], words: Table, wanted: Any, world: World, s: Symmetry
+    game: ir.Game,
+    changed: ir.Game,
+    start: World,
+    actions: list[int],
+    words: Table,
+    wanted: Any,
+    world: World,
+    s: Symmetry,
 ) -> str:
     try:
         after, outcome = step(changed, start, actions, start.params, words)
@@ -104,22 +119,31 @@ def _interpreted(
     return found[0] if found else ""
 
 
-def compiled_difference(env: OnNumPy, start: World, actions: list[int], words: Table, wanted: tuple[World, Any]) -> str:
+def compiled_difference(
+    env: OnNumPy, start: World, actions: list[int], words: Table, wanted: tuple[World, Any]
+) -> str:
     """Returns where the compiled step from a state differs from the state and outcome wanted."""
     state = numpy_state(env, start)
-    env.module.random_bits = lambda _, stream, *shape: _of(words, stream, np.arange(int(np.prod(shape, dtype=int))).reshape(shape))
+    env.module.random_bits = lambda _, stream, *shape: _of(
+        words, stream, np.arange(int(np.prod(shape, dtype=int))).reshape(shape)
+    )
     env.module.random_bits_at = lambda _, stream, numbers: _of(words, stream, np.asarray(numbers))
     with np.errstate(all="ignore"):  # what a guard protects is computed and not used
         state, reward, _, info = env.advance((0, 0), state, actions)
         mask = np.asarray(env.module.allowed_actions(state, env.params))
         seen = env._observe(state)
-    found = state_differences(env, state, wanted[0], seen, mask) + differs_from_outcome(env, reward, info, wanted[1])
+    found = state_differences(env, state, wanted[0], seen, mask) + differs_from_outcome(
+        env, reward, info, wanted[1]
+    )
     return f"compiled: {found[0]}" if found else ""
 
 
 def _of(words: Table, stream: int, numbers: np.ndarray) -> Any:
     """Returns words; those that no instance uses are computed as well, and may be anything."""
-    found = [words.words.get((stream, int(n)), (int(n) + 1) * 0x9E3779B9 & 0xFFFFFFFF) for n in numbers.reshape(-1)]
+    found = [
+        words.words.get((stream, int(n)), (int(n) + 1) * 0x9E3779B9 & 0xFFFFFFFF)
+        for n in numbers.reshape(-1)
+    ]
     return numpy_jax.as_array(np.array(found, np.uint32).reshape(numbers.shape))
 
 
@@ -128,14 +152,23 @@ def _environment(game: ir.Game) -> OnNumPy:
     return on_numpy(game)
 
 
-def trials(games: Iterable[tuple[Any, ir.Game]], look: Callable[[ir.Game, Random], Symmetry], steps: int, compiled: bool) -> Tried:
+def trials(
+    games: Iterable[tuple[Any, ir.Game]],
+    look: Callable[[ir.Game, Random], Symmetry],
+    steps: int,
+    compiled: bool,
+) -> Tried:
     """Returns what all games came to, up to the first that does not obey; a fault begins with the name or seed of its game."""
     tried = Tried()
     for name, game in games:
         random = Random(str(name))
         s = look(game, random)
         one = obeyed(game, s, random, steps, compiled)
-        tried.steps, tried.drawn, tried.left_out = tried.steps + one.steps, tried.drawn + one.drawn, tried.left_out + one.left_out
+        tried.steps, tried.drawn, tried.left_out = (
+            tried.steps + one.steps,
+            tried.drawn + one.drawn,
+            tried.left_out + one.left_out,
+        )
         if one.fault:
             tried.fault = f"{name}, {s}: {one.fault}"
             break

@@ -49,15 +49,21 @@ def other_draws(game: ir.Game, changed: ir.Game, drawn: Recorded, s: Symmetry) -
         elif about.sort == "way":
             ways = sorted(s.heading(way) for way in chosen.left)
             place = renumbered(chosen.number, about.digits, game, changed, s)
-            words[chosen.stream, place] = choosing(ways.index(s.heading(chosen.left[chosen.taken])), len(ways))
+            words[chosen.stream, place] = choosing(
+                ways.index(s.heading(chosen.left[chosen.taken])), len(ways)
+            )
         else:
             index, size = _picked(chosen, about, game, changed, s)
-            words[chosen.stream, renumbered(chosen.number, about.digits, game, changed, s)] = choosing(index, size)
+            words[chosen.stream, renumbered(chosen.number, about.digits, game, changed, s)] = (
+                choosing(index, size)
+            )
     for stream, turns in sends.items():
         if known[stream].digits[0].what == "fixed":  # movers: each has its turn as before
             words |= {(stream, mover): word for mover, word in _in_turn(turns, s)}
             continue
-        if s.order != tuple(sorted(s.order)) and (_is_own(game, stream) or (len(turns[-1].left) == 1 and _may_stay(game, stream))):
+        if s.order != tuple(sorted(s.order)) and (
+            _is_own(game, stream) or (len(turns[-1].left) == 1 and _may_stay(game, stream))
+        ):
             raise RunsOut
         words |= {(stream, agent): word for agent, word in _sent(turns, s)}
     return Table(words)
@@ -75,7 +81,9 @@ def choosing(index: int, size: int) -> int:
     return (2 * index + 1) * 2**31 // size
 
 
-def _picked(chosen: Chosen, about: Stream, game: ir.Game, changed: ir.Game, s: Symmetry) -> tuple[int, int]:
+def _picked(
+    chosen: Chosen, about: Stream, game: ir.Game, changed: ir.Game, s: Symmetry
+) -> tuple[int, int]:
     assert about.options is not None
     numbers = [other_digit(found.number, about.options, game, changed, s) for found in chosen.left]
     return sorted(numbers).index(numbers[chosen.taken]), len(numbers)
@@ -83,7 +91,9 @@ def _picked(chosen: Chosen, about: Stream, game: ir.Game, changed: ir.Game, s: S
 
 def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
     """Returns the word of each agent, by its new number, with which all of them get the cells they got."""
-    if list(s.order) == sorted(s.order):  # each agent has its turn as before, with cells of its own perhaps
+    if list(s.order) == sorted(
+        s.order
+    ):  # each agent has its turn as before, with cells of its own perhaps
         return _in_turn(turns, s)
     free = sorted(s.cell(cell) for cell in turns[0].left)
     goes = {s.order[turn.number]: s.cell(turn.left[turn.taken]) for turn in turns}
@@ -98,7 +108,10 @@ def _sent(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
 def _in_turn(turns: list[Chosen], s: Symmetry) -> list[tuple[int, int]]:
     """Returns the word of each that is sent, in the same turns, with which it gets the cell that it got."""
     found = [(turn, sorted(s.cell(cell) for cell in turn.left)) for turn in turns]
-    return [(turn.number, choosing(free.index(s.cell(turn.left[turn.taken])), len(free))) for turn, free in found]
+    return [
+        (turn.number, choosing(free.index(s.cell(turn.left[turn.taken])), len(free)))
+        for turn, free in found
+    ]
 
 
 def _may_stay(game: ir.Game, stream: int) -> bool:
@@ -109,4 +122,8 @@ def _may_stay(game: ir.Game, stream: int) -> bool:
 def _is_own(game: ir.Game, stream: int) -> bool:
     """Returns whether the cells that fit differ from one agent to another: then who comes first decides what is left for the rest."""
     sends = [n for n in ir.walk(game) if isinstance(n, ir.Send)]
-    return any(variables_around(n.domain) for n in sends if stream in (n.cell_stream, return_stream(n.cell_stream)))
+    return any(
+        variables_around(n.domain)
+        for n in sends
+        if stream in (n.cell_stream, return_stream(n.cell_stream))
+    )

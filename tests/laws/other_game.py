@@ -20,7 +20,11 @@ from tests.verify_ir import verify
 
 def without_frame(game: ir.Game) -> ir.Game:
     """Returns the game without what is seen in the frame of the map itself: places, directions and numbers of agents."""
-    kept = [s for s in game.observables if s.labels or not (s.type.words[:1] == ("nobody",) or _in_frame(s))]
+    kept = [
+        s
+        for s in game.observables
+        if s.labels or not (s.type.words[:1] == ("nobody",) or _in_frame(s))
+    ]
     return game.model_copy(update={"observables": tuple(kept)})
 
 
@@ -38,7 +42,9 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
             update={
                 "rows": s.rows(game.rows),
                 "kinds": tuple(rewrite(kind, rule) for kind in game.kinds),
-                "agents": agents.model_copy(update={"actions": tuple(s.action(a, agents.relative) for a in agents.actions)}),
+                "agents": agents.model_copy(
+                    update={"actions": tuple(s.action(a, agents.relative) for a in agents.actions)}
+                ),
                 "movers": tuple(_movers(rewrite(movers, rule), s) for movers in game.movers),
                 "shapes": tuple(_shape(shape, s) for shape in game.shapes),
                 "start": _start(game.start, s, game),
@@ -55,7 +61,9 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
 
 def _mirrored(window: ir.Window) -> ir.Window:
     """Returns windows with left and right exchanged."""
-    views = tuple(view.model_copy(update={"left": view.right, "right": view.left}) for view in window.views)
+    views = tuple(
+        view.model_copy(update={"left": view.right, "right": view.left}) for view in window.views
+    )
     return window.model_copy(update={"left": window.right, "right": window.left, "views": views})
 
 
@@ -68,24 +76,49 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
                 return _heading_before(node, s)
             case ir.FieldRead(held_by=ir.Sort("mover"), name="heading") if s.mirror or s.quarters:
                 return _heading_before(node, s)
-            case ir.Set(target=ir.Case(subject=ir.FieldRead(held_by=ir.Sort("mover"), name="heading") as heading)):
-                return node.model_copy(update={"target": heading, "value": _changed_heading(node.value, s)})
+            case ir.Set(
+                target=ir.Case(
+                    subject=ir.FieldRead(held_by=ir.Sort("mover"), name="heading") as heading
+                )
+            ):
+                return node.model_copy(
+                    update={"target": heading, "value": _changed_heading(node.value, s)}
+                )
             case ir.Along():
                 return node.model_copy(update={"heading": _changed_heading(node.heading, s)})
-            case ir.Attribute(name="index") if list(s.order) != sorted(s.order) and body_sort(node.owner).what == "agent":
-                arms = [ir.Arm(low=n, high=n, value=ir.Number(type=node.type, value=i)) for i, n in enumerate(s.order)]
+            case ir.Attribute(name="index") if (
+                list(s.order) != sorted(s.order) and body_sort(node.owner).what == "agent"
+            ):
+                arms = [
+                    ir.Arm(low=n, high=n, value=ir.Number(type=node.type, value=i))
+                    for i, n in enumerate(s.order)
+                ]
                 return ir.Case(type=node.type, subject=node, arms=tuple(arms), origin=node.origin)
             case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=int(number)) as value):
                 new = s.order[number]
-                return node.model_copy(update={"value": value.model_copy(update={"value": new, "type": integer(new, new, "number")})})
+                return node.model_copy(
+                    update={
+                        "value": value.model_copy(
+                            update={"value": new, "type": integer(new, new, "number")}
+                        )
+                    }
+                )
             case ir.Forbid():
-                return node.model_copy(update={"actions": tuple(sorted(s.number(a, game) for a in node.actions))})
+                return node.model_copy(
+                    update={"actions": tuple(sorted(s.number(a, game) for a in node.actions))}
+                )
             case ir.Send():
                 return node.model_copy(update={"facing": s.facing(node.facing)})
             case ir.Shift():
                 heading = None if node.heading is None else _changed_heading(node.heading, s)
                 quarters = -node.quarters % 4 if s.mirror else node.quarters
-                return node.model_copy(update={"facing": s.facing(node.facing), "heading": heading, "quarters": quarters})
+                return node.model_copy(
+                    update={
+                        "facing": s.facing(node.facing),
+                        "heading": heading,
+                        "quarters": quarters,
+                    }
+                )
             case _:
                 return node
 
@@ -94,19 +127,30 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
 
 def _heading_before(e: ir.Attribute | ir.FieldRead, s: Symmetry) -> ir.Expr:
     """Returns which way an agent or a mover looked, from the way it looks now."""
-    arms = [ir.Arm(words=(HEADINGS[s.heading(h)],), value=ir.Word(type=e.type, value=w)) for h, w in enumerate(HEADINGS)]
+    arms = [
+        ir.Arm(words=(HEADINGS[s.heading(h)],), value=ir.Word(type=e.type, value=w))
+        for h, w in enumerate(HEADINGS)
+    ]
     return ir.Case(type=e.type, subject=e, arms=tuple(arms), origin=e.origin)
 
 
 def _movers(movers: ir.Movers, s: Symmetry) -> ir.Movers:
     """Returns a sort of movers that look, before they are sent anywhere, the way that is north now."""
     heading, *others = movers.fields
-    return movers.model_copy(update={"fields": (heading.model_copy(update={"start": s.facing(heading.start)}), *others)})
+    return movers.model_copy(
+        update={"fields": (heading.model_copy(update={"start": s.facing(heading.start)}), *others)}
+    )
 
 
 def _changed_heading(e: ir.Expr, s: Symmetry) -> ir.Expr:
     """Returns the direction now, from the direction before."""
-    arms = [ir.Arm(words=(w,), value=ir.Word(type=words(HEADINGS), value=HEADINGS[s.heading(HEADINGS.index(w))])) for w in e.type.words]
+    arms = [
+        ir.Arm(
+            words=(w,),
+            value=ir.Word(type=words(HEADINGS), value=HEADINGS[s.heading(HEADINGS.index(w))]),
+        )
+        for w in e.type.words
+    ]
     return ir.Case(type=words(HEADINGS), subject=e, arms=tuple(arms), origin=e.origin)
 
 
@@ -114,7 +158,11 @@ def _start(phase: ir.Phase, s: Symmetry, game: ir.Game) -> ir.Phase:
     """Everybody faces north before it, under every look: `same` is a direction here, and what is read is no other one."""
 
     def rule(node: Any) -> Any:
-        same = isinstance(node, ir.Send) and node.facing == "same" and body_sort(node.who).what == "agent"
+        same = (
+            isinstance(node, ir.Send)
+            and node.facing == "same"
+            and body_sort(node.who).what == "agent"
+        )
         return node.model_copy(update={"facing": "north"}) if same else node
 
     return rewrite(rewrite(phase, rule), _rule(s, game, headings=False))
@@ -124,8 +172,15 @@ def _coordinate(node: ir.Attribute, s: Symmetry) -> Any:
     """Returns the row or column that the owner's cell had before, from the one it has now."""
     if s.down or s.right:
         length, by = (s.height, s.down) if node.name == "row" else (s.width, s.right)
-        back, whole = (ir.Number(type=ir.Type(kind="int", unit="cells", low=n, high=n), value=n) for n in (-by % length, length))
-        on = ir.Arithmetic(type=ir.Type(kind="int", unit="cells", low=0, high=2 * length), fn="+", args=(node, back))
+        back, whole = (
+            ir.Number(type=ir.Type(kind="int", unit="cells", low=n, high=n), value=n)
+            for n in (-by % length, length)
+        )
+        on = ir.Arithmetic(
+            type=ir.Type(kind="int", unit="cells", low=0, high=2 * length),
+            fn="+",
+            args=(node, back),
+        )
         return ir.Arithmetic(type=node.type, fn="%", args=(on, whole), origin=node.origin)
     before = [(r, c) for r in range(s.height) for c in range(s.width)]
     wanted = [cell[0 if node.name == "row" else 1] for cell in before]
@@ -136,7 +191,12 @@ def _coordinate(node: ir.Attribute, s: Symmetry) -> Any:
         if now == wanted:
             return new
         if [last - n for n in now] == wanted:
-            return ir.Arithmetic(type=node.type, fn="-", args=(ir.Number(type=node.type, value=last), new), origin=node.origin)
+            return ir.Arithmetic(
+                type=node.type,
+                fn="-",
+                args=(ir.Number(type=node.type, value=last), new),
+                origin=node.origin,
+            )
     raise AssertionError(node)
 
 
@@ -149,4 +209,6 @@ def _shape(shape: ir.Shape, s: Symmetry) -> ir.Shape:
         rows, cols = s.vector(-ahead, right)
         return -rows, cols
 
-    return shape.model_copy(update={"lanes": tuple(tuple(moved(*cell) for cell in lane) for lane in shape.lanes)})
+    return shape.model_copy(
+        update={"lanes": tuple(tuple(moved(*cell) for cell in lane) for lane in shape.lanes)}
+    )

@@ -12,8 +12,12 @@ from sjdsl.interpreter.state import Herd, Outcome, Value, World
 from tests.laws.symmetry import Symmetry
 
 CLOSE = {"rtol": 1e-5, "atol": 1e-5}  # sums of reals are added in another order
-MIRRORED = np.array([0, 1, 2, 5, 4, 3], np.uint8)  # of the plane of agents: who is turned right is turned left
-MIRRORED_MOVER = np.array([0, 1, 4, 3, 2, 5], np.uint8)  # of a plane of the headings of movers; the last is hidden
+MIRRORED = np.array(
+    [0, 1, 2, 5, 4, 3], np.uint8
+)  # of the plane of agents: who is turned right is turned left
+MIRRORED_MOVER = np.array(
+    [0, 1, 4, 3, 2, 5], np.uint8
+)  # of a plane of the headings of movers; the last is hidden
 
 
 def other_world(game: ir.Game, changed: ir.Game, world: World, s: Symmetry) -> World:
@@ -22,17 +26,25 @@ def other_world(game: ir.Game, changed: ir.Game, world: World, s: Symmetry) -> W
     cells = {}
     for (kind, name), values in world.cells.items():
         type_ = before.fields[kind, name].type
-        moved = {after.number[s.cell(cell)]: _value(v, type_, s) for cell, v in zip(before.cells[kind], values, strict=True)}
+        moved = {
+            after.number[s.cell(cell)]: _value(v, type_, s)
+            for cell, v in zip(before.cells[kind], values, strict=True)
+        }
         cells[kind, name] = [moved[number] for number in range(len(values))]
     return replace(
         world,
         cells=cells,
-        agents={n: _agents([_value(v, before.fields["agent", n].type, s) for v in values], s) for n, values in world.agents.items()},
+        agents={
+            n: _agents([_value(v, before.fields["agent", n].type, s) for v in values], s)
+            for n, values in world.agents.items()
+        },
         fields={n: _value(v, before.fields["world", n].type, s) for n, v in world.fields.items()},
         position=_agents([None if p is None else s.cell(p) for p in world.position], s),
         heading=_agents([s.heading(h) for h in world.heading], s),
         moved=_agents(world.moved, s),
-        away=_agents([None if a is None else a._replace(facing=s.facing(a.facing)) for a in world.away], s),
+        away=_agents(
+            [None if a is None else a._replace(facing=s.facing(a.facing)) for a in world.away], s
+        ),
         movers={sort: _herd(sort, herd, game, s) for sort, herd in world.movers.items()},
         marks=[(phase, *s.cell((row, col))) for phase, row, col in world.marks],
     )
@@ -40,7 +52,10 @@ def other_world(game: ir.Game, changed: ir.Game, world: World, s: Symmetry) -> W
 
 def _herd(sort: str, herd: Herd, game: ir.Game, s: Symmetry) -> Herd:
     """Returns movers, which keep their numbers."""
-    fields = {n: [_value(v, board_of(game).fields[sort, n].type, s) for v in values] for n, values in herd.fields.items()}
+    fields = {
+        n: [_value(v, board_of(game).fields[sort, n].type, s) for v in values]
+        for n, values in herd.fields.items()
+    }
     return Herd(
         position=[None if p is None else s.cell(p) for p in herd.position],
         moved=herd.moved,
@@ -53,7 +68,9 @@ def other_outcome(game: ir.Game, outcome: Outcome, s: Symmetry) -> Outcome:
     """Returns what a step gave, to the agents by their new numbers."""
     per_agent = {e.name for e in game.events if e.per_agent}
     entries = {e.name for e in game.events if e.by and e.by.sort == "agent"}
-    events = outcome.events | {n: [_agents(row, s) for row in outcome.events[n]] for n in entries & per_agent}
+    events = outcome.events | {
+        n: [_agents(row, s) for row in outcome.events[n]] for n in entries & per_agent
+    }
     events |= {n: _agents(events[n], s) for n in entries - per_agent}
     events |= {n: _agents(events[n], s) for n in per_agent}
     return replace(outcome, reward=_agents(outcome.reward, s), events=events)
@@ -64,13 +81,20 @@ def other_view(game: ir.Game, picture: np.ndarray, s: Symmetry) -> np.ndarray:
     seen = np.asarray(_agents(list(picture), s))
     shown = planes(game)
     names = [p.name for p in shown]
-    for number, plane in enumerate(shown):  # of every agent, or an entry for every agent, in the order of their numbers
+    for number, plane in enumerate(
+        shown
+    ):  # of every agent, or an entry for every agent, in the order of their numbers
         if (renamed := _renamed(plane, s)) != plane.name:
             seen[:, names.index(renamed)] = np.asarray(_agents(list(picture[:, number]), s))
     if not s.mirror:
         return seen
     for number, plane in enumerate(shown):
-        if plane.what == "mover" and (of := plane.observable) is not None and of.field == "heading" and not of.labels:
+        if (
+            plane.what == "mover"
+            and (of := plane.observable) is not None
+            and of.field == "heading"
+            and not of.labels
+        ):
             seen[:, number] = MIRRORED_MOVER[seen[:, number]]
     seen = seen[..., ::-1].copy()
     number = names.index("agent")
@@ -91,7 +115,17 @@ def _renamed(plane: Plane, s: Symmetry) -> str:
 def world_differences(mine: World, theirs: World) -> list[str]:
     """Returns the parts of two states that differ, marks taken as a set."""
     found = []
-    for name in ("step", "cells", "agents", "fields", "position", "heading", "moved", "away", "movers"):
+    for name in (
+        "step",
+        "cells",
+        "agents",
+        "fields",
+        "position",
+        "heading",
+        "moved",
+        "away",
+        "movers",
+    ):
         a, b = getattr(mine, name), getattr(theirs, name)
         if not _same(a, b):
             found.append(f"{name}: {a} / {b}")

@@ -42,7 +42,9 @@ def streams(game: ir.Game) -> dict[int, Stream]:
     return found
 
 
-def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, found: dict[int, Stream]) -> None:
+def _block(
+    body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, found: dict[int, Stream]
+) -> None:
     for statement in body:
         inside = around
         match statement:
@@ -59,14 +61,27 @@ def _block(body: Iterable[ir.Stmt], around: tuple[Digit, ...], board: Board, fou
             case ir.Pick():
                 own = _digit(statement.domain, board)
                 inside = (*around, own)
-                found[statement.stream] = Stream((*around, Digit("fixed", min(statement.most, own.radix))), "pick", own)
+                found[statement.stream] = Stream(
+                    (*around, Digit("fixed", min(statement.most, own.radix))), "pick", own
+                )
             case ir.Match():
                 inside = (*around, _digit(statement.left, board))
-                found[statement.stream] = Stream((*around, _everybody(statement.left, board), _everybody(statement.right, board)), "rank")
+                found[statement.stream] = Stream(
+                    (
+                        *around,
+                        _everybody(statement.left, board),
+                        _everybody(statement.right, board),
+                    ),
+                    "rank",
+                )
             case ir.Move():
-                found[statement.stream] = Stream((*around, _everybody(statement.domain, board)), "rank")
+                found[statement.stream] = Stream(
+                    (*around, _everybody(statement.domain, board)), "rank"
+                )
                 if isinstance(statement.course, ir.Wander):
-                    found[statement.course.stream] = Stream((_everybody(statement.domain, board),), "way")
+                    found[statement.course.stream] = Stream(
+                        (_everybody(statement.domain, board),), "way"
+                    )
             case ir.Shift():
                 sent = _body(statement.who, board)
                 found[statement.stream] = Stream((sent,), "rank")
@@ -99,7 +114,11 @@ def _digit(domain: ir.Domain, board: Board) -> Digit:
 def _body(who: ir.Expr, board: Board) -> Digit:
     """Returns the place of the number of an agent or a mover."""
     sort = body_sort(who)
-    return Digit("fixed", movers_named(board.game, sort.name).number) if sort.what == "mover" else Digit("agent", board.agents)
+    return (
+        Digit("fixed", movers_named(board.game, sort.name).number)
+        if sort.what == "mover"
+        else Digit("agent", board.agents)
+    )
 
 
 def _everybody(domain: ir.Domain, board: Board) -> Digit:
@@ -108,7 +127,9 @@ def _everybody(domain: ir.Domain, board: Board) -> Digit:
     return Digit("cell", members.everybody(domain, board), domain.var.kinds)
 
 
-def renumbered(number: int, digits: tuple[Digit, ...], game: ir.Game, changed: ir.Game, s: Symmetry) -> int:
+def renumbered(
+    number: int, digits: tuple[Digit, ...], game: ir.Game, changed: ir.Game, s: Symmetry
+) -> int:
     """Returns the number that the same instance has under a symmetry."""
     values = []
     for digit in reversed(digits):

@@ -60,23 +60,38 @@ class Symmetry:
         if name not in STEPS:
             return name
         direction = STEPS.index(name)
-        return STEPS[(-direction if self.mirror else direction) % 4] if relative else STEPS[self.heading(direction)]
+        return (
+            STEPS[(-direction if self.mirror else direction) % 4]
+            if relative
+            else STEPS[self.heading(direction)]
+        )
 
     def number(self, action: int, game: ir.Game) -> int:
         """Returns the action that asks for the agents under their new numbers: `vote(2)` for `vote(0)` where agent 0 is agent 2 now."""
         for declared in game.agents.with_arguments:
             if action in declared.numbers:
-                at = np.unravel_index(action - declared.first, [argument.count for argument in declared.arguments])
+                at = np.unravel_index(
+                    action - declared.first, [argument.count for argument in declared.arguments]
+                )
                 agents = [argument.type.kind == "agent" for argument in declared.arguments]
-                place = [self.order[int(i)] if is_agent else int(i) for i, is_agent in zip(at, agents, strict=True)]
-                return declared.first + int(np.ravel_multi_index(place, [argument.count for argument in declared.arguments]))
+                place = [
+                    self.order[int(i)] if is_agent else int(i)
+                    for i, is_agent in zip(at, agents, strict=True)
+                ]
+                return declared.first + int(
+                    np.ravel_multi_index(place, [argument.count for argument in declared.arguments])
+                )
         return action
 
     def rows(self, rows: tuple[str, ...]) -> tuple[str, ...]:
         """Returns a map as it looks then."""
-        glyphs = {self.cell((r, c)): glyph for r, row in enumerate(rows) for c, glyph in enumerate(row)}
+        glyphs = {
+            self.cell((r, c)): glyph for r, row in enumerate(rows) for c, glyph in enumerate(row)
+        }
         height, width = max(glyphs)
-        return tuple("".join(glyphs[Cell(r, c)] for c in range(width + 1)) for r in range(height + 1))
+        return tuple(
+            "".join(glyphs[Cell(r, c)] for c in range(width + 1)) for r in range(height + 1)
+        )
 
 
 def still(game: ir.Game) -> Symmetry:
@@ -97,10 +112,21 @@ def moved_on(game: ir.Game, random: Random) -> Symmetry:
     """Returns a map that wraps moved down and to the right."""
     assert game.wraps
     size = (len(game.rows), len(game.rows[0]))
-    return Symmetry(*size, tuple(range(game.agents.number)), down=random.randrange(size[0]), right=random.randrange(1, 1 + size[1]))
+    return Symmetry(
+        *size,
+        tuple(range(game.agents.number)),
+        down=random.randrange(size[0]),
+        right=random.randrange(1, 1 + size[1]),
+    )
 
 
 def turns(game: ir.Game) -> Iterator[Symmetry]:
     """Yields the seven ways to mirror and turn a map."""
     for number in range(1, 8):
-        yield Symmetry(len(game.rows), len(game.rows[0]), tuple(range(game.agents.number)), number >= 4, number % 4)
+        yield Symmetry(
+            len(game.rows),
+            len(game.rows[0]),
+            tuple(range(game.agents.number)),
+            number >= 4,
+            number % 4,
+        )

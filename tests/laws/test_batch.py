@@ -34,13 +34,19 @@ def parts(game: ir.Game, random: Random) -> str:
     batch = jax.jit(jax.vmap(env._step), compiler_options=QUICK)
     states = [numpy_state(alone, crowded(game, random)) for _ in range(TOGETHER)]
     last = alone.module.episode_length(alone.params) - 2
-    states[1] = states[1].replace(step=np.int32(last))  # this one ends in the second step, and begins anew
+    states[1] = states[1].replace(
+        step=np.int32(last)
+    )  # this one ends in the second step, and begins anew
     names = list(vars(states[0]))
-    together = env.module.initial_state().replace(**{n: np.stack([np.asarray(vars(s)[n]) for s in states]) for n in names})
+    together = env.module.initial_state().replace(
+        **{n: np.stack([np.asarray(vars(s)[n]) for s in states]) for n in names}
+    )
     for number in range(STEPS):
         keys = np.array([[random.getrandbits(32) for _ in range(2)] for _ in states], np.uint32)
         actions = np.array([some_actions(game, random) for _ in states], np.int32)
-        seen, together, reward, done, info = jax.tree.map(np.asarray, batch(keys, together, actions))
+        seen, together, reward, done, info = jax.tree.map(
+            np.asarray, batch(keys, together, actions)
+        )
         info["terminal_state"] = vars(info["terminal_state"])
         for one, words in enumerate(keys.tolist()):
             wanted, state = _alone(alone, tuple(words), states[one], actions[one].tolist())
@@ -65,7 +71,11 @@ def _differing(wanted: Any, got: Any) -> str:
     assert [path for path, _ in left] == [path for path, _ in right]
     for (path, a), (_, b) in zip(left, right, strict=True):
         a, b = np.asarray(a), np.asarray(b)
-        same = np.allclose(a, b, **CLOSE, equal_nan=True) if b.dtype.kind == "f" else np.array_equal(a, b)
+        same = (
+            np.allclose(a, b, **CLOSE, equal_nan=True)
+            if b.dtype.kind == "f"
+            else np.array_equal(a, b)
+        )
         if not same:
             return f"{jax.tree_util.keystr(path)}: {a.tolist()} / {b.tolist()}"
     return ""

@@ -23,7 +23,9 @@ Task = tuple[str, str]
 
 def tasks() -> list[Task]:
     """Returns games with a variant, and random programs by seed, among them some that are refused."""
-    return [(name, variant) for name in NINE for variant in VARIANTS] + [(str(seed), "") for seed in RANDOM]
+    return [(name, variant) for name in NINE for variant in VARIANTS] + [
+        (str(seed), "") for seed in RANDOM
+    ]
 
 
 def compiled(task: Task) -> str:
@@ -44,10 +46,24 @@ def compiled(task: Task) -> str:
 def fresh(hash_seed: int) -> dict[Task, str]:
     """Returns what a process of its own makes of all tasks, with another order of sets."""
     code = "from tests.laws.test_compile_order import compiled, tasks\nfor t in tasks(): print(*t, compiled(t), sep=',')"
-    there = {**os.environ, "PYTHONHASHSEED": str(hash_seed), "PYTHONPATH": os.pathsep.join(sys.path)}
+    there = {
+        **os.environ,
+        "PYTHONHASHSEED": str(hash_seed),
+        "PYTHONPATH": os.pathsep.join(sys.path),
+    }
     root = Path(__file__).parents[2]
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=there, cwd=root, check=True)
-    return {(name, variant): digest for name, variant, digest in (line.split(",") for line in done.stdout.splitlines())}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        env=there,
+        cwd=root,
+        check=True,
+    )
+    return {
+        (name, variant): digest
+        for name, variant, digest in (line.split(",") for line in done.stdout.splitlines())
+    }
 
 
 @pytest.mark.thorough

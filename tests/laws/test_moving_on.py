@@ -29,11 +29,20 @@ def test_random_programs() -> None:
 
 def test_a_map_with_edges_is_not_the_same_everywhere() -> None:
     """The law tells: what is looked at as if it wrapped, and does not, is found out."""
-    tried = trials(random_games(FEW), lambda game, random: moved_on(joined(game), random), steps=6, compiled=False)
+    tried = trials(
+        random_games(FEW),
+        lambda game, random: moved_on(joined(game), random),
+        steps=6,
+        compiled=False,
+    )
     assert tried.fault
 
 
-@pytest.mark.parametrize("look", [moved_on, lambda game, random: random.choice(list(turns(game)))], ids=["moved", "turned"])
+@pytest.mark.parametrize(
+    "look",
+    [moved_on, lambda game, random: random.choice(list(turns(game)))],
+    ids=["moved", "turned"],
+)
 def test_all_that_looks_round_the_edges(look) -> None:
     """Lanes, discs, distances, pushes and movers of a small map, also where two ways round it are equally long."""
     game = build(read_source(CASE)).game

@@ -44,7 +44,9 @@ def test_nine_games(name: str, tmp_path: Path) -> None:
         if re.search(r"^\s*schedule", text, re.MULTILINE):
             text = with_rules(Source(path.name, text, tmp_path)).text
         (tmp_path / path.name).write_text(text, encoding="utf-8")
-    more = build(Source(f"{name}.sj", (tmp_path / f"{name}.sj").read_text(encoding="utf-8"), tmp_path)).game
+    more = build(
+        Source(f"{name}.sj", (tmp_path / f"{name}.sj").read_text(encoding="utf-8"), tmp_path)
+    ).game
     assert not parts(game_of(name), more, Random(name))
 
 

@@ -28,7 +28,12 @@ class Start:
 def start_of(game: ir.Game, random: Random, steps: int) -> Start:
     """Returns a random beginning."""
     keys = [(random.getrandbits(32), random.getrandbits(32)) for _ in range(steps)]
-    return Start(crowded(game, random), keys, [some_actions(game, random) for _ in keys], random.random() < 0.7)
+    return Start(
+        crowded(game, random),
+        keys,
+        [some_actions(game, random) for _ in keys],
+        random.random() < 0.7,
+    )
 
 
 def trajectory(game: ir.Game, start: Start, world: World | None = None) -> list[Any]:
@@ -42,9 +47,19 @@ def trajectory(game: ir.Game, start: Start, world: World | None = None) -> list[
         for words, actions in zip(start.keys, start.actions, strict=True):
             state, reward, done, info = env.advance(words, state, actions)
             planes = [p.name for p in env.token_planes]
-            view = dict(zip(planes, np.moveaxis(np.asarray(env._observe(state)), 1, 0), strict=True))
+            view = dict(
+                zip(planes, np.moveaxis(np.asarray(env._observe(state)), 1, 0), strict=True)
+            )
             allowed = env.module.allowed_actions(state, env.params)
-            seen.append({"state": plain(env, state), "seen": view, "given": (reward, done), "info": info, "allowed": allowed})
+            seen.append(
+                {
+                    "state": plain(env, state),
+                    "seen": view,
+                    "given": (reward, done),
+                    "info": info,
+                    "allowed": allowed,
+                }
+            )
             if done:
                 state = env.begin(words)
     return seen
@@ -56,20 +71,31 @@ def parting(mine: list[Any], theirs: list[Any]) -> str:
         for name, wanted in a.items():
             other = b[name]
             if isinstance(wanted, dict):  # what is kept of a state depends on what rules read
-                wanted, other = ({k: v for k, v in x.items() if k in wanted and k in other} for x in (wanted, other))
+                wanted, other = (
+                    {k: v for k, v in x.items() if k in wanted and k in other}
+                    for x in (wanted, other)
+                )
             for x, y in zip(jax.tree.leaves(wanted), jax.tree.leaves(other), strict=True):
-                if not np.array_equal(np.asarray(x), np.asarray(y), equal_nan=np.asarray(x).dtype.kind == "f"):
+                if not np.array_equal(
+                    np.asarray(x), np.asarray(y), equal_nan=np.asarray(x).dtype.kind == "f"
+                ):
                     return f"step {number}, {name}: {np.asarray(x).tolist()} / {np.asarray(y).tolist()}"
     return ""
 
 
 def _enliven(env: OnNumPy) -> None:
     """Makes half of the words of a module small, by as much as they say themselves."""
-    drawn = {name: getattr(env.module, name) for name in ("random_bits", "random_bits_at") if hasattr(env.module, name)}
+    drawn = {
+        name: getattr(env.module, name)
+        for name in ("random_bits", "random_bits_at")
+        if hasattr(env.module, name)
+    }
     for name, function in drawn.items():
 
         def lively(*given: Any, function: Any = function) -> Any:
             word = np.asarray(function(*given))
-            return numpy_jax.as_array(np.where(word & np.uint32(32) != 0, word >> (word & np.uint32(31)), word))
+            return numpy_jax.as_array(
+                np.where(word & np.uint32(32) != 0, word >> (word & np.uint32(31)), word)
+            )
 
         setattr(env.module, name, lively)

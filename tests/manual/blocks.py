@@ -7,7 +7,11 @@ from pathlib import Path
 
 MANUAL = Path(__file__).parents[2] / "docs" / "language.md"
 CORNERS = Path(__file__).parent / "corners.md"  # what the manual says and does not show
-BESIDE = (MANUAL.parent / "tour.md", MANUAL.parent / "recipes.md", CORNERS)  # pages whose examples are tested in the same way
+BESIDE = (
+    MANUAL.parent / "tour.md",
+    MANUAL.parent / "recipes.md",
+    CORNERS,
+)  # pages whose examples are tested in the same way
 _FENCE = re.compile(r"^```(\w*)[ \t]*([^\n]*)\n(.*?)^```[ \t]*$", re.MULTILINE | re.DOTALL)
 _WRAPPER = 'sj 1\ngame example extends "{frame}.sj" {{\n'
 
@@ -47,7 +51,11 @@ def read_blocks(page: Path) -> list[Block]:
     found, text = [], page.read_text(encoding="utf-8")
     for match in _FENCE.finditer(text):
         info = dict(part.split("=", 1) for part in match.group(2).split())
-        found.append(Block(match.group(1), info, match.group(3), text.count("\n", 0, match.start(3)) + 1, page))
+        found.append(
+            Block(
+                match.group(1), info, match.group(3), text.count("\n", 0, match.start(3)) + 1, page
+            )
+        )
     return found
 
 

@@ -73,12 +73,18 @@ class Play:
     def chosen(self, name: str) -> list[str]:
         """Returns what each agent would do under a policy of the file, no move of it drawn."""
         policy = next(p for p in self.game.policies if p.name == name)
-        return [self.game.agents.actions[choose(policy, self.game, self.world, agent, STEADY)] for agent in range(self.board.agents)]
+        return [
+            self.game.agents.actions[choose(policy, self.game, self.world, agent, STEADY)]
+            for agent in range(self.board.agents)
+        ]
 
     def _compare(self, found: Sequence[str] = ()) -> None:
         assert self.env is not None
         with np.errstate(all="ignore"):
-            seen, allowed = self.env._observe(self.state), self.env.module.allowed_actions(self.state, self.env.params)
+            seen, allowed = (
+                self.env._observe(self.state),
+                self.env.module.allowed_actions(self.state, self.env.params),
+            )
         found = [*found, *state_differences(self.env, self.state, self.world, seen, allowed)]
         assert not found, found
 

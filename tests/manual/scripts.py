@@ -28,7 +28,9 @@ _MEAN = re.compile(r"mean (.+?) = (.+) within ([\d.]+)")
 _SHARE = re.compile(r"share (.+?) is (\w+) = (.+) within ([\d.]+)")
 _COUNT = re.compile(r"count (.+?) is (\w+) = (\d+)")
 _EQUAL = re.compile(r"(equal|unequal) (\w+): (.+)")
-_SEES = re.compile(r"agent (\d+) sees (.+?)(?: (\d+) (ahead|behind))?(?: (\d+) (left|right))? = (.+)")
+_SEES = re.compile(
+    r"agent (\d+) sees (.+?)(?: (\d+) (ahead|behind))?(?: (\d+) (left|right))? = (.+)"
+)
 _LABELS = re.compile(r"labels (.+?) = (.+)")
 
 
@@ -72,9 +74,17 @@ def given_params(game: ir.Game, given: dict[str, str]) -> dict[str, Any]:
     for path, text in given.items():
         name, *words = re.findall(r"\w+", path)
         declared = next(p for p in game.params if p.name == name)
-        value = text if declared.type.kind == "word" else np.float32(text) if declared.type.kind == "real" else int(text)
+        value = (
+            text
+            if declared.type.kind == "word"
+            else np.float32(text)
+            if declared.type.kind == "real"
+            else int(text)
+        )
         values[name] = _replaced(
-            values.get(name, declared.value), [by.place_of(w) for by, w in zip(declared.type.by, words, strict=True)], value
+            values.get(name, declared.value),
+            [by.place_of(w) for by, w in zip(declared.type.by, words, strict=True)],
+            value,
         )
     return values
 
@@ -98,11 +108,17 @@ class Gathered:
     def check(self) -> None:
         for line, (wanted, allowance, seen) in self.seen.items():
             means = np.mean(np.array(seen, float), axis=0)
-            assert len(wanted) == len(means), f"line {line}: {len(means)} values, {len(wanted)} are written"
-            assert np.all(np.abs(means - wanted) <= allowance), f"line {line}: the mean is {means.tolist()}, not {wanted}"
+            assert len(wanted) == len(means), (
+                f"line {line}: {len(means)} values, {len(wanted)} are written"
+            )
+            assert np.all(np.abs(means - wanted) <= allowance), (
+                f"line {line}: the mean is {means.tolist()}, not {wanted}"
+            )
 
 
-def perform(script: Script, play: Play, other: Callable[[str, int, int], Play], most_runs: int = 1000) -> None:
+def perform(
+    script: Script, play: Play, other: Callable[[str, int, int], Play], most_runs: int = 1000
+) -> None:
     """Plays a script and compares; means over the runs only if all of them are played.
 
     other: (name of an example, its seed, steps of rest) -> the play of that example, for `equal`.
@@ -121,7 +137,9 @@ def perform(script: Script, play: Play, other: Callable[[str, int, int], Play], 
             elif equal := _EQUAL.fullmatch(text):
                 there, path = other(equal.group(2), run, steps), equal.group(3)
                 same = values_of(play, path) == values_of(there, path)
-                assert same == (equal.group(1) == "equal"), f"line {line}: {path} {values_of(play, path)}"
+                assert same == (equal.group(1) == "equal"), (
+                    f"line {line}: {path} {values_of(play, path)}"
+                )
             else:
                 _check(text, line, play, gathered)
     if script.runs <= most_runs:
@@ -130,9 +148,15 @@ def perform(script: Script, play: Play, other: Callable[[str, int, int], Play], 
 
 def _actions(play: Play, text: str, line: int) -> list[int]:
     """Returns the numbers of actions; the name of a policy stands for what it chooses."""
-    names, policies = split_actions(text) if text else [], {policy.name for policy in play.game.policies}
+    names, policies = (
+        split_actions(text) if text else [],
+        {policy.name for policy in play.game.policies},
+    )
     assert len(names) in (0, play.board.agents), f"line {line}: an action for each agent, or none"
-    names = [play.chosen(name)[agent] if name in policies else name for agent, name in enumerate(names or ["stay"] * play.board.agents)]
+    names = [
+        play.chosen(name)[agent] if name in policies else name
+        for agent, name in enumerate(names or ["stay"] * play.board.agents)
+    ]
     return [play.game.agents.actions.index(name) for name in names]
 
 
@@ -140,10 +164,14 @@ def _check(text: str, line: int, play: Play, gathered: Gathered) -> None:
     """Compares one line with the play, or remembers it for the mean over the runs."""
     if text.startswith("after "):
         drawn = play.drawn()
-        assert drawn == _TEXT.findall(text), f"line {line}: the map is " + " ".join(f'"{row}"' for row in drawn)
+        assert drawn == _TEXT.findall(text), f"line {line}: the map is " + " ".join(
+            f'"{row}"' for row in drawn
+        )
     elif mean := _MEAN.fullmatch(text):
         values = [float(v) for v in values_of(play, mean.group(1))]
-        gathered.add(line, [float(v) for v in mean.group(2).split(",")], float(mean.group(3)), values)
+        gathered.add(
+            line, [float(v) for v in mean.group(2).split(",")], float(mean.group(3)), values
+        )
     elif share := _SHARE.fullmatch(text):
         values = values_of(play, share.group(1))
         part = sum(_text(v) == share.group(2) for v in values) / len(values)
@@ -155,7 +183,9 @@ def _check(text: str, line: int, play: Play, gathered: Gathered) -> None:
         _check_seen(sees, line, play)
     elif labels := _LABELS.fullmatch(text):
         found = list(plane_named(play.game, labels.group(1))[1])
-        assert found == [x.strip() for x in labels.group(2).split("|")], f"line {line}: {' | '.join(found)}"
+        assert found == [x.strip() for x in labels.group(2).split("|")], (
+            f"line {line}: {' | '.join(found)}"
+        )
     else:
         path, equals, wanted = text.partition(" = ")
         assert equals, f"line {line}: not understood: {text}"
@@ -164,14 +194,18 @@ def _check(text: str, line: int, play: Play, gathered: Gathered) -> None:
 
 def plane_named(game: ir.Game, name: str) -> tuple[int, tuple[str, ...]]:
     """Returns the number and labels of a plane of an observation."""
-    return next((number, plane.labels) for number, plane in enumerate(planes(game)) if plane.name == name)
+    return next(
+        (number, plane.labels) for number, plane in enumerate(planes(game)) if plane.name == name
+    )
 
 
 def _compare(line: int, values: list[str], wanted: str) -> None:
     listed = [w.strip() for w in re.split(r",(?![^{]*\})", wanted)]
     if listed[0].startswith("all "):
         listed = [listed[0].removeprefix("all ")] * len(values)
-    same = len(values) == len(listed) and all(_same(v, w) for v, w in zip(values, listed, strict=True))
+    same = len(values) == len(listed) and all(
+        _same(v, w) for v, w in zip(values, listed, strict=True)
+    )
     assert same, f"line {line}: {', '.join(values)} (written: {wanted})"
 
 
@@ -255,7 +289,9 @@ def _check_seen(seen: re.Match[str], line: int, play: Play) -> None:
     column = play.game.window.left + (int(columns) if side == "right" else -int(columns or 0))
     value = int(play.seen()[int(agent), number, row, column])
     if plane == "marks":
-        shown = " and ".join(label for bit, label in enumerate(labels) if value >> bit & 1) or "none"
+        shown = (
+            " and ".join(label for bit, label in enumerate(labels) if value >> bit & 1) or "none"
+        )
     else:
         shown = labels[value] if labels else str(value)
     assert shown == wanted, f"line {line}: {shown}"

@@ -8,11 +8,19 @@ from .blocks import MANUAL
 from .test_coverage import WORDS_OF_RULES
 
 TEXT = (MANUAL.parent / "cheatsheet.md").read_text(encoding="utf-8")
-SEEN = set(re.findall(r"[a-z_]+", "\n".join(re.findall(r"^```text\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL))))
+SEEN = set(
+    re.findall(
+        r"[a-z_]+", "\n".join(re.findall(r"^```text\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL))
+    )
+)
 
 
 def test_every_word_of_the_language_is_on_the_sheet():
-    words = {t.pattern.value for t in parser().terminals if t.pattern.type == "str" and t.pattern.value.isalpha()}
+    words = {
+        t.pattern.value
+        for t in parser().terminals
+        if t.pattern.type == "str" and t.pattern.value.isalpha()
+    }
     assert sorted(words - SEEN) == []
 
 

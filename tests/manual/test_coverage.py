@@ -61,7 +61,9 @@ def parts(alternatives: Iterable[str]) -> set[tuple[str, str]]:
 
 def test_every_part_of_every_grammar_rule_is_in_an_executed_example():
     grammar, _ = executed()
-    assert sorted(parts(grammar.alternatives) - parts(grammar.used)) == [("start", "DEC")], "`sj 1.1`, which nobody is to write"
+    assert sorted(parts(grammar.alternatives) - parts(grammar.used)) == [("start", "DEC")], (
+        "`sj 1.1`, which nobody is to write"
+    )
 
 
 def test_every_keyword_and_sign_is_in_an_executed_example():
@@ -100,25 +102,40 @@ def section(title: str) -> str:
 def table(heading: str) -> list[list[str]]:
     """Returns the rows of the table whose first row begins with a heading, as texts."""
     lines = text().split(f"\n| {heading} |")[1].split("\n\n")[0].splitlines()
-    return [[cell.strip(" *") for cell in line.strip("|").split("|")] for line in (f"| {heading} |{lines[0]}", *lines[2:])]
+    return [
+        [cell.strip(" *") for cell in line.strip("|").split("|")]
+        for line in (f"| {heading} |{lines[0]}", *lines[2:])
+    ]
 
 
 def test_the_reserved_words_are_those_of_the_grammar():
     words = {t.name: t.pattern.value for t in parser().terminals if t.pattern.value.isalpha()}
-    taken, soft = section("24. Words that are taken").split("cannot be names:")[1].split("These have")[0].split("These were added")
-    assert sorted(re.findall(r"`(\w+)`", taken)) == sorted(word for kind, word in words.items() if kind not in SOFT)
+    taken, soft = (
+        section("24. Words that are taken")
+        .split("cannot be names:")[1]
+        .split("These have")[0]
+        .split("These were added")
+    )
+    assert sorted(re.findall(r"`(\w+)`", taken)) == sorted(
+        word for kind, word in words.items() if kind not in SOFT
+    )
     assert sorted(re.findall(r"`(\w+)`", soft)) == sorted(words[kind] for kind in SOFT)
 
 
 def test_the_names_with_a_meaning_are_those_of_the_compiler():
-    listed = section("24. Words that are taken").split("These have a fixed meaning")[1].split("\n\n")[1]
+    listed = (
+        section("24. Words that are taken").split("These have a fixed meaning")[1].split("\n\n")[1]
+    )
     keywords = {t.pattern.value for t in parser().terminals}
     assert set(re.findall(r"`(\w+)`", listed)) == set(declarations.RESERVED_VARIABLES) - keywords
 
 
 def test_every_code_is_listed_with_its_title():
     listed = re.findall(r"`(SJ\d+)` (.*?) (?:·|\|$)", section("22. Errors"), re.MULTILINE)
-    wanted = [(code, error.title + " (warning)" * (error.severity == "warning")) for code, error in all_codes().items()]
+    wanted = [
+        (code, error.title + " (warning)" * (error.severity == "warning"))
+        for code, error in all_codes().items()
+    ]
     assert listed == wanted
 
 
@@ -151,13 +168,17 @@ IMPLIED = {"MAX_MAP_CELLS"}  # by the rows and columns
 
 
 def test_the_limits_are_those_of_the_compiler():
-    assert {row[0]: int(row[1]) for row in table("limit")[1:]} == {row: getattr(limits, name) for row, name in LIMITS.items()}
+    assert {row[0]: int(row[1]) for row in table("limit")[1:]} == {
+        row: getattr(limits, name) for row, name in LIMITS.items()
+    }
     for name in IN_WORDS:
         assert f"{getattr(limits, name):,}" in section("23. Limits"), name
 
 
 def test_every_limit_of_the_compiler_is_told():
-    assert {name for name in vars(limits) if name.startswith("MAX_")} == {*LIMITS.values()} | IN_WORDS | IMPLIED
+    assert {name for name in vars(limits) if name.startswith("MAX_")} == {
+        *LIMITS.values()
+    } | IN_WORDS | IMPLIED
     assert limits.MAX_MAP_CELLS == limits.MAX_MAP_SIDE**2
 
 
@@ -175,25 +196,40 @@ def test_the_tables_of_units_are_those_of_the_compiler(sign, unit_of):
 
 
 def test_every_link_leads_somewhere():
-    headings = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", text(), flags=re.MULTILINE | re.DOTALL), re.MULTILINE)
+    headings = re.findall(
+        r"^#+ (.*)$",
+        re.sub(r"^```.*?^```", "", text(), flags=re.MULTILINE | re.DOTALL),
+        re.MULTILINE,
+    )
     anchors = {"#" + re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings}
     for link in re.findall(r"\]\(([^)]+)\)", text()):
-        assert link in anchors or (link[0] != "#" and (MANUAL.parent / link.partition("#")[0]).is_file()), link
+        assert link in anchors or (
+            link[0] != "#" and (MANUAL.parent / link.partition("#")[0]).is_file()
+        ), link
 
 
 def sections() -> dict[str, str]:
     """Returns the text of each section of the manual, without its subsections, by its anchor."""
     parts = re.split(r"^##+ (.*)$", text(), flags=re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-"): part for title, part in zip(parts[1::2], parts[2::2], strict=True)}
+    return {
+        re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-"): part
+        for title, part in zip(parts[1::2], parts[2::2], strict=True)
+    }
 
 
 def test_every_section_begins_with_what_it_is_for():
-    assert [anchor for anchor, part in sections().items() if not part.lstrip().startswith("To ")] == []
+    assert [
+        anchor for anchor, part in sections().items() if not part.lstrip().startswith("To ")
+    ] == []
 
 
 def test_the_index_has_every_word_and_leads_to_where_it_stands():
     entries = [entry for row in table("letter") for entry in row[1].split(" · ") if "](" in entry]
-    words = {t.pattern.value for t in parser().terminals if t.pattern.type == "str" and t.pattern.value.isalpha()}
+    words = {
+        t.pattern.value
+        for t in parser().terminals
+        if t.pattern.type == "str" and t.pattern.value.isalpha()
+    }
     found = {name for entry in entries for name in named(entry.split("`")[1])}
     assert words.union(*WORDS_OF_RULES.values()) - found == set()
     for entry in entries:

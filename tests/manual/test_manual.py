@@ -23,7 +23,9 @@ from .scripts import given_params, perform, read_script
 
 def chosen(wanted: Callable[[Example], bool]) -> pytest.MarkDecorator:
     """Returns the parametrisation of a test over the examples wanted."""
-    return pytest.mark.parametrize("example", [pytest.param(e, id=e.name) for e in examples() if wanted(e)])
+    return pytest.mark.parametrize(
+        "example", [pytest.param(e, id=e.name) for e in examples() if wanted(e)]
+    )
 
 
 def source_of(example: Example, folder: Path) -> Source:
@@ -51,7 +53,9 @@ def test_example_compiles(example, folder):
 @chosen(lambda e: bool(e.said("error")))
 def test_example_is_refused(example, folder):
     for block in example.said("error"):
-        variants = tuple(v for v in re.findall(r"^variant (\S+)", block.text, re.MULTILINE) for v in v.split("+"))
+        variants = tuple(
+            v for v in re.findall(r"^variant (\S+)", block.text, re.MULTILINE) for v in v.split("+")
+        )
         with pytest.raises(CompileError) as refused:
             compile_build(build(source_of(example, folder), variants), source_of(example, folder))
         compare(example, [d for d in refused.value.diagnostics if d.severity == "error"], (block,))
@@ -63,7 +67,9 @@ def test_errors_look_as_the_manual_shows_them(folder):
     for block in shown:
         example = next(e for e in examples() if e.name == block.info["shown"])
         source = source_of(example, folder)
-        assert render(check(source), {source.name: source}, colour=False).strip() == block.text.strip()
+        assert (
+            render(check(source), {source.name: source}, colour=False).strip() == block.text.strip()
+        )
 
 
 @pytest.mark.thorough
@@ -108,6 +114,11 @@ def test_compiled_example_on_numpy_equals_the_interpreted(example, folder):
         script = read_script(block)
         made = built(example, folder, script.variants)
         text = compile_build(made, source_of(example, folder))
-        perform(script, Play(made, given_params(made.game, script.params), text), partial(rest, folder), most_runs=3)
+        perform(
+            script,
+            Play(made, given_params(made.game, script.params), text),
+            partial(rest, folder),
+            most_runs=3,
+        )
     if not example.said("result"):
         compile_build(built(example, folder), source_of(example, folder))

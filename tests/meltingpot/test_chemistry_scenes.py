@@ -11,8 +11,22 @@ from sjdsl.testing import Scene, Stage
 
 RINGS = ("xa", "xb", "xc", "ya", "yb", "yc", "za", "zb", "zc")
 FOOD = ("food1", "food2", "food3")
-CLASSES = {"a": "high", "b": "high", "c": "high", "damp": "high", "waste": "medium", "food": "medium", "lure": "medium", "energy": "low"}
-LEVELS = {"background": 0.0, "low": 0.2, "medium": 0.5, "high": 0.9}  # apart from each other, for tests that count
+CLASSES = {
+    "a": "high",
+    "b": "high",
+    "c": "high",
+    "damp": "high",
+    "waste": "medium",
+    "food": "medium",
+    "lure": "medium",
+    "energy": "low",
+}
+LEVELS = {
+    "background": 0.0,
+    "low": 0.2,
+    "medium": 0.5,
+    "high": 0.9,
+}  # apart from each other, for tests that count
 NEVER = dict.fromkeys(LEVELS, 0.0)
 LOOKS = {
     **{"X": "dish mol=x", "Y": "dish mol=y", "i": "dish mol=ix", "j": "dish mol=iy"},
@@ -21,7 +35,13 @@ LOOKS = {
 STAGE = Stage("chemistry", ("~~~~~", "~~~~~", "~~~~~"), 1, looks=LOOKS, interpreted=True)
 
 
-def put(*picture: str, seed: int = 0, ground: str = "", carried: str = "", fields: dict[str, Any] | None = None) -> Scene:
+def put(
+    *picture: str,
+    seed: int = 0,
+    ground: str = "",
+    carried: str = "",
+    fields: dict[str, Any] | None = None,
+) -> Scene:
     """Returns a scene in which molecules of one sort surely react, on the ground or carried, and no others."""
     rates = {
         table: {c: float(CLASSES.get(sort) == c) for c in set(CLASSES.values())}
@@ -36,23 +56,32 @@ def counted(scene: Scene) -> Counter[str]:
     return Counter(m for m in scene.value("dish.mol") if m != "empty")
 
 
-@pytest.mark.parametrize(("first", "second", "ring"), [("a", "b", "x"), ("1", "2", "y"), ("4", "5", "z")])
+@pytest.mark.parametrize(
+    ("first", "second", "ring"), [("a", "b", "x"), ("1", "2", "y"), ("4", "5", "z")]
+)
 def test_a_ring_makes_food(first: str, second: str, ring: str) -> None:
     """a, b and an empty cell become b, c and food, each in its place; for one step they are hot."""
     scene = put("~~~~^", f"~{first}{second}~~", "~~~~~", ground="a").step()
     assert counted(scene) == Counter({"hot": 3})
     scene.step()
-    assert counted(scene) == Counter({f"{ring}b": 1, f"{ring}c": 1, dict(zip("xyz", FOOD, strict=True))[ring]: 1})
+    assert counted(scene) == Counter(
+        {f"{ring}b": 1, f"{ring}c": 1, dict(zip("xyz", FOOD, strict=True))[ring]: 1}
+    )
     assert scene.value("dish.mol")[6:8] == [f"{ring}b", f"{ring}c"]
 
 
-@pytest.mark.parametrize(("second", "third", "ring", "left"), [("b", "c", "x", 1), ("2", "3", "y", 1), ("5", "6", "z", 0)])
+@pytest.mark.parametrize(
+    ("second", "third", "ring", "left"),
+    [("b", "c", "x", 1), ("2", "3", "y", 1), ("5", "6", "z", 0)],
+)
 def test_a_ring_needs_energy(second: str, third: str, ring: str, left: int) -> None:
     """b, c and energy become c, a and energy; the third ring uses it up."""
     scene = put("~~~~^", f"~{second}{third}~~", "~~~~~", ground="b").step("", 2)
     assert counted(scene) == Counter({f"{ring}b": 1, f"{ring}c": 1})
     scene = put("~h~~^", f"~{second}{third}~~", "~~~~~", ground="b").step("", 2)
-    assert counted(scene) == Counter({f"{ring}c": 1, f"{ring}a": 1} | ({"energy": 1} if left else {}))
+    assert counted(scene) == Counter(
+        {f"{ring}c": 1, f"{ring}a": 1} | ({"energy": 1} if left else {})
+    )
 
 
 @pytest.mark.parametrize(
@@ -76,7 +105,12 @@ def test_only_what_lies_beside_each_other_reacts() -> None:
 @pytest.mark.parametrize(
     ("pair", "sort", "left"),
     [
-        *(("XY", "waste", {"energy": 2}), ("Xi", "waste", {}), ("Xi", "damp", {}), ("Xj", "waste", {"x": 1, "iy": 1})),
+        *(
+            ("XY", "waste", {"energy": 2}),
+            ("Xi", "waste", {}),
+            ("Xi", "damp", {}),
+            ("Xj", "waste", {"x": 1, "iy": 1}),
+        ),
         *(("ii", "damp", {}), ("ij", "damp", {"ix": 1, "iy": 1}), ("XX", "waste", {"x": 2})),
     ],
 )
@@ -93,7 +127,9 @@ def test_what_is_lost_by_itself(sign: str, sort: str) -> None:
 @pytest.mark.parametrize(("food", "pay"), [("food1", 1), ("food2", 1), ("food3", 10)])
 def test_carried_food_is_digested_and_pays(food: str, pay: int) -> None:
     scene = put("~~~~~", "~~^~~", "~~~~~", carried="food", fields={"agent.mol": [food]})
-    scene.step().has({"agent.mol": "hot", "reward": 0, "allowed forward": False, "allowed exchange": False})
+    scene.step().has(
+        {"agent.mol": "hot", "reward": 0, "allowed forward": False, "allowed exchange": False}
+    )
     scene.step("forward").has({"agent.mol": "empty", "reward": pay, "allowed forward": True})
     assert scene.places() == [(1, 2)]
 
@@ -103,24 +139,38 @@ def test_food_on_the_ground_goes_first_and_pays_nobody() -> None:
     scene = put("~~~~~", "~f^f~", "~~~~~", carried="food", fields=carrying).step()
     assert counted(scene) == Counter({"hot": 1, "food1": 1})
     scene.step().has({"agent.mol": "food1", "reward": 0})
-    put("~~~~~", "~g^~~", "~~~~~", carried="food", fields=carrying).step("", 2).has({"agent.mol": "empty", "reward": 1})
+    put("~~~~~", "~g^~~", "~~~~~", carried="food", fields=carrying).step("", 2).has(
+        {"agent.mol": "empty", "reward": 1}
+    )
 
 
 def test_who_carries_waste_is_paid_for_energy() -> None:
     carrying = {"agent.mol": ["x"]}
-    scene = put("~~~~~", "~~^Y~", "~~~~~", carried="waste", fields=carrying).step("", 2).has({"agent.mol": "energy", "reward": 10})
+    scene = (
+        put("~~~~~", "~~^Y~", "~~~~~", carried="waste", fields=carrying)
+        .step("", 2)
+        .has({"agent.mol": "energy", "reward": 10})
+    )
     assert counted(scene) == Counter({"energy": 1})
-    put("~~~~~", "~X^Y~", "~~~~~", carried="waste", fields=carrying).step("", 2).has({"agent.mol": "x", "reward": 0})
+    put("~~~~~", "~X^Y~", "~~~~~", carried="waste", fields=carrying).step("", 2).has(
+        {"agent.mol": "x", "reward": 0}
+    )
 
 
 def test_a_carried_distractor_pays_a_little_and_stays() -> None:
-    scene = put("~~~~~", "~~^~~", "~~~~~", carried="lure", fields={"agent.mol": ["lure"]}).step("", 2)
+    scene = put("~~~~~", "~~^~~", "~~~~~", carried="lure", fields={"agent.mol": ["lure"]}).step(
+        "", 2
+    )
     scene.has({"agent.mol": "lure", "reward": pytest.approx(0.1)})
 
 
 def test_exchange_with_the_ground() -> None:
     """Two steps of pause, and what has just changed cannot be taken up."""
-    scene = put("~~~~~", "~~^~~", "~~~~~", fields={"agent.mol": ["food3"]}).step("exchange").has({"agent.mol": "empty"})
+    scene = (
+        put("~~~~~", "~~^~~", "~~~~~", fields={"agent.mol": ["food3"]})
+        .step("exchange")
+        .has({"agent.mol": "empty"})
+    )
     assert scene.value("dish.mol")[7] == "food3"
     for allowed in (False, False, True):
         scene.has({"allowed exchange": allowed}).step("exchange" if allowed else "stay")
@@ -150,7 +200,9 @@ def test_what_lies_alone_is_lost_at_the_rate_of_its_class() -> None:
     picture = ("h~g~h~g~h~", "~f~h~f~h~g", "h~g~h~g~h~", "~f~g~f~h~f", "a~j~x~X~Y^")
     stage = Stage("chemistry", ("~" * 10,) * 5, 1, looks=LOOKS, interpreted=True)
     params = {"ground": LEVELS, "carried": NEVER}
-    found = sum((hot(stage, picture, seed=seed, params=params) for seed in range(10)), Counter[str]())
+    found = sum(
+        (hot(stage, picture, seed=seed, params=params) for seed in range(10)), Counter[str]()
+    )
     assert set(found) == {"energy", "food1", "food2"}
     assert abs(found["energy"] / 90 - LEVELS["low"]) < 0.21
     assert abs((found["food1"] + found["food2"]) / 110 - LEVELS["medium"]) < 0.24
@@ -161,7 +213,9 @@ def test_a_ring_reacts_when_either_molecule_begins() -> None:
     stage = Stage("chemistry", ("~" * 16, "~" * 16), 1, interpreted=True)
     picture = ("ab~~ba~~ab~~ba~~", "~" * 15 + "^")
     params = {"ground": {**LEVELS, "high": 0.5}, "carried": NEVER}
-    found = sum((hot(stage, picture, seed=seed, params=params) for seed in range(30)), Counter[str]())
+    found = sum(
+        (hot(stage, picture, seed=seed, params=params) for seed in range(30)), Counter[str]()
+    )
     assert found["xa"] == found["xb"] == found["empty"]
     assert abs(found["xa"] / 120 - (1 - 0.5**2)) < 0.2
 
@@ -170,7 +224,10 @@ def test_what_is_carried_reacts_at_the_rate_of_its_class() -> None:
     """Eight of each sort a seed; of 120, five standard deviations are 0.19 and 0.23."""
     sorts = ["energy", "food1", "lure", "xa"]
     stage = Stage("chemistry", ("~" * 16,) * 4, 32, interpreted=True)
-    picture, facts = ("^~" * 8, "~^" * 8) * 2, {"fields": {"agent.mol": sorts * 8}, "params": {"ground": NEVER, "carried": LEVELS}}
+    picture, facts = (
+        ("^~" * 8, "~^" * 8) * 2,
+        {"fields": {"agent.mol": sorts * 8}, "params": {"ground": NEVER, "carried": LEVELS}},
+    )
     found = sum((hot(stage, picture, seed=seed, **facts) for seed in range(15)), Counter[str]())
     assert set(found) == {"energy", "food1", "lure"}
     assert abs(found["energy"] / 120 - LEVELS["low"]) < 0.19
@@ -178,7 +235,9 @@ def test_what_is_carried_reacts_at_the_rate_of_its_class() -> None:
     assert abs(found["lure"] / 120 - LEVELS["medium"]) < 0.23
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (2, 3))])
+@pytest.mark.parametrize(
+    "seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (2, 3))]
+)
 def test_molecules_of_rings_are_conserved(seed: int) -> None:
     """At Melting Pot's rates, with two agents who carry things about: two molecules a place, and never one lost or made."""
     rows = ("~a~b~", "~cb1~", "23~a~", "h~c4~", "~5~6h")
@@ -188,12 +247,16 @@ def test_molecules_of_rings_are_conserved(seed: int) -> None:
     def ring_molecules() -> Counter[str]:
         found: Counter[str] = Counter()
         for owner in ("dish", "agent"):
-            for mol, after in zip(scene.value(f"{owner}.mol"), scene.value(f"{owner}.next"), strict=True):
+            for mol, after in zip(
+                scene.value(f"{owner}.mol"), scene.value(f"{owner}.next"), strict=True
+            ):
                 sort = after if mol == "hot" else mol
                 found[sort[0]] += sort in RINGS
         return found
 
     before = ring_molecules()
     for step in range(40):
-        scene.step(", ".join(actions[(7 * step + 3 * agent + seed) % len(actions)] for agent in range(2)))
+        scene.step(
+            ", ".join(actions[(7 * step + 3 * agent + seed) % len(actions)] for agent in range(2))
+        )
         assert ring_molecules() == before

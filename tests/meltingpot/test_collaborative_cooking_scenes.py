@@ -21,16 +21,25 @@ def cook(hand: str, tomatoes: int = 0, heat: int = 0, **params: float) -> Scene:
 
 def test_stores_never_run_out() -> None:
     scene = KITCHEN.put("#C#D#", "O<.^T  01", "#.P.#", "P.P.P").step("interact, interact")
-    scene.has({"agent.hand": ["tomato", "dish"], "counter.item": ["none", "none", "dish", "none", "tomato", "none", "none"]})
+    scene.has(
+        {
+            "agent.hand": ["tomato", "dish"],
+            "counter.item": ["none", "none", "dish", "none", "tomato", "none", "none"],
+        }
+    )
 
 
 def test_a_full_hand_takes_nothing() -> None:
-    scene = KITCHEN.put("#C#D#", "O<.^T  01", "#.P.#", "P.P.P", fields={"agent.hand": ["dish", "soup"]}).step("interact, interact")
+    scene = KITCHEN.put(
+        "#C#D#", "O<.^T  01", "#.P.#", "P.P.P", fields={"agent.hand": ["dish", "soup"]}
+    ).step("interact, interact")
     scene.has({"agent.hand": ["dish", "soup"], "event passed": 0})
 
 
 def test_things_are_passed_over_a_counter() -> None:
-    scene = DESK.put("P>#<P", "O.#.D", fields={"agent.hand": ["tomato", "none"]}).step("interact, stay")
+    scene = DESK.put("P>#<P", "O.#.D", fields={"agent.hand": ["tomato", "none"]}).step(
+        "interact, stay"
+    )
     scene.has({"agent.hand": ["none", "none"], "event passed": [1, 0]}).shows("P>t<P", "O.#.D")
     scene.step("stay, interact").has({"agent.hand": ["none", "tomato"]}).shows("P>#<P", "O.#.D")
 
@@ -38,22 +47,36 @@ def test_things_are_passed_over_a_counter() -> None:
 @pytest.mark.parametrize("seed", range(6))
 def test_one_cook_a_counter_and_step(seed: int) -> None:
     """Both have a tomato, or one has and one has not: whoever is first exchanges, the other waits."""
-    scene = DESK.put("P>#<P", "O.#.D", fields={"agent.hand": ["tomato", "tomato"]}, seed=seed).step("interact, interact")
+    scene = DESK.put("P>#<P", "O.#.D", fields={"agent.hand": ["tomato", "tomato"]}, seed=seed).step(
+        "interact, interact"
+    )
     assert sorted(scene.value("agent.hand")) == ["none", "tomato"]
-    scene = DESK.put("P>#<P", "O.#.D", fields={"agent.hand": ["tomato", "none"]}, seed=seed).step("interact, interact")
+    scene = DESK.put("P>#<P", "O.#.D", fields={"agent.hand": ["tomato", "none"]}, seed=seed).step(
+        "interact, interact"
+    )
     hands = scene.value("agent.hand")
     assert hands in (["none", "none"], ["tomato", "none"])
 
 
 def test_a_pause_of_one_step() -> None:
-    scene = KITCHEN.put("#C#D#", "O<.^T  01", "#.P.#", "P.P.P").step("interact, stay").has({"allowed interact": [False, True]})
+    scene = (
+        KITCHEN.put("#C#D#", "O<.^T  01", "#.P.#", "P.P.P")
+        .step("interact, stay")
+        .has({"allowed interact": [False, True]})
+    )
     scene.step("stay").has({"allowed interact": [True, True]})
 
 
 @pytest.mark.parametrize(("tomatoes", "left"), [(0, "none"), (2, "none"), (3, "tomato")])
 def test_a_pot_takes_three_tomatoes(tomatoes: int, left: str) -> None:
     scene = cook("tomato", tomatoes).step("interact")
-    scene.has({"agent.hand": [left, "none"], "pot.tomatoes": [min(tomatoes + 1, 3)], "event potted": [int(tomatoes < 3), 0]})
+    scene.has(
+        {
+            "agent.hand": [left, "none"],
+            "pot.tomatoes": [min(tomatoes + 1, 3)],
+            "event potted": [int(tomatoes < 3), 0],
+        }
+    )
 
 
 def test_soup_is_ready_after_twenty_one_steps() -> None:
@@ -73,15 +96,21 @@ def test_soup_needs_a_dish(hand: str) -> None:
 
 
 def test_a_soup_pays_everybody() -> None:
-    scene = KITCHEN.put("#C#D#", "O..>T  0", "#.P.#", "P.P.^  1", fields={"agent.hand": ["soup", "none"]}).step("interact")
+    scene = KITCHEN.put(
+        "#C#D#", "O..>T  0", "#.P.#", "P.P.^  1", fields={"agent.hand": ["soup", "none"]}
+    ).step("interact")
     scene.has({"reward": [20, 20], "agent.hand": "none", "event delivered": [1, 0]})
-    scene = KITCHEN.put("#C#D#", "O..>T  0", "#.P.#", "P.P.^  1", fields={"agent.hand": ["dish", "none"]}).step("interact")
+    scene = KITCHEN.put(
+        "#C#D#", "O..>T  0", "#.P.#", "P.P.^  1", fields={"agent.hand": ["dish", "none"]}
+    ).step("interact")
     scene.has({"reward": 0, "agent.hand": ["dish", "none"]})
 
 
 @pytest.mark.parametrize(("before", "after", "left"), [(0, 2, 0), (1, 3, 0), (2, 3, 1)])
 def test_two_cooks_at_one_pot(before: int, after: int, left: int) -> None:
-    scene = SHARED_POT.put("P>C<P", fields={"agent.hand": ["tomato", "tomato"], "pot.tomatoes": [before]}).step("interact, interact")
+    scene = SHARED_POT.put(
+        "P>C<P", fields={"agent.hand": ["tomato", "tomato"], "pot.tomatoes": [before]}
+    ).step("interact, interact")
     scene.has({"pot.tomatoes": [after]})
     assert scene.value("agent.hand").count("tomato") == left
 
@@ -95,7 +124,11 @@ def test_one_dish_gets_the_soup() -> None:
 def test_what_is_seen() -> None:
     """Five cells wide: what a counter holds, how full a pot is and how far, what oneself and the other carry; starts look like floor."""
     scene = KITCHEN.put(
-        "#C#D#", "O^..T  0", "#^P.#  1", "P.P.P", fields={"agent.hand": ["tomato", "dish"], "pot.tomatoes": [3], "pot.heat": [10]}
+        "#C#D#",
+        "O^..T  0",
+        "#^P.#  1",
+        "P.P.P",
+        fields={"agent.hand": ["tomato", "dish"], "pot.tomatoes": [3], "pot.heat": [10]},
     )
     assert scene.seen(0, "content", ahead=1) == "pot tomatoes=three heat=half"
     assert scene.seen(0, "content", ahead=0, right=-1) == "counter item=tomato supply=endless"
@@ -105,7 +138,15 @@ def test_what_is_seen() -> None:
 
 
 @pytest.mark.parametrize(
-    ("variant", "agents"), [("asymmetric", 2), ("circuit", 2), ("crowded", 9), ("figure_eight", 6), ("forced", 2), ("ring", 2)]
+    ("variant", "agents"),
+    [
+        ("asymmetric", 2),
+        ("circuit", 2),
+        ("crowded", 9),
+        ("figure_eight", 6),
+        ("forced", 2),
+        ("ring", 2),
+    ],
 )
 def test_layouts_start_everybody(variant: str, agents: int) -> None:
     scene = Stage("collaborative_cooking", variant=variant, interpreted=True).start(0)
@@ -114,10 +155,15 @@ def test_layouts_start_everybody(variant: str, agents: int) -> None:
 
 @pytest.mark.parametrize(("variant", "agents"), [(None, 1), ("circuit", 1), ("asymmetric", 2)])
 def test_scripted_cooks_deliver(variant: str | None, agents: int) -> None:
-    scene, delivered = Stage("collaborative_cooking", agents=agents, variant=variant, interpreted=True).start(1), 0
+    scene, delivered = (
+        Stage("collaborative_cooking", agents=agents, variant=variant, interpreted=True).start(1),
+        0,
+    )
     cook = next(policy for policy in scene.env.game.policies if policy.name == "cook")
     for _ in range(120):
-        chosen = [choose(cook, scene.env.game, scene.world, agent, (1, 2)) for agent in range(agents)]
+        chosen = [
+            choose(cook, scene.env.game, scene.world, agent, (1, 2)) for agent in range(agents)
+        ]
         scene.step(", ".join(scene.env.action_names[action] for action in chosen))
         delivered += sum(scene.value("event delivered"))
     assert delivered > 0

@@ -29,7 +29,9 @@ def test_steps_are_those_of_the_interpreter(entry: Substrate) -> None:
 @pytest.mark.parametrize("entry", written_substrates(), ids=lambda entry: entry.name)
 def test_checks_pass(entry: Substrate) -> None:
     """Every check, as `sjdsl test --strict` has it."""
-    family = GameFamily(read_source(find_game(entry.game)), tuple(entry.variant.split("+")) if entry.variant else ())
+    family = GameFamily(
+        read_source(find_game(entry.game)), tuple(entry.variant.split("+")) if entry.variant else ()
+    )
     report = verify_properties(family, Effort(400, seed=0))
     assert [(v.text, v.status, v.untested) for v in report.verdicts if v.status != "passed"] == []
     assert not report.faults
@@ -43,8 +45,12 @@ def test_no_check_fails_in_a_few_trajectories(game: str) -> None:
     The 19 files took 149 processor seconds together, the slowest (predator_prey_open) 28.
     """
     family = GameFamily(read_source(find_game(game)))
-    report = verify_properties(family, FEW, [i for i, check in enumerate(family.own.checks) if check.sort != "expect"])
-    assert [(v.text, v.status) for v in report.verdicts if v.status in ("failed", "not decided")] == []
+    report = verify_properties(
+        family, FEW, [i for i, check in enumerate(family.own.checks) if check.sort != "expect"]
+    )
+    assert [
+        (v.text, v.status) for v in report.verdicts if v.status in ("failed", "not decided")
+    ] == []
     assert report.verdicts and not report.faults
 
 

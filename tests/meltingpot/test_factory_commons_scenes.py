@@ -10,13 +10,21 @@ from sjdsl.testing import Scene, Stage
 ROWS = ("#######", "#S=.G=#", "#.m..m#", "#.n..n#", "#.....#", "#######")
 LOOKS = {"o": "floor apple=here"}
 STAGE = Stage("factory_commons", ROWS, 2, looks=LOOKS, interpreted=True)
-OPEN = Stage("factory_commons", ("#########", "#.......#", "#.......#", "#.......#", "#########"), 2, looks=LOOKS, interpreted=True)
+OPEN = Stage(
+    "factory_commons",
+    ("#########", "#.......#", "#.......#", "#.......#", "#########"),
+    2,
+    looks=LOOKS,
+    interpreted=True,
+)
 
 
 def at_machine(sort: str, hand: str = "cube") -> Scene:
     """Returns a scene of agent 0 under the mouth of a machine, agent 1 out of the way."""
     upper = {"S": ("#S=.G=#", "#^m..m#"), "G": ("#S=.G=#", "#.m.^m#")}[sort]
-    return STAGE.put("#######", *upper, "#.n..n#", "#..<..#", "#######", fields={"agent.hand": [hand, "none"]})
+    return STAGE.put(
+        "#######", *upper, "#.n..n#", "#..<..#", "#######", fields={"agent.hand": [hand, "none"]}
+    )
 
 
 @pytest.mark.parametrize("sort", ["S", "G"])
@@ -27,9 +35,13 @@ def test_a_cube_over_a_mouth_is_taken_in_and_turned_into_apples(sort: str) -> No
     scene.step("", 10)
     assert "here" not in scene.value("floor.cube") + scene.value("floor.apple")
     scene.step()
-    assert (scene.value("floor.cube").count("here"), scene.value("floor.apple").count("here")) == ((1, 0) if sort == "S" else (0, 2))
+    assert (scene.value("floor.cube").count("here"), scene.value("floor.apple").count("here")) == (
+        (1, 0) if sort == "S" else (0, 2)
+    )
     scene.step("", 2)
-    assert (scene.value("floor.cube").count("here"), scene.value("floor.apple").count("here")) == ((1, 1) if sort == "S" else (0, 2))
+    assert (scene.value("floor.cube").count("here"), scene.value("floor.apple").count("here")) == (
+        (1, 1) if sort == "S" else (0, 2)
+    )
     for step in range(14, 18):
         assert max(scene.value("mouth.clock")) == 18 - step
         scene.step()
@@ -44,7 +56,15 @@ def test_where_a_machine_puts_what_it_makes() -> None:
 
 
 def test_a_cube_waits_until_nobody_stands_there() -> None:
-    scene = STAGE.put("#######", "#S=.G=#", "#^m..m#", "#.n..n#", "#..<..#", "#######", fields={"agent.hand": ["cube", "none"]})
+    scene = STAGE.put(
+        "#######",
+        "#S=.G=#",
+        "#^m..m#",
+        "#.n..n#",
+        "#..<..#",
+        "#######",
+        fields={"agent.hand": ["cube", "none"]},
+    )
     scene.step("", 4).step("step_right").step("", 12)
     assert "here" not in scene.value("floor.cube")
     scene.step("step_left").step()
@@ -52,7 +72,9 @@ def test_a_cube_waits_until_nobody_stands_there() -> None:
 
 
 def test_cubes_bar_the_way_and_apples_are_eaten() -> None:
-    scene = OPEN.put("#########", "#>C.....#", "#>o.....#", "#.......#", "#########").step("forward, forward")
+    scene = OPEN.put("#########", "#>C.....#", "#>o.....#", "#.......#", "#########").step(
+        "forward, forward"
+    )
     scene.has({"reward": [0, 1], "event eaten": [0, 1]})
     assert scene.places() == [(1, 1), (2, 2)]
     assert "here" not in scene.value("floor.apple")
@@ -61,7 +83,9 @@ def test_cubes_bar_the_way_and_apples_are_eaten() -> None:
 @pytest.mark.parametrize(("sign", "hand"), [("C", "cube"), ("o", "apple")])
 def test_things_are_grasped_and_let_go(sign: str, hand: str) -> None:
     scene = (
-        OPEN.put("#########", f"#>{sign}....<#", "#.......#", "#.......#", "#########").step("grasp").has({"agent.hand": [hand, "none"]})
+        OPEN.put("#########", f"#>{sign}....<#", "#.......#", "#.......#", "#########")
+        .step("grasp")
+        .has({"agent.hand": [hand, "none"]})
     )
     scene.step("step_right").step("grasp").has({"agent.hand": "none"})
     where = scene.value("floor.cube" if hand == "cube" else "floor.apple").index("here")
@@ -70,13 +94,28 @@ def test_things_are_grasped_and_let_go(sign: str, hand: str) -> None:
 
 def test_walking_tires() -> None:
     """Of 18, twelve steps are free; then each costs a rest of two steps, and at none of six. Standing gives one back."""
-    scene = OPEN.put("#########", "#>......#", "#.......#", "#......<#", "#########").step("backward", 11)
+    scene = OPEN.put("#########", "#>......#", "#.......#", "#......<#", "#########").step(
+        "backward", 11
+    )
     scene.has({"agent.stamina": [7, 18], "allowed forward": True})
-    scene.step("backward").has({"agent.stamina": [6, 18], "allowed forward": [False, True], "allowed turn_left": [False, True]})
+    scene.step("backward").has(
+        {
+            "agent.stamina": [6, 18],
+            "allowed forward": [False, True],
+            "allowed turn_left": [False, True],
+        }
+    )
     scene.step("forward").has({"agent.stamina": [6, 18], "allowed forward": [False, True]})
     scene.step("forward").has({"agent.stamina": [6, 18], "allowed forward": True})
     scene.step().has({"agent.stamina": [7, 18]})
-    scene = OPEN.put("#########", "#>......#", "#.......#", "#......<#", "#########", fields={"agent.stamina": [1, 18]}).step("forward")
+    scene = OPEN.put(
+        "#########",
+        "#>......#",
+        "#.......#",
+        "#......<#",
+        "#########",
+        fields={"agent.stamina": [1, 18]},
+    ).step("forward")
     for _ in range(6):
         scene.has({"agent.stamina": [0, 18], "allowed forward": [False, True]}).step("forward")
     scene.has({"allowed forward": True})
@@ -96,7 +135,10 @@ def test_holding(gap: int) -> None:
     assert scene.places()[1] == (2 + (not held), 1 + gap)
 
 
-@pytest.mark.parametrize(("action", "gap", "after"), [("shove", 1, 3), ("shove", 2, 4), ("pull", 2, 2), ("pull", 1, 2), ("hold", 2, 3)])
+@pytest.mark.parametrize(
+    ("action", "gap", "after"),
+    [("shove", 1, 3), ("shove", 2, 4), ("pull", 2, 2), ("pull", 1, 2), ("hold", 2, 3)],
+)
 def test_shoving_and_pulling(action: str, gap: int, after: int) -> None:
     line = "#>" + "." * (gap - 1) + "v" + "." * (6 - gap) + "#"
     scene = OPEN.put("#########", line, "#.......#", "#.......#", "#########").step(action)

@@ -27,7 +27,15 @@ NAMES = {
     "chicken_in_the_matrix": ["arena", "repeated"],
     "clean_up": [],
     "coins": [],
-    "collaborative_cooking": ["asymmetric", "circuit", "cramped", "crowded", "figure_eight", "forced", "ring"],
+    "collaborative_cooking": [
+        "asymmetric",
+        "circuit",
+        "cramped",
+        "crowded",
+        "figure_eight",
+        "forced",
+        "ring",
+    ],
     "commons_harvest": ["closed", "open", "partnership"],
     "coop_mining": [],
     "daycare": [],
@@ -45,7 +53,11 @@ NAMES = {
     "stag_hunt_in_the_matrix": ["arena", "repeated"],
     "territory": ["inside_out", "open", "rooms"],
 }
-ALL = [f"{family}__{ending}" if ending else family for family, endings in NAMES.items() for ending in endings or [""]]
+ALL = [
+    f"{family}__{ending}" if ending else family
+    for family, endings in NAMES.items()
+    for ending in endings or [""]
+]
 
 
 def test_the_table_has_every_name() -> None:
@@ -86,7 +98,9 @@ def test_each_difference_is_a_sentence() -> None:
     """The page has a row for each game that differs; a colon follows the names of some of its substrates."""
     games = {entry.game for entry in written_substrates()}
     section = PAGE.read_text(encoding="utf-8").partition("## What differs")[2].partition("\n## ")[0]
-    rows = [line.strip("| ").split(" | ") for line in section.splitlines() if line.startswith("| `")]
+    rows = [
+        line.strip("| ").split(" | ") for line in section.splitlines() if line.startswith("| `")
+    ]
     assert {row[0].strip("`") for row in rows} <= games
     for game, *texts in rows:
         for text in texts:
@@ -105,7 +119,8 @@ def test_a_page_of_something_else_is_found(tmp_path: Path) -> None:
     stray = pictures / "stray.png"
     stray.write_bytes(b"")
     (tmp_path / "meltingpot.md").write_text(
-        PAGE.read_text(encoding="utf-8").replace("| `boat_race__eight_races` |", "| `another` |"), encoding="utf-8"
+        PAGE.read_text(encoding="utf-8").replace("| `boat_race__eight_races` |", "| `another` |"),
+        encoding="utf-8",
     )
     assert page_problems(tmp_path / "meltingpot.md") == [
         f"{stray}: of no game",
@@ -127,5 +142,7 @@ def test_each_size_and_param_says_where_it_is_from(game: str) -> None:
         if isinstance(section, ast.Constant):
             rows = lines_within(source, section.span)
             above = lines.get(min(rows) - 1)
-            said = [lines[row].comment for row in rows] + ([above.comment] if above and not above.code.strip() else [])
+            said = [lines[row].comment for row in rows] + (
+                [above.comment] if above and not above.code.strip() else []
+            )
             assert any(map(SOURCE.search, said)), section.name.text

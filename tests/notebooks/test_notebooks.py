@@ -22,15 +22,27 @@ HAS_JUPYTER = {"ipython"}  # what shows a notebook has it
 def executed(name: str) -> nbformat.NotebookNode:
     """Returns a notebook with its outputs. Its process compiles as quickly as the tests do: it has their variables."""
     notebook = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4)
-    NotebookClient(notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(EXAMPLES)}}).execute()
+    NotebookClient(
+        notebook,
+        timeout=600,
+        kernel_name="python3",
+        resources={"metadata": {"path": str(EXAMPLES)}},
+    ).execute()
     return notebook
 
 
 def printed(notebook: nbformat.NotebookNode, start: str) -> str:
     """Returns what the cell printed or showed whose code begins so."""
-    (cell,) = (cell for cell in notebook.cells if cell.cell_type == "code" and cell.source.startswith(start))
+    (cell,) = (
+        cell
+        for cell in notebook.cells
+        if cell.cell_type == "code" and cell.source.startswith(start)
+    )
     return "".join(
-        output.get("text") or output.get("data", {}).get("text/markdown") or output["data"]["text/plain"] for output in cell.outputs
+        output.get("text")
+        or output.get("data", {}).get("text/markdown")
+        or output["data"]["text/plain"]
+        for output in cell.outputs
     )
 
 
@@ -49,7 +61,9 @@ def test_the_code_of_a_dilemma_runs(capsys: pytest.CaptureFixture[str]) -> None:
         exec(compile(cell.source, "write_a_dilemma", "exec"), names)
     said = capsys.readouterr()
     assert "did you mean `wood`" in said.out + said.err and "no problems" in said.out
-    before, after = (_numbers(line) for line in said.out.splitlines() if line.startswith("keepers, then idlers:"))
+    before, after = (
+        _numbers(line) for line in said.out.splitlines() if line.startswith("keepers, then idlers:")
+    )
     assert max(before[:2]) < min(before[2:])
     assert min(after[:2]) > 1.5 * max(before[:2])
     assert "+     tally fed for agent  give 6 to agent" in said.out
@@ -60,9 +74,13 @@ def test_a_dilemma_is_written_and_changed() -> None:
     """Two keep the fire and two sit by it: the idlers earn more, until a log pays."""
     notebook = executed("write_a_dilemma")
     mistakes = printed(notebook, "mistaken =")
-    assert "did you mean `wood`" in mistakes and "expected a reward, found a probability" in mistakes
+    assert (
+        "did you mean `wood`" in mistakes and "expected a reward, found a probability" in mistakes
+    )
     assert "no problems" in printed(notebook, 'command(["check", str(rules)])')
-    before, after = (_numbers(printed(notebook, cell).splitlines()[0]) for cell in ("def returns", "again ="))
+    before, after = (
+        _numbers(printed(notebook, cell).splitlines()[0]) for cell in ("def returns", "again =")
+    )
     assert max(before[:2]) < min(before[2:])
     assert min(after[:2]) > 1.5 * max(before[:2])
     assert after[2:] == before[2:]  # the idlers' walks and draws are the same
@@ -85,7 +103,9 @@ def test_what_the_tour_shows() -> None:
     assert printed(notebook, "def rollout").count("steps a second") == 2
     assert "regrow" in printed(notebook, "from sjdsl.cli")
     assert printed(notebook, "from sjdsl.trainers import evaluate").count("reward, seed") == 4
-    assert any(word in printed(notebook, "from sjdsl.experiments") for word in ("dilemma", "undecided"))
+    assert any(
+        word in printed(notebook, "from sjdsl.experiments") for word in ("dilemma", "undecided")
+    )
     assert "| orchard |" in printed(notebook, "from sjdsl.results")
     assert len(shown(notebook, "image/png")) == 3
 
@@ -93,7 +113,9 @@ def test_what_the_tour_shows() -> None:
 @pytest.mark.thorough
 def test_schelling_diagrams_tell_a_dilemma_from_none() -> None:
     notebook = executed("schelling")
-    assert "dilemma - the lower bounds of A, B and greed are above 0" in printed(notebook, "env = sjdsl.make")
+    assert "dilemma - the lower bounds of A, B and greed are above 0" in printed(
+        notebook, "env = sjdsl.make"
+    )
     assert printed(notebook, "for others in").count("others cooperate") == 4
     verdicts = printed(notebook, "coins = sjdsl.make")
     assert "harm -2.0: dilemma" in verdicts and "harm 0.0: no dilemma" in verdicts
@@ -123,21 +145,32 @@ def test_it_is_kept_as_it_ran(name: str) -> None:
     outputs = [output for cell in code for output in cell.outputs]
     assert any("image/png" in output.get("data", {}) for output in outputs)
     assert [output for output in outputs if output.output_type == "error"] == []
-    assert [output for output in outputs if output.output_type == "stream" and "/tmp/" in output.text] == []
+    assert [
+        output for output in outputs if output.output_type == "stream" and "/tmp/" in output.text
+    ] == []
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
 def test_it_opens_in_colab_and_imports_only_what_is_installed_with_sjdsl(name: str) -> None:
     first, install, *cells = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4).cells
-    assert f"(https://colab.research.google.com/github/sjdsl/sjdsl/blob/main/examples/{name}.ipynb)" in first.source
+    assert (
+        f"(https://colab.research.google.com/github/sjdsl/sjdsl/blob/main/examples/{name}.ipynb)"
+        in first.source
+    )
     assert install.source.endswith("%pip install --quiet 'sjdsl[pictures,plots]'")
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
-    wanted = [*project["dependencies"], *project["optional-dependencies"]["pictures"], *project["optional-dependencies"]["plots"]]
+    wanted = [
+        *project["dependencies"],
+        *project["optional-dependencies"]["pictures"],
+        *project["optional-dependencies"]["plots"],
+    ]
     brought = {re.split(r"[\[>=<; ]", text)[0].lower() for text in wanted} | HAS_JUPYTER
     owners = packages_distributions()
     for module in _imported("\n".join(cell.source for cell in cells if cell.cell_type == "code")):
         if module not in sys.stdlib_module_names and module != "sjdsl":
-            assert brought & {owner.lower() for owner in owners[module]}, f"{module} is not installed with sjdsl"
+            assert brought & {owner.lower() for owner in owners[module]}, (
+                f"{module} is not installed with sjdsl"
+            )
 
 
 def _imported(code: str) -> set[str]:
@@ -153,7 +186,9 @@ def _imported(code: str) -> set[str]:
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
 def test_its_links_lead_to_files_of_the_repository(name: str) -> None:
-    text = "\n".join(cell.source for cell in nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4).cells)
+    text = "\n".join(
+        cell.source for cell in nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4).cells
+    )
     paths = re.findall(rf"{re.escape(URL)}/blob/main/([^)#\s]+)", text)
     assert paths
     assert [path for path in paths if not (REPOSITORY / path).exists()] == []

@@ -34,7 +34,9 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     copied = tmp_path_factory.mktemp("source")
     for name in SHIPPED:
         if (REPOSITORY / name).is_dir():
-            shutil.copytree(REPOSITORY / name, copied / name, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(
+                REPOSITORY / name, copied / name, ignore=shutil.ignore_patterns("__pycache__")
+            )
         elif (REPOSITORY / name).is_file():
             shutil.copy(REPOSITORY / name, copied / name)
     return copied
@@ -53,11 +55,26 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("installed")
     run_in(sys.executable, "-m", "venv", "--without-pip", "empty", cwd=folder)
     python = folder / "empty/bin/python"
-    run_in(sys.executable, "-m", "pip", "--python", python, "install", "-q", "--no-deps", wheel, cwd=folder)
+    run_in(
+        sys.executable,
+        "-m",
+        "pip",
+        "--python",
+        python,
+        "install",
+        "-q",
+        "--no-deps",
+        wheel,
+        cwd=folder,
+    )
     (folder / "others").mkdir()
     for place in [Path(place) for place in sys.path if Path(place).name == "site-packages"]:
         for path in place.iterdir():
-            if "sjdsl" not in path.name and path.suffix != ".pth" and not (folder / "others" / path.name).exists():
+            if (
+                "sjdsl" not in path.name
+                and path.suffix != ".pth"
+                and not (folder / "others" / path.name).exists()
+            ):
                 (folder / "others" / path.name).symlink_to(path)
     (site_packages(folder) / "others.pth").write_text(f"{folder / 'others'}\n")
     return folder
@@ -65,14 +82,28 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def build_wheel(source: Path) -> Path:
     """Returns the wheel of a source tree or an unpacked sdist, in its folder `dist`."""
-    run_in(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", "dist", ".", cwd=source)
+    run_in(
+        sys.executable,
+        "-m",
+        "pip",
+        "wheel",
+        "-q",
+        "--no-deps",
+        "--no-build-isolation",
+        "-w",
+        "dist",
+        ".",
+        cwd=source,
+    )
     (wheel,) = (source / "dist").glob("*.whl")
     return wheel
 
 
 def run_in(*command: str | Path, cwd: Path) -> str:
     """Runs a command in a folder and returns what it printed; fails with all of that if the command does."""
-    done = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [str(part) for part in command], cwd=cwd, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

@@ -17,7 +17,10 @@ from pathlib import Path
 from typing import Any
 
 GOAL = 120.0  # seconds on the clock
-RULE, CHANGED = "0: 0, 1..: regrow", "0: 1, 1..: 1"  # a bare tree bears again at once, whatever is near
+RULE, CHANGED = (
+    "0: 0, 1..: regrow",
+    "0: 1, 1..: 1",
+)  # a bare tree bears again at once, whatever is near
 LINE = "{:44} {:>9} {:>10}"
 
 Run = Callable[..., object]
@@ -41,14 +44,18 @@ def walk(run: Run, sjdsl: Path, folder: Path) -> tuple[dict[str, Any], dict[str,
 
 def shown(page: Path) -> dict[str, Any]:
     """Returns the data of an episode's page."""
-    found = re.search(r"<script[^>]*application/json[^>]*>(.*?)</script>", page.read_text("utf-8"), re.DOTALL)
+    found = re.search(
+        r"<script[^>]*application/json[^>]*>(.*?)</script>", page.read_text("utf-8"), re.DOTALL
+    )
     assert found is not None
     return dict(json.loads(found[1]))
 
 
 def differs(before: dict[str, Any], after: dict[str, Any]) -> bool:
     """Whether two episodes begin alike, and go on otherwise."""
-    return bool(before["moments"][0] == after["moments"][0] and before["moments"] != after["moments"])
+    return bool(
+        before["moments"][0] == after["moments"][0] and before["moments"] != after["moments"]
+    )
 
 
 def main() -> int:
@@ -56,21 +63,53 @@ def main() -> int:
     repository = Path(__file__).parents[2]
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
-        own = {"XDG_CACHE_HOME": str(folder / "cache"), "SJDSL_CACHE": str(folder / "cache/sjdsl"), "PIP_NO_CACHE_DIR": "1"}
-        environment = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "PYTHON"))} | own
+        own = {
+            "XDG_CACHE_HOME": str(folder / "cache"),
+            "SJDSL_CACHE": str(folder / "cache/sjdsl"),
+            "PIP_NO_CACHE_DIR": "1",
+        }
+        environment = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("JAX_", "PYTHON"))
+        } | own
         seconds: list[tuple[float, float]] = []
 
         def run(*command: str | Path) -> None:
             began, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-            subprocess.run([str(part) for part in command], cwd=folder, env=environment, check=True, stdout=subprocess.DEVNULL)
+            subprocess.run(
+                [str(part) for part in command],
+                cwd=folder,
+                env=environment,
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
             spent, after = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
             processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
             seconds.append((spent, processor))
             words = [Path(command[0]).name, *(str(part) for part in command[1:])]
-            print(LINE.format(" ".join(Path(word).name for word in words)[:44], f"{spent:.1f}", f"{processor:.1f}"), flush=True)
+            print(
+                LINE.format(
+                    " ".join(Path(word).name for word in words)[:44],
+                    f"{spent:.1f}",
+                    f"{processor:.1f}",
+                ),
+                flush=True,
+            )
 
         print(LINE.format("what", "seconds", "processor"))
-        run(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", folder / "dist", repository)
+        run(
+            sys.executable,
+            "-m",
+            "pip",
+            "wheel",
+            "-q",
+            "--no-deps",
+            "--no-build-isolation",
+            "-w",
+            folder / "dist",
+            repository,
+        )
         run(sys.executable, "-m", "venv", "own")
         (wheel,) = (folder / "dist").glob("*.whl")
         seconds.clear()  # what comes before `pip install` is not the newcomer's

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).parents[2]
-EXTRAS = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+EXTRAS = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"][
+    "optional-dependencies"
+]
 # What extras bring, by the names that are imported: none of them is there.
 ABSENT = (
     "PIL",
@@ -53,14 +55,24 @@ for call in (
 
 
 def bare(program: str, folder: Path) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run([sys.executable, "-c", BARE + program], cwd=folder, capture_output=True, text=True, check=False)
+    return subprocess.run(
+        [sys.executable, "-c", BARE + program],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
 def test_what_is_missing_is_named_with_its_extra(tmp_path: Path) -> None:
     calls = "\n".join(f"print({call!r}, run({call.split()!r}), file=sys.stderr)" for call in NEEDS)
     done = bare(calls, tmp_path)
     assert done.returncode == 0, done.stderr
-    said = [line for line in done.stderr.splitlines() if line.startswith("error: ") or line.endswith((" 0", " 1", " 2"))]
+    said = [
+        line
+        for line in done.stderr.splitlines()
+        if line.startswith("error: ") or line.endswith((" 0", " 1", " 2"))
+    ]
     for (call, extra), error, status in zip(NEEDS.items(), said[::2], said[1::2], strict=True):
         assert extra in EXTRAS
         assert error.endswith(f"is needed: pip install 'sjdsl[{extra}]'"), error
@@ -72,5 +84,8 @@ def test_what_is_missing_is_named_with_its_extra(tmp_path: Path) -> None:
 def test_a_bare_install_makes_checks_compiles_tests_and_trains(tmp_path: Path) -> None:
     done = bare(WORK, tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "no learning curve was drawn: the package matplotlib is needed: pip install 'sjdsl[plots]'" in done.stdout
+    assert (
+        "no learning curve was drawn: the package matplotlib is needed: pip install 'sjdsl[plots]'"
+        in done.stdout
+    )
     assert (tmp_path / "run/policies/last.safetensors").is_file()

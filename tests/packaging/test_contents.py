@@ -40,9 +40,15 @@ wrong: str = env.num_agents
 def test_all_that_a_user_needs_is_there(wheel: Path) -> None:
     names = set(ZipFile(wheel).namelist())
     assert not set(NEEDED) - names
-    ours = {f"{inside}/{file}" for folder, inside in DATA.items() for file in _files(REPOSITORY / folder)}
+    ours = {
+        f"{inside}/{file}"
+        for folder, inside in DATA.items()
+        for file in _files(REPOSITORY / folder)
+    }
     assert not ours - names, "pyproject.toml has no rule for these"
-    assert {name for name in names if ".dist-info/" not in name} <= ours, "these are not in the tree"
+    assert {name for name in names if ".dist-info/" not in name} <= ours, (
+        "these are not in the tree"
+    )
 
 
 def test_the_metadata_lead_to_the_project(wheel: Path) -> None:
@@ -78,14 +84,19 @@ def test_a_consumer_is_checked_against_our_types(installed: Path, tmp_path: Path
     assert len(lines) == 2, said
     assert "Revealed type" in lines[0]
     assert "sjdsl.runtime.env.Environment" in lines[0]
-    assert 'Incompatible types in assignment (expression has type "int", variable has type "str")' in lines[1]
+    assert (
+        'Incompatible types in assignment (expression has type "int", variable has type "str")'
+        in lines[1]
+    )
 
 
 def _files(folder: Path) -> set[str]:
     return {
         path.relative_to(folder).as_posix()
         for path in folder.rglob("*")
-        if path.is_file() and path.suffix not in (".pyc", ".tables") and "__pycache__" not in path.parts
+        if path.is_file()
+        and path.suffix not in (".pyc", ".tables")
+        and "__pycache__" not in path.parts
     }
 
 

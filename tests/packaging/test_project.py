@@ -11,7 +11,9 @@ import yaml
 from sjdsl.version import HOMEPAGE, __version__
 
 REPOSITORY = Path(__file__).parents[2]
-PROJECT: dict[str, Any] = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+PROJECT: dict[str, Any] = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))[
+    "project"
+]
 CITATION: dict[str, Any] = yaml.safe_load((REPOSITORY / "CITATION.cff").read_text("utf-8"))
 FORMS = sorted((REPOSITORY / ".github/ISSUE_TEMPLATE").glob("*.yml"))
 
@@ -23,7 +25,9 @@ def test_there_is_one_address() -> None:
     assert CITATION["repository-code"] == CITATION["url"] == HOMEPAGE
     contact = (REPOSITORY / ".github/ISSUE_TEMPLATE/config.yml").read_text("utf-8")
     assert all(url.startswith(f"{HOMEPAGE}/") for url in re.findall(r"url: (\S+)", contact))
-    assert all(url.startswith(HOMEPAGE) for name, url in PROJECT["urls"].items() if name != "Documentation")
+    assert all(
+        url.startswith(HOMEPAGE) for name, url in PROJECT["urls"].items() if name != "Documentation"
+    )
 
 
 def test_there_is_one_version() -> None:
@@ -38,18 +42,33 @@ def test_classifiers_are_those_of_the_project() -> None:
     assert high is None or int(pythons[-1].removeprefix("3.")) < int(high)
     assert "Typing :: Typed" in classifiers
     assert (REPOSITORY / "sjdsl/py.typed").is_file()
-    assert not [text for text in classifiers if text.startswith("License ::")], "the licence is an expression: PyPI refuses both"
+    assert not [text for text in classifiers if text.startswith("License ::")], (
+        "the licence is an expression: PyPI refuses both"
+    )
 
 
 def test_the_citation_is_complete() -> None:
-    for key in ("cff-version", "message", "title", "type", "authors", "version", "license", "repository-code", "keywords", "abstract"):
+    for key in (
+        "cff-version",
+        "message",
+        "title",
+        "type",
+        "authors",
+        "version",
+        "license",
+        "repository-code",
+        "keywords",
+        "abstract",
+    ):
         assert CITATION[key], key
     assert CITATION["license"] == PROJECT["license"]
     for reference in CITATION["references"]:
         assert {"type", "title", "authors", "year", "url"} <= reference.keys()
 
 
-@pytest.mark.parametrize("path", [form for form in FORMS if form.stem != "config"], ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [form for form in FORMS if form.stem != "config"], ids=lambda path: path.stem
+)
 def test_a_form_can_be_shown(path: Path) -> None:
     form = yaml.safe_load(path.read_text("utf-8"))
     assert {"name", "description", "body"} <= form.keys()
@@ -64,11 +83,18 @@ def test_there_are_forms_for_games_faults_and_the_language() -> None:
     assert {path.stem for path in FORMS} == {"config", "rule", "bug", "language"}
 
 
-@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "SECURITY.md", ".github/pull_request_template.md"])
+@pytest.mark.parametrize(
+    "page",
+    ["CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "SECURITY.md", ".github/pull_request_template.md"],
+)
 def test_links_of_the_pages_for_contributors_lead_somewhere(page: str) -> None:
     text = (REPOSITORY / page).read_text("utf-8")
     for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
         assert (REPOSITORY / page).parent.joinpath(link).exists(), link
     for command in re.findall(r"`make ([\w-]+)`", text):
-        assert re.search(rf"^{command}:", (REPOSITORY / "Makefile").read_text("utf-8"), re.MULTILINE), command
-    assert "@" not in re.sub(r"`[^`]*`", "", text), "reports go through the project's page, not to an address"
+        assert re.search(
+            rf"^{command}:", (REPOSITORY / "Makefile").read_text("utf-8"), re.MULTILINE
+        ), command
+    assert "@" not in re.sub(r"`[^`]*`", "", text), (
+        "reports go through the project's page, not to an address"
+    )

@@ -9,7 +9,11 @@ REPOSITORY = Path(__file__).parents[2]
 
 
 def test_every_package_is_in_the_wheel() -> None:
-    listed = set(tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"]["packages"])
+    listed = set(
+        tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"][
+            "packages"
+        ]
+    )
     folders = {path.parent for path in (REPOSITORY / "sjdsl").rglob("__init__.py")}
     found = {".".join(folder.relative_to(REPOSITORY).parts) for folder in folders}
     assert listed == found | {"sjdsl.games", "sjdsl.trainers"}
@@ -21,7 +25,11 @@ def test_requirements_are_pinned() -> None:
     assert all(line.count("==") == 1 and " " not in line for line in pins)
     names = {line.split("==")[0].lower() for line in pins}
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
-    extras, wanted, waiting = project["optional-dependencies"], set(), [*project["dependencies"], "sjdsl[test]"]
+    extras, wanted, waiting = (
+        project["optional-dependencies"],
+        set(),
+        [*project["dependencies"], "sjdsl[test]"],
+    )
     assert len(project["dependencies"]) <= 14, "what only some users want is an extra"
     while waiting:
         name, _, brought = waiting.pop().partition(">=")[0].partition("[")

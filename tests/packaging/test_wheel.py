@@ -41,8 +41,22 @@ def test_it_works_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_it_trains_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     (tmp_path / "my_game.sj").write_text(GAME)
-    small = [part for value in ("total_timesteps=96", "num_envs=4", "num_steps=12", "num_minibatches=1") for part in ("--set", value)]
-    shown = run_in(installed / "empty/bin/sjdsl", "train", "my_game.sj", *small, "--run", "run", "--episodes", "2", cwd=tmp_path)
+    small = [
+        part
+        for value in ("total_timesteps=96", "num_envs=4", "num_steps=12", "num_minibatches=1")
+        for part in ("--set", value)
+    ]
+    shown = run_in(
+        installed / "empty/bin/sjdsl",
+        "train",
+        "my_game.sj",
+        *small,
+        "--run",
+        "run",
+        "--episodes",
+        "2",
+        cwd=tmp_path,
+    )
     assert "run/" in shown
     assert (tmp_path / "run/policies/last.safetensors").exists()
 
@@ -52,10 +66,19 @@ def test_a_new_game_begins_in_an_empty_folder(installed: Path, tmp_path: Path) -
     shell = installed / "empty/bin"
     run_in(shell / "sjdsl", "new", "pond", cwd=tmp_path)
     run_in(shell / "sjdsl", "compile", "--standalone", "pond.sj", cwd=tmp_path)
-    run_in(shell / "python", "-c", "from pond_standalone import Environment; assert Environment().num_agents == 3", cwd=tmp_path)
+    run_in(
+        shell / "python",
+        "-c",
+        "from pond_standalone import Environment; assert Environment().num_agents == 3",
+        cwd=tmp_path,
+    )
 
 
 @pytest.mark.thorough
 def test_a_newcomer_sees_a_changed_rule(installed: Path, tmp_path: Path) -> None:
     """What `make newcomer` times: a new game, its page, a changed rule, and the page of that."""
-    assert differs(*walk(lambda *command: run_in(*command, cwd=tmp_path), installed / "empty/bin/sjdsl", tmp_path))
+    assert differs(
+        *walk(
+            lambda *command: run_in(*command, cwd=tmp_path), installed / "empty/bin/sjdsl", tmp_path
+        )
+    )

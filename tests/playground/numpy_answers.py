@@ -24,7 +24,12 @@ def answers(name: str) -> list[Any]:
         found.append(bench.answer(READ.validate_json(json.dumps(request))))
         assert "refused" not in found[-1], found[-1]
 
-    ask(do="text", version=1, path=path.relative_to(home).as_posix(), text=Path(path).read_text(encoding="utf-8"))
+    ask(
+        do="text",
+        version=1,
+        path=path.relative_to(home).as_posix(),
+        text=Path(path).read_text(encoding="utf-8"),
+    )
     for _ in range(8):
         ask(do="step")
     for panel in ("state", "seen", "trace", "rules", "python"):
@@ -50,4 +55,7 @@ if __name__ == "__main__":
 
     print(Path(numpy.__file__).parent.parent.name)
     for game in sys.argv[1:]:
-        print(game, hashlib.sha256(json.dumps(plain(answers(game)), allow_nan=False).encode()).hexdigest())
+        print(
+            game,
+            hashlib.sha256(json.dumps(plain(answers(game)), allow_nan=False).encode()).hexdigest(),
+        )

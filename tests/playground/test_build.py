@@ -48,7 +48,9 @@ def place(package: Path) -> Iterator[str]:
 def told(out: Path) -> tuple[str, dict[str, str]]:
     """Returns what pyodide.js says: the place, and a digest for each file."""
     text = (out / "pyodide.js").read_text()
-    found = re.fullmatch(r"export const PLACE = (.*);\nexport const INTEGRITY = (.*);\n", text, re.DOTALL)
+    found = re.fullmatch(
+        r"export const PLACE = (.*);\nexport const INTEGRITY = (.*);\n", text, re.DOTALL
+    )
     assert found is not None
     return json.loads(found[1]), json.loads(found[2])
 
@@ -71,18 +73,27 @@ def test_its_files_are_part_of_the_build(tmp_path: Path, package: Path) -> None:
         assert base64.b64decode(digest.removeprefix("sha384-")) == hashlib.sha384(content).digest()
 
 
-def test_they_are_left_to_a_server_that_has_the_same(tmp_path: Path, package: Path, place: str) -> None:
+def test_they_are_left_to_a_server_that_has_the_same(
+    tmp_path: Path, package: Path, place: str
+) -> None:
     out, beside = made(tmp_path / "out"), made(tmp_path / "beside")
     said = put_pyodide(out, package, place)
     assert [path.name for path in out.iterdir()] == ["pyodide.js"]
-    assert said.endswith(f"visitors load it from {place}/, and their browsers check it. Its 5 files there are those of npm.")
+    assert said.endswith(
+        f"visitors load it from {place}/, and their browsers check it. Its 5 files there are those of npm."
+    )
     put_pyodide(beside, package)
     assert told(out) == (f"{place}/", told(beside)[1])
 
 
-def test_a_server_that_cannot_be_asked_is_told_of(tmp_path: Path, package: Path, place: str) -> None:
+def test_a_server_that_cannot_be_asked_is_told_of(
+    tmp_path: Path, package: Path, place: str
+) -> None:
     said = put_pyodide(made(tmp_path / "out"), package, f"{place}/nothing")
-    assert f"NOT TESTED: {place}/nothing/pyodide.mjs cannot be loaded from here (HTTP Error 404: File not found)" in said
+    assert (
+        f"NOT TESTED: {place}/nothing/pyodide.mjs cannot be loaded from here (HTTP Error 404: File not found)"
+        in said
+    )
 
 
 def test_a_server_with_another_file_is_refused(tmp_path: Path, package: Path, place: str) -> None:
@@ -99,14 +110,19 @@ def test_a_place_that_browsers_do_not_trust_is_refused(tmp_path: Path, package: 
         put_pyodide(made(tmp_path / "out"), package, "http://example.org/pyodide")
 
 
-def test_the_public_server_has_the_version_of_npm(tmp_path: Path, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_public_server_has_the_version_of_npm(
+    tmp_path: Path, package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def no_network(*_: object, **__: object) -> None:
         raise OSError("no network")
 
     monkeypatch.setattr("urllib.request.urlopen", no_network)
     said = put_pyodide(made(tmp_path / "out"), package, "cdn")
     assert told(tmp_path / "out")[0] == "https://cdn.jsdelivr.net/npm/pyodide@1.2.3/"
-    assert "NOT TESTED: https://cdn.jsdelivr.net/npm/pyodide@1.2.3/pyodide.mjs cannot be loaded from here (no network)" in said
+    assert (
+        "NOT TESTED: https://cdn.jsdelivr.net/npm/pyodide@1.2.3/pyodide.mjs cannot be loaded from here (no network)"
+        in said
+    )
 
 
 def test_packages_of_byte_code_alone_have_their_names(tmp_path: Path) -> None:
@@ -116,5 +132,11 @@ def test_packages_of_byte_code_alone_have_their_names(tmp_path: Path) -> None:
             (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
             py_compile.compile(str(path), str(tmp_path / name) + "c", doraise=True)
     script = "import sjdsl, sjdsl.render; print(sjdsl.CompileError.__name__, sjdsl.render.take_snapshot.__name__)"
-    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, env={"PYTHONPATH": str(tmp_path)}, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=tmp_path,
+        env={"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
     assert done.stdout == "CompileError take_snapshot\n", done.stderr

@@ -34,14 +34,33 @@ def load() -> ModuleType:
 
 own = load()
 REALS = st.floats(width=32, allow_nan=False) | st.integers(-100, 100).map(float)
-OPERATORS = ("add", "sub", "mul", "truediv", "mod", "lt", "le", "eq", "radd", "rsub", "rmul", "rtruediv")
+OPERATORS = (
+    "add",
+    "sub",
+    "mul",
+    "truediv",
+    "mod",
+    "lt",
+    "le",
+    "eq",
+    "radd",
+    "rsub",
+    "rmul",
+    "rtruediv",
+)
 
 
 def same(mine: Any, theirs: Any) -> bool:
     return bool(mine == theirs) or (math.isnan(mine) and math.isnan(theirs))
 
 
-@given(REALS, REALS | st.floats(allow_nan=False, allow_infinity=False, width=64) | st.integers(-(2**31), 2**31), st.sampled_from(OPERATORS))
+@given(
+    REALS,
+    REALS
+    | st.floats(allow_nan=False, allow_infinity=False, width=64)
+    | st.integers(-(2**31), 2**31),
+    st.sampled_from(OPERATORS),
+)
 def test_reals_of_32_bits(left: float, right: float, name: str) -> None:
     assume(abs(right) < 3e38 or math.isinf(right))
     assume(name != "mod" or np.float32(right) != 0)  # guarded by the compiler
@@ -101,7 +120,9 @@ CASES: list[Any] = [
     lambda n: n.isin(n.array(["a", "b"]), ("b", "c")),
     lambda n: n.equal(n.array(["a", "b"]), "b"),
     lambda n: n.array(["a", "b"])[n.array([1, 1, 0])],
-    lambda n: n.logical_and.reduce(n.broadcast_arrays(n.array([True, True, False]), n.array([True]))),
+    lambda n: n.logical_and.reduce(
+        n.broadcast_arrays(n.array([True, True, False]), n.array([True]))
+    ),
     lambda n: n.ceil(n.array([0.1, 2.0]) / 0.5).astype(int),
     lambda n: n.bitwise_count(n.array([0, 5, 255])),
     lambda n: n.stack([n.arange(3), n.array([True, False, True]).astype(int)], axis=1),
@@ -113,7 +134,9 @@ CASES: list[Any] = [
     lambda n: n.full((2, 2), 7, n.uint8) + n.array([250, 1]).astype(n.uint8),
     lambda n: n.array([300, -1]).astype(n.uint8),
     lambda n: n.unique(n.array([[2, 1], [0, 1], [2, 1]]), axis=0, return_inverse=True)[0],
-    lambda n: n.unique(n.array([[2, 1], [0, 1], [2, 1]]), axis=0, return_inverse=True)[1].reshape(-1),
+    lambda n: n.unique(n.array([[2, 1], [0, 1], [2, 1]]), axis=0, return_inverse=True)[1].reshape(
+        -1
+    ),
     lambda n: n.unique(["b", "a", "b"], return_counts=True)[1],
     lambda n: n.meshgrid(n.arange(2), n.arange(3), indexing="ij")[1],
     lambda n: n.argmin(n.array([3, 1, 1])),
@@ -153,12 +176,18 @@ def test_a_wrong_place_is_an_error() -> None:
 def answered(path: list[Path], games: tuple[str, ...]) -> list[str]:
     command = [sys.executable, str(Path(__file__).with_name("numpy_answers.py")), *games]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, [*path, ROOT]))}
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=ROOT)
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env=environment, cwd=ROOT
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 
 
-@pytest.mark.parametrize("games", [GAMES[:2], pytest.param(tuple(bundled()), marks=pytest.mark.thorough)], ids=["two", "all"])
+@pytest.mark.parametrize(
+    "games",
+    [GAMES[:2], pytest.param(tuple(bundled()), marks=pytest.mark.thorough)],
+    ids=["two", "all"],
+)
 def test_the_studio_answers_the_same(games: tuple[str, ...]) -> None:
     with_numpy, without = answered([], games), answered([FOLDER], games)
     assert (with_numpy[0], without[0]) == ("site-packages", "playground")

@@ -32,7 +32,9 @@ def played(env: sjdsl.Environment, seed: int) -> Any:
         bits_key, who_key, random_key, step_key = jax.random.split(key, 4)
         bits = jax.random.bits(bits_key, (env.num_agents, 2), jnp.uint32)
         chosen = jnp.stack([chooser(state, bits) for chooser in choosers])
-        anything = jax.random.randint(random_key, (1, env.num_agents), 0, env.num_actions, jnp.int32)
+        anything = jax.random.randint(
+            random_key, (1, env.num_agents), 0, env.num_actions, jnp.int32
+        )
         who = jax.random.randint(who_key, (1, env.num_agents), 0, len(choosers) + 1, jnp.int32)
         actions = jnp.take_along_axis(jnp.concatenate([chosen, anything]), who, axis=0)[0]
         return env.step(step_key, state, actions)[1], (state, bits, chosen)
@@ -53,7 +55,9 @@ def test_compiled_equals_interpreted(path: Path) -> None:
     history, env = interpret(game, play), on_numpy(game)
     states = [state for state, *_ in moments(env, play, len(history.moments))]
     assert len(states) == STEPS + 1
-    assert not different_choice(game, env, states[1:], [moment.ended for moment in history.moments], seed=0)
+    assert not different_choice(
+        game, env, states[1:], [moment.ended for moment in history.moments], seed=0
+    )
 
 
 @pytest.mark.thorough
@@ -66,7 +70,10 @@ def test_compiled_equals_interpreted_where_the_policies_lead(path: Path) -> None
     for at in range(STEPS):
         world = world_of(env, jax.tree.map(lambda leaf, at=at: leaf[at], states), params)
         for policy, compiled in zip(env.game.policies, chosen[at], strict=True):
-            expected = [choose(policy, env.game, world, agent, tuple(map(int, bits[at, agent]))) for agent in range(env.num_agents)]
+            expected = [
+                choose(policy, env.game, world, agent, tuple(map(int, bits[at, agent])))
+                for agent in range(env.num_agents)
+            ]
             assert compiled.tolist() == expected, (policy.name, world)
     for number, policy in enumerate(env.game.policies):
         assert len(set(chosen[:, number].flat)) > 1, f"{policy.name} always does the same"

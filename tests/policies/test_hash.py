@@ -24,7 +24,9 @@ def test_a_game_without_its_policies_has_the_same_hash() -> None:
 
 
 def test_an_action_that_only_a_policy_chooses_does_nothing_and_is_warned_of() -> None:
-    text = CASE.replace("stay, zap", "stay, zap, sing").replace("5 choose turn_left", "5 choose sing")
+    text = CASE.replace("stay, zap", "stay, zap, sing").replace(
+        "5 choose turn_left", "5 choose sing"
+    )
     assert [(warning.code, warning.message) for warning in built(text).warnings] == [
         ("SJ506", "no rule reads the action `sing`, so choosing it is the same as `stay`")
     ]

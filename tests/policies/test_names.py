@@ -30,7 +30,9 @@ def expected(env: Environment, state: object) -> list[int]:
     """Returns what the agents do by the only policy of the file where nobody is in the way."""
     (policy,), world = env.game.policies, world_of(env, state)
     assert world.params == default_params(env.game)
-    return [choose(policy, env.game, world, agent, (0, 2**32 - 1)) for agent in range(env.num_agents)]
+    return [
+        choose(policy, env.game, world, agent, (0, 2**32 - 1)) for agent in range(env.num_agents)
+    ]
 
 
 def test_partners_of_a_run(env: Environment) -> None:
@@ -39,7 +41,10 @@ def test_partners_of_a_run(env: Environment) -> None:
     act = jax.jit(lambda *seen: partners.act(env, partners.start(3), *seen))
     _, actions = act(jax.random.key(1), observation, states, jnp.ones(3, bool))
     for number in range(3):
-        assert actions[number, 1] == expected(env, jax.tree.map(lambda leaf, at=number: leaf[at], states))[1]
+        assert (
+            actions[number, 1]
+            == expected(env, jax.tree.map(lambda leaf, at=number: leaf[at], states))[1]
+        )
 
 
 def test_the_others_of_a_gymnasium_environment() -> None:
@@ -55,7 +60,9 @@ def test_the_others_of_a_gymnasium_environment() -> None:
     assert np.sum(earned, axis=0)[1] > 0
 
 
-def test_a_policy_that_cannot_be_compiled_is_named_with_its_place(env: Environment, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_policy_that_cannot_be_compiled_is_named_with_its_place(
+    env: Environment, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def refused(*_: object) -> None:
         raise NotSupported("a shape of moonlight", env.game.policies[0].origin, "write one of wood")
 

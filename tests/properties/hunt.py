@@ -41,7 +41,10 @@ from tests.properties.random_worlds import ALIKE, Worlds, encoded, random_params
 from tests.properties.unchanged_rules import asymmetry
 
 CHECKS, EVEN = 200, 2  # in a game; games with no checks but symmetries, as few games are symmetric
-NUMBERS, FIELDS = 4, 8  # games of numbers that float32 rounds, and fields with a guard of their own in each
+NUMBERS, FIELDS = (
+    4,
+    8,
+)  # games of numbers that float32 rounds, and fields with a guard of their own in each
 SIZES, TRIES = 1, 2  # other sizes of a game that are looked at; tries to find some
 STATES = ("always", "once", "monotone")
 PLAYS, STEPS = 2, 6  # in which `conserved` is looked at
@@ -65,7 +68,11 @@ def random_family(seed: int, checks: int = CHECKS) -> GameFamily | None:
             try:
                 return GameFamily(source)
             except CompileError as error:
-                lines = {d.span.line for d in error.diagnostics if d.severity == "error" and d.span.file == source.name}
+                lines = {
+                    d.span.line
+                    for d in error.diagnostics
+                    if d.severity == "error" and d.span.file == source.name
+                }
         text = without(made.text, lines) if lines else ""
         if not text:
             return None
@@ -88,20 +95,30 @@ def numbers_family(seed: int) -> GameFamily | None:
 def proved(family: GameFamily) -> list[int]:
     """Returns the numbers of the checks that are proved."""
     verdicts = [decide_statically(family, number) for number in range(len(family.own.checks))]
-    return [number for number, verdict in enumerate(verdicts) if verdict is not None and verdict.how == "proved"]
+    return [
+        number
+        for number, verdict in enumerate(verdicts)
+        if verdict is not None and verdict.how == "proved"
+    ]
 
 
 def hunt(family: GameFamily, seed: int, worlds: int, hunted: Hunted, stepped: int = 0) -> None:
     """Looks for counterexamples of all that is proved of a game. `stepped`: the worlds from which a step is taken."""
     random, numbers = Random(seed), proved(family)
-    by_sort = {sort: [n for n in numbers if family.own.checks[n].sort == sort] for sort in (*STATES, "conserved", "symmetric")}
+    by_sort = {
+        sort: [n for n in numbers if family.own.checks[n].sort == sort]
+        for sort in (*STATES, "conserved", "symmetric")
+    }
     of_states = [n for sort in STATES for n in by_sort[sort]]
     try:
         games = (family.own, *_other_sizes(family, random))
         for game in games:
             _hunt_states(game, of_states, random, worlds, hunted, family, stepped)
         _hunt_conserved(family.own, by_sort["conserved"], random, hunted, family)
-        compared = {number: [asymmetry(game, game.checks[number], random) for game in games] for number in by_sort["symmetric"]}
+        compared = {
+            number: [asymmetry(game, game.checks[number], random) for game in games]
+            for number in by_sort["symmetric"]
+        }
     except NotSupported:
         return
     counted = [*of_states, *by_sort["conserved"]]
@@ -121,12 +138,19 @@ def _note(where: str, number: int, family: GameFamily, hunted: Hunted) -> None:
 
 def _other_sizes(family: GameFamily, random: Random) -> list[ir.Game]:
     """Returns the game in a few other sizes that the file allows: all at one end of their limits, or each anywhere."""
-    declared = {name: constant for name, constant in family.composition.constants.items() if constant.is_size}
+    declared = {
+        name: constant
+        for name, constant in family.composition.constants.items()
+        if constant.is_size
+    }
     found: list[ir.Game] = []
     for where in ("high", "low", *("anywhere" for _ in range(TRIES))) if declared else ():
         sizes = {name: _size(constant, where, random) for name, constant in declared.items()}
         game = family.in_sizes({name: value for name, value in sizes.items() if value is not None})
-        if game is not None and game.sizes not in (family.own.sizes, *(other.sizes for other in found)):
+        if game is not None and game.sizes not in (
+            family.own.sizes,
+            *(other.sizes for other in found),
+        ):
             found.append(game)
     return random.sample(found, min(SIZES, len(found)))
 
@@ -143,11 +167,20 @@ def _size(size: ast.Constant, where: str, random: Random) -> int | None:
 
 
 def _hunt_states(
-    game: ir.Game, numbers: Sequence[int], random: Random, many: int, hunted: Hunted, family: GameFamily, stepped: int
+    game: ir.Game,
+    numbers: Sequence[int],
+    random: Random,
+    many: int,
+    hunted: Hunted,
+    family: GameFamily,
+    stepped: int,
 ) -> None:
     if not numbers:
         return
-    values = [game.checks[n].values if game.checks[n].sort == "monotone" else game.checks[n].values[-1:] for n in numbers]
+    values = [
+        game.checks[n].values if game.checks[n].sort == "monotone" else game.checks[n].values[-1:]
+        for n in numbers
+    ]
     lowered = lower_checks(game, [e for some in values for e in some])
     env = on_numpy(game)
     worlds = random_worlds(env, game, random, many)
@@ -158,17 +191,38 @@ def _hunt_states(
     hunted.worlds += stepped
     at = 0
     for number, some in zip(numbers, values, strict=True):
-        columns, columns_after, at = table[:, at : at + len(some)], table_after[:, at : at + len(some)], at + len(some)
+        columns, columns_after, at = (
+            table[:, at : at + len(some)],
+            table_after[:, at : at + len(some)],
+            at + len(some),
+        )
         check = game.checks[number]
-        wrong = _turns(columns, check.words[0] == "rising") if check.sort == "monotone" else np.flatnonzero(columns[:, 0] == 0)
+        wrong = (
+            _turns(columns, check.words[0] == "rising")
+            if check.sort == "monotone"
+            else np.flatnonzero(columns[:, 0] == 0)
+        )
         if check.sort != "monotone" and not columns_after.all():
             at_step = int(np.flatnonzero(columns_after[:, 0] == 0)[0])
             state = {name: value[at_step].tolist() for name, value in after.state.items()}
-            _note(f"sizes {[s.value for s in game.sizes]}, after a step: {state}", number, family, hunted)
+            _note(
+                f"sizes {[s.value for s in game.sizes]}, after a step: {state}",
+                number,
+                family,
+                hunted,
+            )
             continue
         if len(wrong):
-            world = {name: value[wrong[0]].tolist() for name, value in (*worlds.params.items(), *worlds.state.items())}
-            _note(f"sizes {[s.value for s in game.sizes]}, {columns[wrong[0]].tolist()}: {world}", number, family, hunted)
+            world = {
+                name: value[wrong[0]].tolist()
+                for name, value in (*worlds.params.items(), *worlds.state.items())
+            }
+            _note(
+                f"sizes {[s.value for s in game.sizes]}, {columns[wrong[0]].tolist()}: {world}",
+                number,
+                family,
+                hunted,
+            )
 
 
 def _after_a_step(env: OnNumPy, worlds: Worlds, random: Random, many: int) -> Worlds:
@@ -176,38 +230,63 @@ def _after_a_step(env: OnNumPy, worlds: Worlds, random: Random, many: int) -> Wo
     states, first = [], env.module.initial_state()
     for world in range(many):
         params = {name: numpy_jax.as_array(value[world]) for name, value in worlds.params.items()}
-        state = first.replace(**{name: numpy_jax.as_array(value[world]) for name, value in worlds.state.items()})
+        state = first.replace(
+            **{name: numpy_jax.as_array(value[world]) for name, value in worlds.state.items()}
+        )
         env.params = replace(env.params, **params)
         play = random_play(env.game, random.getrandbits(32), 1)
         with np.errstate(all="ignore"):
             states.append(env.advance(play.keys[0], state, play.actions[0])[0])
-    after = {name: np.stack([np.asarray(getattr(state, name)) for state in states]) for name in worlds.state} if states else {}
+    after = (
+        {
+            name: np.stack([np.asarray(getattr(state, name)) for state in states])
+            for name in worlds.state
+        }
+        if states
+        else {}
+    )
     return Worlds(after, {name: value[:many] for name, value in worlds.params.items()})
 
 
-def _computed(values: Any, state: dict[str, np.ndarray], params: dict[str, np.ndarray]) -> np.ndarray:
+def _computed(
+    values: Any, state: dict[str, np.ndarray], params: dict[str, np.ndarray]
+) -> np.ndarray:
     """Returns what expressions are in each world, `[worlds, expressions]` float32; before its step each is the world that precedes it."""
     before = {name: np.roll(value, 1, axis=0) for name, value in state.items()}
-    one = jax.vmap(lambda state, params, before: values(SimpleNamespace(**state), SimpleNamespace(**params), SimpleNamespace(**before)))
+    one = jax.vmap(
+        lambda state, params, before: values(
+            SimpleNamespace(**state), SimpleNamespace(**params), SimpleNamespace(**before)
+        )
+    )
     return np.asarray(jax.jit(one)(state, params, before))
 
 
 def _turns(columns: np.ndarray, rising: bool) -> np.ndarray:
     """Returns worlds whose first value goes the wrong way from another with the same parameters and a smaller second value."""
-    value, argument = (columns[: len(columns) // ALIKE * ALIKE, i].reshape(-1, ALIKE) for i in (0, 1))
+    value, argument = (
+        columns[: len(columns) // ALIKE * ALIKE, i].reshape(-1, ALIKE) for i in (0, 1)
+    )
     less = value[:, :, None] < value[:, None] if rising else value[:, :, None] > value[:, None]
     return np.flatnonzero((less & (argument[:, :, None] > argument[:, None])).any(-1).reshape(-1))
 
 
-def _hunt_conserved(game: ir.Game, numbers: Sequence[int], random: Random, hunted: Hunted, family: GameFamily) -> None:
+def _hunt_conserved(
+    game: ir.Game, numbers: Sequence[int], random: Random, hunted: Hunted, family: GameFamily
+) -> None:
     if not numbers:
         return
     lowered = lower_checks(game, [game.checks[n].values[0] for n in numbers])
     env = on_numpy(game)
     params = [encoded(game, random_params(game, random)) for _ in range(PLAYS)]
     trajectories = [_played(env, given, random) for given in params]
-    states = {name: np.stack([np.asarray(getattr(s, name)) for t in trajectories for s in t]) for name in vars(trajectories[0][0])}
-    given = {name: np.stack([one[name] for one, t in zip(params, trajectories, strict=True) for _ in t]) for name in params[0]}
+    states = {
+        name: np.stack([np.asarray(getattr(s, name)) for t in trajectories for s in t])
+        for name in vars(trajectories[0][0])
+    }
+    given = {
+        name: np.stack([one[name] for one, t in zip(params, trajectories, strict=True) for _ in t])
+        for name in params[0]
+    }
     table = _computed(lowered.values, states, given)
     hunted.worlds += len(table)
     begun = np.cumsum([0, *map(len, trajectories)])
@@ -215,13 +294,20 @@ def _hunt_conserved(game: ir.Game, numbers: Sequence[int], random: Random, hunte
         for first, last in pairwise(begun):
             changed = np.flatnonzero(table[first:last, column] != table[first, column])
             if len(changed):
-                _note(f"{table[first, column]}, after step {changed[0] - 1} {table[first + changed[0], column]}", number, family, hunted)
+                _note(
+                    f"{table[first, column]}, after step {changed[0] - 1} {table[first + changed[0], column]}",
+                    number,
+                    family,
+                    hunted,
+                )
                 break
 
 
 def _played(env: OnNumPy, params: dict[str, np.ndarray], random: Random) -> list[Any]:
     """Returns the states of an episode of random play, on NumPy."""
-    env.params = replace(env.params, **{name: numpy_jax.as_array(value) for name, value in params.items()})
+    env.params = replace(
+        env.params, **{name: numpy_jax.as_array(value) for name, value in params.items()}
+    )
     play = random_play(env.game, random.getrandbits(32), STEPS)
     with np.errstate(all="ignore"):  # what a guard protects is computed and not used
         states = [env.begin(play.start)]
@@ -239,7 +325,10 @@ def hunt_seeds(seeds: Iterator[int], verdicts: int, worlds: int) -> Hunted:
     for seed in seeds:
         if sum(hunted.proofs.values()) >= verdicts:
             break
-        for family in (random_family(seed), *(random_family(seed + i * 2**32, 0) for i in range(1, 1 + EVEN))):
+        for family in (
+            random_family(seed),
+            *(random_family(seed + i * 2**32, 0) for i in range(1, 1 + EVEN)),
+        ):
             if family is not None:
                 hunt(family, seed, worlds, hunted)
         for family in (numbers_family(seed + i * 2**32) for i in range(NUMBERS)):
@@ -267,8 +356,13 @@ def main() -> None:
             hunted.found.append((check, where, text))
         seed += 1
         if seed % 10 == 0:
-            print(f"{seed - given.seed} games, {sum(hunted.proofs.values())} proofs, {time.process_time() - begun:.0f} s", flush=True)
-    print(f"{seed - given.seed} games, {hunted.worlds} worlds, {dict(hunted.proofs)}: {len(hunted.found)} counterexamples")
+            print(
+                f"{seed - given.seed} games, {sum(hunted.proofs.values())} proofs, {time.process_time() - begun:.0f} s",
+                flush=True,
+            )
+    print(
+        f"{seed - given.seed} games, {hunted.worlds} worlds, {dict(hunted.proofs)}: {len(hunted.found)} counterexamples"
+    )
 
 
 if __name__ == "__main__":

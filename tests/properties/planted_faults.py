@@ -58,7 +58,10 @@ def _count(which: str) -> str:
 
 def _password(*keys: str) -> str:
     """Returns a condition that holds if agent 0 chooses the key that is next."""
-    return " or ".join(f"(stage == {i} and {_count(f'where agent.index == 0 and agent chose {key}')} == 1)" for i, key in enumerate(keys))
+    return " or ".join(
+        f"(stage == {i} and {_count(f'where agent.index == 0 and agent chose {key}')} == 1)"
+        for i, key in enumerate(keys)
+    )
 
 
 RULES = {  # name: rule, check
@@ -68,7 +71,10 @@ RULES = {  # name: rule, check
         NEVER_PAID,
     ),
     "one number in 2,000": (f"draw x from 1 .. 2000  when x == 777 {PAY}", NEVER_PAID),
-    "a rare chance for agents that act on a plate": (f"each agent on plate where agent chose red {{ chance 0.001 {PAY} }}", NEVER_PAID),
+    "a rare chance for agents that act on a plate": (
+        f"each agent on plate where agent chose red {{ chance 0.001 {PAY} }}",
+        NEVER_PAID,
+    ),
     "all six chances at once": (
         "each tile { chance 0.1 { set tile.lit = yes } otherwise { set tile.lit = no } }",
         "always count(tile where tile.lit is yes) < 6",
@@ -80,14 +86,23 @@ RULES = {  # name: rule, check
         f"when {' and '.join(_count(f'where agent chose {key}') + ' == 1' for key in ('red', 'green', 'blue'))} {PAY}",
         NEVER_PAID,
     ),
-    "three press red on plates": (f"when {_count('on plate where agent chose red')} == 3 {PAY}", NEVER_PAID),
-    "three lift one pillar": ("set paid = 0", "always count(pillar where count(agent in pillar.hands) >= 3) == 0"),
+    "three press red on plates": (
+        f"when {_count('on plate where agent chose red')} == 3 {PAY}",
+        NEVER_PAID,
+    ),
+    "three lift one pillar": (
+        "set paid = 0",
+        "always count(pillar where count(agent in pillar.hands) >= 3) == 0",
+    ),
     "a plate, a tile and a pillar in one step": (
         f"""when {_count("on plate where agent chose green")} == 1 and {_count("on tile where agent chose blue")} == 1
           and count(pillar where pillar.hands is not nobody) == 1 {PAY}""",
         NEVER_PAID,
     ),
-    "six keys of one agent": (f"when {_password('red', 'green', 'blue', 'blue', 'red', 'green')} {ONWARDS}", NEVER_SIX),
+    "six keys of one agent": (
+        f"when {_password('red', 'green', 'blue', 'blue', 'red', 'green')} {ONWARDS}",
+        NEVER_SIX,
+    ),
     "six tiles in order": (
         "when count(tile where tile.number == stage + 1 and not nobody on tile) > 0 { set stage = min(stage + 1, 6) }",
         NEVER_SIX,
@@ -115,8 +130,14 @@ RULES = {  # name: rule, check
            otherwise when {_count("where agent chose red")} == 1 {{ set stage = min(stage + 1, 6) }}""",
         NEVER_PAID,
     ),
-    "red in the last step": (f"when step == 59 {{ each agent where agent chose red {PAY} }}", NEVER_PAID),
-    "two on plates in the last step": (f"when step == 59 and {_count('on plate')} == 2 {PAY}", NEVER_PAID),
+    "red in the last step": (
+        f"when step == 59 {{ each agent where agent chose red {PAY} }}",
+        NEVER_PAID,
+    ),
+    "two on plates in the last step": (
+        f"when step == 59 and {_count('on plate')} == 2 {PAY}",
+        NEVER_PAID,
+    ),
     "no tile visited until the last step": (
         "each tile where not nobody on tile { set tile.lit = yes }  when step == 59 and stage == 0 { set stage = 1 }",
         "always stage == 0 or count(tile where tile.lit is yes) > 0",
@@ -125,7 +146,10 @@ RULES = {  # name: rule, check
         "each tile where not nobody on tile { set tile.lit = yes }  when step == 59 { set stage = 1 }",
         "always stage == 0 or count(tile where tile.lit is yes) != 4",
     ),
-    "red in each of the last four steps": (f"when step >= 56 and {_count('where agent chose red')} > 0 {ONWARDS}", "always stage < 4"),
+    "red in each of the last four steps": (
+        f"when step >= 56 and {_count('where agent chose red')} > 0 {ONWARDS}",
+        "always stage < 4",
+    ),
     "a rare chance in the last step": (f"when step == 59 {{ chance 0.01 {PAY} }}", NEVER_PAID),
     "a number at its maximum": (f"when high == 9 {PAY}", NEVER_PAID),
     "two numbers at opposite ends": (f"when low == 9 and high == 0 {PAY}", NEVER_PAID),
@@ -134,8 +158,14 @@ RULES = {  # name: rule, check
         f"when bonus >= 5 {{ each agent on plate where agent chose red {PAY} }}",
         NEVER_PAID,
     ),
-    "as many agents as allowed press red": (f"when {_count('where agent chose red')} == 4 {PAY}", NEVER_PAID),
-    "low above high when two press blue": (f"when low > high and {_count('where agent chose blue')} == 2 {PAY}", NEVER_PAID),
+    "as many agents as allowed press red": (
+        f"when {_count('where agent chose red')} == 4 {PAY}",
+        NEVER_PAID,
+    ),
+    "low above high when two press blue": (
+        f"when low > high and {_count('where agent chose blue')} == 2 {PAY}",
+        NEVER_PAID,
+    ),
 }
 
 
@@ -169,4 +199,7 @@ if __name__ == "__main__":
             report = look_for(name, Effort(seed=seed))
             (verdict,) = report.verdicts
             found = "found" if verdict.passed is False else "not found"
-            print(f"{name}, seed {seed}: {found}, {report.steps:,} steps, {time.process_time() - start:.1f} s", flush=True)
+            print(
+                f"{name}, seed {seed}: {found}, {report.steps:,} steps, {time.process_time() - start:.1f} s",
+                flush=True,
+            )

@@ -23,14 +23,23 @@ def many_checks(number: int) -> Callable[[World], list[Lines]]:
         lines += [f"symmetric {sort}" for sort in w.movers]
         declared: list[Lines] = []
         for i in range(number):
-            kind = w.random.choice(("bound",) * 6 + ("single", "single", "conserved", "conserved", "slope", "slope", "once"))
+            kind = w.random.choice(
+                ("bound",) * 6
+                + ("single", "single", "conserved", "conserved", "slope", "slope", "once")
+            )
             scope = Scope(w, "check")
             if kind == "slope":
                 value, argument = slope(scope)
                 declared += [[f"define value_{i} = {value}"], [f"define argument_{i} = {argument}"]]
-                lines.append(f"monotone value_{i} {w.random.choice(('rising', 'falling'))} in argument_{i}")
+                lines.append(
+                    f"monotone value_{i} {w.random.choice(('rising', 'falling'))} in argument_{i}"
+                )
             else:
-                lines.append({"bound": bound, "single": single, "conserved": conserved, "once": once}[kind](scope))
+                lines.append(
+                    {"bound": bound, "single": single, "conserved": conserved, "once": once}[kind](
+                        scope
+                    )
+                )
         return [*declared, braces("checks", lines)]
 
     return made
@@ -47,7 +56,10 @@ def without(text: str, lines: set[int], removable: tuple[str, ...] = REMOVABLE) 
         return ""
     names = {line.split()[1] for line in gone if line.startswith("define ")}
     kept = [
-        line for line in written if line.strip() not in gone and not (line.strip().startswith("monotone") and names & set(line.split()))
+        line
+        for line in written
+        if line.strip() not in gone
+        and not (line.strip().startswith("monotone") and names & set(line.split()))
     ]
     return "\n".join(kept)
 
@@ -71,9 +83,14 @@ def single(scope: Scope) -> str:
     r = scope.world.random
     text, type_ = number_of(scope, 0)
     by, fn = r.choice(NUMBERS), r.choice("*/+-")
-    ends = [{"*": x * by, "/": x / by, "+": x + by, "-": x - by}[fn] for x in (type_.low, type_.high)]
+    ends = [
+        {"*": x * by, "/": x / by, "+": x + by, "-": x - by}[fn] for x in (type_.low, type_.high)
+    ]
     return _within(
-        r, f"{text} {fn} {by}", round(ends[0], 6) if isfinite(ends[0]) else ends[0], round(ends[1], 6) if isfinite(ends[1]) else ends[1]
+        r,
+        f"{text} {fn} {by}",
+        round(ends[0], 6) if isfinite(ends[0]) else ends[0],
+        round(ends[1], 6) if isfinite(ends[1]) else ends[1],
     )
 
 
@@ -88,7 +105,13 @@ def _within(r: Random, text: str, low: float, high: float) -> str:
         case "not" if isfinite(high):
             return f"always not ({text} > {_said(high - near)})"
         case _:
-            return f"always {lower}" if isfinite(low) else f"always {upper}" if isfinite(high) else f"conserved {text}"
+            return (
+                f"always {lower}"
+                if isfinite(low)
+                else f"always {upper}"
+                if isfinite(high)
+                else f"conserved {text}"
+            )
 
 
 def _said(number: float) -> str:
@@ -116,8 +139,22 @@ def slope(scope: Scope) -> tuple[str, str]:
     for _ in range(r.choice((1, 1, 2, 3))):
         other, _ = number_of(scope, r.choice((0, 0, 1)))
         other = r.choice((f"({other})", str(r.choice(NUMBERS)), f"(0 - {r.choice(NUMBERS)})"))
-        pattern = r.choice(("{v} + {o}", "{o} - {v}", "{v} * {o}", "{v} / {o}", "min({v}, {o})", "ramp({v}, {a}, {b})", "1 / ({v} + {o})"))
-        ends = r.sample(scope.world.requires, 1)[0].split() if scope.world.requires and r.random() < 0.5 else ["1", "<", "2.5"]
+        pattern = r.choice(
+            (
+                "{v} + {o}",
+                "{o} - {v}",
+                "{v} * {o}",
+                "{v} / {o}",
+                "min({v}, {o})",
+                "ramp({v}, {a}, {b})",
+                "1 / ({v} + {o})",
+            )
+        )
+        ends = (
+            r.sample(scope.world.requires, 1)[0].split()
+            if scope.world.requires and r.random() < 0.5
+            else ["1", "<", "2.5"]
+        )
         a, b = r.sample((ends[0], ends[2]), 2)
         value = f"({pattern.format(v=value, o=other, a=a, b=b)})"
     return value, argument

@@ -45,9 +45,24 @@ game numbers "Numbers" {{
 }}
 """
 LARGE = 2**24
-COMPARED = ("{n} <= {c}", "{n} < {c}", "{c} >= {n}", "{n} == {c}", "{n} in {a} .. {c}", "not ({n} > {c})", "not ({n} >= {c} + {one})")
+COMPARED = (
+    "{n} <= {c}",
+    "{n} < {c}",
+    "{c} >= {n}",
+    "{n} == {c}",
+    "{n} in {a} .. {c}",
+    "not ({n} > {c})",
+    "not ({n} >= {c} + {one})",
+)
 SUM = " + one" * 20
-ENDS = (("n", "m"), ("n", "m + 1"), ("begin", "finish"), ("lim", "lim + one"), ("lim", f"lim{SUM}"), ("n * 1.0", "m * 1.0"))
+ENDS = (
+    ("n", "m"),
+    ("n", "m + 1"),
+    ("begin", "finish"),
+    ("lim", "lim + one"),
+    ("lim", f"lim{SUM}"),
+    ("n * 1.0", "m * 1.0"),
+)
 REALS = (
     "pot", "pan", "pot * 0", "pot - pot", "pot + pan", "min(pot, 5)", "max(pot, 1)", "max(pot * 0, 1)", "min(max(pot, 0), 5)", "-pot",
     "pot / (max(pan, 0) + 1)", "(pot + 1) / (max(pot, 0) + 1)", "abs(pan)", "large * large", "large * large * large * large * large",
@@ -70,7 +85,9 @@ def numbers_game(random: Random, checks: int) -> str:
         made.append("    " + _ramp(random))
         zero, one = random.choice(ENDS)
         defines += [f"  define value_{i} = ramp(n, {zero}, {one})", f"  define argument_{i} = n"]
-        made.append(f"    monotone value_{i} {random.choice(('rising', 'falling'))} in argument_{i}")
+        made.append(
+            f"    monotone value_{i} {random.choice(('rising', 'falling'))} in argument_{i}"
+        )
         made += ["    " + _bound(random) for _ in range(2)]
     players, number, forbids = _agents(random)
     return GAME.format(
@@ -98,7 +115,9 @@ def _guarded(random: Random, base: int, most: int, i: int) -> str:
     lower = f"{number} >= {first}" if "one" not in number else f"n >= {first}"
     value = f"{number.removesuffix(' * one')} - {_said(first)}"
     written = random.choice(("{}", "{}.0", "{}.0", "{} + 0.0", "{} + j - j * 1.0")).format(last)
-    upper = random.choice(COMPARED).format(n=number, c=written, a=first, one=random.choice(("1", "1.0")))
+    upper = random.choice(COMPARED).format(
+        n=number, c=written, a=first, one=random.choice(("1", "1.0"))
+    )
     if random.random() < 0.3:
         return f"when {lower} {{ when not ({upper}) {{ set j = 0 }} otherwise {{ set k_{i} = {value} }} }}"
     return f"when {lower} and {upper} {{ set k_{i} = {value} }}"
@@ -110,7 +129,9 @@ def _ramp(random: Random) -> str:
     value = random.choice(("n", "m", "lim", zero, one))
     ramp = f"ramp({value}, {zero}, {one})"
     bounded = random.choice((f"{ramp} <= 1", f"{ramp} >= 0", f"{ramp} in 0 .. 1"))
-    guard = random.choice((f"not ({zero} < {one}) or ", f"{zero} >= {one} or ", f"{zero} == {one} or ", ""))
+    guard = random.choice(
+        (f"not ({zero} < {one}) or ", f"{zero} >= {one} or ", f"{zero} == {one} or ", "")
+    )
     return f"always {guard}{bounded}"
 
 
@@ -120,9 +141,7 @@ def _bound(random: Random) -> str:
     if random.random() < 0.1:
         return f"conserved {value}"
     other = random.choice(("0", "1", "2", "3", "5", "0 - 1", "6"))
-    return (
-        f"always {random.choice(('{v} <= {c}', '{v} >= {c}', 'not ({v} > {c})', '{v} != {c}', '{v} in 0 .. {c}')).format(v=value, c=other)}"
-    )
+    return f"always {random.choice(('{v} <= {c}', '{v} >= {c}', 'not ({v} > {c})', '{v} != {c}', '{v} in 0 .. {c}')).format(v=value, c=other)}"
 
 
 def _agents(random: Random) -> tuple[str, str, str]:
@@ -132,7 +151,9 @@ def _agents(random: Random) -> tuple[str, str, str]:
     number = random.choice(("players", "players", "players * 1", "players + guests", "guests"))
     least = {"players + guests": own + 1, "guests": 1}.get(number, own)
     named = random.randint(1, least)
-    votes = random.choice(("vote", "vote(x)", ", ".join(f"vote({i})" for i in range(named)), "vote(0)"))
+    votes = random.choice(
+        ("vote", "vote(x)", ", ".join(f"vote({i})" for i in range(named)), "vote(0)")
+    )
     when = random.choice(("step >= 0", "agent.votes < 3", "step < 10"))
     return players, number, f"    forbid {votes} when {when}"
 

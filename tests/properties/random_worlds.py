@@ -16,8 +16,23 @@ from sjdsl.interpreter.numbers import real
 from tests.fuzz.together import OnNumPy
 
 ALIKE = 32  # worlds with the same parameters
-COUNTS, WORTHS = (0, 1, 2, 7, 1000, 2**31 - 1), (0.0, 0.1, -0.1, 1.0, 0.3, -2.5, 1000.0, 2.0**30)  # of what has no limit
-HELD = (0, 1, -1, 0.1, 0.3, -7.7, 1000, 3e38, np.inf, -np.inf, np.nan)  # by a field of reals, which may have left float32
+COUNTS, WORTHS = (
+    (0, 1, 2, 7, 1000, 2**31 - 1),
+    (0.0, 0.1, -0.1, 1.0, 0.3, -2.5, 1000.0, 2.0**30),
+)  # of what has no limit
+HELD = (
+    0,
+    1,
+    -1,
+    0.1,
+    0.3,
+    -7.7,
+    1000,
+    3e38,
+    np.inf,
+    -np.inf,
+    np.nan,
+)  # by a field of reals, which may have left float32
 TIMES = (0, 0, 1, 2, 9, 250)
 
 
@@ -29,7 +44,9 @@ class Worlds:
     params: dict[str, np.ndarray]
 
 
-def random_params(game: ir.Game, random: Random, counts: Sequence[int] = COUNTS[:-1]) -> dict[str, Any]:
+def random_params(
+    game: ir.Game, random: Random, counts: Sequence[int] = COUNTS[:-1]
+) -> dict[str, Any]:
     """Returns a value for each parameter, within their limits and as every `require` wants it; as the file has them if none is found.
 
     counts: some values of whole numbers without a limit; by default none with which play leaves int32.
@@ -37,7 +54,11 @@ def random_params(game: ir.Game, random: Random, counts: Sequence[int] = COUNTS[
     own = {p.name: p.value for p in game.params}
     requires = [c.values[0] for c in game.checks if c.sort == "require"]
     for _ in range(40):
-        changed = own | {p.name: _value(p.value, p.type, random, counts) for p in game.params if random.random() < 0.8}
+        changed = own | {
+            p.name: _value(p.value, p.type, random, counts)
+            for p in game.params
+            if random.random() < 0.8
+        }
         if all(holds(test, changed) for test in requires):
             return changed
     return own
@@ -50,10 +71,18 @@ def _value(own: Any, type_: ir.Type, random: Random, counts: Sequence[int]) -> A
     if type_.kind == "word":
         return random.choice(type_.words)
     low, high = type_.low, type_.high
-    some = [x for x in (counts if type_.kind == "int" else WORTHS) if low <= x <= high] if random.random() < 0.3 else []
+    some = (
+        [x for x in (counts if type_.kind == "int" else WORTHS) if low <= x <= high]
+        if random.random() < 0.3
+        else []
+    )
     ends = [x for x in (low, high) if abs(x) < 2**31]
     if len(ends) == 2:
-        ends.append(random.uniform(low, high) if type_.kind == "real" else random.randint(int(low), int(high)))
+        ends.append(
+            random.uniform(low, high)
+            if type_.kind == "real"
+            else random.randint(int(low), int(high))
+        )
     value = random.choice([own, *ends, *some])
     return int(value) if type_.kind == "int" else float(value)
 
@@ -67,19 +96,29 @@ def encoded(game: ir.Game, values: Mapping[str, Any]) -> dict[str, np.ndarray]:
             return [inside(entry, type_) for entry in value]
         return type_.words.index(value) if type_.kind == "word" else value
 
-    return {param_attribute(p.name): np.asarray(inside(values[p.name], p.type), dtypes[p.type.kind]) for p in game.params}
+    return {
+        param_attribute(p.name): np.asarray(inside(values[p.name], p.type), dtypes[p.type.kind])
+        for p in game.params
+    }
 
 
 def as_interpreted(game: ir.Game, values: Mapping[str, Any]) -> dict[str, Any]:
     """Returns parameters as the interpreter has them: reals as float32."""
-    return {p.name: real(values[p.name]) if p.type.kind == "real" else values[p.name] for p in game.params}
+    return {
+        p.name: real(values[p.name]) if p.type.kind == "real" else values[p.name]
+        for p in game.params
+    }
 
 
 def random_worlds(env: OnNumPy, game: ir.Game, random: Random, number: int) -> Worlds:
     """Returns so many worlds in which every field has a value of its type, and agents and movers stand anywhere or are away."""
     rng = np.random.default_rng(random.getrandbits(32))
     first = vars(env.module.initial_state())
-    state = {name: np.repeat(np.asarray(value)[None], number, 0) for name, value in first.items() if not name.startswith("mark_")}
+    state = {
+        name: np.repeat(np.asarray(value)[None], number, 0)
+        for name, value in first.items()
+        if not name.startswith("mark_")
+    }
     for declared in all_fields(game):
         name = attribute_name(declared)
         if name in state:
@@ -87,10 +126,18 @@ def random_worlds(env: OnNumPy, game: ir.Game, random: Random, number: int) -> W
     state["step"] = rng.choice([0, 1, 5, 199], number).astype(state["step"].dtype)
     _place(state, game, rng)
     sets = [encoded(game, random_params(game, random, COUNTS)) for _ in range(-(-number // ALIKE))]
-    return Worlds(state, {name: np.repeat(np.stack([one[name] for one in sets]), ALIKE, 0)[:number] for name in sets[0]})
+    return Worlds(
+        state,
+        {
+            name: np.repeat(np.stack([one[name] for one in sets]), ALIKE, 0)[:number]
+            for name in sets[0]
+        },
+    )
 
 
-def _held(declared: ir.VarField, game: ir.Game, like: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def _held(
+    declared: ir.VarField, game: ir.Game, like: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
     """Returns values of a field, in each world all least, all greatest, or any."""
     type_, shape = declared.type, like.shape
     match type_.kind:
@@ -100,7 +147,12 @@ def _held(declared: ir.VarField, game: ir.Game, like: np.ndarray, rng: np.random
             return rng.integers(0, 2 ** min(game.agents.number, 32), shape).astype(like.dtype)
         case "cell":
             glyphs = kinds_by_glyph(game)
-            cells = [256 * r + c for r, row in enumerate(game.rows) for c, glyph in enumerate(row) if glyphs[glyph] in type_.kinds]
+            cells = [
+                256 * r + c
+                for r, row in enumerate(game.rows)
+                for c, glyph in enumerate(row)
+                if glyphs[glyph] in type_.kinds
+            ]
             return rng.choice(np.array([-1, *cells]), shape).astype(like.dtype)
         case "word":
             low, high = 0, len(type_.words) - 1
@@ -118,16 +170,29 @@ def _held(declared: ir.VarField, game: ir.Game, like: np.ndarray, rng: np.random
 def _place(state: dict[str, np.ndarray], game: ir.Game, rng: np.random.Generator) -> None:
     """Gives agents and movers cells of their own, and other headings; some are away."""
     layout, number = new_module(game).layout, len(state["step"])
-    cells = np.array([(r + layout.pad) * layout.cols + c + layout.pad for r, row in enumerate(game.rows) for c in range(len(row))])
+    cells = np.array(
+        [
+            (r + layout.pad) * layout.cols + c + layout.pad
+            for r, row in enumerate(game.rows)
+            for c in range(len(row))
+        ]
+    )
     order = np.argsort(rng.random((number, len(cells))), axis=1)
     taken = 0
-    for sort, many in ((ir.Sort("agent"), game.agents.number), *((movers.sort, movers.number) for movers in game.movers)):
-        position, away, heading = (attribute_of(name, sort) for name in ("position", "away", "heading"))
+    for sort, many in (
+        (ir.Sort("agent"), game.agents.number),
+        *((movers.sort, movers.number) for movers in game.movers),
+    ):
+        position, away, heading = (
+            attribute_of(name, sort) for name in ("position", "away", "heading")
+        )
         there = cells[order[:, taken : taken + many]]
         taken += many
         if away in state:
             gone = (rng.random((number, 1)) < 0.3) & (rng.random((number, many)) < 0.6)
-            state[away] = np.where(gone, rng.integers(0, 4, gone.shape), 0).astype(state[away].dtype)
+            state[away] = np.where(gone, rng.integers(0, 4, gone.shape), 0).astype(
+                state[away].dtype
+            )
             there = np.where(gone, 0, there)
         state[position] = there.astype(state[position].dtype)
         if heading in state:

@@ -29,9 +29,18 @@ FRIEND = "field friend : agent"
 READ = [
     ("always before(fruit) - fruit < 1", lambda a, b, _: ripe(a) - ripe(b) < 1),
     ("always before(step) + 1 == step", lambda a, b, _: a.step + 1 == b.step),
-    ("always all(agent where agent.wealth <= before(agent.wealth) + 1)", lambda a, b, _: all(y <= x + 1 for x, y in pairs(a, b, "wealth"))),
-    ("always count(agent where agent.wealth > before(agent.wealth)) < 1", lambda a, b, _: not any(y > x for x, y in pairs(a, b, "wealth"))),
-    ("always all(agent where agent.friend is before(agent.friend))", lambda a, b, _: all(x == y for x, y in pairs(a, b, "friend"))),
+    (
+        "always all(agent where agent.wealth <= before(agent.wealth) + 1)",
+        lambda a, b, _: all(y <= x + 1 for x, y in pairs(a, b, "wealth")),
+    ),
+    (
+        "always count(agent where agent.wealth > before(agent.wealth)) < 1",
+        lambda a, b, _: not any(y > x for x, y in pairs(a, b, "wealth")),
+    ),
+    (
+        "always all(agent where agent.friend is before(agent.friend))",
+        lambda a, b, _: all(x == y for x, y in pairs(a, b, "friend")),
+    ),
     ("always all(agent where before(agent.away) or not agent.away)", None),
     ("always all(tree where tree.fruit is before(tree.fruit))", lambda a, b, _: a.cells == b.cells),
     ("always before(any(agent on tree where tree.fruit is none)) or fruit > 0", None),
@@ -46,12 +55,18 @@ def ripe(world: World) -> int:
 
 
 def pairs(a: World, b: World, field: str) -> list[tuple[Any, Any]]:
-    return [(x, y) for x, y, away in zip(a.agents[field], b.agents[field], b.away, strict=True) if away is None]
+    return [
+        (x, y)
+        for x, y, away in zip(a.agents[field], b.agents[field], b.away, strict=True)
+        if away is None
+    ]
 
 
 @pytest.fixture(scope="module")
 def family() -> Any:
-    text = ORCHARD.replace('"..T" ".T."', '"..T." ".T#." "...."').replace("timer tired", f"timer tired  {FRIEND}")
+    text = ORCHARD.replace('"..T" ".T."', '"..T." ".T#." "...."').replace(
+        "timer tired", f"timer tired  {FRIEND}"
+    )
     return small_game("  ".join(check for check, _ in READ), RULE, text=text)
 
 
@@ -59,13 +74,19 @@ def family() -> Any:
 def episodes(family: Any) -> tuple[list[Episode], list[Episode]]:
     runner = EpisodeRunner(family, seed=3)
     runner.checks = dict(enumerate(family.own.checks))
-    return runner.compiled(RANDOM, 0, 4), [runner.interpreted(RANDOM, number) for number in range(4)]
+    return runner.compiled(RANDOM, 0, 4), [
+        runner.interpreted(RANDOM, number) for number in range(4)
+    ]
 
 
 def test_both_engines_read_the_same(episodes: tuple[list[Episode], list[Episode]]) -> None:
     for mine, theirs in zip(*episodes, strict=True):
         for number, values in mine.values.items():
-            np.testing.assert_array_equal(np.asarray(values, float), np.asarray(theirs.values[number], float), err_msg=READ[number][0])
+            np.testing.assert_array_equal(
+                np.asarray(values, float),
+                np.asarray(theirs.values[number], float),
+                err_msg=READ[number][0],
+            )
 
 
 @pytest.mark.parametrize("number", [n for n, (_, read) in enumerate(READ) if read is not None])
@@ -77,7 +98,10 @@ def test_what_is_read_is_the_state_before_the_step(family: Any, number: int) -> 
         trajectory = play(family.own, runner.scenario(RANDOM, episode), 20)
         found = trajectory.values(family.own.checks[number])
         for t in range(1, len(found)):
-            counts = [sum(n for (event, _), n in trajectory.totals[at].items() if event == "eaten") for at in (t - 1, t)]
+            counts = [
+                sum(n for (event, _), n in trajectory.totals[at].items() if event == "eaten")
+                for at in (t - 1, t)
+            ]
             assert found[t][0] == wanted(*trajectory.worlds[t - 1 : t + 1], counts), t
             seen.add(found[t][0])
     assert seen == {True, False} or number in (1, 2), "what is read changes"

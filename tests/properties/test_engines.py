@@ -39,8 +39,12 @@ def test_both_engines_play_the_same(orchard: GameFamily) -> None:
             assert mine.actions == theirs.actions
             assert mine.totals == theirs.totals
             for number, values in mine.values.items():
-                np.testing.assert_allclose(np.asarray(values, float), np.asarray(theirs.values[number], float), rtol=1e-6)
-        assert any(len(set(values)) > 1 for episode in compiled for values in episode.values.values()), "nothing that is read ever changed"
+                np.testing.assert_allclose(
+                    np.asarray(values, float), np.asarray(theirs.values[number], float), rtol=1e-6
+                )
+        assert any(
+            len(set(values)) > 1 for episode in compiled for values in episode.values.values()
+        ), "nothing that is read ever changed"
 
 
 def test_a_state_of_an_episode_is_the_interpreters(orchard: GameFamily) -> None:
@@ -60,7 +64,9 @@ def test_a_state_of_an_episode_is_the_interpreters(orchard: GameFamily) -> None:
 
 def test_a_seeker_arrives_and_stays() -> None:
     game = small_game("", text=ORCHARD.replace('"..T" ".T."', '"....." "#.##." "....T"')).own
-    seek = ir.Policy(name="seek", domain=ir.Domain(var=ir.Member(name="tree", sort=ir.Sort("cell", ("tree",)))))
+    seek = ir.Policy(
+        name="seek", domain=ir.Domain(var=ir.Member(name="tree", sort=ir.Sort("cell", ("tree",))))
+    )
     from sjdsl.interpreter.state import Cell, default_params
     from sjdsl.interpreter.step import reset, step
     from sjdsl.properties.biased_draws import episode_key, step_key
@@ -70,12 +76,16 @@ def test_a_seeker_arrives_and_stays() -> None:
     stay, steady = game.agents.actions.index("stay"), (0, 2**32 - 1)
     for number in range(6):
         actions = [choose(seek, game, world, 0, steady), stay]
-        world, _ = step(game, world, actions, default_params(game), step_key(episode_key(0, 0), number))
+        world, _ = step(
+            game, world, actions, default_params(game), step_key(episode_key(0, 0), number)
+        )
     assert world.position[0] == Cell(2, 4)
     assert choose(seek, game, world, 0, steady) == stay
 
 
-def test_without_jax_an_expect_with_long_episodes_is_undecided(orchard: GameFamily, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_jax_an_expect_with_long_episodes_is_undecided(
+    orchard: GameFamily, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, "jax", None)
     short = Verification(orchard, only=[4]).verdict(4)
     assert short.passed is not None

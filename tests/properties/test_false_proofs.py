@@ -41,7 +41,10 @@ UNSEEN = {
     "a door that opens": (SEEN, "each door { set door.open = yes }"),
     "an agent who grows": (SEEN, "each agent where agent chose zap { set agent.tall = yes }"),
     "a door that is widened": (SEEN, "each door { set door.wide = 3 }"),
-    "who is away after a delay of another size": ("conserved count(agent)", "each agent { send agent to grass after wait otherwise stay }"),
+    "who is away after a delay of another size": (
+        "conserved count(agent)",
+        "each agent { send agent to grass after wait otherwise stay }",
+    ),
 }
 
 
@@ -51,12 +54,17 @@ def test_what_changes_an_expression_is_seen(name: str) -> None:
     game = yard(check, rule)
     if name == "a door that is widened":
         (source,) = game.composition.sources.values()
-        game = GameFamily(Source("yard.sj", source.text.replace("door.open is no }", "door.wide < 2 }"), None))
+        game = GameFamily(
+            Source("yard.sj", source.text.replace("door.open is no }", "door.wide < 2 }"), None)
+        )
     assert decide_statically(game, 0) is None
 
 
 def test_what_nothing_changes_is_proved() -> None:
-    for check, rule in ((SEEN, "each tree { tally opened }"), ("conserved count(agent)", "each door { set door.open = yes }")):
+    for check, rule in (
+        (SEEN, "each tree { tally opened }"),
+        ("conserved count(agent)", "each door { set door.open = yes }"),
+    ):
         verdict = decide_statically(yard(check, rule), 0)
         assert verdict is not None
         assert verdict.how == "proved"
@@ -64,7 +72,8 @@ def test_what_nothing_changes_is_proved() -> None:
 
 def test_a_door_that_opens_is_found_by_play() -> None:
     (verdict,) = verify_properties(
-        yard(SEEN, "each agent where agent chose zap { each door { set door.open = yes } }"), Effort(200, compiled=False)
+        yard(SEEN, "each agent where agent chose zap { each door { set door.open = yes } }"),
+        Effort(200, compiled=False),
     ).verdicts
     assert verdict.passed is False
 
@@ -149,7 +158,11 @@ def is_proved(game: GameFamily) -> bool:
     ],
 )
 def test_what_is_false_for_other_numbers_is_not_proved(check: str) -> None:
-    more = "define agent_most = max(agent.index over agent otherwise 0)" if "agent_most" in check else ""
+    more = (
+        "define agent_most = max(agent.index over agent otherwise 0)"
+        if "agent_most" in check
+        else ""
+    )
     assert not is_proved(numbers(check, more))
 
 
@@ -203,7 +216,11 @@ def test_what_holds_for_all_numbers_is_proved(check: str) -> None:
 def test_which_slopes_are_proved(value: str, argument: str, proved: str) -> None:
     more = f"define value = {value}  define argument = {argument}"
     try:
-        found = [way for way in ("rising", "falling") if is_proved(numbers(f"monotone value {way} in argument", more))]
+        found = [
+            way
+            for way in ("rising", "falling")
+            if is_proved(numbers(f"monotone value {way} in argument", more))
+        ]
     except CompileError as error:
         found = [] if {d.code for d in error.diagnostics} == {"SJ207"} else ["refused"]
     assert found == ([proved] if proved else [])
@@ -237,7 +254,9 @@ PLACED = "each agent { send agent to grass }"
 
 def meet(what: str, rule: str, players: str = "3", start: str = PLACED) -> GameFamily:
     """Returns a game of agents who meet, with one rule, and one symmetry as its check."""
-    return GameFamily(Source("meet.sj", MEET.format(what=what, rule=rule, players=players, start=start), None))
+    return GameFamily(
+        Source("meet.sj", MEET.format(what=what, rule=rule, players=players, start=start), None)
+    )
 
 
 PAIR = "match agent as a with first agent as b in round of a { give 1 to b }"
@@ -253,7 +272,11 @@ PAIR = "match agent as a with first agent as b in round of a { give 1 to b }"
         ("agents", "each agent as a { each agent as b { give gift[b] to a } }", False),
         ("agents", "each agent { give share[agent.mood] to agent }", True),
         ("agents", "each agent where agent.index == 0 { give 1 to agent }", False),
-        ("agents", "each agent as a { send a to grass where distance(grass, a) < 2 otherwise stay }", False),
+        (
+            "agents",
+            "each agent as a { send a to grass where distance(grass, a) < 2 otherwise stay }",
+            False,
+        ),
         ("agents", "each agent { send agent to grass otherwise stay }", True),
     ],
 )
@@ -262,7 +285,9 @@ def test_which_symmetries_are_proved(what: str, rule: str, even: bool) -> None:
 
 
 def test_one_agent_proves_nothing_about_several() -> None:
-    assert not is_proved(meet("agents", "each agent where agent.index == 0 { give 1 to agent }", "1 in 1 .. 3"))
+    assert not is_proved(
+        meet("agents", "each agent where agent.index == 0 { give 1 to agent }", "1 in 1 .. 3")
+    )
 
 
 def test_a_rule_that_reads_a_table_by_agent_fails_with_its_line() -> None:
@@ -275,8 +300,17 @@ def test_a_verdict_says_what_it_leaves_out() -> None:
     start = "each agent { send agent to grass facing north }  each agent where agent.index == 0 { set agent.mood = bold }"
     said = decide_statically(meet("agents", "", start=start), 0)
     assert said is not None
-    assert said.reason == "no rule of a step reads an agent's number; `phase start` does, in line 17, and is not part of this"
-    said = decide_statically(meet("agents", "each agent as a { send a to grass where distance(grass, a) < 2 otherwise stay }"), 0)
+    assert (
+        said.reason
+        == "no rule of a step reads an agent's number; `phase start` does, in line 17, and is not part of this"
+    )
+    said = decide_statically(
+        meet(
+            "agents",
+            "each agent as a { send a to grass where distance(grass, a) < 2 otherwise stay }",
+        ),
+        0,
+    )
     assert said is not None
     assert said.how == "decided"
     assert "in line 19 some cells suit only some agents" in said.reason

@@ -76,16 +76,23 @@ def test_it_is_found_late_in_an_episode_of_the_compiled_game() -> None:
 
 def test_an_expectation_whose_episodes_leave_float32_is_not_decided() -> None:
     report = verify_properties(
-        growth(SLOW, 200, f"expect {ALWAYS.removeprefix('always ')} with random over 2 episodes"), Effort(examples=5)
+        growth(SLOW, 200, f"expect {ALWAYS.removeprefix('always ')} with random over 2 episodes"),
+        Effort(examples=5),
     )
     assert [v.status for v in report.verdicts] == ["not decided"]
     assert len(report.faults) == 1
 
 
-def test_the_commands_end_without_a_traceback(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_commands_end_without_a_traceback(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "growth.sj"
     path.write_text(text(FAST))
-    for arguments in (["test", str(path), "--examples", "20"], ["trace", str(path), "--steps", "12"], ["play", str(path), "--watch"]):
+    for arguments in (
+        ["test", str(path), "--examples", "20"],
+        ["trace", str(path), "--steps", "12"],
+        ["play", str(path), "--watch"],
+    ):
         assert run(arguments) == 1
         shown = "".join(capsys.readouterr())
         assert "growth.sj:10" in shown

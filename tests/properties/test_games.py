@@ -39,7 +39,10 @@ SMALL = {  # a map on which the policies of the expectations have something to d
 OFTEN = {  # what is rare in the file and must happen in a short episode
     "ferry": (("basket   : count = 4", "basket   : count = 1"),),
     "coins": (("probability = 0.0005", "probability = 0.1"),),
-    "territory": (("probability = 0.01 ", "probability = 0.5 "), ("param drying : steps       = 25", "param drying : steps = 2")),
+    "territory": (
+        ("probability = 0.01 ", "probability = 0.5 "),
+        ("param drying : steps       = 25", "param drying : steps = 2"),
+    ),
 }
 
 
@@ -53,7 +56,9 @@ def folder_of(game: str, changes: tuple[tuple[str, str], ...], base: Path) -> Pa
     rules = text.partition("\n  variant ")[0]
     variants = text[len(rules) :]
     for before, after in changes:
-        assert rules.count(before) == 1, f"{game}.sj has {rules.count(before)} of `{before}` before its variants"
+        assert rules.count(before) == 1, (
+            f"{game}.sj has {rules.count(before)} of `{before}` before its variants"
+        )
         rules = rules.replace(before, after)
     path.write_text(rules + variants, encoding="utf-8")
     return folder
@@ -62,13 +67,20 @@ def folder_of(game: str, changes: tuple[tuple[str, str], ...], base: Path) -> Pa
 def shortened(folder: Path, game: str) -> GameFamily:
     """Returns a game for its expectations: few short episodes, on a small map if one is given."""
     for path in folder.glob("*.sj"):
-        text = re.sub(r"(param length +: steps +=) \d+", rf"\1 {STEPS}", path.read_text(encoding="utf-8"))
+        text = re.sub(
+            r"(param length +: steps +=) \d+", rf"\1 {STEPS}", path.read_text(encoding="utf-8")
+        )
         text = re.sub(r"episode \d+\b", f"episode {STEPS}", text)
         for before, after in OFTEN.get(path.stem, ()):
             text = text.replace(before, after)
-        path.write_text(re.sub(r"over \d+ episodes", f"over {EPISODES} episodes", text), encoding="utf-8")
+        path.write_text(
+            re.sub(r"over \d+ episodes", f"over {EPISODES} episodes", text), encoding="utf-8"
+        )
     rows, agents = SMALL.get(game, (None, None))
-    return GameFamily(read_source(folder / f"{game}.sj"), overrides=Overrides(num_agents=agents, rows=rows, row_spans=()))
+    return GameFamily(
+        read_source(folder / f"{game}.sj"),
+        overrides=Overrides(num_agents=agents, rows=rows, row_spans=()),
+    )
 
 
 def number_of(family: GameFamily, check_text: str) -> int:
@@ -77,7 +89,8 @@ def number_of(family: GameFamily, check_text: str) -> int:
     found = [
         i
         for i, check in enumerate(checks)
-        if family.text_of(check).startswith(check_text) or check.sort == check_text.split()[0] == "symmetric"
+        if family.text_of(check).startswith(check_text)
+        or check.sort == check_text.split()[0] == "symmetric"
     ]
     assert len(found) == 1, f"{check_text}: {len(found)} checks begin so"
     return found[0]
@@ -86,7 +99,13 @@ def number_of(family: GameFamily, check_text: str) -> int:
 SLOW = {"coop_mining", "harvest_closed", "harvest_partnership"}  # whose checks take seconds
 
 
-@pytest.mark.parametrize("game", [pytest.param(game, marks=pytest.mark.thorough) if game in SLOW else game for game in main_games()])
+@pytest.mark.parametrize(
+    "game",
+    [
+        pytest.param(game, marks=pytest.mark.thorough) if game in SLOW else game
+        for game in main_games()
+    ],
+)
 def test_checks_pass(game: str) -> None:
     family = GameFamily(read_source(find_game(game)))
     played = [i for i, check in enumerate(family.own.checks) if check.sort != "expect"]
@@ -117,7 +136,9 @@ LONG = {  # faults that are looked for for two seconds or more, or in the compil
 def in_each_run(mutation: Mutation) -> bool:
     """Returns whether a fault is quickly found, and is the first listed of its game and of the sort of its check."""
     return (mutation.game, mutation.check) not in LONG and mutation == next(
-        m for m in MUTATIONS if (m.game, m.check.split()[0]) == (mutation.game, mutation.check.split()[0])
+        m
+        for m in MUTATIONS
+        if (m.game, m.check.split()[0]) == (mutation.game, mutation.check.split()[0])
     )
 
 
@@ -126,7 +147,9 @@ def in_each_run(mutation: Mutation) -> bool:
     [pytest.param(m, marks=[] if in_each_run(m) else pytest.mark.thorough) for m in MUTATIONS],
     ids=lambda m: f"{m.game}: {m.check}",
 )
-def test_a_fault_fails_its_check(mutation: Mutation, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+def test_a_fault_fails_its_check(
+    mutation: Mutation, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
     folder = folder_of(mutation.game, mutation.changes, tmp_path)
     source = read_source(folder / f"{mutation.game}.sj")
     if mutation.refused:
@@ -136,7 +159,9 @@ def test_a_fault_fails_its_check(mutation: Mutation, tmp_path: Path, request: py
         return
     short = mutation.check.startswith("expect") or in_each_run(mutation)
     family = shortened(folder, mutation.game) if short else GameFamily(source)
-    effort = Effort(seed=request.config.getoption("--play-seed"), compiled=not in_each_run(mutation))
+    effort = Effort(
+        seed=request.config.getoption("--play-seed"), compiled=not in_each_run(mutation)
+    )
     (verdict,) = verify_properties(family, effort, [number_of(family, mutation.check)]).verdicts
     assert verdict.passed is False
     assert verdict.trace or verdict.how == "decided"
@@ -149,4 +174,6 @@ def test_every_check_of_every_game_has_a_fault() -> None:
         for check in family.own.checks:
             assert check.origin is not None
             home, text = Path(check.origin.file).stem, family.text_of(check)
-            assert any(home == g and text.startswith(p) for g, p in listed), f"{home}.sj: no fault in mutations.py for `{text}`"
+            assert any(home == g and text.startswith(p) for g, p in listed), (
+                f"{home}.sj: no fault in mutations.py for `{text}`"
+            )

@@ -66,13 +66,21 @@ def without_blocks(put: pytest.MonkeyPatch) -> None:
 
 def without_tables(put: pytest.MonkeyPatch) -> None:
     reads = symmetry._reads_number
-    put.setattr(symmetry, "_reads_number", lambda node, sort: "" if isinstance(node, ir.ParamRef) else reads(node, sort))
+    put.setattr(
+        symmetry,
+        "_reads_number",
+        lambda node, sort: "" if isinstance(node, ir.ParamRef) else reads(node, sort),
+    )
 
 
 def ramp_of_the_file(put: pytest.MonkeyPatch) -> None:
     """The order of the ends of a ramp is that of the file's own numbers."""
     values = {"low": 2, "high": 5}
-    put.setattr(monotonicity, "compares", lambda a, fn, b, _: holds(ir.Compare(fn=fn, left=a, right=b), values))
+    put.setattr(
+        monotonicity,
+        "compares",
+        lambda a, fn, b, _: holds(ir.Compare(fn=fn, left=a, right=b), values),
+    )
 
 
 def endless(put: pytest.MonkeyPatch) -> None:
@@ -101,25 +109,41 @@ def own_number_of_agents(put: pytest.MonkeyPatch) -> None:
 
 def without_nan(put: pytest.MonkeyPatch) -> None:
     compared = intervals.compared
-    put.setattr(intervals, "compared", lambda *numbers: [replace(r, sound=True) for r in compared(*numbers)])
+    put.setattr(
+        intervals, "compared", lambda *numbers: [replace(r, sound=True) for r in compared(*numbers)]
+    )
 
 
 def voting(number: str) -> GameFamily:
     """Returns a game with one agent, or with more, in which nobody can vote for agent 0."""
     rule = "each agent where agent chose vote { give 1 to agent.vote }"
-    return large("symmetric agents", rule, players="1 in 1 .. 4", number=number, forbid="forbid vote(0) when step >= 0")
+    return large(
+        "symmetric agents",
+        rule,
+        players="1 in 1 .. 4",
+        number=number,
+        forbid="forbid vote(0) when step >= 0",
+    )
 
 
 SLOPE = "define value = {}  define argument = pot"
 FAULTS: dict[str, tuple[Put, Callable[[], GameFamily]]] = {
     "a fraction over a number": (share_to_one, lambda: numbers("always share / 0.1 <= 1")),
-    "what blocks a shape": (without_blocks, lambda: yard(SEEN, "each door { set door.open = yes }")),
+    "what blocks a shape": (
+        without_blocks,
+        lambda: yard(SEEN, "each door { set door.open = yes }"),
+    ),
     "an agent who blocks a shape": (
         without_blocks,
-        lambda: yard(SEEN, "each door { set door.open = yes }  each agent { set agent.tall = yes }"),
+        lambda: yard(
+            SEEN, "each door { set door.open = yes }  each agent { set agent.tall = yes }"
+        ),
     ),
     "a whole table by agent": (without_tables, lambda: meet("agents", "set purse = gift")),
-    "a sum of a table by agent and an entry of it": (without_tables, lambda: meet("agents", "each agent { give gift[agent] to agent }")),
+    "a sum of a table by agent and an entry of it": (
+        without_tables,
+        lambda: meet("agents", "each agent { give gift[agent] to agent }"),
+    ),
     "a ramp whose ends differ": (
         ramp_of_the_file,
         lambda: numbers("monotone value rising in argument", SLOPE.format("ramp(pot, low, high)")),
@@ -131,18 +155,29 @@ FAULTS: dict[str, tuple[Put, Callable[[], GameFamily]]] = {
     "other sizes": (one_size, lambda: numbers("always free == 4")),
     "a guard with a real": (
         compared_exactly,
-        lambda: large("always k <= 5", "when n >= 16777211 and n <= 16777216.0 { set k = n - 16777211 }"),
+        lambda: large(
+            "always k <= 5", "when n >= 16777211 and n <= 16777216.0 { set k = n - 16777211 }"
+        ),
     ),
     "a guard on a sum with a real": (
         compared_exactly,
-        lambda: large("always k <= 5", "when n + j >= 16777211 and n + j <= 16777216 + 0.0 { set k = n + j - 16777211 }"),
+        lambda: large(
+            "always k <= 5",
+            "when n + j >= 16777211 and n + j <= 16777216 + 0.0 { set k = n + j - 16777211 }",
+        ),
     ),
-    "a ramp between whole numbers": (ends_as_whole_numbers, lambda: large("always not (n < m) or ramp(n, n, m) <= 1")),
+    "a ramp between whole numbers": (
+        ends_as_whole_numbers,
+        lambda: large("always not (n < m) or ramp(n, n, m) <= 1"),
+    ),
     "more agents than named": (own_number_of_agents, lambda: voting("players")),
     "agents whose number is computed": (own_number_of_agents, lambda: voting("players * 1")),
     "a product with infinity": (without_nan, lambda: large("always pot * 0 <= 0")),
     "the least of NaN and a number": (without_nan, lambda: large("always min(pot, 5) <= 5")),
-    "a sum that overflows": (without_nan, lambda: large("always sum(pot * 0 over grass) in 0 .. 0")),
+    "a sum that overflows": (
+        without_nan,
+        lambda: large("always sum(pot * 0 over grass) in 0 .. 0"),
+    ),
 }
 
 

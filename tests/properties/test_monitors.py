@@ -28,7 +28,9 @@ TRAJECTORIES: list[tuple[str, tuple[str, ...], list[tuple[Any, ...]], Violation 
 
 
 @pytest.mark.parametrize(("sort", "words", "values", "wanted"), TRAJECTORIES)
-def test_violations(sort: str, words: tuple[str, ...], values: list[tuple[Any, ...]], wanted: Violation | None) -> None:
+def test_violations(
+    sort: str, words: tuple[str, ...], values: list[tuple[Any, ...]], wanted: Violation | None
+) -> None:
     assert find_violation(ir.Check(sort=sort, words=words), values) == wanted  # type: ignore[arg-type]
 
 

@@ -43,12 +43,20 @@ def herd(checks: str, rule: str = SCARE, roam: str = ROAM, text: str = HERD) -> 
     return GameFamily(Source("herd.sj", text.format(checks=checks, rule=rule, roam=roam), None))
 
 
-PROVED = ["conserved count(deer)", "conserved count(duck)", "symmetric agents", "symmetric deer", "symmetric duck"]
+PROVED = [
+    "conserved count(deer)",
+    "conserved count(duck)",
+    "symmetric agents",
+    "symmetric deer",
+    "symmetric duck",
+]
 
 
 def test_what_no_rule_changes_is_proved() -> None:
     family = herd("  ".join(PROVED))
-    assert all((v := decide_statically(family, i)) is not None and v.passed for i in range(len(PROVED)))
+    assert all(
+        (v := decide_statically(family, i)) is not None and v.passed for i in range(len(PROVED))
+    )
 
 
 WRITTEN = {  # check -> a rule that breaks it, for which nothing may be proved
@@ -83,9 +91,7 @@ def test_two_movers_on_one_cell_are_found(monkeypatch: pytest.MonkeyPatch) -> No
     """With an interpreter that lets two of a herd enter one cell, a count of the cells that are taken falls behind."""
     monkeypatch.setattr(movement, "stay_if_outranked", lambda *_: None)
     monkeypatch.setattr(step, "_check_places", lambda *_: None)
-    check = (
-        "always count(grass where not nobody on grass) + count(pond where not nobody on pond) == count(agent) + count(deer) + count(duck)"
-    )
+    check = "always count(grass where not nobody on grass) + count(pond where not nobody on pond) == count(agent) + count(deer) + count(duck)"
     (verdict,) = verify_properties(herd(check), Effort(compiled=False)).verdicts
     assert verdict.passed is False
     monkeypatch.undo()
@@ -96,6 +102,10 @@ def test_two_movers_on_one_cell_are_found(monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize("seeker", ["seek deer", "seek deer where deer.fear is calm"])
 def test_policies_seek_movers(seeker: str) -> None:
     """A seeker stands beside a deer at the end; the deer stay where they are."""
-    family = herd(f"expect count(agent where count(deer in disc(1) of agent) > 0) > 0 with {seeker} over 2 episodes", "", "")
+    family = herd(
+        f"expect count(agent where count(deer in disc(1) of agent) > 0) > 0 with {seeker} over 2 episodes",
+        "",
+        "",
+    )
     (verdict,) = verify_properties(family).verdicts
     assert verdict.passed, verdict.reason

@@ -91,7 +91,9 @@ game raft "A raft along a rope; it is where it is on the rope"
 
 
 def verdict_on(text: str, check: str, effort: Effort = EFFORT) -> Verdict:
-    (verdict,) = verify_properties(GameFamily(Source("game.sj", text.replace("CHECK", check), None)), effort).verdicts
+    (verdict,) = verify_properties(
+        GameFamily(Source("game.sj", text.replace("CHECK", check), None)), effort
+    ).verdicts
     return verdict
 
 
@@ -127,8 +129,14 @@ def test_what_fails_on_the_own_map_is_found(game: str, check: str) -> None:
     [
         (LIFT, "always count(door where door.open is yes) == 1", True),
         (RAFT.replace("LAST", "3"), "conserved count(water where water.raft is yes)", True),
-        (RAFT.replace("LAST", "3").replace("~~r~~", "~~r~."), "conserved count(water where water.raft is yes)", False),  # a bank at its end
+        (
+            RAFT.replace("LAST", "3").replace("~~r~~", "~~r~."),
+            "conserved count(water where water.raft is yes)",
+            False,
+        ),  # a bank at its end
     ],
 )
-def test_a_game_that_reads_rows_or_columns_is_judged_on_its_map(game: str, check: str, passes: bool) -> None:
+def test_a_game_that_reads_rows_or_columns_is_judged_on_its_map(
+    game: str, check: str, passes: bool
+) -> None:
     assert verdict_on(game, check).passed is passes

@@ -32,7 +32,12 @@ def test_there_are_forty_two() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.thorough) for name in FAULTS if name not in MISSED]
+    "name",
+    [
+        name if name in QUICK else pytest.param(name, marks=pytest.mark.thorough)
+        for name in FAULTS
+        if name not in MISSED
+    ],
 )
 def test_a_fault_is_found(name: str) -> None:
     (verdict,) = look_for(name, Effort()).verdicts

@@ -89,9 +89,16 @@ def test_slopes(value: str, argument: str) -> None:
     found = []
     for direction in ("rising", "falling"):
         declared = f"param pay : reward = 1  define value = {value}  define argument = {argument}"
-        verdict = decide_statically(small_game(f"monotone value {direction} in argument", more=declared), 0)
+        verdict = decide_statically(
+            small_game(f"monotone value {direction} in argument", more=declared), 0
+        )
         found += [direction] if verdict is not None else []
-    assert found == {"rising": ["rising"], "falling": ["falling"], "level": ["rising", "falling"], None: []}[SLOPES[value, argument]]
+    assert (
+        found
+        == {"rising": ["rising"], "falling": ["falling"], "level": ["rising", "falling"], None: []}[
+            SLOPES[value, argument]
+        ]
+    )
 
 
 UNEVEN = {  # rule -> which line tells agents apart, and how
@@ -111,12 +118,24 @@ def test_uneven_rules_fail_with_their_line(rule: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("forbidden", "passes"), [("vote", True), ("vote(0)", False), ("vote(0), vote(1)", False), ("vote(0), vote(1), vote(2), vote(3)", True)]
+    ("forbidden", "passes"),
+    [
+        ("vote", True),
+        ("vote(0)", False),
+        ("vote(0), vote(1)", False),
+        ("vote(0), vote(1), vote(2), vote(3)", True),
+    ],
 )
 def test_actions_forbidden_on_some_agents_tell_them_apart(forbidden: str, passes: bool) -> None:
     """The file has two agents and allows four: two that are named are not all."""
-    text = VOTE.replace("    timer tired\n", "    timer tired\n    forbid " + forbidden + " when agent.tired > 0\n")
-    text = text.replace("players : count = 2 in", "players : count = 4 in") if "3" in forbidden else text
+    text = VOTE.replace(
+        "    timer tired\n", "    timer tired\n    forbid " + forbidden + " when agent.tired > 0\n"
+    )
+    text = (
+        text.replace("players : count = 2 in", "players : count = 4 in")
+        if "3" in forbidden
+        else text
+    )
     text = text.replace('"..T" ".T."', '"..T." ".T.."')
     verdict = decide_statically(small_game("symmetric agents", text=text), 0)
     assert verdict is not None
@@ -125,7 +144,11 @@ def test_actions_forbidden_on_some_agents_tell_them_apart(forbidden: str, passes
 
 def test_distances_are_the_same_for_all() -> None:
     verdict = decide_statically(
-        small_game("symmetric agents", "each agent where min(distance(agent, tree) over tree) > 1 { give 1 to agent }"), 0
+        small_game(
+            "symmetric agents",
+            "each agent where min(distance(agent, tree) over tree) > 1 { give 1 to agent }",
+        ),
+        0,
     )
     assert verdict is not None
     assert verdict.passed

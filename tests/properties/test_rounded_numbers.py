@@ -50,7 +50,14 @@ def large(
     start: str = SENT,
 ) -> GameFamily:
     """Returns a game of numbers that float32 rounds, with these parts."""
-    parts = {"players": players, "number": number, "forbid": forbid, "value": value, "start": start, "sum": SUM}
+    parts = {
+        "players": players,
+        "number": number,
+        "forbid": forbid,
+        "value": value,
+        "start": start,
+        "sum": SUM,
+    }
     return GameFamily(Source("large.sj", LARGE.format(checks=checks, rule=rule, **parts), None))
 
 
@@ -93,7 +100,17 @@ def test_which_guards_keep_a_field_in_its_range(guard: str) -> None:
     assert refused(rule=rule) == (set() if GUARDS[guard] else {"SJ204"})
 
 
-@pytest.mark.parametrize("guard", ["j <= 4.0", "j < 4.5", "not (j > 4.0)", "j in 0.0 .. 4", "j == 4.0", "j * 1.0 <= 3 and j <= 4.0"])
+@pytest.mark.parametrize(
+    "guard",
+    [
+        "j <= 4.0",
+        "j < 4.5",
+        "not (j > 4.0)",
+        "j in 0.0 .. 4",
+        "j == 4.0",
+        "j * 1.0 <= 3 and j <= 4.0",
+    ],
+)
 def test_small_whole_numbers_beside_reals_are_exact(guard: str) -> None:
     assert not refused(rule=f"when {guard} {{ set k = j + 1 }}")
 
@@ -120,7 +137,9 @@ def test_a_cancelled_sum_that_is_rounded_leaves_its_range() -> None:
     assert refused(rule="set part = round((share + 1000000000) - 1000000000)") == {"SJ204"}
     assert not refused(rule="set part = round(share)")
     assert not refused(rule="when huge >= 0 and huge <= j { set part = round(huge * 8) }")
-    assert refused(rule="set part = round(max(huge - 1000000, 0))", checks="require huge <= 1000040") == {"SJ204"}  # up to a millionth
+    assert refused(
+        rule="set part = round(max(huge - 1000000, 0))", checks="require huge <= 1000040"
+    ) == {"SJ204"}  # up to a millionth
     assert not refused(rule="set part = round(min(max((huge + 1000000000) - 1000000000, 0), 39))")
 
 
@@ -151,7 +170,10 @@ RAMPS = {  # -> what is refused of a ramp between two ends, where a guard says t
 def test_the_ends_of_a_ramp_differ_as_float32(zero: str, one: str) -> None:
     guarded = f"when {zero} < {one} {{ set part = round(ramp(n, {zero}, {one})) }}"
     assert refused(rule=guarded) == RAMPS[zero, one]
-    assert refused(checks=f"always {zero} == {one} or ramp({zero}, {zero}, {one}) <= 1") == RAMPS[zero, one]
+    assert (
+        refused(checks=f"always {zero} == {one} or ramp({zero}, {zero}, {one}) <= 1")
+        == RAMPS[zero, one]
+    )
 
 
 def test_a_require_tells_ends_apart_in_float32() -> None:
@@ -165,8 +187,15 @@ def test_a_require_tells_ends_apart_in_float32() -> None:
 
 
 def test_slopes_of_ramps() -> None:
-    assert refused(checks="require least < most  monotone value rising in argument", value="ramp(n, least, most)") == {"SJ215"}
-    assert is_proved(large("require share < huge  monotone value rising in argument", value="ramp(n, share, huge)"))
+    assert refused(
+        checks="require least < most  monotone value rising in argument",
+        value="ramp(n, least, most)",
+    ) == {"SJ215"}
+    assert is_proved(
+        large(
+            "require share < huge  monotone value rising in argument", value="ramp(n, share, huge)"
+        )
+    )
 
 
 @pytest.mark.parametrize(
@@ -184,11 +213,21 @@ def test_slopes_of_ramps() -> None:
         ("1", "players", "forbid offer(x, 2) when step > 0", True),
         ("2 in 1 .. 2", "players", "forbid vote(0), vote(1) when step > 0", True),
         ("2 in 1 .. 3", "players", "forbid vote(0), vote(1) when step > 0", False),
-        ("2 in 2 .. 2", "players", "forbid vote(0) when step > 0  forbid vote(1) when step > 1", False),
+        (
+            "2 in 2 .. 2",
+            "players",
+            "forbid vote(0) when step > 0  forbid vote(1) when step > 1",
+            False,
+        ),
     ],
 )
-def test_symmetry_for_every_number_of_agents(players: str, number: str, forbid: str, proved: bool) -> None:
-    assert is_proved(large("symmetric agents", players=players, number=number, forbid=forbid)) is proved
+def test_symmetry_for_every_number_of_agents(
+    players: str, number: str, forbid: str, proved: bool
+) -> None:
+    assert (
+        is_proved(large("symmetric agents", players=players, number=number, forbid=forbid))
+        is proved
+    )
 
 
 def test_numbers_of_agents_that_a_require_leaves_out() -> None:
@@ -236,19 +275,27 @@ def test_other_reals_prove_as_much_as_before(check: str) -> None:
 
 
 def test_nothing_is_proved_by_ranges_where_nan_may_be_rounded() -> None:
-    assert not is_proved(large("always part <= 40", rule="set part = round(min(max(pot / max(pot, 1), 0), 40))"))
+    assert not is_proved(
+        large("always part <= 40", rule="set part = round(min(max(pot / max(pot, 1), 0), 40))")
+    )
 
 
 def report_of(family: GameFamily) -> Report:
     return verify_properties(family, Effort(examples=30, compiled=False))
 
 
-@pytest.mark.parametrize("checks", ["", "conserved count(agent)", "always k <= 5  symmetric agents"])
-def test_a_game_whose_checks_are_all_proved_is_played_for_reals_that_leave_float32(checks: str) -> None:
+@pytest.mark.parametrize(
+    "checks", ["", "conserved count(agent)", "always k <= 5  symmetric agents"]
+)
+def test_a_game_whose_checks_are_all_proved_is_played_for_reals_that_leave_float32(
+    checks: str,
+) -> None:
     (fault,) = report_of(large(checks, rule=DOUBLED)).faults
     assert "a real leaves float32" in fault.reason
 
 
 def test_a_game_whose_reals_stay_in_float32_is_not_played_for_that() -> None:
-    report = report_of(large("conserved count(agent)", rule="each agent { give share * one to agent }"))
+    report = report_of(
+        large("conserved count(agent)", rule="each agent { give share * one to agent }")
+    )
     assert (report.steps, report.faults) == (0, ())

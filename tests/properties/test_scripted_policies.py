@@ -20,7 +20,9 @@ TALLY = "each agent where agent chose zap { set agent.tired = 2  tally zaps for 
 
 @pytest.fixture(scope="module")
 def orchard() -> GameFamily:
-    text = ORCHARD.replace('"..T" ".T."', '"...T" ".#.." "T..."').replace("count = 2 in", "count = 3 in")
+    text = ORCHARD.replace('"..T" ".T."', '"...T" ".#.." "T..."').replace(
+        "count = 2 in", "count = 3 in"
+    )
     return small_game(CHECKS, TALLY, POLICIES, text=text)
 
 

@@ -35,7 +35,9 @@ def moments(env: Environment) -> list:
 
 def read_data(text: str) -> dict:
     """Returns the data that a page holds."""
-    found = re.findall(r'<script type="application/json" id="episode">(.*?)</script>', text, re.DOTALL)
+    found = re.findall(
+        r'<script type="application/json" id="episode">(.*?)</script>', text, re.DOTALL
+    )
     assert len(found) == 1
     return json.loads(found[0])
 
@@ -66,7 +68,11 @@ def test_a_page_shows_the_picture_of_every_moment(env: Environment, moments: lis
     look = make_painter(env).look
     for number in (0, 1, len(moments) - 1):
         drawn = draw_board(replace(look, tile=SIZE), moments[number].snapshot)
-        apart = np.abs(paint(data, number) - drawn).reshape(len(env.game.rows), SIZE, -1, SIZE, 3).mean(axis=(1, 3, 4))
+        apart = (
+            np.abs(paint(data, number) - drawn)
+            .reshape(len(env.game.rows), SIZE, -1, SIZE, 3)
+            .mean(axis=(1, 3, 4))
+        )
         assert apart.max() < 6, "of 255 in each cell: two rasterisers, and two fonts of the numbers"
 
 

@@ -16,7 +16,17 @@ from sjdsl.cli import run
 from sjdsl.cli.play import compiled
 from sjdsl.cli.policies import choose_policy
 from sjdsl.render import play_moments, random_policy
-from sjdsl.replay import Dataset, DatasetWriter, Episode, EpisodePlayer, Header, RecordingError, load_recording, play_episodes, replayed
+from sjdsl.replay import (
+    Dataset,
+    DatasetWriter,
+    Episode,
+    EpisodePlayer,
+    Header,
+    RecordingError,
+    load_recording,
+    play_episodes,
+    replayed,
+)
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy, mixed_policy
 from sjdsl.trainers import PPOConfig, load_policy
@@ -30,7 +40,19 @@ BUSY = {"length": 30, "spawn": 0.3}
 def record(path: Path, episodes: int, seed: int) -> list[str]:
     """Returns the call that records so many episodes of Coins in a file."""
     busy = ["--param", "length=30", "--param", "spawn=0.3"]
-    return ["record", "coins", "--policy", "random", "-o", str(path), "--episodes", str(episodes), "--seed", str(seed), *busy]
+    return [
+        "record",
+        "coins",
+        "--policy",
+        "random",
+        "-o",
+        str(path),
+        "--episodes",
+        str(episodes),
+        "--seed",
+        str(seed),
+        *busy,
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +66,11 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def same(first: Episode, second: Episode) -> bool:
     """Whether two episodes are alike in everything."""
     return jax.tree.all(
-        jax.tree.map(np.array_equal, vars(first) | {"events": dict(first.events)}, vars(second) | {"events": dict(second.events)})
+        jax.tree.map(
+            np.array_equal,
+            vars(first) | {"events": dict(first.events)},
+            vars(second) | {"events": dict(second.events)},
+        )
     )
 
 
@@ -55,7 +81,10 @@ def test_each_episode_is_what_single_steps_give(recorded: Path) -> None:
     paid = 0
     for number, episode in enumerate(dataset):
         assert episode.seed == 3 + number
-        assert episode.observations is not None and episode.observations.shape == (31, *env.observation_shape)
+        assert episode.observations is not None and episode.observations.shape == (
+            31,
+            *env.observation_shape,
+        )
         player = EpisodePlayer(env, episode.seed)
         np.testing.assert_array_equal(episode.observations[0], player.observation)
         for step, actions in enumerate(episode.actions):
@@ -74,7 +103,23 @@ def test_each_episode_is_what_single_steps_give(recorded: Path) -> None:
 def test_by_default_the_policies_of_the_file_play_in_turn(tmp_path: Path) -> None:
     """Each agent does what it does where all follow its policy; a game without policies is played at random."""
     path = tmp_path / "coins.npz"
-    assert run(["record", "coins", "-o", str(path), "--episodes", "1", "--param", "length=12", "--param", "spawn=0.5"]) == 0
+    assert (
+        run(
+            [
+                "record",
+                "coins",
+                "-o",
+                str(path),
+                "--episodes",
+                "1",
+                "--param",
+                "length=12",
+                "--param",
+                "spawn=0.5",
+            ]
+        )
+        == 0
+    )
     dataset, env = Dataset(path), sjdsl.make("coins", params={"length": 12, "spawn": 0.5})
     assert dataset.header.policy == "file"
     assert [policy.name for policy in env.game.policies] == ["cooperator", "defector"]
@@ -90,10 +135,16 @@ def test_by_default_the_policies_of_the_file_play_in_turn(tmp_path: Path) -> Non
 def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> None:
     """The same seed comes to the same actions there, where the interpreter draws them; with a policy that remembers, too."""
     game = ["coins", "--param", "length=30", "--param", "spawn=0.3"]
-    assert run(["play", *game, "--watch", "--seed", "4", "--record", str(tmp_path / "played.json")]) == 0
+    assert (
+        run(["play", *game, "--watch", "--seed", "4", "--record", str(tmp_path / "played.json")])
+        == 0
+    )
     assert load_recording(tmp_path / "played.json") == load_recording(recorded, 1)
     env = sjdsl.make("coins", params={"length": 9})
-    turns = MemoryPolicy(np.int32(0), lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7))
+    turns = MemoryPolicy(
+        np.int32(0),
+        lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7),
+    )
     (episode,) = play_episodes(env, turns, 11, 1)
     _, *steps = compiled(env, turns, 11, repeat({}))
     assert [list(moment.actions) for moment in steps] == episode.actions.tolist()
@@ -102,21 +153,36 @@ def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> No
 def test_a_film_shows_the_recorded_episodes() -> None:
     """Those of its seed and of the next ones, each with the policy's memory from the start."""
     env = sjdsl.make("coins", params={"length": 9})
-    turns = MemoryPolicy(np.int32(0), lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7))
+    turns = MemoryPolicy(
+        np.int32(0),
+        lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7),
+    )
     recorded = np.concatenate([episode.actions for episode in play_episodes(env, turns, 11, 2)])
     moments = list(play_moments(env, turns, 15, 11))
     assert [list(moment.actions) for moment in moments if moment.actions] == recorded[:15].tolist()
     starts = [number for number, moment in enumerate(moments) if not moment.actions]
     assert starts == [0, 10]
     for start, seed in zip(starts, (11, 12), strict=True):
-        assert jax.tree.all(jax.tree.map(np.array_equal, vars(moments[start].snapshot), vars(EpisodePlayer(env, seed).now().snapshot)))
+        assert jax.tree.all(
+            jax.tree.map(
+                np.array_equal,
+                vars(moments[start].snapshot),
+                vars(EpisodePlayer(env, seed).now().snapshot),
+            )
+        )
 
 
 def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:
     """Different lengths side by side; what comes after an end is not kept."""
-    text = (Path(__file__).parents[1] / "cases/endings.sj").read_text()  # made to end when both trees are eaten, or after 20 steps
+    text = (
+        Path(__file__).parents[1] / "cases/endings.sj"
+    ).read_text()  # made to end when both trees are eaten, or after 20 steps
     path = tmp_path / "endings.sj"
-    path.write_text(text.replace("acts forward", "acts step_left, step_right, forward").replace(" or step % 7 == 6", ""))
+    path.write_text(
+        text.replace("acts forward", "acts step_left, step_right, forward").replace(
+            " or step % 7 == 6", ""
+        )
+    )
     env = sjdsl.make(path)
     lengths = set()
     for episode in play_episodes(env, random_policy(env), 0, 6, "none"):
@@ -124,7 +190,10 @@ def test_episodes_end_when_the_rules_say(tmp_path: Path) -> None:
         player = EpisodePlayer(env, episode.seed)
         for actions in episode.actions:
             player.step(actions)
-        assert player.done and (episode.terminated, episode.truncated) == (len(episode.actions) < 20, len(episode.actions) == 20)
+        assert player.done and (episode.terminated, episode.truncated) == (
+            len(episode.actions) < 20,
+            len(episode.actions) == 20,
+        )
         lengths.add(len(episode.actions))
     assert len(lengths) > 1
 
@@ -144,11 +213,25 @@ def test_how_many_are_played_at_once_changes_nothing(monkeypatch: pytest.MonkeyP
     assert playing.episodes_at_once(long, "onehot") == 1
 
 
-def test_a_file_says_how_it_was_made_and_is_the_same_each_time(recorded: Path, tmp_path: Path) -> None:
+def test_a_file_says_how_it_was_made_and_is_the_same_each_time(
+    recorded: Path, tmp_path: Path
+) -> None:
     env = sjdsl.make("coins")
     header = Dataset(recorded).header
-    assert (header.game, header.hash, header.policy, header.seed, header.episodes) == ("coins", env.hash, "random", 3, 5)
-    assert header.environment == {"game": "coins", "variant": None, "map": None, "num_agents": None, "params": {"length": 30, "spawn": 0.3}}
+    assert (header.game, header.hash, header.policy, header.seed, header.episodes) == (
+        "coins",
+        env.hash,
+        "random",
+        3,
+        5,
+    )
+    assert header.environment == {
+        "game": "coins",
+        "variant": None,
+        "map": None,
+        "num_agents": None,
+        "params": {"length": 30, "spawn": 0.3},
+    }
     assert set(header.versions) == {"sjdsl", "jax", "numpy"} and header.policy_digest is None
     assert header.planes == [plane.name for plane in env.token_planes]
     again = tmp_path / "again.npz"
@@ -159,12 +242,30 @@ def test_a_file_says_how_it_was_made_and_is_the_same_each_time(recorded: Path, t
     assert same(Dataset(few)[1], Dataset(recorded)[2])
     with np.load(recorded) as arrays:  # without us
         assert json.loads(str(arrays["header"]))["seed"] == 3
-        np.testing.assert_array_equal(arrays["episode_00004/rewards"].sum(axis=0), arrays["returns"][4])
+        np.testing.assert_array_equal(
+            arrays["episode_00004/rewards"].sum(axis=0), arrays["returns"][4]
+        )
 
 
 def test_one_hot_observations_are_those_of_the_game(tmp_path: Path) -> None:
     path = tmp_path / "coins.npz"
-    assert run(["record", "coins", "-o", str(path), "--episodes", "1", "--observation", "onehot", "--param", "length=3"]) == 0
+    assert (
+        run(
+            [
+                "record",
+                "coins",
+                "-o",
+                str(path),
+                "--episodes",
+                "1",
+                "--observation",
+                "onehot",
+                "--param",
+                "length=3",
+            ]
+        )
+        == 0
+    )
     env = sjdsl.make("coins", observation="onehot", params={"length": 3})
     episode, player = Dataset(path)[0], EpisodePlayer(env, 0)
     assert Dataset(path).header.planes == list(env.channel_names)
@@ -176,12 +277,43 @@ def test_one_hot_observations_are_those_of_the_game(tmp_path: Path) -> None:
 @pytest.mark.thorough
 def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
     """By the policy's own function, the same actions; the file says which policy it was."""
-    env, config = sjdsl.make("coins", params={"length": 4}), PPOConfig(network="mlp", network_width=8)
+    env, config = (
+        sjdsl.make("coins", params={"length": 4}),
+        PPOConfig(network="mlp", network_width=8),
+    )
     shapes = parameter_shapes(env, config)
-    drawn = jax.tree.map(lambda leaf: np.random.default_rng(leaf.size).normal(0, 0.1, leaf.shape).astype(leaf.dtype), shapes)
+    drawn = jax.tree.map(
+        lambda leaf: np.random.default_rng(leaf.size).normal(0, 0.1, leaf.shape).astype(leaf.dtype),
+        shapes,
+    )
     stored, path = tmp_path / "policy.safetensors", tmp_path / "coins.npz"
-    write_policy(stored, drawn, {"game": describe_game(env), "config": config.model_dump(mode="json"), "update": 0, "env_steps": 0})
-    assert run(["record", "coins", "--policy", str(stored), "--episodes", "1", "--param", "length=4", "-o", str(path)]) == 0
+    write_policy(
+        stored,
+        drawn,
+        {
+            "game": describe_game(env),
+            "config": config.model_dump(mode="json"),
+            "update": 0,
+            "env_steps": 0,
+        },
+    )
+    assert (
+        run(
+            [
+                "record",
+                "coins",
+                "--policy",
+                str(stored),
+                "--episodes",
+                "1",
+                "--param",
+                "length=4",
+                "-o",
+                str(path),
+            ]
+        )
+        == 0
+    )
     dataset, player, act = Dataset(path), EpisodePlayer(env, 0), load_policy(stored, env)
     key = jax.random.fold_in(jax.random.key(0), 2**32 - 1)
     for number, actions in enumerate(dataset[0].actions):
@@ -191,7 +323,9 @@ def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
     assert dataset.header.policy_digest == hashlib.sha256(stored.read_bytes()).hexdigest()
 
 
-def test_replay_shows_one_of_them(recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_replay_shows_one_of_them(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     recording = load_recording(recorded, 2)
     *_, last = replayed(recording, sjdsl.make(**recording.environment))
     assert last.snapshot.returns.tolist() == Dataset(recorded).returns[2].tolist()
@@ -209,7 +343,9 @@ def writer(path: Path) -> tuple[DatasetWriter, Episode]:
         planes=[], action_names=[], versions={},
     )  # fmt: skip
     nothing: Any = np.zeros((1, 2), np.int32)
-    return DatasetWriter(path, header), Episode(0, None, nothing, nothing.astype(np.float32), {}, False, True)
+    return DatasetWriter(path, header), Episode(
+        0, None, nothing, nothing.astype(np.float32), {}, False, True
+    )
 
 
 def test_what_was_played_before_an_interruption_is_kept(tmp_path: Path) -> None:
@@ -244,7 +380,9 @@ def test_what_is_no_such_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     with zipfile.ZipFile(path, "w") as file:
         for name, content in parts.items():
             file.writestr(name, content)
-    with pytest.raises(RecordingError, match=r"is damaged: its arrays are not those that its header names"):
+    with pytest.raises(
+        RecordingError, match=r"is damaged: its arrays are not those that its header names"
+    ):
         Dataset(path)[0]
     assert run(["record", "coins", "-o", "coins.csv"]) == 2
     assert "`coins.csv` must end in .npz" in capsys.readouterr().err

@@ -86,9 +86,19 @@ def looked(tmp_path_factory: pytest.TempPathFactory) -> Environment:
 def bushes(look: Look, **fields: list) -> list:
     """Returns the drawings of the three bushes with some of their fields given."""
     kind = next(k for k in look.kinds if k.name == "bush")
-    values = {"hue": [0, 1, 0], "crop": [0] * 3, "fruit": [0] * 3, "owner": [-1] * 3, "pickers": [0] * 3} | fields
+    values = {
+        "hue": [0, 1, 0],
+        "crop": [0] * 3,
+        "fruit": [0] * 3,
+        "owner": [-1] * 3,
+        "pickers": [0] * 3,
+    } | fields
     keys, number = cell_keys(
-        kind, {f"bush_{name}": np.array(v, np.uint32 if name == "pickers" else np.int32) for name, v in values.items()}
+        kind,
+        {
+            f"bush_{name}": np.array(v, np.uint32 if name == "pickers" else np.int32)
+            for name, v in values.items()
+        },
     )
     return [draw_cell(kind, keys[n]) for n in number]
 
@@ -96,12 +106,16 @@ def bushes(look: Look, **fields: list) -> list:
 def figures(look: Look, bag: list, mood: list) -> list:
     values = {"agent_bag": np.array(bag), "agent_mood": np.array(mood)}
     nothing = np.zeros(3, int)
-    return draw_figures(look, Snapshot(0, values, nothing, nothing, nothing, nothing > 0, nothing))["agent"]
+    return draw_figures(look, Snapshot(0, values, nothing, nothing, nothing, nothing > 0, nothing))[
+        "agent"
+    ]
 
 
 def test_a_look_is_no_rule(plain: Environment, looked: Environment) -> None:
     assert plain.hash == looked.hash
-    texts = [compile_source(Source("grove.sj", GAME.replace("LOOKS", looks))) for looks in ("", ALL)]
+    texts = [
+        compile_source(Source("grove.sj", GAME.replace("LOOKS", looks))) for looks in ("", ALL)
+    ]
     assert texts[0] == texts[1], "not even a draw"
     assert looked.game.looks and game_hash(looked.game) == game_hash(plain.game)
 
@@ -118,7 +132,9 @@ def test_conditions_read_words_numbers_owners_and_sets(looked: Environment) -> N
     assert [set(d.badges) for d in cropped] == [{coin, black}, set(), set()]
 
 
-def test_a_field_that_a_look_reads_is_drawn_by_it_alone(looked: Environment, plain: Environment) -> None:
+def test_a_field_that_a_look_reads_is_drawn_by_it_alone(
+    looked: Environment, plain: Environment
+) -> None:
     for env, bars, edge in ((looked, set(), None), (plain, {0, 1}, agent_colour(2))):
         drawn = bushes(make_look(env.game), crop=[3, 3, 3], owner=[-1, -1, 2], pickers=[1, 1, 1])
         assert {place for place, _ in drawn[2].bars} == bars
@@ -128,17 +144,26 @@ def test_a_field_that_a_look_reads_is_drawn_by_it_alone(looked: Environment, pla
 def test_what_no_agent_sees_is_not_drawn() -> None:
     """Numbers, owners, sets and the agents' fields are seen if they are shown, words of cells unless they are hidden."""
     unseen = re.sub(r"observe \{.*?\n  \}", "observe { hide bush.fruit }", GAME, flags=re.DOTALL)
-    dark, light = (make_look(build(Source("grove.sj", text.replace("LOOKS", ""))).game) for text in (unseen, GAME))
+    dark, light = (
+        make_look(build(Source("grove.sj", text.replace("LOOKS", ""))).game)
+        for text in (unseen, GAME)
+    )
     crops = {"fruit": [1] * 3, "crop": [3] * 3, "owner": [2] * 3, "pickers": [1] * 3}
     for look, some in ((dark, False), (light, True)):
         bush, *_ = bushes(look, **crops)
         _, _, wild = figures(look, bag=[[9, 9]] * 3, mood=[1] * 3)
-        assert [bool(part) for part in (bush.badges, bush.bars, bush.edge, wild.badges, look.held)] == [some] * 5
+        assert [
+            bool(part) for part in (bush.badges, bush.bars, bush.edge, wild.badges, look.held)
+        ] == [some] * 5
 
 
 def test_words_that_agents_cannot_tell_apart_look_alike() -> None:
     told = "show bush.hue as { reddish where bush.hue is red, other }"
-    text = GAME.replace("{ red, blue } = red", "{ red, blue, green } = red").replace("show bush.owner", told).replace("LOOKS", "")
+    text = (
+        GAME.replace("{ red, blue } = red", "{ red, blue, green } = red")
+        .replace("show bush.owner", told)
+        .replace("LOOKS", "")
+    )
     look = make_look(build(Source("grove.sj", text)).game)
     red, blue, green = bushes(look, hue=[0, 1, 2])
     assert blue == green != red
@@ -146,11 +171,20 @@ def test_words_that_agents_cannot_tell_apart_look_alike() -> None:
 
 def test_what_stands_on_water_is_drawn_on_it(tmp_path: Path) -> None:
     look = make_look(
-        made("  look bush as blue water  look bush where bush.hue is blue as boat  look bush where bush.crop > 3 as wall", tmp_path).game
+        made(
+            "  look bush as blue water  look bush where bush.hue is blue as boat  look bush where bush.crop > 3 as wall",
+            tmp_path,
+        ).game
     )
     water, afloat, walled = bushes(look, hue=[0, 1, 1], crop=[0, 0, 4])
-    assert [drawing.body.sprite for drawing in (water, afloat, walled) if drawing.body] == ["water", "water", "wall"]
-    assert [[picture.sprite for picture in drawing.objects] for drawing in (water, afloat, walled)] == [[], ["boat"], []]
+    assert [drawing.body.sprite for drawing in (water, afloat, walled) if drawing.body] == [
+        "water",
+        "water",
+        "wall",
+    ]
+    assert [
+        [picture.sprite for picture in drawing.objects] for drawing in (water, afloat, walled)
+    ] == [[], ["boat"], []]
 
 
 def test_agents_show_what_they_carry(looked: Environment, plain: Environment) -> None:
@@ -159,11 +193,23 @@ def test_agents_show_what_they_carry(looked: Environment, plain: Environment) ->
     assert (idle.badges, busy.badges) == ((), ())
     assert len(full.badges) == 1, "a mood; what can be counted stands in the agent's row"
     nothing = np.zeros(3, int)
-    shot = Snapshot(0, {"agent_bag": np.array([[0, 0], [2, 0], [1, 3]])}, nothing, nothing, nothing, nothing > 0, nothing)
+    shot = Snapshot(
+        0,
+        {"agent_bag": np.array([[0, 0], [2, 0], [1, 3]])},
+        nothing,
+        nothing,
+        nothing,
+        nothing > 0,
+        nothing,
+    )
     assert [amount for _, amount in held_entries(look, shot, 2)] == [1, 3]
     calm, _, wild = figures(make_look(looked.game), bag=[[1, 0], [0, 0], [1, 3]], mood=[0, 1, 1])
     assert (calm.sprite, calm.colour) == ("agent", agent_colour(0))
-    assert (wild.sprite, wild.colour, wild.badges[0].sprite) == ("animal", read_colour("orange"), "pot")
+    assert (wild.sprite, wild.colour, wild.badges[0].sprite) == (
+        "animal",
+        read_colour("orange"),
+        "pot",
+    )
     assert len(wild.badges) == 1, "its fields are read by the look"
 
 
@@ -174,18 +220,31 @@ def test_what_is_usual_follows_from_the_rules(plain: Environment) -> None:
     assert kinds["start_"].body is None, "nobody is sent there"
     fruit = next(field for field in kinds["bush"].fields if field.name == "fruit")
     assert fruit.pictures[1].sprite == "apple", "agents take it where they stand"
-    sent = GAME.replace("send agent to moss", "send agent to start_").replace('S"', '1"').replace("S#", "1#").replace("bS.", "b1.")
-    spawns = build(Source("grove.sj", sent.replace("LOOKS", "").replace("agents 3", "agents 2"))).game
+    sent = (
+        GAME.replace("send agent to moss", "send agent to start_")
+        .replace('S"', '1"')
+        .replace("S#", "1#")
+        .replace("bS.", "b1.")
+    )
+    spawns = build(
+        Source("grove.sj", sent.replace("LOOKS", "").replace("agents 3", "agents 2"))
+    ).game
     assert spawn_kinds(spawns) == ("start_",)
 
 
 def test_the_looks_of_a_kind_are_replaced_together(tmp_path: Path) -> None:
     text = GAME.replace("LOOKS", f"{ALL} variant grey {{ look bush as grey tree }}")
     game = build(Source("grove.sj", text), ("grey",)).game
-    assert [look.body.sprite for look in game.looks if look.name == "bush" and look.body] == ["tree"]
+    assert [look.body.sprite for look in game.looks if look.name == "bush" and look.body] == [
+        "tree"
+    ]
     assert [look.name for look in game.looks].count("agent") == 1
     (tmp_path / "grove.sj").write_text(GAME.replace("LOOKS", ALL), encoding="utf-8")
-    above = build(Source("above.sj", 'sj 1\ngame above extends "grove.sj" { look agent as animal }\n', tmp_path)).game
+    above = build(
+        Source(
+            "above.sj", 'sj 1\ngame above extends "grove.sj" { look agent as animal }\n', tmp_path
+        )
+    ).game
     assert [look.name for look in above.looks] == ["bush"] * 4 + ["agent"]
     assert above.looks[-1].condition is None
 
@@ -204,7 +263,10 @@ def test_the_legend_names_each_thing_once(looked: Environment, plain: Environmen
 def test_each_sprite_is_drawn_at_any_size_in_its_colour(name: str) -> None:
     for size in (1, 2, 7, 30, 200):
         assert draw_figure(Figure(None, (200, 40, 120), name), size).shape == (size, size, 4)
-    red, green = (draw_figure(Figure(None, colour, name), 40).astype(int) for colour in ((250, 0, 0), (0, 250, 0)))
+    red, green = (
+        draw_figure(Figure(None, colour, name), 40).astype(int)
+        for colour in ((250, 0, 0), (0, 250, 0))
+    )
     assert (red[..., 3] == green[..., 3]).all()
     tinted = np.abs(red[..., :3] - green[..., :3]).sum(axis=-1) > 100
     assert tinted.mean() > (0.02 if name == "floor" else 0.1)
@@ -224,12 +286,22 @@ def test_every_file_and_every_name_of_a_sprite() -> None:
 def test_a_legend_leaves_out_what_no_cell_shows() -> None:
     """Every patch has a class, so there is no plain one; and no word is said twice."""
     look = make_look(sjdsl.make("pd_arena").game)
-    assert [text for _, text in cell_entries(look)] == ["floor", "wall", "patch: coop", "defect", "coop, ripe", "defect, ripe", "gate"]
+    assert [text for _, text in cell_entries(look)] == [
+        "floor",
+        "wall",
+        "patch: coop",
+        "defect",
+        "coop, ripe",
+        "defect, ripe",
+        "gate",
+    ]
     leaning = ["bag: more coop than defect", "bag: more defect than coop"]
     assert [text for _, text in figure_entries(look)] == [*leaning, "pale: can only stay"]
 
 
-def test_a_frame_drawn_again_rasterises_nothing(looked: Environment, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_frame_drawn_again_rasterises_nothing(
+    looked: Environment, monkeypatch: pytest.MonkeyPatch
+) -> None:
     import jax
 
     _, state = looked.reset(jax.random.key(0))
@@ -242,7 +314,10 @@ def test_a_frame_drawn_again_rasterises_nothing(looked: Environment, monkeypatch
 @pytest.mark.parametrize(
     ("look", "code"),
     [
-        ("look agent where agent.unread > 1 as red", "SJ505"),  # what only a picture reads is used by no rule
+        (
+            "look agent where agent.unread > 1 as red",
+            "SJ505",
+        ),  # what only a picture reads is used by no rule
         ("look moss as red blue", "SJ115"),
         ("look moss as gem coin", "SJ115"),
         ("look mos as red", "SJ101"),
@@ -250,8 +325,12 @@ def test_a_frame_drawn_again_rasterises_nothing(looked: Environment, monkeypatch
     ],
 )
 def test_what_is_wrong_with_a_look_is_said(look: str, code: str) -> None:
-    text = GAME.replace("LOOKS", look).replace("timer tired", "timer tired  field unread : 0 .. 3 = 0")
-    used = text.replace("set agent.tired = 3", "set agent.tired = 3  add 0 * agent.unread to agent.bag[dry]")
+    text = GAME.replace("LOOKS", look).replace(
+        "timer tired", "timer tired  field unread : 0 .. 3 = 0"
+    )
+    used = text.replace(
+        "set agent.tired = 3", "set agent.tired = 3  add 0 * agent.unread to agent.bag[dry]"
+    )
     found = {d.code for d in check(Source("grove.sj", text if code == "SJ505" else used))}
     assert code in found
 
@@ -260,7 +339,9 @@ def test_what_blocks_is_drawn_by_its_name_and_water_is_not_land() -> None:
     kinds = ("land", "lake", "pond", "hedge", "cliff", "fence", "path", "x")
     blocking = ("lake", "hedge", "cliff", "fence", "x")
     declared = "  ".join(
-        f'kind {name} "{name[0] if name != "path" else "t"}"' + " { blocks agents }" * (name in blocking) for name in kinds
+        f'kind {name} "{name[0] if name != "path" else "t"}"'
+        + " { blocks agents }" * (name in blocking)
+        for name in kinds
     )
     game = f"""sj 1
 game x "X" {{
@@ -274,7 +355,9 @@ game x "X" {{
 }}
 """.replace('kind lake "l"', 'kind lake "L"')
     looks = {kind.name: kind for kind in make_look(build(Source("x.sj", game)).game).kinds}
-    bodies = {name: look.body.sprite if look.body is not None else "" for name, look in looks.items()}
+    bodies = {
+        name: look.body.sprite if look.body is not None else "" for name, look in looks.items()
+    }
     assert bodies == {
         "land": "",
         "lake": "water",

@@ -70,13 +70,14 @@ def test_movers_are_drawn_where_they_are(tmp_path: Path) -> None:
     _, state, *_ = env.step_env(jax.random.key(1), state, np.zeros(1, np.int32))
     after = take_snapshot(env, state, np.zeros(1))
     assert after.movers["coin"][1].tolist() == [-1], "it is removed, and not drawn"
-    assert [figure.badges == () for figure in draw_figures(painter.look, after)["deer"]] == [True, False], "fear is a badge"
+    assert [figure.badges == () for figure in draw_figures(painter.look, after)["deer"]] == [
+        True,
+        False,
+    ], "fear is a badge"
 
 
 def test_looks_of_movers_apply(tmp_path: Path) -> None:
-    looks = (
-        "  look deer as brown raft\n  look deer where deer.fear is scared as red with pot\n  look deer where deer.heading is west with gem"
-    )
+    looks = "  look deer as brown raft\n  look deer where deer.fear is scared as red with pot\n  look deer where deer.heading is west with gem"
     env = made(looks, tmp_path)
     look = make_painter(env).look
     _, state = env.reset(jax.random.key(0))
@@ -85,12 +86,24 @@ def test_looks_of_movers_apply(tmp_path: Path) -> None:
     pot, gem = Picture("pot", SPRITES["pot"]), Picture("gem", SPRITES["gem"])
     assert calm == Figure(None, read_colour("brown"), "raft", 3, badges=(gem,))
     assert scared == Figure(None, read_colour("red"), "raft", 3, badges=(pot, gem))
-    assert [text for _, text in figure_entries(look)] == ["deer", "deer: scared", "deer: west", "coin"]
+    assert [text for _, text in figure_entries(look)] == [
+        "deer",
+        "deer: scared",
+        "deer: west",
+        "coin",
+    ]
 
 
 @pytest.mark.parametrize(
-    ("looks", "said"), [("look dear as red", "deer"), ("look deer where deer.row > 1 as red", "SJ510"), ("look deer as blu", "blue")]
+    ("looks", "said"),
+    [
+        ("look dear as red", "deer"),
+        ("look deer where deer.row > 1 as red", "SJ510"),
+        ("look deer as blu", "blue"),
+    ],
 )
 def test_a_look_of_movers_that_cannot_be_is_refused(looks: str, said: str) -> None:
-    (problem,) = [d for d in check(Source("herd.sj", GAME.replace("LOOKS", looks))) if d.severity == "error"]
+    (problem,) = [
+        d for d in check(Source("herd.sj", GAME.replace("LOOKS", looks))) if d.severity == "error"
+    ]
     assert said in f"{problem.code} {problem}"

@@ -64,7 +64,16 @@ game dell "A dell" {
 """
 WORLD = ["wind storm", "ruler 1", "stock hay 2 oats 1", "dry yes", "left 8"]
 ROWS = ["purse gold 2 tin 9", "owed gold 1 tin 5"]
-OWN = ["thirst 12", *ROWS, "seen yes_ no_ no_", "rival 1", "friends 1", "home (2, 3)", "tired 3", "worth 0.5"]
+OWN = [
+    "thirst 12",
+    *ROWS,
+    "seen yes_ no_ no_",
+    "rival 1",
+    "friends 1",
+    "home (2, 3)",
+    "tired 3",
+    "worth 0.5",
+]
 
 
 def rules(folk: int = 3) -> ir.Game:
@@ -76,10 +85,15 @@ def moments(game: ir.Game, returns: float = 0.0) -> list[Moment]:
     number = game.agents.number
     world = reset(game, {}, Threefry(0, 1))
     later, outcome = step(game, world, [0] * number, {}, Threefry(2, 3))
-    return [moment_of(game, world, [0.0] * number), moment_of(game, later, [returns] * number, [0] * number, outcome)]
+    return [
+        moment_of(game, world, [0.0] * number),
+        moment_of(game, later, [returns] * number, [0] * number, outcome),
+    ]
 
 
-def test_what_agents_are_shown_is_read_alike_from_the_interpreter_and_the_compiled_state(tmp_path: Path) -> None:
+def test_what_agents_are_shown_is_read_alike_from_the_interpreter_and_the_compiled_state(
+    tmp_path: Path,
+) -> None:
     game, file = rules(), tmp_path / "dell.sj"
     file.write_text(GAME)
     shot = moments(game)[1].snapshot
@@ -116,7 +130,16 @@ def test_a_picture_shows_a_change_of_each() -> None:
     shot = moments(game)[1].snapshot
     painter = make_painter(SimpleNamespace(game=game), [shot])  # type: ignore[arg-type]
     first = np.asarray(painter.draw(shot))
-    for name in ("world_wind", "world_ruler", "world_stock", "agent_thirst", "agent_purse", "agent_owed", "agent_seen", "agent_tired"):
+    for name in (
+        "world_wind",
+        "world_ruler",
+        "world_stock",
+        "agent_thirst",
+        "agent_purse",
+        "agent_owed",
+        "agent_seen",
+        "agent_tired",
+    ):
         other = replace(shot, values={**shot.values, name: np.zeros_like(shot.values[name])})
         assert (np.asarray(painter.draw(other)) != first).any(), name
     for name in ("world_secret", "agent_private"):

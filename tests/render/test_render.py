@@ -125,7 +125,12 @@ def test_a_field_that_no_rule_changes_colours_the_ground(painter: Painter, after
 
 def test_a_timer_is_not_drawn(painter: Painter, after: Play) -> None:
     shot = after(STAY, 0)
-    busy = Snapshot(**{**vars(shot), "values": {**shot.values, "soil_rest": np.full_like(shot.values["soil_rest"], 10)}})
+    busy = Snapshot(
+        **{
+            **vars(shot),
+            "values": {**shot.values, "soil_rest": np.full_like(shot.values["soil_rest"], 10)},
+        }
+    )
     assert (_board(painter, busy) == _board(painter, shot)).all()
 
 
@@ -137,7 +142,9 @@ def test_an_agent_points_where_it_looks(painter: Painter, after: Play) -> None:
     assert 0 < top < bottom, "facing north: the tip is above"
     turned = _cell(_board(painter, after(0, 1)), painter, GATE)
     drawn = np.abs(turned.astype(int) - kind_corner(turned)).sum(axis=2) > 60
-    assert drawn[:, : size // 3].sum() > drawn[:, -size // 3 :].sum() > 0, "facing east: the tip is on the right"
+    assert drawn[:, : size // 3].sum() > drawn[:, -size // 3 :].sum() > 0, (
+        "facing east: the tip is on the right"
+    )
 
 
 def kind_corner(cell: np.ndarray) -> np.ndarray:
@@ -145,20 +152,34 @@ def kind_corner(cell: np.ndarray) -> np.ndarray:
     return cell[1, 1].astype(int)
 
 
-def test_a_beam_has_the_colour_of_who_fires_and_an_edge_for_one_step(painter: Painter, after: Play) -> None:
-    before, during, later = (_board(painter, shot) for shot in (after(STAY, 1), after(ZAP, 1), after(ZAP, 2)))
+def test_a_beam_has_the_colour_of_who_fires_and_an_edge_for_one_step(
+    painter: Painter, after: Play
+) -> None:
+    before, during, later = (
+        _board(painter, shot) for shot in (after(STAY, 1), after(ZAP, 1), after(ZAP, 2))
+    )
     middle, edge = painter.look.tile // 2, np.array(mark_colours(("fire",))[0])
     for place in ((1, 3), (0, 3)):
         plain, lit, gone = (_cell(board, painter, place) for board in (before, during, later))
-        expected = plain[middle, middle] + (np.array(agent_colour(0)) - plain[middle, middle]) * BEAM_OPACITY
+        expected = (
+            plain[middle, middle]
+            + (np.array(agent_colour(0)) - plain[middle, middle]) * BEAM_OPACITY
+        )
         assert np.abs(lit[middle, middle] - expected).max() <= 1
         assert (gone == plain).all()
         assert (lit[middle, 0] == edge).all() and (lit[middle, -1] == edge).all()
     near, far = (_cell(during, painter, place) for place in ((1, 3), (0, 3)))
-    assert (far[0, middle] == edge).all() and not (far[-1, middle] == edge).all() and (near[-1, middle] == edge).all(), "around the beam"
+    assert (
+        (far[0, middle] == edge).all()
+        and not (far[-1, middle] == edge).all()
+        and (near[-1, middle] == edge).all()
+    ), "around the beam"
     outside = _cell(during, painter, (0, 0))
     assert (outside == _cell(before, painter, (0, 0))).all()
-    assert [text for _, text in legend_entries(painter.look)][-2:] == ["zap", "pale: can only stay"], "the action, not the phase"
+    assert [text for _, text in legend_entries(painter.look)][-2:] == [
+        "zap",
+        "pale: can only stay",
+    ], "the action, not the phase"
 
 
 def test_whose_beam_it_is_follows_from_the_actions(painter: Painter, after: Play) -> None:
@@ -175,19 +196,32 @@ def test_whose_beam_it_is_follows_from_the_actions(painter: Painter, after: Play
     }
     shot = replace(one, marks={"fire": marks}, **where)
     for actions, agent in (((), 0), ((STAY, ZAP), 1), ((ZAP, STAY), 0), ((STAY, STAY), None)):
-        beams = [(beam, row, col) for beam, row, col in appearance_of(look, shot, actions).figures if isinstance(beam, Beam)]
+        beams = [
+            (beam, row, col)
+            for beam, row, col in appearance_of(look, shot, actions).figures
+            if isinstance(beam, Beam)
+        ]
         assert [(row, col) for _, row, col in beams] == [(0, 2), (0, 3)]
         fill = mark_colours(("fire",))[0] if agent is None else agent_colour(agent)
         assert {beam.fill for beam, _, _ in beams} == {fill}
-        assert [beam.sides for beam, _, _ in beams] == [(True, False, True, True), (True, True, True, False)]
+        assert [beam.sides for beam, _, _ in beams] == [
+            (True, False, True, True),
+            (True, True, True, False),
+        ]
 
 
-def test_what_is_taken_or_struck_flashes_and_what_comes_does_not(painter: Painter, after: Play) -> None:
+def test_what_is_taken_or_struck_flashes_and_what_comes_does_not(
+    painter: Painter, after: Play
+) -> None:
     before = replace(after(STAY, 1), step=6)
 
     def flashes(now: Snapshot, then: Snapshot = before) -> set[tuple[int, int]]:
         found = appearance_of(painter.look, now, (), then).figures
-        return {(row, col) for figure, row, col in found if isinstance(figure, Figure) and figure.sprite == "flash"}
+        return {
+            (row, col)
+            for figure, row, col in found
+            if isinstance(figure, Figure) and figure.sprite == "flash"
+        }
 
     def with_fruit(*ripe: int) -> Snapshot:
         fruit = np.array([int(number in ripe) for number in range(3)])
@@ -196,19 +230,29 @@ def test_what_is_taken_or_struck_flashes_and_what_comes_does_not(painter: Painte
     row, col = RIPE
     on_it = {"step": 7, "row": np.array([row]), "col": np.array([col])}
     assert flashes(replace(with_fruit(), **on_it), with_fruit(2)) == {RIPE}
-    assert flashes(replace(with_fruit(), step=7), with_fruit(2)) == set(), "it rotted, and nobody was there"
+    assert flashes(replace(with_fruit(), step=7), with_fruit(2)) == set(), (
+        "it rotted, and nobody was there"
+    )
     assert flashes(replace(with_fruit(2), **on_it), with_fruit()) == set(), "it has grown"
-    assert flashes(replace(with_fruit(), **{**on_it, "step": 9}), with_fruit(2)) == set(), "that was not the moment before"
-    marked = replace(with_fruit(), step=7, marks={"fire": np.arange(21).reshape(3, 7) == 7 * row + col})
+    assert flashes(replace(with_fruit(), **{**on_it, "step": 9}), with_fruit(2)) == set(), (
+        "that was not the moment before"
+    )
+    marked = replace(
+        with_fruit(), step=7, marks={"fire": np.arange(21).reshape(3, 7) == 7 * row + col}
+    )
     assert flashes(marked, with_fruit(2)) == {RIPE}
     assert flashes(replace(before, step=7, held=np.array([True]))) == {GATE}, "it was hit"
-    assert flashes(replace(before, step=7, row=np.array([-1]), col=np.array([-1]))) == {GATE}, "it was sent away"
+    assert flashes(replace(before, step=7, row=np.array([-1]), col=np.array([-1]))) == {GATE}, (
+        "it was sent away"
+    )
 
 
 def test_starting_places_are_marked_at_the_start_alone(painter: Painter, after: Play) -> None:
     first = after(STAY, 0)
     aside = {"row": np.array([0]), "col": np.array([0])}
-    start, later = (_cell(_board(painter, replace(first, step=step, **aside)), painter, GATE) for step in (0, 1))
+    start, later = (
+        _cell(_board(painter, replace(first, step=step, **aside)), painter, GATE) for step in (0, 1)
+    )
     assert (start != later).any()
     assert len(np.unique(later.reshape(-1, 3), axis=0)) <= 2, "ground and grid"
 
@@ -218,7 +262,10 @@ def test_an_agent_that_can_only_stay_is_paler(painter: Painter, after: Play) -> 
     free, held = after(STAY, 1), after(ZAP, 1)
     assert not free.held.any()
     assert held.held.all()
-    awake, resting = (_cell(_board(painter, shot), painter, GATE)[size // 2 + 4, size // 4] for shot in (free, held))
+    awake, resting = (
+        _cell(_board(painter, shot), painter, GATE)[size // 2 + 4, size // 4]
+        for shot in (free, held)
+    )
     assert resting.astype(int).sum() > awake.astype(int).sum() + 60
 
 
@@ -228,7 +275,9 @@ def test_all_frames_have_one_size_and_a_legend(env: Environment, painter: Painte
     assert frames[0].width <= 800
     assert frames[0].height > painter.look.height * painter.look.tile + 40
     pixels = np.asarray(frames[0])[painter.look.height * painter.look.tile :]
-    assert (np.abs(pixels.astype(int) - INK).sum(axis=2) < 30).sum() > 200, "something is written there"
+    assert (np.abs(pixels.astype(int) - INK).sum(axis=2) < 30).sum() > 200, (
+        "something is written there"
+    )
 
 
 def test_an_episode_shows_its_first_and_last_state(env: Environment) -> None:
@@ -239,7 +288,9 @@ def test_an_episode_shows_its_first_and_last_state(env: Environment) -> None:
 def test_a_policy_with_memory_starts_each_episode_afresh(env: Environment) -> None:
     """One that zaps in the second step of what it remembers: so it does in both episodes."""
 
-    def act(memory: jax.Array, key: jax.Array, observation: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def act(
+        memory: jax.Array, key: jax.Array, observation: jax.Array
+    ) -> tuple[jax.Array, jax.Array]:
         del key, observation
         return memory + 1, jnp.where(memory == 1, ZAP, STAY)[None].astype(jnp.int32)
 
@@ -333,11 +384,15 @@ game wide "Wide" {{
     assert look.height * look.tile <= 600
 
 
-def test_the_command_writes_a_film(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_writes_a_film(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     Path("yard.sj").write_text(GAME)
     Path("below").mkdir()
-    assert run(["render", "yard.sj", "--steps", "2", "--policy", "stay", "-o", "below/yard.gif"]) == 0
+    assert (
+        run(["render", "yard.sj", "--steps", "2", "--policy", "stay", "-o", "below/yard.gif"]) == 0
+    )
     assert "3 frames" in capsys.readouterr().out
     assert run(["render", "yard.sj", "--steps", "2", "-o", "yard.png"]) == 0
     assert Path("yard.png").stat().st_size > 0

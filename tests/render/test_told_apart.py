@@ -23,12 +23,26 @@ def states_of(kind: KindLook) -> Iterator[tuple[dict[str, str], Drawing]]:
     """Yields what a cell looks like for all words of its fields; numbers are 0, nobody owns anything."""
     words = [range(len(f.words)) if f.holds == "word" else (0,) for f in kind.fields]
     states = np.array(list(product(*words)), int)
-    values = {f.attribute: (column - (f.holds == "agent")) for f, column in zip(kind.fields, states.T, strict=True)}
-    others = {f"{kind.name}_{name}": np.zeros(len(states), int) for rule in kind.rules for name in rule.reads}
+    values = {
+        f.attribute: (column - (f.holds == "agent"))
+        for f, column in zip(kind.fields, states.T, strict=True)
+    }
+    others = {
+        f"{kind.name}_{name}": np.zeros(len(states), int)
+        for rule in kind.rules
+        for name in rule.reads
+    }
     one_place = {"rows": np.zeros(len(states), int), "cols": np.zeros(len(states), int)}
     keys, number = cell_keys(KindLook(**{**vars(kind), **one_place}), others | values)
     for state, n in zip(states, number, strict=True):
-        yield {f.name: f.words[v] for f, v in zip(kind.fields, state, strict=True) if f.holds == "word"}, draw_cell(kind, keys[n])
+        yield (
+            {
+                f.name: f.words[v]
+                for f, v in zip(kind.fields, state, strict=True)
+                if f.holds == "word"
+            },
+            draw_cell(kind, keys[n]),
+        )
 
 
 def unlike_words(look: Look) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
@@ -36,7 +50,11 @@ def unlike_words(look: Look) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     for kind in look.kinds:
         for (first, one), (second, other) in combinations(states_of(kind), 2):
             if sum(first[name] != second[name] for name in first) == 1:
-                yield f"{kind.name}: {first} and {second}", draw_tile(one, SIZE), draw_tile(other, SIZE)
+                yield (
+                    f"{kind.name}: {first} and {second}",
+                    draw_tile(one, SIZE),
+                    draw_tile(other, SIZE),
+                )
 
 
 @pytest.mark.parametrize("name", main_games())
@@ -59,7 +77,9 @@ def test_objects_stand_out_more_than_starting_places(name: str) -> None:
             apart = distance(draw_tile(drawing, SIZE), bare, "normal").mean()
             if drawing.body is not None and drawing.body.sprite == "floor":
                 marks.append(apart)
-            elif drawing.objects or (drawing.body is not None and drawing.body.sprite not in ("water", "wall")):
+            elif drawing.objects or (
+                drawing.body is not None and drawing.body.sprite not in ("water", "wall")
+            ):
                 things.append(apart)
     assert max(marks, default=0.0) < 0.5 * min(things, default=100.0)
 
@@ -69,13 +89,24 @@ def apart(first: Colour, second: Colour) -> float:
     return min(float(distance(np.array(first), np.array(second), vision)) for vision in VISIONS)
 
 
-@pytest.mark.parametrize(("grounds", "least"), [(KINDS, 6.5), (dict(enumerate(TILES)), 5)], ids=["named", "spare"])
+@pytest.mark.parametrize(
+    ("grounds", "least"), [(KINDS, 6.5), (dict(enumerate(TILES)), 5)], ids=["named", "spare"]
+)
 def test_grounds_are_told_apart_by_the_colour_blind(grounds: dict, least: float) -> None:
-    alike = {frozenset(pair) for pair in (("water", "river"), ("channel", "sea"), ("floor", "tile"), ("wall", "brick"))}
+    alike = {
+        frozenset(pair)
+        for pair in (("water", "river"), ("channel", "sea"), ("floor", "tile"), ("wall", "brick"))
+    }
     for first, second in combinations(grounds, 2):
-        assert apart(grounds[first], grounds[second]) >= least or {first, second} in alike, f"{first} and {second}"
+        assert apart(grounds[first], grounds[second]) >= least or {first, second} in alike, (
+            f"{first} and {second}"
+        )
     assert apart(KINDS["grass"], KINDS["orchard"]) >= 10
-    land = [colour for name, colour in grounds.items() if name not in ("water", "river", "channel", "sea", "wall")]
+    land = [
+        colour
+        for name, colour in grounds.items()
+        if name not in ("water", "river", "channel", "sea", "wall")
+    ]
     assert min(apart(KINDS["water"], colour) for colour in land) >= 12
 
 
@@ -94,7 +125,9 @@ def test_the_simulation_is_the_published_one() -> None:
     for matrix in VISIONS.values():
         assert np.allclose(matrix.sum(axis=1), 1, atol=1e-5)
     assert np.allclose(lab(np.array([255, 255, 255])), [100, 0, 0], atol=0.02)
-    assert np.allclose(lab(np.array([255, 0, 0])), [53.24, 80.09, 67.20], atol=0.05), "Lindbloom's calculator"
+    assert np.allclose(lab(np.array([255, 0, 0])), [53.24, 80.09, 67.20], atol=0.05), (
+        "Lindbloom's calculator"
+    )
     red, green = np.array([200, 90, 60]), np.array([110, 130, 60])
     assert distance(red, green, "deuteranopia") < 0.4 * distance(red, green, "normal")
 
@@ -110,5 +143,8 @@ def test_the_numbers_of_a_cell_have_bars_of_their_own() -> None:
     for first, second in combinations(tiles, 2):
         both = (first != bare).any(axis=-1) & (second != bare).any(axis=-1)
         assert both.sum() < 0.03 * SIZE**2, "they hardly meet"
-    areas = [(draw_tile(Drawing(ground, bars=((0, eighths),)), SIZE) != bare).any(axis=-1).sum() for eighths in range(1, 9)]
+    areas = [
+        (draw_tile(Drawing(ground, bars=((0, eighths),)), SIZE) != bare).any(axis=-1).sum()
+        for eighths in range(1, 9)
+    ]
     assert areas == sorted(set(areas))

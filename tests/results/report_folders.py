@@ -16,13 +16,30 @@ from sjdsl.results import ResultsWarning
 from sjdsl.results.loading import load_both
 from sjdsl.trainers import make_config
 
-MACHINE = {"platform": "cpu", "device": "Some CPU", "cpu_cores": 2, "python": "3", "jax": "0", "sjdsl": "0", "compilation_cache": False}
+MACHINE = {
+    "platform": "cpu",
+    "device": "Some CPU",
+    "cpu_cores": 2,
+    "python": "3",
+    "jax": "0",
+    "sjdsl": "0",
+    "compilation_cache": False,
+}
 UPDATES = 4
-SMALL = {"num_envs": 10, "num_steps": 10, "num_minibatches": 1, "network": "mlp", "total_timesteps": 100 * UPDATES}
+SMALL = {
+    "num_envs": 10,
+    "num_steps": 10,
+    "num_minibatches": 1,
+    "network": "mlp",
+    "total_timesteps": 100 * UPDATES,
+}
 RULES = {"coins": "c01", "harvest_open": "4a7", "pd_arena": "9da"}  # hashes
 POLICIES = ("cooperators", "defectors")
 VARIANTS = {"c02": "socialjax", "402": "socialjax"}  # by hash
-PAPERS: Mapping[str, Any] = {"rules": "c02", "provenance": {"variant": "socialjax"}}  # how the paper played Coins
+PAPERS: Mapping[str, Any] = {
+    "rules": "c02",
+    "provenance": {"variant": "socialjax"},
+}  # how the paper played Coins
 AGENTS = {"coins": 2, "harvest_open": 7, "pd_arena": 4}
 
 
@@ -41,7 +58,15 @@ def read(*folders: Path) -> Found:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResultsWarning)
         frame, curves = load_both(folders)
-    return Found(frame, curves, tuple(str(warning.message) for warning in caught if issubclass(warning.category, ResultsWarning)))
+    return Found(
+        frame,
+        curves,
+        tuple(
+            str(warning.message)
+            for warning in caught
+            if issubclass(warning.category, ResultsWarning)
+        ),
+    )
 
 
 def write_json(path: Path, content: Any) -> None:
@@ -51,7 +76,12 @@ def write_json(path: Path, content: Any) -> None:
 
 def described(game: str, rules: str | None = None) -> dict[str, Any]:
     """Returns a game as manifests and diagrams describe it."""
-    return {"name": game, "hash": rules or RULES.get(game, "0"), "params": {"length": 1000}, "num_agents": AGENTS.get(game, 3)}
+    return {
+        "name": game,
+        "hash": rules or RULES.get(game, "0"),
+        "params": {"length": 1000},
+        "num_agents": AGENTS.get(game, 3),
+    }
 
 
 def write_run(
@@ -75,15 +105,30 @@ def write_run(
       measures: other figures of the evaluations, a value a seed.
     """
     small = (
-        SMALL if config.get("algorithm") != "vdn" else {key: SMALL[key] for key in ("num_envs", "num_steps", "network", "total_timesteps")}
+        SMALL
+        if config.get("algorithm") != "vdn"
+        else {key: SMALL[key] for key in ("num_envs", "num_steps", "network", "total_timesteps")}
     )
     made = make_config(
-        {**small, **({"buffer_size": 1000} if config.get("algorithm") == "vdn" else {}), **config, "seed": first, "seeds": len(returns)}
+        {
+            **small,
+            **({"buffer_size": 1000} if config.get("algorithm") == "vdn" else {}),
+            **config,
+            "seed": first,
+            "seeds": len(returns),
+        }
     )
     manifest = {
         "status": status,
         "game": described(game, rules),
-        "provenance": {"game": game, "variant": None, "map": None, "num_agents": None, "params": {}, **(provenance or {})},
+        "provenance": {
+            "game": game,
+            "variant": None,
+            "map": None,
+            "num_agents": None,
+            "params": {},
+            **(provenance or {}),
+        },
         "config": made.model_dump(mode="json"),
         "derived": {"updates": UPDATES, "steps_per_update": made.steps_per_update},
         "versions": {"python": "3"},
@@ -102,24 +147,45 @@ def write_run(
                 "return of agent 0": earned,
                 **{name: values[number] for name, values in (measures or {}).items()},
             }
-            summary = {name: {"mean": value, "low": value - 1, "high": value + 1} for name, value in figures.items()}
-            write_json(own / "evaluation.json", {"policy": "last", "seed": 0, "greedy": None, "episodes": 30, "summary": summary})
+            summary = {
+                name: {"mean": value, "low": value - 1, "high": value + 1}
+                for name, value in figures.items()
+            }
+            write_json(
+                own / "evaluation.json",
+                {"policy": "last", "seed": 0, "greedy": None, "episodes": 30, "summary": summary},
+            )
     return folder
 
 
 def write_metrics(folder: Path, steps_per_update: int, earned: float) -> None:
     """Writes metrics of which the first update has no finished episode, and returns rise to what is earned."""
     rows = [
-        {"update": n, "env_steps": n * steps_per_update, "collective_return": None if n == 1 else earned * n / UPDATES}
+        {
+            "update": n,
+            "env_steps": n * steps_per_update,
+            "collective_return": None if n == 1 else earned * n / UPDATES,
+        }
         for n in range(1, UPDATES + 1)
     ]
     (folder / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
 
 
-def write_sweep(folder: Path, protocol: str, stages: Mapping[str, int], absent: Sequence[str] = (), failed: Sequence[str] = ()) -> None:
+def write_sweep(
+    folder: Path,
+    protocol: str,
+    stages: Mapping[str, int],
+    absent: Sequence[str] = (),
+    failed: Sequence[str] = (),
+) -> None:
     """Writes the files of a sweep around its cells, which are runs in `cells`: their names and stages, and those that are not there."""
-    cells = {name: {"stage": stage} for name, stage in {**stages, **dict.fromkeys([*absent, *failed], 1)}.items()}
-    write_json(folder / "sweep.json", {"format": 1, "protocol": protocol, "axes": {}, "cells": cells})
+    cells = {
+        name: {"stage": stage}
+        for name, stage in {**stages, **dict.fromkeys([*absent, *failed], 1)}.items()
+    }
+    write_json(
+        folder / "sweep.json", {"format": 1, "protocol": protocol, "axes": {}, "cells": cells}
+    )
     for name in failed:
         (folder / "failed").mkdir(exist_ok=True)
         write_json(folder / "failed" / f"{name}.json", {"reason": "it had to"})
@@ -147,16 +213,35 @@ def write_diagram(
         "wanted": None,
         "caution": caution,
     }
-    figures = {name: dict(zip(("mean", "low", "high"), bounds, strict=True)) for name, bounds in contrasts.items()}
-    names = ("cooperator", "defector") if scripted else (f"{pools}/{game}_common", f"{pools}/{game}_individual")
-    over = {"unit": "episode", "units": 30} if scripted else {"unit": "training seed", "units": seeds}
+    figures = {
+        name: dict(zip(("mean", "low", "high"), bounds, strict=True))
+        for name, bounds in contrasts.items()
+    }
+    names = (
+        ("cooperator", "defector")
+        if scripted
+        else (f"{pools}/{game}_common", f"{pools}/{game}_individual")
+    )
+    over = (
+        {"unit": "episode", "units": 30} if scripted else {"unit": "training seed", "units": seeds}
+    )
     played = {**described(game, rules), **({} if agents is None else {"num_agents": agents})}
-    content = {"format": 1, "game": played, **over, "episodes": 30, "notes": list(notes), **dict(zip(POLICIES, names, strict=True))}
+    content = {
+        "format": 1,
+        "game": played,
+        **over,
+        "episodes": 30,
+        "notes": list(notes),
+        **dict(zip(POLICIES, names, strict=True)),
+    }
     write_json(folder / "schelling.json", {**content, "contrasts": figures, "verdict": verdict})
 
 
 def write_cross_play(
-    folder: Path, game: str, policies: Mapping[str, tuple[float, float | None, float | None]], rules: str | None = None
+    folder: Path,
+    game: str,
+    policies: Mapping[str, tuple[float, float | None, float | None]],
+    rules: str | None = None,
 ) -> None:
     """Writes the JSON of a cross-play of each policy with itself: what an agent of it earned."""
     number = AGENTS.get(game, 3)
@@ -187,7 +272,19 @@ def write_speeds(path: Path, rates: Mapping[tuple[str, int | None, int], float])
     """Writes the JSON of a benchmark: speeds by game, number of agents (None: its own) and environments."""
     yardstick = Speed("yardstick", 7, "tokens", None, 1, 1.0, 1.0, 1.0, 1.0, 0.1, 1)
     speeds = [
-        Speed(f"{game}+crowd" if crowd else game, crowd or AGENTS[game], "tokens", crowd, number, rate, 0.9 * rate, 1.1 * rate, 1.0, 0.1, 1)
+        Speed(
+            f"{game}+crowd" if crowd else game,
+            crowd or AGENTS[game],
+            "tokens",
+            crowd,
+            number,
+            rate,
+            0.9 * rate,
+            1.1 * rate,
+            1.0,
+            0.1,
+            1,
+        )
         for (game, crowd, number), rate in rates.items()
     ]
     write_found(path, Report(MACHINE, 5, (yardstick, *speeds), (), None))
@@ -195,7 +292,10 @@ def write_speeds(path: Path, rates: Mapping[tuple[str, int | None, int], float])
 
 def write_training(path: Path, seconds: Mapping[str, Sequence[float]]) -> None:
     """Writes the JSON of a benchmark of training: seconds of an update of 8,000 environment steps by round, by game."""
-    splits = tuple(Split(game, 2, "mlp", 64, 125, 1.0, tuple(rounds), (1.0,), (1.0,), (1.0,), 1e9) for game, rounds in seconds.items())
+    splits = tuple(
+        Split(game, 2, "mlp", 64, 125, 1.0, tuple(rounds), (1.0,), (1.0,), (1.0,), 1e9)
+        for game, rounds in seconds.items()
+    )
     write_found(path, Training(MACHINE, 1e9, splits))
 
 
@@ -226,8 +326,24 @@ def write_everything(folder: Path) -> None:
     coins("common", shared, measures={"event own_coins": (159.0, 156.0, 161.0)}, reward="common")
     coins("apart", (150.0, 157.0, 149.0), reward="common", sharing="per_agent")
     coins("own_apart", (17.0, 15.0, 18.0), sharing="per_agent")
-    coins("long", (150.0, 152.0), first=100, reward="common", algorithm="mappo", total_timesteps=800, num_envs=20)
-    coins("longer", (150.0, 152.0), first=200, reward="common", total_timesteps=800, num_envs=20, common_reward="mean")
+    coins(
+        "long",
+        (150.0, 152.0),
+        first=100,
+        reward="common",
+        algorithm="mappo",
+        total_timesteps=800,
+        num_envs=20,
+    )
+    coins(
+        "longer",
+        (150.0, 152.0),
+        first=200,
+        reward="common",
+        total_timesteps=800,
+        num_envs=20,
+        common_reward="mean",
+    )
     coins("exchange_50", (150.0, 160.0), reward="exchange", exchange_ratio=0.5)
     coins("exchange_25", (None, 90.0), diverged=(0,), reward="exchange", exchange_ratio=0.25)
     coins("exchange_75", (80.0, 90.0), diverged=(0, 1), reward="exchange", exchange_ratio=0.75)
@@ -235,34 +351,115 @@ def write_everything(folder: Path) -> None:
     coins("old", (1.0,), rules="old", provenance={})
     coins("map", (10.0, 12.0), rules="map1", provenance={"map": "maps/large.txt"})
     coins("as_it_is", (1.0,), rules=None, provenance={"params": {"harm": "-2.0"}, "num_agents": 2})
-    write_run(folder / "harvest_individual", "harvest_open", (77.0, 77.0), measures={"mean apples_left": (2.0, 2.1)}, reward="individual")
-    write_run(folder / "harvest_common", "harvest_open", (310.0, 330.0), measures={"mean apples_left": (20.0, 24.0)}, reward="common")
-    write_run(folder / "harvest_going_on", "harvest_open", (None, None), status="running", reward="common", learning_rate=0.01)
-    arena: list[dict[str, Any]] = [{}, {"learning_rate": 0.5, "first": 2}, {"total_timesteps": 800, "first": 4}, {"first": 6}]
-    arena += [{"reward": "common"}, {"sharing": "per_agent"}, {"reward": "common", "sharing": "per_agent"}]
+    write_run(
+        folder / "harvest_individual",
+        "harvest_open",
+        (77.0, 77.0),
+        measures={"mean apples_left": (2.0, 2.1)},
+        reward="individual",
+    )
+    write_run(
+        folder / "harvest_common",
+        "harvest_open",
+        (310.0, 330.0),
+        measures={"mean apples_left": (20.0, 24.0)},
+        reward="common",
+    )
+    write_run(
+        folder / "harvest_going_on",
+        "harvest_open",
+        (None, None),
+        status="running",
+        reward="common",
+        learning_rate=0.01,
+    )
+    arena: list[dict[str, Any]] = [
+        {},
+        {"learning_rate": 0.5, "first": 2},
+        {"total_timesteps": 800, "first": 4},
+        {"first": 6},
+    ]
+    arena += [
+        {"reward": "common"},
+        {"sharing": "per_agent"},
+        {"reward": "common", "sharing": "per_agent"},
+    ]
     for game, way, earned, measure, rules, more in PAPERS_GAMES:
         run = folder / f"{game}_{way}_{rules}"
         variant = {"variant": "socialjax+automatic" if rules == "a17" else "socialjax", **more}
         write_run(
-            run, game, earned, measures={measure: (60.0, 60.0, 60.0)} if measure else None, rules=rules, provenance=variant, reward=way
+            run,
+            game,
+            earned,
+            measures={measure: (60.0, 60.0, 60.0)} if measure else None,
+            rules=rules,
+            provenance=variant,
+            reward=way,
         )
     for number, way in enumerate(arena):
-        write_run(folder / f"pd_{number}", "pd_arena", (10.0 + number, 12.0), measures={"event collected[coop]": (60.0, 61.0)}, **way)
+        write_run(
+            folder / f"pd_{number}",
+            "pd_arena",
+            (10.0 + number, 12.0),
+            measures={"event collected[coop]": (60.0, 61.0)},
+            **way,
+        )
     for name, first, earned, way in (
         ("weight-0.4", 0, (100.0, 120.0), {"svo_weight": 0.4}),
         ("weight-0.6", 0, (140.0, 150.0), {"svo_weight": 0.6}),
         ("angle-45", 2, (60.0, 80.0), {"svo_weight": 0.6, "svo_angle": 45}),
         ("angle-90", 2, (130.0, 144.0), {"svo_weight": 0.6}),
     ):
-        write_run(folder / f"svo/cells/{name}", "coins", earned, first=first, reward="svo", **way, **PAPERS)
-    write_sweep(folder / "svo", "svo", {"weight-0.4": 1, "weight-0.6": 1, "angle-45": 2, "angle-90": 2}, absent=["angle-0"])
-    contrasts = {"A": (60.0, 50.0, 70.0), "B": (5.0, -1.0, 11.0), "fear": (40.0, 30.0, 50.0), "greed": (2.0, -3.0, 7.0)}
+        write_run(
+            folder / f"svo/cells/{name}",
+            "coins",
+            earned,
+            first=first,
+            reward="svo",
+            **way,
+            **PAPERS,
+        )
+    write_sweep(
+        folder / "svo",
+        "svo",
+        {"weight-0.4": 1, "weight-0.6": 1, "angle-45": 2, "angle-90": 2},
+        absent=["angle-0"],
+    )
+    contrasts = {
+        "A": (60.0, 50.0, 70.0),
+        "B": (5.0, -1.0, 11.0),
+        "fear": (40.0, 30.0, 50.0),
+        "greed": (2.0, -3.0, 7.0),
+    }
     for number, (rules, agents) in enumerate({"c02": None, "ab12cd34": 3, "map1": None}.items()):
-        write_diagram(folder / f"diagram_{number}", "coins", contrasts, "undecided", rules=rules, agents=agents, caution="Zeros.")
-        write_cross_play(folder / f"met_{number}", "coins", {"random": (-0.5, -1.5, 0.5), "runs/coins_common": (79.0, 77.0, 81.0)}, rules)
-    for number, (game, rules, scripted) in enumerate((("coins", "c01", False), ("coins", "c01", True), ("gift_refinement", "a17", False))):
+        write_diagram(
+            folder / f"diagram_{number}",
+            "coins",
+            contrasts,
+            "undecided",
+            rules=rules,
+            agents=agents,
+            caution="Zeros.",
+        )
+        write_cross_play(
+            folder / f"met_{number}",
+            "coins",
+            {"random": (-0.5, -1.5, 0.5), "runs/coins_common": (79.0, 77.0, 81.0)},
+            rules,
+        )
+    for number, (game, rules, scripted) in enumerate(
+        (("coins", "c01", False), ("coins", "c01", True), ("gift_refinement", "a17", False))
+    ):
         agents = {"coins": 2, "gift_refinement": 5}[game]
-        write_diagram(folder / f"own_{number}", game, contrasts, "dilemma", rules=rules, scripted=scripted, agents=agents)
+        write_diagram(
+            folder / f"own_{number}",
+            game,
+            contrasts,
+            "dilemma",
+            rules=rules,
+            scripted=scripted,
+            agents=agents,
+        )
     write_cross_play(folder / "harvest_random", "harvest_open", {"random": (12.0, None, None)})
     write_cross_play(folder / "arena_random", "pd_arena", {"random": (2.0, None, None)})
 

@@ -20,12 +20,24 @@ DEEP = "[" * 100_000
 FIGURE = {"mean": 1.0, "low": 0.0, "high": 2.0}
 CONTRASTS = dict.fromkeys(("A", "B", "fear", "greed"), FIGURE)
 GAME = {"name": "coins", "hash": "1a2b", "num_agents": 2, "params": {}}
-VERDICT = {"outcome": "dilemma", "fear": True, "greed": False, "reason": "A is above 0", "caution": None}
+VERDICT = {
+    "outcome": "dilemma",
+    "fear": True,
+    "greed": False,
+    "reason": "A is above 0",
+    "caution": None,
+}
 DIAGRAM: dict[str, Any] = {
     "format": 1, "cooperators": "stay", "defectors": "random", "game": GAME, "unit": "episode", "units": 30, "episodes": 30,
     "notes": [], "contrasts": CONTRASTS, "verdict": VERDICT,
 }  # fmt: skip
-MIXTURE = {"mixture": "2 random", "slots": ["random", "random"], "policies": {"random": FIGURE}, "unit": "episode", "episodes": 30}
+MIXTURE = {
+    "mixture": "2 random",
+    "slots": ["random", "random"],
+    "policies": {"random": FIGURE},
+    "unit": "episode",
+    "episodes": 30,
+}
 CROSS_PLAY: dict[str, Any] = {
     "format": 1, "game": GAME, "unit": "episode", "episodes": 30, "notes": [], "keys": [[0, 1]], "mixtures": [MIXTURE],
 }  # fmt: skip
@@ -35,7 +47,11 @@ def replaced(content: dict[str, Any], place: str, value: Any) -> dict[str, Any]:
     """Returns JSON with another value at `a.b.0.c`; ... leaves it out."""
     name, _, rest = place.partition(".")
     if isinstance(content, list):
-        return [*content[: int(name)], replaced(content[int(name)], rest, value) if rest else value, *content[int(name) + 1 :]]  # type: ignore[return-value]
+        return [
+            *content[: int(name)],
+            replaced(content[int(name)], rest, value) if rest else value,
+            *content[int(name) + 1 :],
+        ]  # type: ignore[return-value]
     if value is ... and not rest:
         return {key: entry for key, entry in content.items() if key != name}
     return {**content, name: replaced(content[name], rest, value) if rest else value}
@@ -58,7 +74,9 @@ def report(folder: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("name", PLACES)
-def test_whatever_stands_in_the_file_of_an_experiment(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_whatever_stands_in_the_file_of_an_experiment(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     content, places = PLACES[name]
     (tmp_path / "in").mkdir()
     for place in places:
@@ -69,9 +87,13 @@ def test_whatever_stands_in_the_file_of_an_experiment(name: str, tmp_path: Path,
             assert status == 0 or str(tmp_path / "in" / name) in told, (place, value, told)
 
 
-@pytest.mark.parametrize("text", ["", "[]", DEEP, '{"format": 1', '{"format": 2}', "3", '"\\ud800"', "\0"])
+@pytest.mark.parametrize(
+    "text", ["", "[]", DEEP, '{"format": 1', '{"format": 2}', "3", '"\\ud800"', "\0"]
+)
 @pytest.mark.parametrize("name", ["schelling.json", "crossplay.json", "sweep.json"])
-def test_what_is_no_such_file(name: str, text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_no_such_file(
+    name: str, text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "in").mkdir()
     (tmp_path / "in/results.csv").write_text("cell,game\n")
     (tmp_path / "in" / name).write_text(text)
@@ -104,7 +126,9 @@ def _without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("damage", METRICS)
-def test_damaged_metrics_leave_the_run_out(damage: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_damaged_metrics_leave_the_run_out(
+    damage: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     for name in ("a", "b"):
         write_run(tmp_path / "in" / name, "coins", [1.0])
     METRICS[damage](tmp_path / "in/b/metrics.jsonl")
@@ -114,10 +138,18 @@ def test_damaged_metrics_leave_the_run_out(damage: str, tmp_path: Path, capsys: 
         read_seeds(tmp_path / "in/b", "collective_return")
 
 
-EVALUATION = {"policy": "last", "seed": 0, "greedy": None, "episodes": 30, "summary": {"collective return": FIGURE}}
+EVALUATION = {
+    "policy": "last",
+    "seed": 0,
+    "greedy": None,
+    "episodes": 30,
+    "summary": {"collective return": FIGURE},
+}
 
 
-@pytest.mark.parametrize("place", ["summary", "summary.collective return", "summary.collective return.mean", "episodes"])
+@pytest.mark.parametrize(
+    "place", ["summary", "summary.collective return", "summary.collective return.mean", "episodes"]
+)
 def test_a_damaged_evaluation_is_none(place: str, tmp_path: Path) -> None:
     path = tmp_path / "evaluation.json"
     path.write_text(json.dumps(EVALUATION))
@@ -127,7 +159,9 @@ def test_a_damaged_evaluation_is_none(place: str, tmp_path: Path) -> None:
         assert read_evaluation(path) is None, value
 
 
-def test_settings_of_stored_results_are_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_settings_of_stored_results_are_checked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     write_run(tmp_path / "in/a", "coins", [1.0])
     status, told = report(tmp_path, capsys)
     assert status == 0, told

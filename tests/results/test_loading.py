@@ -7,7 +7,15 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from report_folders import Found, read, write_cross_play, write_diagram, write_json, write_run, write_sweep
+from report_folders import (
+    Found,
+    read,
+    write_cross_play,
+    write_diagram,
+    write_json,
+    write_run,
+    write_sweep,
+)
 from report_folders import described as describe
 
 import sjdsl
@@ -19,17 +27,31 @@ from sjdsl.results.selecting import in_words
 from sjdsl.results.settings import column_of, differing
 
 NONE = pytest.approx(float("nan"), nan_ok=True)
-DIAGRAM = {"A": (60.0, 50.0, 70.0), "B": (5.0, 1.0, 9.0), "fear": (-4.0, -5.0, -3.0), "greed": (2.0, 1.0, 3.0)}
+DIAGRAM = {
+    "A": (60.0, 50.0, 70.0),
+    "B": (5.0, 1.0, 9.0),
+    "fear": (-4.0, -5.0, -3.0),
+    "greed": (2.0, 1.0, 3.0),
+}
 
 
 def earned(found: Found) -> dict[int, float | None]:
     """Returns the returns of the seeds; None where there is none."""
-    return {row.seed: None if pd.isna(row.collective_return) else row.collective_return for row in found.rows("seed")}
+    return {
+        row.seed: None if pd.isna(row.collective_return) else row.collective_return
+        for row in found.rows("seed")
+    }
 
 
 def test_a_run(tmp_path: Path) -> None:
     folder = write_run(
-        tmp_path / "run", "coins", (3.0, 5.0), first=4, measures={"event own_coins": (7.0, 8.0)}, reward="exchange", exchange_ratio=0.25
+        tmp_path / "run",
+        "coins",
+        (3.0, 5.0),
+        first=4,
+        measures={"event own_coins": (7.0, 8.0)},
+        reward="exchange",
+        exchange_ratio=0.25,
     )
     found = read(folder)
     run, _ = found.rows("seed")
@@ -41,10 +63,14 @@ def test_a_run(tmp_path: Path) -> None:
         "shared",
     )
     assert earned(found) == {4: 3.0, 5: 5.0}
-    assert [(row.steps, row.episodes, row.hardware, row.status) for row in found.rows("seed")] == [(400, 30, "cpu", "done")] * 2
+    assert [(row.steps, row.episodes, row.hardware, row.status) for row in found.rows("seed")] == [
+        (400, 30, "cpu", "done")
+    ] * 2
     assert found.frame["event own_coins"].to_list() == [7.0, 8.0]
     assert "return of agent 0" not in found.frame
-    assert [(row.env_steps, row.collective_return) for row in found.curves.itertuples() if row.seed == 4] == [
+    assert [
+        (row.env_steps, row.collective_return) for row in found.curves.itertuples() if row.seed == 4
+    ] == [
         (200, 1.5),
         (300, 2.25),
         (400, 3.0),
@@ -59,7 +85,9 @@ def test_actions_that_were_chosen_otherwise_are_no_result(tmp_path: Path) -> Non
     file.write_text(json.dumps(json.loads(file.read_text()) | {"greedy": True}))
     found = read(folder)
     assert earned(found) == {0: 3.0, 1: None}
-    assert found.notes == (f"`{folder}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {folder}`",)
+    assert found.notes == (
+        f"`{folder}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {folder}`",
+    )
 
 
 def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
@@ -77,23 +105,36 @@ def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
 
 
 def test_settings_that_have_no_column_are_kept(tmp_path: Path) -> None:
-    (run,) = read(write_run(tmp_path / "run", "coins", (3.0,), learning_rate=0.5, entropy_coefficient=0.25)).rows("seed")
+    (run,) = read(
+        write_run(tmp_path / "run", "coins", (3.0,), learning_rate=0.5, entropy_coefficient=0.25)
+    ).rows("seed")
     kept = json.loads(run.settings)
     assert (kept["learning_rate"], kept["entropy_coefficient"], kept["num_envs"]) == (0.5, 0.25, 10)
     assert not {"seed", "reward", "total_timesteps", "gamma"} & kept.keys()
 
 
-def test_seeds_of_one_way_of_training_are_taken_together_from_several_folders(tmp_path: Path) -> None:
-    folders = [write_run(tmp_path / "a", "coins", (3.0, 5.0)), write_run(tmp_path / "b", "coins", (4.0,), first=2)]
+def test_seeds_of_one_way_of_training_are_taken_together_from_several_folders(
+    tmp_path: Path,
+) -> None:
+    folders = [
+        write_run(tmp_path / "a", "coins", (3.0, 5.0)),
+        write_run(tmp_path / "b", "coins", (4.0,), first=2),
+    ]
     together = read(*folders)
     assert together.frame.run.nunique() == 1
     assert earned(together) == {0: 3.0, 1: 5.0, 2: 4.0}
-    others = [write_run(tmp_path / "c", "coins", (4.0,), learning_rate=0.5), write_run(tmp_path / "d", "coins", (4.0,), rules="other")]
+    others = [
+        write_run(tmp_path / "c", "coins", (4.0,), learning_rate=0.5),
+        write_run(tmp_path / "d", "coins", (4.0,), rules="other"),
+    ]
     assert read(*folders, *others).frame.run.nunique() == 3
 
 
 def test_what_is_found_twice_is_taken_from_the_later_one(tmp_path: Path) -> None:
-    first, second = write_run(tmp_path / "a", "coins", (3.0,)), write_run(tmp_path / "b", "coins", (9.0,))
+    first, second = (
+        write_run(tmp_path / "a", "coins", (3.0,)),
+        write_run(tmp_path / "b", "coins", (9.0,)),
+    )
     found = read(first, second)
     assert earned(found) == {0: 9.0}
     assert found.curves.collective_return.to_list() == [4.5, 6.75, 9.0]
@@ -104,7 +145,10 @@ def test_what_is_found_twice_is_taken_from_the_later_one(tmp_path: Path) -> None
 
 
 def test_a_half_written_run_is_left_out_and_says_how_it_goes_on(tmp_path: Path) -> None:
-    going, ended = (write_run(tmp_path / status, "coins", (3.0,), status=status) for status in ("running", "interrupted"))
+    going, ended = (
+        write_run(tmp_path / status, "coins", (3.0,), status=status)
+        for status in ("running", "interrupted")
+    )
     for folder, how in ((going, "isn't finished"), (ended, "ended early (interrupted)")):
         found = read(folder)
         assert [row.status for row in found.rows("seed")] == ["unfinished"]
@@ -130,9 +174,19 @@ def test_a_seed_that_has_failed(tmp_path: Path) -> None:
     assert [(row.seed, row.status) for row in found.rows("seed")] == [(0, "done"), (1, "failed")]
     assert set(found.curves.seed) == {0}
     assert "seed 1" in found.notes[0]
-    several = read(write_run(tmp_path / "several", "coins", (1.0, 2.0, 3.0, 4.0), diverged=[0, 1, 3], reward="common"))
-    assert several.notes == (f"seeds 0, 1 and 3 of `{tmp_path / 'several'}` diverged (non-finite loss): this run has no mean",)
-    alone = read(write_run(tmp_path / "alone", "coins", (1.0,), status="failed: the loss became nan", diverged=[0]))
+    several = read(
+        write_run(
+            tmp_path / "several", "coins", (1.0, 2.0, 3.0, 4.0), diverged=[0, 1, 3], reward="common"
+        )
+    )
+    assert several.notes == (
+        f"seeds 0, 1 and 3 of `{tmp_path / 'several'}` diverged (non-finite loss): this run has no mean",
+    )
+    alone = read(
+        write_run(
+            tmp_path / "alone", "coins", (1.0,), status="failed: the loss became nan", diverged=[0]
+        )
+    )
     assert [row.status for row in alone.rows("seed")] == ["failed"]
 
 
@@ -145,7 +199,10 @@ def test_metrics_that_were_cut_off_and_long_ones(tmp_path: Path) -> None:
     metrics.write_text("".join(many))
     points = load_curves(folder)
     assert len(points) == POINTS
-    assert tuple(points.loc[0, ["env_steps", "collective_return"]]) == (2500, 13.0)  # updates 1 to 25
+    assert tuple(points.loc[0, ["env_steps", "collective_return"]]) == (
+        2500,
+        13.0,
+    )  # updates 1 to 25
     assert points.env_steps.max() == 100_000
 
 
@@ -153,13 +210,23 @@ def test_numbers_of_a_run_that_was_started_from_python(tmp_path: Path) -> None:
     folder = write_run(tmp_path / "run", "coins", (3.0,))
     manifest = json.loads((folder / "manifest.json").read_text())
     manifest["provenance"] = {}
-    manifest["game"]["params"] = {"length": 1000, "spawn": 0.0005000000237487257, "coin": 1.0, "harm": -2.0}  # as float32 has them
+    manifest["game"]["params"] = {
+        "length": 1000,
+        "spawn": 0.0005000000237487257,
+        "coin": 1.0,
+        "harm": -2.0,
+    }  # as float32 has them
     write_json(folder / "manifest.json", manifest)
     assert read(folder).frame.params[0] == ""
     manifest["game"]["params"] |= {"harm": -3.0, "length": 100}
     write_json(folder / "manifest.json", manifest)
     assert read(folder).frame.params[0] == "harm=-3.0 length=100"
-    crowd = write_run(tmp_path / "crowd", "harvest_open", (3.0,), provenance={"num_agents": 3, "params": {"regrow_1": 0}})
+    crowd = write_run(
+        tmp_path / "crowd",
+        "harvest_open",
+        (3.0,),
+        provenance={"num_agents": 3, "params": {"regrow_1": 0}},
+    )
     assert read(crowd).frame.params[0] == "num_agents=3 regrow_1=0"
 
 
@@ -169,12 +236,19 @@ def test_the_two_stages_of_a_sweep_of_svo_never_share_seeds(tmp_path: Path) -> N
     write_run(sweep / "cells/angle", "coins", (90.0, 91.0), first=2, reward="svo")
     write_sweep(sweep, "svo", {"weight": 1, "angle": 2}, absent=["late"], failed=["bad"])
     found = read(sweep)
-    assert sorted((run.stage, run.svo_weight, run.svo_angle) for run in found.rows("seed")[::2]) == [(1, 0.5, 90.0), (2, 0.5, 90.0)]
-    assert found.notes == (f"2 cells of the sweep `{sweep}` are not trained yet", f"the cell `bad` of the sweep `{sweep}` has failed")
+    assert sorted(
+        (run.stage, run.svo_weight, run.svo_angle) for run in found.rows("seed")[::2]
+    ) == [(1, 0.5, 90.0), (2, 0.5, 90.0)]
+    assert found.notes == (
+        f"2 cells of the sweep `{sweep}` are not trained yet",
+        f"the cell `bad` of the sweep `{sweep}` has failed",
+    )
     # the cells named without their sweep are in their stages, too
     cells = sorted((sweep / "cells").iterdir())
     for paths in (cells, [sweep / "cells"]):
-        assert sorted((run.stage, run.svo_weight, run.svo_angle) for run in read(*paths).rows("seed")[::2]) == [
+        assert sorted(
+            (run.stage, run.svo_weight, run.svo_angle) for run in read(*paths).rows("seed")[::2]
+        ) == [
             (1, 0.5, 90.0),
             (2, 0.5, 90.0),
         ]
@@ -184,21 +258,39 @@ def test_the_two_stages_of_a_sweep_of_svo_never_share_seeds(tmp_path: Path) -> N
 
 def test_experiments(tmp_path: Path) -> None:
     write_diagram(tmp_path / "diagram", "coins", DIAGRAM, "dilemma", notes=["seed 1 is left out"])
-    write_cross_play(tmp_path / "met", "coins", {"random": (-0.5, None, None), "stay": (0.0, 0.0, 0.0)})
+    write_cross_play(
+        tmp_path / "met", "coins", {"random": (-0.5, None, None), "stay": (0.0, 0.0, 0.0)}
+    )
     found = read(tmp_path)  # a folder of folders
     (row,) = found.rows("diagram")
-    assert (row.outcome, row.fear, row.greed, row.A_low, row.greed_high) == ("dilemma", False, True, 50.0, 3.0)
+    assert (row.outcome, row.fear, row.greed, row.A_low, row.greed_high) == (
+        "dilemma",
+        False,
+        True,
+        50.0,
+        3.0,
+    )
     assert found.notes == ("seed 1 is left out",)
-    assert [(row.policy, row["mean"], row.low) for row in found.rows("mixture")] == [("random", -0.5, NONE), ("stay", 0.0, 0.0)]
-    assert [(row.collective_return, row.low) for row in found.rows("random")] == [(-1.0, NONE)]  # of both agents together
+    assert [(row.policy, row["mean"], row.low) for row in found.rows("mixture")] == [
+        ("random", -0.5, NONE),
+        ("stay", 0.0, 0.0),
+    ]
+    assert [(row.collective_return, row.low) for row in found.rows("random")] == [
+        (-1.0, NONE)
+    ]  # of both agents together
 
 
 def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("report_folders.described", lambda *game: {**describe(*game), "params": {"harm": -3.0}})
+    monkeypatch.setattr(
+        "report_folders.described", lambda *game: {**describe(*game), "params": {"harm": -3.0}}
+    )
     write_diagram(tmp_path / "diagram", "coins", DIAGRAM, "dilemma")
     write_cross_play(tmp_path / "met", "coins", {"random": (-0.5, None, None)})
     found = read(tmp_path)
-    assert found.frame.record.to_list() == ["diagram", "mixture"]  # what a random policy earns says nothing of the game as it is
+    assert found.frame.record.to_list() == [
+        "diagram",
+        "mixture",
+    ]  # what a random policy earns says nothing of the game as it is
     assert set(found.frame.params) == {"harm=-3.0"}
     (table,) = diagrams(found.frame).tables
     (record,) = table.records
@@ -207,14 +299,22 @@ def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_which_variant_of_a_bundled_game_rules_are_of() -> None:
     own, socialjax = (sjdsl.make("coins", variant=variant).hash for variant in (None, "socialjax"))
-    assert [variant_now("coins", rules) for rules in (own, socialjax, "0")] == ["", "socialjax", None]
+    assert [variant_now("coins", rules) for rules in (own, socialjax, "0")] == [
+        "",
+        "socialjax",
+        None,
+    ]
     assert variant_now("orchard", own) is None
 
 
 def test_numbers_that_a_variant_sets_are_not_other_numbers() -> None:
     released = {"name": "coop_mining", "hash": sjdsl.make("coop_mining", variant="socialjax").hash}
-    assert other_numbers({**released, "params": {"spawn_iron": 0.0002, "spawn_gold": 0.00008}}) == []
-    assert other_numbers({**released, "params": {"spawn_iron": 0.0004, "spawn_gold": 0.00008}}) == ["spawn_iron=0.0004"]
+    assert (
+        other_numbers({**released, "params": {"spawn_iron": 0.0002, "spawn_gold": 0.00008}}) == []
+    )
+    assert other_numbers({**released, "params": {"spawn_iron": 0.0004, "spawn_gold": 0.00008}}) == [
+        "spawn_iron=0.0004"
+    ]
 
 
 def test_an_experiment_that_is_not_finished(tmp_path: Path) -> None:
@@ -224,8 +324,21 @@ def test_an_experiment_that_is_not_finished(tmp_path: Path) -> None:
 
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
-    write_run(tmp_path / "runs/a", "coins", (1.23456789, -2.0), measures={"event own_coins": (1 / 3, 2e9)}, reward="svo")
-    write_run(tmp_path / "runs/b", "coins", (None,), reward="svo", svo_angle=(45, 90), provenance={"params": {"harm": -3}, "map": ["AB"]})
+    write_run(
+        tmp_path / "runs/a",
+        "coins",
+        (1.23456789, -2.0),
+        measures={"event own_coins": (1 / 3, 2e9)},
+        reward="svo",
+    )
+    write_run(
+        tmp_path / "runs/b",
+        "coins",
+        (None,),
+        reward="svo",
+        svo_angle=(45, 90),
+        provenance={"params": {"harm": -3}, "map": ["AB"]},
+    )
     write_diagram(tmp_path / "runs/d", "coins", DIAGRAM, "dilemma")
     write_cross_play(tmp_path / "runs/m", "coins", {"random": (-0.5, None, None)})
     found, curves = load_both([tmp_path / "runs"])
@@ -235,11 +348,17 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     (data / "curves.csv").write_text(write_frame(curves))
     for folders in ([data], [data, tmp_path / "runs"]):
         for again, before in zip(load_both(folders), (found, curves), strict=True):
-            pd.testing.assert_frame_equal(again.drop(columns="folder"), before.drop(columns="folder"))
+            pd.testing.assert_frame_equal(
+                again.drop(columns="folder"), before.drop(columns="folder")
+            )
     (data / "results.csv").write_text((data / "results.csv").read_text().replace("done", "well"))
-    with pytest.raises(ResultsError, match=r"results.csv: `status` is done, failed or unfinished, not `well`"):
+    with pytest.raises(
+        ResultsError, match=r"results.csv: `status` is done, failed or unfinished, not `well`"
+    ):
         load(data)
-    (data / "results.csv").write_text((data / "results.csv").read_text().replace(",400,cpu", ",many,cpu"))
+    (data / "results.csv").write_text(
+        (data / "results.csv").read_text().replace(",400,cpu", ",many,cpu")
+    )
     with pytest.raises(ResultsError, match=r"results.csv cannot be read \(ValueError"):
         load(data)
     (data / "results.csv").write_text("seed,run\n")
@@ -249,7 +368,10 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
 
 def test_texts_that_look_like_numbers_stay_texts(tmp_path: Path) -> None:
     """Also a hash of digits alone, and a game called NA."""
-    found = pd.DataFrame([{"record": "random", "game": "NA", "hash": "1234567890123456", "collective_return": 1.0}], columns=COLUMNS)
+    found = pd.DataFrame(
+        [{"record": "random", "game": "NA", "hash": "1234567890123456", "collective_return": 1.0}],
+        columns=COLUMNS,
+    )
     (tmp_path / "results.csv").write_text(write_frame(found))
     assert load(tmp_path)[["game", "hash"]].to_numpy().tolist() == [["NA", "1234567890123456"]]
 
@@ -257,9 +379,18 @@ def test_texts_that_look_like_numbers_stay_texts(tmp_path: Path) -> None:
 def test_what_the_intervals_of_a_cross_play_are_over(tmp_path: Path) -> None:
     write_cross_play(tmp_path / "m", "coins", {"random": (-0.5, -1.0, 0.0)})
     file = tmp_path / "m/crossplay.json"
-    assert [(row.num_agents, row.unit, row.units) for row in read(tmp_path / "m").rows("mixture")] == [(2, "episode", 30)]
-    file.write_text(json.dumps(json.loads(file.read_text()) | {"unit": "training seed", "keys": [[0, 0], [0, 1], [0, 2]]}))
-    assert [(row.unit, row.units) for row in read(tmp_path / "m").rows("mixture")] == [("training seed", 3)]
+    assert [
+        (row.num_agents, row.unit, row.units) for row in read(tmp_path / "m").rows("mixture")
+    ] == [(2, "episode", 30)]
+    file.write_text(
+        json.dumps(
+            json.loads(file.read_text())
+            | {"unit": "training seed", "keys": [[0, 0], [0, 1], [0, 2]]}
+        )
+    )
+    assert [(row.unit, row.units) for row in read(tmp_path / "m").rows("mixture")] == [
+        ("training seed", 3)
+    ]
 
 
 def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
@@ -270,7 +401,10 @@ def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
     write_json(tmp_path / "other.json", [1])
     with pytest.raises(ResultsError, match="holds no results"):
         read(tmp_path / "other.json")
-    for content, said in (({"format": 9}, "cannot be read, for `format`"), ({"format": 1}, "cannot be read")):
+    for content, said in (
+        ({"format": 9}, "cannot be read, for `format`"),
+        ({"format": 1}, "cannot be read"),
+    ):
         write_json(tmp_path / "diagram/schelling.json", content)
         with pytest.raises(ResultsError, match=said):
             read(tmp_path / "diagram")
@@ -287,7 +421,10 @@ def test_a_run_in_stages_is_marked(tmp_path: Path) -> None:
     lines = [json.loads(line) for line in (tmp_path / "run/metrics.jsonl").read_text().splitlines()]
     steps_before = 4 * 2 * 100
     (tmp_path / "run/metrics.jsonl").write_text(
-        "".join(json.dumps(line | {"env_steps": line["env_steps"] + steps_before}) + "\n" for line in lines)
+        "".join(
+            json.dumps(line | {"env_steps": line["env_steps"] + steps_before}) + "\n"
+            for line in lines
+        )
     )
     found = load_both([scratch, tmp_path / "run"])
     frame = found[0].set_index("reward")
@@ -295,12 +432,19 @@ def test_a_run_in_stages_is_marked(tmp_path: Path) -> None:
     staged = frame.loc["common from stages"]
     assert (staged.steps, staged.collective_return, staged.preset) == (steps_before + 400, 8.0, "")
     (stage,) = json.loads(staged.settings)["stages"]
-    assert (stage["reward"], stage["num_envs"], stage["num_agents"]) == ("individual", 20, staged.num_agents)
+    assert (stage["reward"], stage["num_envs"], stage["num_agents"]) == (
+        "individual",
+        20,
+        staged.num_agents,
+    )
     assert staged.run != frame.loc["common"].run
     points = found[1][found[1].run == staged.run]
     assert points.env_steps.is_monotonic_increasing
     assert points.env_steps.max() == steps_before + 400
-    assert {in_words(row) for _, row in found[0].iterrows()} == {"IPPO, common", "IPPO, common from stages"}
+    assert {in_words(row) for _, row in found[0].iterrows()} == {
+        "IPPO, common",
+        "IPPO, common from stages",
+    }
     manifest = json.loads((tmp_path / "run/stages/1/manifest.json").read_text())
     assert ids_of(manifest | {"stage": 1})["reward"] == "individual"
     assert ids_of(manifest | {"stage": 2})["reward"] == "individual from stages"
@@ -325,7 +469,14 @@ def test_a_swept_setting_is_a_column_with_its_type(tmp_path: Path) -> None:
             "convolution_sides": [5, 3],
             "network": "cnn",
         },
-        {"learning_rate": 5e-4, "num_envs": 20, "anneal_learning_rate": False, "memory": "gru", "convolution_sides": [3], "network": "cnn"},
+        {
+            "learning_rate": 5e-4,
+            "num_envs": 20,
+            "anneal_learning_rate": False,
+            "memory": "gru",
+            "convolution_sides": [3],
+            "network": "cnn",
+        },
     ]
     for number, way in enumerate(ways):
         write_run(tmp_path / f"runs/{number}", "coins", (3.0, 5.0), **way)
@@ -333,22 +484,48 @@ def test_a_swept_setting_is_a_column_with_its_type(tmp_path: Path) -> None:
     frame = load(tmp_path / "runs")
     names = ["anneal_learning_rate", "convolution_sides", "learning_rate", "memory", "num_envs"]
     assert columns_of(frame) == names
-    assert [str(frame[name].dtype) for name in names] == ["boolean", "object", "float64", "object", "Int64"]
+    assert [str(frame[name].dtype) for name in names] == [
+        "boolean",
+        "object",
+        "float64",
+        "object",
+        "Int64",
+    ]
     seeds = frame[frame.record == "seed"]
     for way in ways:
         found = seeds[seeds.learning_rate == way["learning_rate"]]
         sides = ",".join(map(str, way["convolution_sides"]))
         assert (
             found[names].to_numpy().tolist()
-            == [[way["anneal_learning_rate"], sides, way["learning_rate"], way["memory"], way["num_envs"]]] * 2
+            == [
+                [
+                    way["anneal_learning_rate"],
+                    sides,
+                    way["learning_rate"],
+                    way["memory"],
+                    way["num_envs"],
+                ]
+            ]
+            * 2
         )
-    assert seeds.groupby(["learning_rate", "memory"]).seed.count().to_dict() == {(1e-3, "none"): 2, (5e-4, "gru"): 2}
-    assert frame[frame.record == "mixture"][names].isna().to_numpy().tolist() == [[True, False, True, False, True]]
+    assert seeds.groupby(["learning_rate", "memory"]).seed.count().to_dict() == {
+        (1e-3, "none"): 2,
+        (5e-4, "gru"): 2,
+    }
+    assert frame[frame.record == "mixture"][names].isna().to_numpy().tolist() == [
+        [True, False, True, False, True]
+    ]
     assert columns_of(load(tmp_path / "runs/0")) == []
 
 
 def test_a_setting_is_empty_where_nothing_reads_it(tmp_path: Path) -> None:
-    for number, way in enumerate(({"reward": "inequity", "inequity_envy": 3.0}, {"reward": "inequity"}, {"reward": "individual"})):
+    for number, way in enumerate(
+        (
+            {"reward": "inequity", "inequity_envy": 3.0},
+            {"reward": "inequity"},
+            {"reward": "individual"},
+        )
+    ):
         write_run(tmp_path / str(number), "coins", (3.0,), **way)
     write_run(tmp_path / "vdn", "coins", (3.0,), algorithm="vdn")
     frame = load(tmp_path)
@@ -359,29 +536,44 @@ def test_a_setting_is_empty_where_nothing_reads_it(tmp_path: Path) -> None:
     assert frame.set_index("algorithm").learning_rate["vdn"] == 7e-5, "its own default"
 
 
-def test_a_swept_number_of_a_game_is_a_column(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_swept_number_of_a_game_is_a_column(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     harms = (-2.0, -3.0, -0.0005000000237487257)  # as float32 has it
     for number, harm in enumerate(harms):
-        monkeypatch.setattr("report_folders.described", lambda *game, harm=harm: describe(*game) | {"params": {"harm": harm, "length": 9}})
+        monkeypatch.setattr(
+            "report_folders.described",
+            lambda *game, harm=harm: describe(*game) | {"params": {"harm": harm, "length": 9}},
+        )
         asked = {} if harm == -2.0 else {"harm": f"{harm:.1g}"}  # the first has that of its game
-        write_run(tmp_path / f"coins{number}", "coins", (1.0,), rules="own", provenance={"params": asked})
+        write_run(
+            tmp_path / f"coins{number}", "coins", (1.0,), rules="own", provenance={"params": asked}
+        )
     for value in (4, 5):
         table = {"payoff": {"defect": {"coop": value}}}
-        write_run(tmp_path / f"pd{value}", "pd_arena", (1.0,), rules="own", provenance={"params": table})
+        write_run(
+            tmp_path / f"pd{value}", "pd_arena", (1.0,), rules="own", provenance={"params": table}
+        )
     frame = load(tmp_path)
     assert columns_of(frame) == ["param.harm", "param.payoff[defect][coop]"]
     assert sorted(frame[frame.game == "coins"]["param.harm"]) == [-3.0, -2.0, -0.0005]
-    assert frame[frame.game == "pd_arena"].set_index("params")["param.payoff[defect][coop]"].to_dict() == {
+    assert frame[frame.game == "pd_arena"].set_index("params")[
+        "param.payoff[defect][coop]"
+    ].to_dict() == {
         "payoff[defect][coop]=4": 4,
         "payoff[defect][coop]=5": 5,
     }
     (tmp_path / "data").mkdir()
-    (tmp_path / "data/results.csv").write_text(write_frame(load_both([tmp_path / "pd4", tmp_path / "pd5"])[0]))
+    (tmp_path / "data/results.csv").write_text(
+        write_frame(load_both([tmp_path / "pd4", tmp_path / "pd5"])[0])
+    )
     assert load(tmp_path / "data")["param.payoff[defect][coop]"].to_list() == [4, 5]
 
 
 def test_settings_of_stored_results_are_columns_too(tmp_path: Path) -> None:
-    runs = [write_run(tmp_path / str(rate), "coins", (3.0,), learning_rate=rate) for rate in (0.5, 0.25)]
+    runs = [
+        write_run(tmp_path / str(rate), "coins", (3.0,), learning_rate=rate) for rate in (0.5, 0.25)
+    ]
     (tmp_path / "data").mkdir()
     (tmp_path / "data/results.csv").write_text(write_frame(load_both(runs)[0]))
     assert sorted(load(tmp_path / "data").learning_rate) == [0.25, 0.5]
@@ -393,22 +585,34 @@ def test_angles_of_agents_that_differ_are_told_apart(tmp_path: Path) -> None:
     for number, angles in enumerate(([45, 90], [0, 90], [90])):
         write_run(tmp_path / str(number), "coins", (3.0,), reward="svo", svo_angle=angles)
     frame = load(tmp_path)
-    assert {(row.svo_angles, None if pd.isna(row.svo_angle) else row.svo_angle) for row in frame.itertuples()} == {
+    assert {
+        (row.svo_angles, None if pd.isna(row.svo_angle) else row.svo_angle)
+        for row in frame.itertuples()
+    } == {
         ("45,90", None),
         ("0,90", None),
         ("", 90.0),
     }
 
 
-def test_seeds_that_started_from_different_policies_are_told_apart_where_they_have_one_number(tmp_path: Path) -> None:
+def test_seeds_that_started_from_different_policies_are_told_apart_where_they_have_one_number(
+    tmp_path: Path,
+) -> None:
     for name, earned in (("calm", 3.0), ("envious", 5.0)):
         (tmp_path / name).mkdir()
         write_run(tmp_path / f"from_{name}", "coins", (earned,), init_from=str(tmp_path / name))
     frame = load(tmp_path / "from_calm", tmp_path / "from_envious")
-    assert sorted(zip(frame.init_from, frame.collective_return, strict=True)) == [("calm", 3.0), ("envious", 5.0)]
+    assert sorted(zip(frame.init_from, frame.collective_return, strict=True)) == [
+        ("calm", 3.0),
+        ("envious", 5.0),
+    ]
     curves = load_curves(tmp_path / "from_calm", tmp_path / "from_envious")
-    assert curves.groupby("run").collective_return.max().to_dict() == dict(zip(frame.run, frame.collective_return, strict=True))
-    write_run(tmp_path / "from_envious", "coins", (5.0,), first=1, init_from=str(tmp_path / "envious"))
+    assert curves.groupby("run").collective_return.max().to_dict() == dict(
+        zip(frame.run, frame.collective_return, strict=True)
+    )
+    write_run(
+        tmp_path / "from_envious", "coins", (5.0,), first=1, init_from=str(tmp_path / "envious")
+    )
     frame = load(tmp_path / "from_calm", tmp_path / "from_envious")
     assert (frame.run.nunique(), "init_from" in frame) == (1, False), "each seed may have its own"
 

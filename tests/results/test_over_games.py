@@ -6,7 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sjdsl.results.statistics import RESAMPLES, draw_profiles, improvements, interquartile_means, probability_of_improvement
+from sjdsl.results.statistics import (
+    RESAMPLES,
+    draw_profiles,
+    improvements,
+    interquartile_means,
+    probability_of_improvement,
+)
 
 # Two seeds, two games; of four scores the interquartile mean leaves out the least and the most.
 SCORES = {"low": np.array([[0.0, 0.2], [0.1, 0.9]]), "high": np.array([[1.0, 1.0], [1.0, 1.0]])}
@@ -32,7 +38,9 @@ def test_improvement_is_of_every_ordered_pair_and_the_same_each_time() -> None:
     assert found["low", "high"][0] == 0.0
     before = np.random.get_state()[1].copy()
     assert interquartile_means(SCORES) == interquartile_means(SCORES)
-    assert (np.random.get_state()[1] == before).all()  # the resamples are not drawn at anyone's cost
+    assert (
+        np.random.get_state()[1] == before
+    ).all()  # the resamples are not drawn at anyone's cost
 
 
 def test_the_probability_of_improvement_is_that_of_rliable() -> None:
@@ -41,8 +49,12 @@ def test_the_probability_of_improvement_is_that_of_rliable() -> None:
 
     draws = np.random.default_rng(0)
     for _ in range(20):
-        first, second = (draws.integers(0, 4, (seeds, 5)).astype(float) for seeds in draws.integers(1, 6, 2))
-        assert probability_of_improvement(first, second) == pytest.approx(metrics.probability_of_improvement(first, second))
+        first, second = (
+            draws.integers(0, 4, (seeds, 5)).astype(float) for seeds in draws.integers(1, 6, 2)
+        )
+        assert probability_of_improvement(first, second) == pytest.approx(
+            metrics.probability_of_improvement(first, second)
+        )
 
 
 @pytest.mark.thorough
@@ -52,5 +64,9 @@ def test_profiles_are_drawn(tmp_path: Path) -> None:
     lines = figure.axes[0].get_lines()
     assert [line.get_label() for line in lines] == ["low", "high"]
     x, y = lines[0].get_data()
-    assert [y[np.searchsorted(x, at)] for at in (0.05, 0.15, 0.5)] == [0.75, 0.5, 0.25]  # shares of 0, 0.1, 0.2, 0.9
+    assert [y[np.searchsorted(x, at)] for at in (0.05, 0.15, 0.5)] == [
+        0.75,
+        0.5,
+        0.25,
+    ]  # shares of 0, 0.1, 0.2, 0.9
     figure.savefig(tmp_path / "profiles.svg")

@@ -12,14 +12,18 @@ from sjdsl.results.bundled import rules_now
 
 @pytest.mark.parametrize("game", published.suite())
 def test_the_rule_chooses_what_the_paper_has_in_bold(game: str) -> None:
-    assert chosen_ratio({ratio: printed.mean for ratio, printed in published.exchange(game).items()}) == published.exchange_chosen(game)
+    assert chosen_ratio(
+        {ratio: printed.mean for ratio, printed in published.exchange(game).items()}
+    ) == published.exchange_chosen(game)
 
 
 def test_the_rule_at_its_limits() -> None:
     assert chosen_ratio({}) is None
     assert chosen_ratio({0.0: 0.0, 1.0: 0.0}) is None
     assert chosen_ratio({0.0: -5.0, 1.0: -1.0}) is None
-    assert chosen_ratio({0.0: -5.0, 0.5: 95.0, 1.0: 100.0}) == 0.5  # exactly 0.95 of the best is enough
+    assert (
+        chosen_ratio({0.0: -5.0, 0.5: 95.0, 1.0: 100.0}) == 0.5
+    )  # exactly 0.95 of the best is enough
     assert chosen_ratio({0.0: 94.9, 1.0: 100.0}) == 1.0
 
 
@@ -34,12 +38,18 @@ def test_frequencies_of_two_seeds_in_closed_form() -> None:
     found = choice_frequencies(samples)
     assert math.isclose(sum(found.values()), 1.0)
     for ratio, share in exact.items():
-        assert abs(found[ratio] - share) < 4 * math.sqrt(share * (1 - share) / 10_000) + 1e-9  # four standard errors
+        assert (
+            abs(found[ratio] - share) < 4 * math.sqrt(share * (1 - share) / 10_000) + 1e-9
+        )  # four standard errors
     assert min(exact[0.0], exact[0.5]) > 0.1
 
 
 def test_frequencies_of_nothing_above_zero() -> None:
-    assert choice_frequencies({0.0: (-1.0, -2.0), 1.0: (-3.0, 0.0)}) == {0.0: 0.0, 1.0: 0.0, None: 1.0}
+    assert choice_frequencies({0.0: (-1.0, -2.0), 1.0: (-3.0, 0.0)}) == {
+        0.0: 0.0,
+        1.0: 0.0,
+        None: 1.0,
+    }
     assert choice_frequencies({0.0: (1.0,), 1.0: (2.0,)}) == {0.0: 0.0, 1.0: 1.0, None: 0.0}
 
 

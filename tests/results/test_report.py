@@ -25,32 +25,48 @@ def texts(section: Section, table: int = 0) -> list[list[str]]:
 
 
 def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None:
-    found = returns(read(write_run(tmp_path / "run", "coins", (150.0, 160.0, 155.0), reward="common")).frame)
+    found = returns(
+        read(write_run(tmp_path / "run", "coins", (150.0, 160.0, 155.0), reward="common")).frame
+    )
     (cell,) = found.tables[0].records
     # Student's t at 97.5 % with two degrees of freedom, from a printed table: 4.303; the standard error of 150, 160, 155 is 5 / sqrt(3).
     assert cell["collective return mean"] == 155
     assert abs(cell["collective return high"] - (155 + 4.303 * 5 / 3**0.5)) < 1e-2
-    assert texts(found) == [["coins", "IPPO, common", "155 [142.6, 167.4]", "3 seeds, 400 steps, unnamed CPU"]]
+    assert texts(found) == [
+        ["coins", "IPPO, common", "155 [142.6, 167.4]", "3 seeds, 400 steps, unnamed CPU"]
+    ]
 
 
 def test_policies_have_short_names_on_the_page_and_whole_ones_in_the_csv(tmp_path: Path) -> None:
     paths = ["/far/away/runs/envious/cells/a", "/far/away/runs/calm/cells/a"]
     write_cross_play(tmp_path / "met", "coins", dict.fromkeys([*paths, "random"], (1.0, 0.5, 1.5)))
     section = cross_play(read(tmp_path / "met").frame)
-    assert [row[1:3] for row in texts(section)] == [["2 x calm", "`calm`"], ["2 x envious", "`envious`"], ["2 x random", "`random`"]]
-    assert [row["policy"] for row in section.tables[0].records] == [f"`{name}`" for name in (*sorted(paths), "random")]
-    assert [row["mixture"] for row in section.tables[0].records] == [f"2 x {name}" for name in (*sorted(paths), "random")]
+    assert [row[1:3] for row in texts(section)] == [
+        ["2 x calm", "`calm`"],
+        ["2 x envious", "`envious`"],
+        ["2 x random", "`random`"],
+    ]
+    assert [row["policy"] for row in section.tables[0].records] == [
+        f"`{name}`" for name in (*sorted(paths), "random")
+    ]
+    assert [row["mixture"] for row in section.tables[0].records] == [
+        f"2 x {name}" for name in (*sorted(paths), "random")
+    ]
 
 
 def test_the_preset_of_a_run_is_named(tmp_path: Path) -> None:
     from sjdsl.trainers import load_preset
 
-    config = load_preset("two_cores", {"reward": "common"}, "pd_arena").config.model_dump(mode="json")
+    config = load_preset("two_cores", {"reward": "common"}, "pd_arena").config.model_dump(
+        mode="json"
+    )
     kept = {key: value for key, value in config.items() if key not in ("seed", "seeds", "own")}
     write_run(tmp_path / "a", "pd_arena", (10.0, 12.0), **kept)
     write_run(tmp_path / "b", "pd_arena", (10.0, 12.0), **{**kept, "learning_rate": 0.3})
     assert sorted(read(tmp_path).frame.preset.unique()) == ["", "two_cores"]
-    assert "2 seeds, 32k steps, two_cores, unnamed CPU" in {row[3] for row in texts(returns(read(tmp_path).frame))}
+    assert "2 seeds, 32k steps, two_cores, unnamed CPU" in {
+        row[3] for row in texts(returns(read(tmp_path).frame))
+    }
 
 
 def test_ways_of_training_are_named_by_the_values_in_which_they_differ(tmp_path: Path) -> None:
@@ -80,7 +96,10 @@ def test_ways_of_training_are_named_by_the_values_in_which_they_differ(tmp_path:
 )
 def test_games_in_which_most_can_be_compared(ways: list[str], chosen: str) -> None:
     for order in (ways, ways[::-1]):
-        scores = {game: {f"way {number}": None for number, games in enumerate(order) if game in games} for game in "abcd"}
+        scores = {
+            game: {f"way {number}": None for number, games in enumerate(order) if game in games}
+            for game in "abcd"
+        }
         assert chosen_games(scores) == list(chosen)
 
 
@@ -102,24 +121,41 @@ def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures cost more than all else here, and are drawn in another test."""
 
     def empty(sections: list[Section]) -> dict[str, bytes]:
-        return {f"figures/{picture.name}.png": b"" for section in sections for picture in section.pictures}
+        return {
+            f"figures/{picture.name}.png": b""
+            for section in sections
+            for picture in section.pictures
+        }
 
     monkeypatch.setattr("sjdsl.results.report.drawn", empty)
 
 
 def files(folder: Path) -> dict[str, bytes]:
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
 def test_the_files_of_a_report(tmp_path: Path) -> None:
     write_run(tmp_path / "runs/a", "coins", (3.0, 5.0))
     write_report([tmp_path / "runs"], tmp_path / "out", COMMAND)
     found = files(tmp_path / "out")
-    assert {"report.md", "tables/returns.csv", "data/results.csv", "data/curves.csv"} <= found.keys()
+    assert {
+        "report.md",
+        "tables/returns.csv",
+        "data/results.csv",
+        "data/curves.csv",
+    } <= found.keys()
     assert found["figures/curves_coins.png"][:4] == b"\x89PNG"
     assert found["figures/curves_coins.svg"][:5] == b"<?xml"
     (row,) = csv.DictReader(found["tables/returns.csv"].decode().splitlines())
-    assert (row["game"], row["collective return mean"], row["collective return seeds"]) == ("coins", "4", "2")
+    assert (row["game"], row["collective return mean"], row["collective return seeds"]) == (
+        "coins",
+        "4",
+        "2",
+    )
     assert b"(figures/curves_coins.png)" in found["report.md"]
 
 
@@ -128,7 +164,10 @@ def test_everything(tmp_path: Path, golden: Callable[[Path, str], None]) -> None
     """What the page says of runs, sweeps, diagrams and cross-play of many kinds."""
     write_everything(tmp_path / "runs")
     write_report([tmp_path / "runs"], tmp_path / "out", COMMAND)
-    golden(Path(__file__).with_name("report.txt"), (tmp_path / "out/report.md").read_text().replace(f"{tmp_path}/", ""))
+    golden(
+        Path(__file__).with_name("report.txt"),
+        (tmp_path / "out/report.md").read_text().replace(f"{tmp_path}/", ""),
+    )
 
 
 @pytest.mark.usefixtures("no_pictures")
@@ -139,7 +178,11 @@ def test_a_report_is_made_again_from_its_own_data(tmp_path: Path) -> None:
     write_report([tmp_path / "runs"], out, COMMAND)
     write_report([out / "data"], tmp_path / "again", COMMAND)
     assert files(tmp_path / "again") == files(out)
-    write_report([out / "data", write_run(tmp_path / "b", "coins", (4.0,), first=2)], tmp_path / "more", COMMAND)
+    write_report(
+        [out / "data", write_run(tmp_path / "b", "coins", (4.0,), first=2)],
+        tmp_path / "more",
+        COMMAND,
+    )
     assert len((tmp_path / "more/data/results.csv").read_text().splitlines()) == 5
 
 
@@ -157,7 +200,9 @@ def test_a_place_with_other_files_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("no_pictures")
-def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     write_run(Path("runs/a"), "coins", (3.0, 5.0))
     write_run(Path("runs/b"), "coins", (3.0,), status="running", reward="common")
@@ -185,4 +230,7 @@ def test_what_is_missing_is_named_with_its_extra(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "pandas", None)
     assert run(["report", str(tmp_path), "-o", str(tmp_path / "out")]) == 1
-    assert "error: the package pandas is needed: pip install 'sjdsl[results]'" in capsys.readouterr().err
+    assert (
+        "error: the package pandas is needed: pip install 'sjdsl[results]'"
+        in capsys.readouterr().err
+    )

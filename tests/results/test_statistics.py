@@ -18,7 +18,11 @@ def t_quantile(probability: float, freedom: float) -> float:
 
 
 def density(x: float, freedom: float) -> float:
-    log_scale = special.gammaln((freedom + 1) / 2) - special.gammaln(freedom / 2) - math.log(freedom * math.pi) / 2
+    log_scale = (
+        special.gammaln((freedom + 1) / 2)
+        - special.gammaln(freedom / 2)
+        - math.log(freedom * math.pi) / 2
+    )
     return math.exp(log_scale - (freedom + 1) / 2 * math.log1p(x * x / freedom))
 
 
@@ -26,7 +30,9 @@ def test_welch_in_closed_form() -> None:
     first, second = [10.0, 12.0, 11.0, 15.0], [20.0, 31.0, 27.0]
     spread = [np.var(values, ddof=1) / len(values) for values in (first, second)]
     error = math.sqrt(sum(spread))
-    freedom = sum(spread) ** 2 / sum(part**2 / (len(values) - 1) for part, values in zip(spread, (first, second), strict=True))
+    freedom = sum(spread) ** 2 / sum(
+        part**2 / (len(values) - 1) for part, values in zip(spread, (first, second), strict=True)
+    )
     found = compare(first, second)
     difference = np.mean(second) - np.mean(first)
     assert nearly(found.difference, difference)
@@ -54,7 +60,11 @@ def test_settings_in_which_columns_differ_are_named() -> None:
     def trained(settings: str) -> Cell:
         return Cell("run", (1.0, 2.0), 0, 400, "", "cpu", settings)
 
-    cells = {"individual": trained('{"num_envs": 8}'), "common": trained('{"init_from": "a policy"}'), "vdn": None}
+    cells = {
+        "individual": trained('{"num_envs": 8}'),
+        "common": trained('{"init_from": "a policy"}'),
+        "vdn": None,
+    }
     assert unlike_settings(cells) == [
         "the seeds of common started from a trained policy; those of individual didn't.",
         "`num_envs` is 8 in individual; the default in common.",

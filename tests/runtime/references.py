@@ -31,7 +31,9 @@ def float32(value: Fraction) -> Fraction:
         exponent += 1
     while value / Fraction(2) ** exponent < 2**23:
         exponent -= 1
-    return round(value / Fraction(2) ** exponent) * Fraction(2) ** exponent  # round() of a Fraction: half to even
+    return (
+        round(value / Fraction(2) ** exponent) * Fraction(2) ** exponent
+    )  # round() of a Fraction: half to even
 
 
 def resolve(position: Sequence[int], target: Sequence[int], word: Sequence[int]) -> list[int]:
@@ -39,7 +41,9 @@ def resolve(position: Sequence[int], target: Sequence[int], word: Sequence[int])
     agents = range(len(position))
     rank = [(w - w % 256) + agent for agent, w in enumerate(word)]
     movers = {a for a in agents if target[a] != position[a]}
-    movers -= {a for a in movers for b in movers if target[a] == position[b] and target[b] == position[a]}
+    movers -= {
+        a for a in movers for b in movers if target[a] == position[b] and target[b] == position[a]
+    }
     movers -= {a for a in movers for b in movers if target[a] == target[b] and rank[b] > rank[a]}
     while True:
         taken = {position[a] for a in agents if a not in movers}
@@ -55,7 +59,11 @@ def turn_of(word: int, left: list[int]) -> int:
 
 
 def place(
-    cells: Sequence[int], free: Sequence[bool], words: Sequence[int], position: Sequence[int], sent: Sequence[bool]
+    cells: Sequence[int],
+    free: Sequence[bool],
+    words: Sequence[int],
+    position: Sequence[int],
+    sent: Sequence[bool],
 ) -> tuple[list[int], list[bool]]:
     """Returns the cells and who was placed: agents in id order take a free cell each, by their own words."""
     left = [s for s in range(len(cells)) if free[s]]
@@ -76,7 +84,12 @@ def choose(member: Sequence[bool], words: Sequence[int], number: int) -> list[bo
 def pair(ranks: Sequence[Sequence[int]], alike: bool) -> list[int]:
     """Returns each left member's partner, the number of right members for none: pairs in rank order, both still free."""
     right = len(ranks[0])
-    pairs = sorted((-ranks[a][b], a * right + b) for a in range(len(ranks)) for b in range(right) if ranks[a][b] > 0)
+    pairs = sorted(
+        (-ranks[a][b], a * right + b)
+        for a in range(len(ranks))
+        for b in range(right)
+        if ranks[a][b] > 0
+    )
     partner, lefts, rights = [right] * len(ranks), set[int](), set[int]()
     for _, number in pairs:
         a, b = divmod(number, right)
@@ -90,7 +103,10 @@ def pair(ranks: Sequence[Sequence[int]], alike: bool) -> list[int]:
 
 def seen_cell(row: int, col: int, heading: int, ahead: int, right: int) -> tuple[int, int]:
     """Returns the cell so many cells ahead and to the right of one who looks north (0), east, south or west (3)."""
-    (ahead_row, ahead_col), (right_row, right_col) = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
+    (ahead_row, ahead_col), (right_row, right_col) = (
+        DIRECTIONS[heading],
+        DIRECTIONS[(heading + 1) % 4],
+    )
     return row + ahead * ahead_row + right * right_row, col + ahead * ahead_col + right * right_col
 
 

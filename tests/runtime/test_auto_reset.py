@@ -28,7 +28,9 @@ def paid() -> Callable[..., jax.Array]:
 
         def step(state: jax.Array, key: jax.Array) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
             act, play = jax.random.split(key)
-            _, state, reward, done, _ = env.step(play, state, jax.random.randint(act, (3,), 0, 4), params)
+            _, state, reward, done, _ = env.step(
+                play, state, jax.random.randint(act, (3,), 0, 4), params
+            )
             return state, (reward.sum(), done)
 
         _, (rewards, done) = jax.lax.scan(step, state, jnp.stack(keys))
@@ -38,7 +40,9 @@ def paid() -> Callable[..., jax.Array]:
 
 
 @pytest.mark.parametrize("derivative", [jax.grad, jax.jacfwd, jax.jacrev])
-def test_of_one_environment(paid: Callable[..., jax.Array], derivative: Callable[..., Callable[..., jax.Array]]) -> None:
+def test_of_one_environment(
+    paid: Callable[..., jax.Array], derivative: Callable[..., Callable[..., jax.Array]]
+) -> None:
     price, seed = jnp.float32(1.5), jnp.int32(4)
     found = jax.jit(derivative(paid))(price, seed)
     assert float(found) == pytest.approx(float(paid(jnp.float32(2.5), seed) - paid(price, seed)))
@@ -53,5 +57,7 @@ def test_of_batches(paid: Callable[..., jax.Array]) -> None:
     assert len(set(each.tolist())) > 1
     inside = jax.grad(lambda price: jax.vmap(paid, (None, 0))(price, seeds).sum())(price)
     np.testing.assert_allclose(inside, each.sum(), rtol=1e-6)
-    around = jax.vmap(jax.vmap(jax.grad(paid), (None, 0)), (0, None))(jnp.stack([price, price]), seeds)
+    around = jax.vmap(jax.vmap(jax.grad(paid), (None, 0)), (0, None))(
+        jnp.stack([price, price]), seeds
+    )
     np.testing.assert_allclose(around, np.stack([each, each]), rtol=1e-6)

@@ -12,7 +12,9 @@ from sjdsl.runtime.line_of_sight import reached
 from sjdsl.runtime.rows import entry, highest, lowest, mix, ramp
 
 
-@pytest.mark.parametrize(("members", "sites"), [(1, 1), (31, 4), (32, 5), (33, 6), (64, 64), (147, 20)])
+@pytest.mark.parametrize(
+    ("members", "sites"), [(1, 1), (31, 4), (32, 5), (33, 6), (64, 64), (147, 20)]
+)
 def test_count_near(members: int, sites: int) -> None:
     """Any neighbours at all, also of cells of another kind; `members` stands for no neighbour."""
     random = np.random.default_rng(members)
@@ -23,7 +25,9 @@ def test_count_near(members: int, sites: int) -> None:
         member = random.random(members) < random.random()
         found = count_near(jnp.asarray(member), jnp.asarray(masks))
         assert found.dtype == jnp.int32
-        assert found.tolist() == [sum(bool(member[n]) for n in row if n < members) for row in around]
+        assert found.tolist() == [
+            sum(bool(member[n]) for n in row if n < members) for row in around
+        ]
 
 
 def test_count_near_of_all_and_none() -> None:
@@ -34,13 +38,34 @@ def test_count_near_of_all_and_none() -> None:
 
 
 @pytest.mark.usefixtures("form")
-@pytest.mark.parametrize("agents", [8, 9, 32, *(pytest.param(agents, marks=pytest.mark.thorough) for agents in (1, 6, 20))])
-@pytest.mark.parametrize("sets", [1, 31, 165, pytest.param(32, marks=pytest.mark.thorough), pytest.param(538, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "agents",
+    [8, 9, 32, *(pytest.param(agents, marks=pytest.mark.thorough) for agents in (1, 6, 20))],
+)
+@pytest.mark.parametrize(
+    "sets",
+    [
+        1,
+        31,
+        165,
+        pytest.param(32, marks=pytest.mark.thorough),
+        pytest.param(538, marks=pytest.mark.slow),
+    ],
+)
 def test_times_in_sets(agents: int, sets: int) -> None:
     """Sparse sets, full ones (as many as bytes are added up to), in rows and what is left over, and batches."""
-    member = np.random.default_rng(agents * sets).random((3, sets, agents)) < np.array([0.1, 0.6, 1.0])[:, None, None]
-    kept = (member.astype(np.uint64) << np.arange(agents, dtype=np.uint64)).sum(axis=-1).astype(np.uint8 if agents <= 8 else np.uint32)
-    wanted = np.array([[sum(bool(row[agent]) for row in rows) for agent in range(agents)] for rows in member])
+    member = (
+        np.random.default_rng(agents * sets).random((3, sets, agents))
+        < np.array([0.1, 0.6, 1.0])[:, None, None]
+    )
+    kept = (
+        (member.astype(np.uint64) << np.arange(agents, dtype=np.uint64))
+        .sum(axis=-1)
+        .astype(np.uint8 if agents <= 8 else np.uint32)
+    )
+    wanted = np.array(
+        [[sum(bool(row[agent]) for row in rows) for agent in range(agents)] for rows in member]
+    )
     found = jax.jit(jax.vmap(lambda one: times_in(one, agents)))(kept)
     assert found.dtype == jnp.int32
     np.testing.assert_array_equal(found, wanted)
@@ -81,8 +106,12 @@ def test_mix() -> None:
 def test_ramp() -> None:
     """0 at the first, 1 at the second, either way round, clipped."""
     value = jnp.array([0, 0.1, 0.2, 0.4, 0.5, 1], jnp.float32)
-    np.testing.assert_allclose(ramp(value, jnp.float32(0.4), jnp.float32(0)), [1, 0.75, 0.5, 0, 0, 0], atol=1e-7)
-    np.testing.assert_allclose(ramp(value, jnp.float32(0), jnp.float32(0.4)), [0, 0.25, 0.5, 1, 1, 1], atol=1e-7)
+    np.testing.assert_allclose(
+        ramp(value, jnp.float32(0.4), jnp.float32(0)), [1, 0.75, 0.5, 0, 0, 0], atol=1e-7
+    )
+    np.testing.assert_allclose(
+        ramp(value, jnp.float32(0), jnp.float32(0.4)), [0, 0.25, 0.5, 1, 1, 1], atol=1e-7
+    )
     assert ramp(value, jnp.float32(0.4), jnp.float32(0))[0] == 1
     assert ramp(value, jnp.float32(0.4), jnp.float32(0))[3] == 0
 
@@ -119,13 +148,17 @@ def test_large_sets(agents: int) -> None:
     assert contains(words[0], jnp.int32(agents - 1)).tolist() == members[0, -1]
 
 
-@pytest.mark.parametrize("lanes", [[1, 3, 2, 4], [20, 15, 5]], ids=["few", "more than a word has bits"])
+@pytest.mark.parametrize(
+    "lanes", [[1, 3, 2, 4], [20, 15, 5]], ids=["few", "more than a word has bits"]
+)
 def test_reached(lanes: list[int]) -> None:
     """Lane by lane: the blocking cell is the last one reached; a cell off the map neither is reached nor ends its lane."""
     random = np.random.default_rng(6)
     first = np.concatenate([[True] + [False] * (n - 1) for n in lanes])
     blocked, on_map = random.random((300, first.size)) < 0.3, random.random((300, first.size)) < 0.7
-    found = np.asarray(jax.jit(lambda *of: reached(*of, first))(jnp.asarray(blocked), jnp.asarray(on_map)))
+    found = np.asarray(
+        jax.jit(lambda *of: reached(*of, first))(jnp.asarray(blocked), jnp.asarray(on_map))
+    )
     for case in range(300):
         expected, number = [], 0
         for length in lanes:

@@ -44,7 +44,9 @@ def assert_same(found: Any, expected: Any) -> None:
 
 
 def stacked(results: list[Any]) -> Any:
-    return jax.tree.map(lambda *leaves: np.stack(leaves), *results)  # by NumPy, which compiles nothing for each shape
+    return jax.tree.map(
+        lambda *leaves: np.stack(leaves), *results
+    )  # by NumPy, which compiles nothing for each shape
 
 
 def at(tree: Any, index: int) -> Any:
@@ -87,10 +89,23 @@ def test_what_reset_and_step_return(env: Environment) -> None:
     assert int(state.step) == 1
     assert (reward.shape, reward.dtype) == ((3,), jnp.float32)
     assert (done.shape, done.dtype) == ((), jnp.bool_)
-    assert set(info) == {"truncated", "terminated", "events", "metrics", "terminal_observation", "terminal_state"}
+    assert set(info) == {
+        "truncated",
+        "terminated",
+        "events",
+        "metrics",
+        "terminal_observation",
+        "terminal_state",
+    }
     events = {name: (value.shape, value.dtype) for name, value in info["events"].items()}
-    assert events == {"visits[none]": ((3,), jnp.int32), "visits[ripe]": ((3,), jnp.int32), "rests": ((), jnp.int32)}
-    assert {name: (v.shape, v.dtype) for name, v in info["metrics"].items()} == {"ripe": ((), jnp.float32)}
+    assert events == {
+        "visits[none]": ((3,), jnp.int32),
+        "visits[ripe]": ((3,), jnp.int32),
+        "rests": ((), jnp.int32),
+    }
+    assert {name: (v.shape, v.dtype) for name, v in info["metrics"].items()} == {
+        "ripe": ((), jnp.float32)
+    }
     for flag in ("truncated", "terminated"):
         assert (info[flag].shape, info[flag].dtype) == ((), jnp.bool_)
     assert_same(info["terminal_observation"], observation)
@@ -139,7 +154,11 @@ def test_actions_in_other_clothes(env: Environment) -> None:
     """Lists' arrays, NumPy's and small integers are all numbers of actions."""
     _, state = env.reset(jax.random.key(0))
     expected = env.step(jax.random.key(1), state, jnp.array([0, 2, 4], jnp.int32))
-    for actions in (np.array([0, 2, 4]), jnp.array([0, 2, 4], jnp.uint8), np.array([0, 2, 4], np.int16)):
+    for actions in (
+        np.array([0, 2, 4]),
+        jnp.array([0, 2, 4], jnp.uint8),
+        np.array([0, 2, 4], np.int16),
+    ):
         assert_same(env.step(jax.random.key(1), state, actions), expected)
 
 
@@ -162,7 +181,9 @@ def test_one_key_one_result(env: Environment) -> None:
     assert len({np.asarray(state.position).tobytes() for _, state in results}) > 1
     _, state = results[0]
     picked = state.replace(tree_fruit=jnp.zeros(TREES, jnp.uint8))
-    after = [env.step_env(jax.random.key(seed), picked, jnp.full(3, STAY)) for seed in (0, 0, 1, 2, 3)]
+    after = [
+        env.step_env(jax.random.key(seed), picked, jnp.full(3, STAY)) for seed in (0, 0, 1, 2, 3)
+    ]
     assert_same(after[0], after[1])
     assert len({np.asarray(a[1].tree_fruit).tobytes() for a in after}) > 1
 
@@ -172,7 +193,9 @@ def test_old_style_keys_are_typed_keys(env: Environment, seed: int) -> None:
     typed, old = jax.random.key(seed), jax.random.PRNGKey(seed)
     assert_same(env.reset(old), env.reset(typed))
     _, state = env.reset(old)
-    assert_same(env.step(old, state, random_actions(seed)), env.step(typed, state, random_actions(seed)))
+    assert_same(
+        env.step(old, state, random_actions(seed)), env.step(typed, state, random_actions(seed))
+    )
 
 
 def test_keys_of_another_generator(env: Environment) -> None:
@@ -196,7 +219,9 @@ def test_jit_scan_and_loop_agree(env: Environment) -> None:
         observation, state, reward, done, info = env.step(given[0], state, given[1])
         return state, (observation, state, reward, done, info)
 
-    _, scanned = jax.jit(lambda s, k, a: jax.lax.scan(advance, s, (k, a)))(state, keys(1, steps), actions)
+    _, scanned = jax.jit(lambda s, k, a: jax.lax.scan(advance, s, (k, a)))(
+        state, keys(1, steps), actions
+    )
     looped = []
     for t, key in enumerate(keys(1, steps)):
         looped.append(env.step(key, state, actions[t]))
@@ -220,14 +245,19 @@ def test_vmap_is_a_loop(env: Environment) -> None:
     states, actions = some_states(env), random_actions(5, 4)
     batch = jax.jit(jax.vmap(env.step))(keys(4, 4), states, actions)
     assert batch[3].tolist() == [False, False, True, True]
-    assert_same(batch, stacked([env.step(key, at(states, i), actions[i]) for i, key in enumerate(keys(4, 4))]))
+    assert_same(
+        batch,
+        stacked([env.step(key, at(states, i), actions[i]) for i, key in enumerate(keys(4, 4))]),
+    )
     assert_same(jax.vmap(env.reset)(keys(4, 4)), stacked([env.reset(key) for key in keys(4, 4)]))
 
 
 def test_vmap_of_vmap(env: Environment) -> None:
     states, actions = some_states(env), random_actions(5, 4)
     flat = jax.jit(jax.vmap(env.step))(keys(4, 4), states, actions)
-    square = jax.tree.map(lambda leaf: leaf.reshape(2, 2, *leaf.shape[1:]), (keys(4, 4), states, actions))
+    square = jax.tree.map(
+        lambda leaf: leaf.reshape(2, 2, *leaf.shape[1:]), (keys(4, 4), states, actions)
+    )
     found = jax.jit(jax.vmap(jax.vmap(env.step)))(*square)
     assert_same(jax.tree.map(lambda leaf: leaf.reshape(4, *leaf.shape[2:]), found), flat)
 
@@ -240,7 +270,9 @@ def test_vmap_over_one_argument(env: Environment, batched: str) -> None:
         found = jax.jit(jax.vmap(env.step, in_axes=(0, None, None)))(keys(6, 3), state, actions[0])
         expected = [env.step(key, state, actions[0]) for key in keys(6, 3)]
     else:
-        found = jax.jit(jax.vmap(env.step, in_axes=(None, None, 0)))(jax.random.key(6), state, actions)
+        found = jax.jit(jax.vmap(env.step, in_axes=(None, None, 0)))(
+            jax.random.key(6), state, actions
+        )
         expected = [env.step(jax.random.key(6), state, a) for a in actions]
     assert found[3].all()
     assert_same(found, stacked(expected))
@@ -259,7 +291,9 @@ def test_an_episode_ends_after_its_length_and_begins_anew(env: Environment) -> N
             observation, after, reward, done, info = env.step(key, state, actions)
             assert_same((reward, done, info), plain[2:])
             assert_same(info["terminal_observation"], plain[0])
-            assert (bool(done), bool(info["truncated"]), bool(info["terminated"])) == (t == LENGTH - 1,) * 2 + (False,)
+            assert (bool(done), bool(info["truncated"]), bool(info["terminated"])) == (
+                t == LENGTH - 1,
+            ) * 2 + (False,)
             assert int(plain[1].step) == t + 1
             assert_same((observation, after), env.reset(key) if bool(done) else plain[:2])
             state = after
@@ -272,8 +306,14 @@ def test_an_end_terminates(env: Environment) -> None:
     never = env.params.replace(regrow=jnp.float32(0))
     for step in (0, LENGTH - 1):
         key = jax.random.key(1)
-        observation, after, _, done, info = env.step(key, bare.replace(step=jnp.int32(step)), jnp.full(3, STAY), never)
-        assert (bool(done), bool(info["truncated"]), bool(info["terminated"])) == (True, False, True)
+        observation, after, _, done, info = env.step(
+            key, bare.replace(step=jnp.int32(step)), jnp.full(3, STAY), never
+        )
+        assert (bool(done), bool(info["truncated"]), bool(info["terminated"])) == (
+            True,
+            False,
+            True,
+        )
         assert_same((observation, after), env.reset(key, never))
         assert float(info["metrics"]["ripe"]) == 0
         assert not bool((info["terminal_observation"] == observation).all())
@@ -285,16 +325,22 @@ def test_an_end_terminates(env: Environment) -> None:
 def test_parameters_of_a_call(env: Environment) -> None:
     """They replace the environment's own: in the rewards, the chances and the length."""
     _, state = env.reset(jax.random.key(0))
-    on_tree = state.replace(position=jnp.array([tree_cell(env, 0, 0), *state.position[1:].tolist()], jnp.int32))
+    on_tree = state.replace(
+        position=jnp.array([tree_cell(env, 0, 0), *state.position[1:].tolist()], jnp.int32)
+    )
     stay = jnp.full(3, STAY)
     assert env.step_env(jax.random.key(1), on_tree, stay)[2].tolist() == [1, 0, 0]
-    assert env.step_env(jax.random.key(1), on_tree, stay, env.params.replace(apple=jnp.float32(-2.5)))[2].tolist() == [-2.5, 0, 0]
+    assert env.step_env(
+        jax.random.key(1), on_tree, stay, env.params.replace(apple=jnp.float32(-2.5))
+    )[2].tolist() == [-2.5, 0, 0]
     short = env.params.replace(length=jnp.int32(1))
     assert bool(env.step(jax.random.key(1), state, stay, short)[3])
     assert not bool(env.step(jax.random.key(1), state, stay)[3])
     picked = state.replace(tree_fruit=jnp.array([1, 0, 0, 0, 0], jnp.uint8))
     for chance in (0, 1):
-        _, after, *_ = env.step_env(jax.random.key(1), picked, stay, env.params.replace(regrow=jnp.float32(chance)))
+        _, after, *_ = env.step_env(
+            jax.random.key(1), picked, stay, env.params.replace(regrow=jnp.float32(chance))
+        )
         assert after.tree_fruit.tolist() == [1, *[chance] * 4]
 
 
@@ -315,9 +361,14 @@ def test_vmap_over_parameters(env: Environment) -> None:
         jnp.array([1, 6, 3], jnp.int32), jnp.array([0, 0.5, 1], jnp.float32)
     )
     state, actions = env.reset(jax.random.key(0))[1].replace(step=jnp.int32(2)), random_actions(8)
-    batch = jax.jit(jax.vmap(env.step, in_axes=(0, None, None, 0)))(keys(1, 3), state, actions, params)
+    batch = jax.jit(jax.vmap(env.step, in_axes=(0, None, None, 0)))(
+        keys(1, 3), state, actions, params
+    )
     assert batch[3].tolist() == [True, False, True]
-    assert_same(batch, stacked([env.step(key, state, actions, at(params, i)) for i, key in enumerate(keys(1, 3))]))
+    assert_same(
+        batch,
+        stacked([env.step(key, state, actions, at(params, i)) for i, key in enumerate(keys(1, 3))]),
+    )
 
 
 def tree_cell(env: Environment, row: int, col: int) -> int:
@@ -352,7 +403,9 @@ def test_onehot_holds_what_tokens_hold(env: Environment) -> None:
     for t, key in enumerate(keys(2, 4)):
         assert (channels.shape, channels.dtype) == (onehot.observation_shape, jnp.uint8)
         np.testing.assert_array_equal(channels, channels_by_hand(env, np.asarray(tokens)))
-        np.testing.assert_array_equal(channels, to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8)))
+        np.testing.assert_array_equal(
+            channels, to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8))
+        )
         for first in ("content: ", "agent: "):
             shown = [i for i, name in enumerate(onehot.channel_names) if name.startswith(first)]
             assert (np.asarray(channels)[:, shown].sum(axis=1) == 1).all()

@@ -14,7 +14,9 @@ from sjdsl.runtime.forms import forced
 
 F = np.float32
 LEAST, GREATEST = F(2.0**-126), F(2**24 - 1) * F(2.0**104)
-FRACTIONS = np.array([0, 1, 2, 3, 2**22, 2**22 + 1, 2**23 - 2, 2**23 - 1], np.uint32)  # of floats whose quotients are hard to round
+FRACTIONS = np.array(
+    [0, 1, 2, 3, 2**22, 2**22 + 1, 2**23 - 2, 2**23 - 1], np.uint32
+)  # of floats whose quotients are hard to round
 
 
 def reals(number: int, exponents: tuple[int, int], seed: int) -> Any:
@@ -77,7 +79,9 @@ def nearest(terms: Any) -> Any:
         return F(float(round(exact / last_bit) * last_bit))
 
 
-@pytest.mark.parametrize("exponents", [(126, 128), (120, 131), (100, 150), (1, 40), (1, 250), (230, 255)], ids=str)
+@pytest.mark.parametrize(
+    "exponents", [(126, 128), (120, 131), (100, 150), (1, 40), (1, 250), (230, 255)], ids=str
+)
 def test_sums_are_rounded_once_in_any_order(exponents: tuple[int, int]) -> None:
     """Some of the terms cancel each other."""
     values = reals(200 * 24, exponents, exponents[0]).reshape(200, 24)
@@ -91,11 +95,27 @@ def test_sums_are_rounded_once_in_any_order(exponents: tuple[int, int]) -> None:
 
 
 HALF = 2.0**-24  # of the last bit of numbers from 1 on
-TIES = [(1, HALF), (1, HALF, 2.0**-100), (1, 3 * HALF), (1, 3 * HALF, -(2.0**-100)), (-1, -HALF), (2.0**24, 1, LEAST), (2 - 2 * HALF, HALF)]
-FAR = [(GREATEST, GREATEST, -GREATEST), (GREATEST, GREATEST), (-GREATEST, -GREATEST), (GREATEST, 2.0**103), (GREATEST, 2.0**102)]
+TIES = [
+    (1, HALF),
+    (1, HALF, 2.0**-100),
+    (1, 3 * HALF),
+    (1, 3 * HALF, -(2.0**-100)),
+    (-1, -HALF),
+    (2.0**24, 1, LEAST),
+    (2 - 2 * HALF, HALF),
+]
+FAR = [
+    (GREATEST, GREATEST, -GREATEST),
+    (GREATEST, GREATEST),
+    (-GREATEST, -GREATEST),
+    (GREATEST, 2.0**103),
+    (GREATEST, 2.0**102),
+]
 
 
-@pytest.mark.parametrize("terms", [*TIES, *FAR, (LEAST, -LEAST), (1.5 * LEAST, -LEAST), (0, -0.0)], ids=str)
+@pytest.mark.parametrize(
+    "terms", [*TIES, *FAR, (LEAST, -LEAST), (1.5 * LEAST, -LEAST), (0, -0.0)], ids=str
+)
 def test_sums_halfway_and_at_the_ends(terms: tuple[float, ...]) -> None:
     assert float(exact_sum(jnp.array(terms, jnp.float32), 0)) == float(nearest(terms))
 

@@ -11,7 +11,14 @@ from .references import DIRECTIONS, cells
 PADS = (2, 5)
 Lanes = list[list[tuple[int, int]]]  # (ahead, right), nearest first
 BEAM: Lanes = [[(1, -1)], [(1, 0), (2, 0)], [(1, 1)]]
-FAR: Lanes = [[(0, -1), (1, -1)], [(1, 0), (2, 0)], [(0, 1), (1, 1)], [(-1, 0), (-2, 0)], [(2, 2)], [(1, -2)]]
+FAR: Lanes = [
+    [(0, -1), (1, -1)],
+    [(1, 0), (2, 0)],
+    [(0, 1), (1, 1)],
+    [(-1, 0), (-2, 0)],
+    [(2, 2)],
+    [(1, -2)],
+]
 
 
 def maps() -> list[tuple[str, ...]]:
@@ -49,7 +56,9 @@ def test_cells_of_kinds(rows: tuple[str, ...], pad: int) -> None:
         looks[number(rows, pad, r, c)] = 1 + ".#AB".index(g)
     np.testing.assert_array_equal(geometry.inside(rows, pad), on_map)
     np.testing.assert_array_equal(geometry.blocking(rows, pad, "#"), walls)
-    np.testing.assert_array_equal(geometry.painted(rows, pad, {g: 1 + i for i, g in enumerate(".#AB")}), looks)
+    np.testing.assert_array_equal(
+        geometry.painted(rows, pad, {g: 1 + i for i, g in enumerate(".#AB")}), looks
+    )
     assert geometry.painted(rows, pad, dict.fromkeys(".#AB", 1)).dtype == np.uint8
 
 
@@ -60,7 +69,9 @@ def test_site_numbers(rows: tuple[str, ...], pad: int) -> None:
     kind = geometry.cells_of(rows, pad, "A")
     table = geometry.site_numbers(rows, pad, kind)
     numbers = iter(range(len(kind)))
-    expected = dict.fromkeys(range(table.size), len(kind)) | {number(rows, pad, r, c): next(numbers) for r, c, g in cells(rows) if g == "A"}
+    expected = dict.fromkeys(range(table.size), len(kind)) | {
+        number(rows, pad, r, c): next(numbers) for r, c, g in cells(rows) if g == "A"
+    }
     assert table.tolist() == [expected[cell] for cell in range(table.size)]
 
 
@@ -71,8 +82,12 @@ def test_numbers_of_a_group(rows: tuple[str, ...]) -> None:
     of_a = iter(range(len(group)))
     expected = [next(of_a) if g == "A" else group.count("A") for g in group]
     assert geometry.numbers_among(rows, "AB", "A").tolist() == [*expected, group.count("A")]
-    together = [(g, i) for kind in "BA" for i, g in enumerate(group) if g == kind]  # first all of B, then all of A
-    assert geometry.reading_order(rows, ("B", "A")).tolist() == [together.index((g, i)) for i, g in enumerate(group)]
+    together = [
+        (g, i) for kind in "BA" for i, g in enumerate(group) if g == kind
+    ]  # first all of B, then all of A
+    assert geometry.reading_order(rows, ("B", "A")).tolist() == [
+        together.index((g, i)) for i, g in enumerate(group)
+    ]
 
 
 def test_values_of_glyphs() -> None:
@@ -90,7 +105,9 @@ def test_next_cells(rows: tuple[str, ...], pad: int) -> None:
         for heading, (dr, dc) in enumerate(DIRECTIONS):
             to = (r + dr, c + dc)
             free = is_inside(rows, *to) and rows[to[0]][to[1]] != "#"
-            assert table[number(rows, pad, r, c), heading] == number(rows, pad, *(to if free else (r, c)))
+            assert table[number(rows, pad, r, c), heading] == number(
+                rows, pad, *(to if free else (r, c))
+            )
 
 
 def expected_reach(rows: tuple[str, ...], lanes: Lanes, pose: tuple[int, int, int]) -> list[bool]:
@@ -118,7 +135,10 @@ def test_lanes_of_a_shape(rows: tuple[str, ...], lanes: Lanes, dtype: type) -> N
     for r, c, _ in cells(rows):
         here = number(rows, pad, r, c)
         for heading in range(4):
-            wanted = [number(rows, pad, *references.seen_cell(r, c, heading, ahead, right)) for ahead, right in flat]
+            wanted = [
+                number(rows, pad, *references.seen_cell(r, c, heading, ahead, right))
+                for ahead, right in flat
+            ]
             assert (here + offsets[heading]).tolist() == wanted
             reach = [bool(bits[here, heading] >> k & 1) for k in range(len(flat))]
             assert reach == expected_reach(rows, lanes, (r, c, heading))
@@ -131,11 +151,15 @@ def test_neighbours_and_their_masks(rows: tuple[str, ...]) -> None:
     pad = 3
     disc = [(a, c) for a in range(2, -3, -1) for c in range(-2, 3) if 0 < a * a + c * c <= 4]
     kind = geometry.cells_of(rows, pad, "A")
-    around = geometry.neighbours(kind, geometry.site_numbers(rows, pad, kind), geometry.shape_offsets(rows, pad, disc))
+    around = geometry.neighbours(
+        kind, geometry.site_numbers(rows, pad, kind), geometry.shape_offsets(rows, pad, disc)
+    )
     assert around.shape == (len(kind), 12)
     places = [(r, c) for r, c, g in cells(rows) if g == "A"]
     masks = geometry.near_masks(around, len(kind))
     for site, (r, c) in enumerate(places):
         near = {i for i, (r2, c2) in enumerate(places) if 0 < (r - r2) ** 2 + (c - c2) ** 2 <= 4}
         assert {int(n) for n in around[site] if n < len(kind)} == near
-        assert {i for i in range(len(kind)) if masks[i // 32, site] >> np.uint32(i % 32) & np.uint32(1)} == near
+        assert {
+            i for i in range(len(kind)) if masks[i // 32, site] >> np.uint32(i % 32) & np.uint32(1)
+        } == near

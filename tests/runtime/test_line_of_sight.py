@@ -13,7 +13,12 @@ def test_the_nearest_of_each_lane(lanes: tuple[int, ...]) -> None:
     random = np.random.default_rng(sum(lanes))
     eligible = random.random((50, 4, sum(lanes))) < random.choice([0, 0.3, 1], (50, 4, 1))
     numbers = random.integers(0, 1000, eligible.shape, np.int32)
-    chosen, found = map(np.asarray, jax.jit(nearest_in_lanes, static_argnums=2)(jnp.asarray(eligible), jnp.asarray(numbers), lanes))
+    chosen, found = map(
+        np.asarray,
+        jax.jit(nearest_in_lanes, static_argnums=2)(
+            jnp.asarray(eligible), jnp.asarray(numbers), lanes
+        ),
+    )
     assert (chosen.dtype, found.dtype) == (np.int32, bool)
     assert chosen.shape == found.shape == (50, 4, len(lanes))
     for place in np.ndindex(50, 4):

@@ -20,12 +20,18 @@ LAST = 2**32 - 1
 def moved(position: list[int], target: list[int], word: list[int] | None = None) -> list[int]:
     """Returns the kernel's cells, for one case."""
     word = list(range(len(position), 0, -1)) if word is None else [w << 8 for w in word]
-    return ONE(jnp.array(position, jnp.int32), jnp.array(target, jnp.int32), jnp.array(word, jnp.uint32)).tolist()
+    return ONE(
+        jnp.array(position, jnp.int32), jnp.array(target, jnp.int32), jnp.array(word, jnp.uint32)
+    ).tolist()
 
 
 def assert_equal_to_reference(position: np.ndarray, target: np.ndarray, word: np.ndarray) -> None:
     """Compares the form for CPUs with the reference, and that for GPUs with it."""
-    given = jnp.asarray(position, jnp.int32), jnp.asarray(target, jnp.int32), jnp.asarray(word, jnp.uint32)
+    given = (
+        jnp.asarray(position, jnp.int32),
+        jnp.asarray(target, jnp.int32),
+        jnp.asarray(word, jnp.uint32),
+    )
     found = np.asarray(RESOLVE(*given))
     with forced("gpu"):
         np.testing.assert_array_equal(RESOLVE(*given), found)
@@ -37,10 +43,15 @@ def assert_equal_to_reference(position: np.ndarray, target: np.ndarray, word: np
 def random_words(random: np.random.Generator, shape: tuple[int, int]) -> np.ndarray:
     """Returns words of which a third are the smallest, a third the largest but for their low bits: many equal ranks."""
     low = random.integers(0, 256, shape)
-    return np.choose(random.integers(0, 3, shape), [low, LAST - low, random.integers(0, 2**32, shape)])
+    return np.choose(
+        random.integers(0, 3, shape), [low, LAST - low, random.integers(0, 2**32, shape)]
+    )
 
 
-@pytest.mark.parametrize(("agents", "cases"), [(1, 50), *((n, 1500) for n in range(2, 9)), (13, 600), (20, 300), (33, 120)])
+@pytest.mark.parametrize(
+    ("agents", "cases"),
+    [(1, 50), *((n, 1500) for n in range(2, 9)), (13, 600), (20, 300), (33, 120)],
+)
 def test_random_moves(agents: int, cases: int) -> None:
     """Agents on a ring little longer than they are many, each wanting a cell beside its own, its own, or any: crowds, cycles."""
     random = np.random.default_rng(agents)
@@ -48,7 +59,9 @@ def test_random_moves(agents: int, cases: int) -> None:
     position = np.array([random.permutation(length)[:agents] for _ in range(cases)]) + 1
     step = random.choice([-1, 0, 1, 1], (cases, agents))
     near = (position - 1 + step) % length + 1
-    target = np.where(random.random((cases, agents)) < 0.7, near, random.integers(1, length + 1, (cases, agents)))
+    target = np.where(
+        random.random((cases, agents)) < 0.7, near, random.integers(1, length + 1, (cases, agents))
+    )
     assert_equal_to_reference(position, target, random_words(random, (cases, agents)))
 
 
@@ -68,7 +81,10 @@ def test_random_moves_on_a_grid(agents: int) -> None:
 
 def test_every_move_of_three_agents_on_four_cells() -> None:
     cases = [
-        (p, t, w) for p in [(1, 2, 3)] for t in itertools.product(range(1, 5), repeat=3) for w in itertools.permutations((256, 512, 768))
+        (p, t, w)
+        for p in [(1, 2, 3)]
+        for t in itertools.product(range(1, 5), repeat=3)
+        for w in itertools.permutations((256, 512, 768))
     ]
     position, target, word = (np.array(column) for column in zip(*cases, strict=True))
     assert_equal_to_reference(position, target, word)
@@ -100,7 +116,12 @@ def test_cycles() -> None:
 
 
 def test_a_cycle_is_broken_by_a_stronger_rival() -> None:
-    assert moved([1, 2, 3, 4], [2, 3, 1, 1], [1, 2, 3, 4]) == [1, 2, 3, 4]  # 3 loses cell 1, so 0 and 1 stay, so 3 can not enter
+    assert moved([1, 2, 3, 4], [2, 3, 1, 1], [1, 2, 3, 4]) == [
+        1,
+        2,
+        3,
+        4,
+    ]  # 3 loses cell 1, so 0 and 1 stay, so 3 can not enter
     assert moved([1, 2, 3, 4], [2, 3, 1, 1], [1, 2, 4, 3]) == [2, 3, 1, 4]
 
 
@@ -117,7 +138,9 @@ def test_losers_have_no_second_chance() -> None:
 
 def test_equal_words_are_ranked_by_number() -> None:
     assert moved([1, 2, 3], [9, 9, 9], [7, 7, 7]) == [1, 2, 9]
-    word = jnp.array([0xFFFFFFFF, 0xFFFFFF00], jnp.uint32)  # they differ in the low bits alone, which do not count
+    word = jnp.array(
+        [0xFFFFFFFF, 0xFFFFFF00], jnp.uint32
+    )  # they differ in the low bits alone, which do not count
     assert ONE(jnp.array([1, 2], jnp.int32), jnp.array([9, 9], jnp.int32), word).tolist() == [1, 9]
 
 
@@ -130,7 +153,9 @@ def test_agents_who_are_nowhere_stop_nobody() -> None:
 def test_a_contested_cell_is_won_by_each_equally_often(agents: int) -> None:
     """Chi-square of the winners over random numbers; the bound is passed by chance with probability 1e-6."""
     draws = 60_000
-    bound = {2: 23.93, 3: 27.63, 5: 33.38}[agents]  # quantile 1 - 1e-6 with agents - 1 degrees of freedom
+    bound = {2: 23.93, 3: 27.63, 5: 33.38}[
+        agents
+    ]  # quantile 1 - 1e-6 with agents - 1 degrees of freedom
     word = jax.random.bits(jax.random.key(agents), (draws, agents), jnp.uint32)
     position = jnp.broadcast_to(jnp.arange(1, agents + 1, dtype=jnp.int32), (draws, agents))
     after = np.asarray(RESOLVE(position, jnp.full_like(position, 99), word))

@@ -21,7 +21,12 @@ MAZES = {
     "headings_of_goals_matter": ((4, 6), STRAFING, True, 4),
     "turns_to_walk": ((4, 33), ("zap", "turn_right", "stay", "forward"), True, 4),
     "a_word_wide": ((3, 32), ("step_left", "turn_left", "forward"), True, 4),
-    "three_words_wide": ((3, 70), ("backward", "step_right", "step_left", "turn_left", "turn_right", "forward"), False, 1),
+    "three_words_wide": (
+        (3, 70),
+        ("backward", "step_right", "step_left", "turn_left", "turn_right", "forward"),
+        False,
+        1,
+    ),
     "two_words_wide": ((1, 64), ("step_left", "step_right"), False, 1),
     "a_column": ((40, 1), ("forward", "turn_right"), True, 4),
     "nobody_moves": ((3, 3), ("stay",), True, 1),
@@ -36,7 +41,9 @@ def leads_to(name: str, relative: bool, heading: int, row: int, col: int) -> tup
     return heading, row + down, col + right
 
 
-def choices(names: Sequence[str], relative: bool, goals: np.ndarray, enterable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def choices(
+    names: Sequence[str], relative: bool, goals: np.ndarray, enterable: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Returns the moves that each pose needs to a goal, `[4, H, W]`, and those after each of its moves, `[M, 4, H, W]`; FAR: never.
 
     Args:
@@ -59,7 +66,9 @@ def choices(names: Sequence[str], relative: bool, goals: np.ndarray, enterable: 
 def random_cases(random: np.random.Generator, shape: tuple[int, int], planes: int) -> Any:
     """Returns goals `[C, N, P, H, W]`, enterable cells `[C, H, W]`, and headings, rows and columns `[C, N]` of agents, also on closed cells."""
     open_cells = random.random((CASES, *shape)) < random.uniform(0.6, 1.2, (CASES, 1, 1))
-    goals = random.random((CASES, AGENTS, planes, *shape)) < random.choice([0, 0.01, 0.05, 0.3], (CASES, AGENTS, 1, 1, 1))
+    goals = random.random((CASES, AGENTS, planes, *shape)) < random.choice(
+        [0, 0.01, 0.05, 0.3], (CASES, AGENTS, 1, 1, 1)
+    )
     places = [random.integers(0, size, (CASES, AGENTS)) for size in (4, *shape)]
     return goals, open_cells, *places
 
@@ -73,14 +82,23 @@ def test_first_moves(maze: str) -> None:
     goals, open_cells, heading, row, col = random_cases(random, shape, planes)
 
     def search(goals: Any, enterable: Any, *agents: Any) -> Any:
-        return first_moves(moves, board(goals), board(enterable)[None], agents, jnp.ones(AGENTS, bool))
+        return first_moves(
+            moves, board(goals), board(enterable)[None], agents, jnp.ones(AGENTS, bool)
+        )
 
-    found = jax.jit(jax.vmap(search))(*(jnp.asarray(x) for x in (goals, open_cells, *(x.astype(np.int32) for x in (heading, row, col)))))
+    found = jax.jit(jax.vmap(search))(
+        *(
+            jnp.asarray(x)
+            for x in (goals, open_cells, *(x.astype(np.int32) for x in (heading, row, col)))
+        )
+    )
     arrived, reached, best = (np.asarray(x) for x in found)
     lengths = set()
     for case in range(0, CASES, 1 if shape[0] * shape[1] < 50 else 4):
         for agent in range(AGENTS):
-            distance, after = choices(names, relative, np.broadcast_to(goals[case, agent], (4, *shape)), open_cells[case])
+            distance, after = choices(
+                names, relative, np.broadcast_to(goals[case, agent], (4, *shape)), open_cells[case]
+            )
             at = heading[case, agent], row[case, agent], col[case, agent]
             said = (case, agent, *at)
             assert arrived[case, agent] == (distance[at] == 0), said
@@ -99,16 +117,36 @@ def test_goals_of_all_agents_and_closed_cells_of_each() -> None:
     agents = (jnp.zeros(2, jnp.int32), jnp.zeros(2, jnp.int32), jnp.asarray([1, 2], jnp.int32))
     _, found, best = first_moves(moves, goals, enterable, agents, jnp.ones(2, bool))
     assert found.tolist() == [True, True]
-    assert best.tolist() == [0, 0]  # the second agent is nearer to the goal on its right, which is closed to it
+    assert best.tolist() == [
+        0,
+        0,
+    ]  # the second agent is nearer to the goal on its right, which is closed to it
 
 
-@pytest.mark.parametrize("width", [1, 32, 33, *(pytest.param(width, marks=pytest.mark.thorough) for width in (31, 64, 70))])
+@pytest.mark.parametrize(
+    "width",
+    [1, 32, 33, *(pytest.param(width, marks=pytest.mark.thorough) for width in (31, 64, 70))],
+)
 def test_shifted(width: int) -> None:
     random = np.random.default_rng(width)
     cells = random.random((3, width)) < 0.5
-    for rows, cols in [(0, 0), (1, 0), (-2, 1), (0, -1), (0, 31), (0, 32), (1, -33), (0, 64), (0, -64), (5, 0)]:
+    for rows, cols in [
+        (0, 0),
+        (1, 0),
+        (-2, 1),
+        (0, -1),
+        (0, 31),
+        (0, 32),
+        (1, -33),
+        (0, 64),
+        (0, -64),
+        (5, 0),
+    ]:
         wanted = np.zeros_like(cells)
         for row, col in np.argwhere(cells):
             if 0 <= row + rows < 3 and 0 <= col + cols < width:
                 wanted[row + rows, col + cols] = True
-        assert shifted(board(jnp.asarray(cells)), rows, cols, width).tolist() == board(jnp.asarray(wanted)).tolist(), (rows, cols)
+        assert (
+            shifted(board(jnp.asarray(cells)), rows, cols, width).tolist()
+            == board(jnp.asarray(wanted)).tolist()
+        ), (rows, cols)

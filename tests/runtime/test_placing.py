@@ -51,10 +51,16 @@ def sizes(usual: list[tuple], more: list[tuple]) -> list:
 def random_ranks(random: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
     """Returns ranks of which a third are 0 (not free) and many are equal."""
     few = random.integers(1, 4, shape)
-    return np.choose(random.integers(0, 3, shape), [np.zeros(shape, int), few, random.integers(1, 2**31 + 1, shape)])
+    return np.choose(
+        random.integers(0, 3, shape),
+        [np.zeros(shape, int), few, random.integers(1, 2**31 + 1, shape)],
+    )
 
 
-@pytest.mark.parametrize(("cells", "agents"), sizes([(1, 3), (4, 2), (60, 7), (200, 20)], [(1, 1), (3, 5), (6, 6), (9, 20), (300, 3)]))
+@pytest.mark.parametrize(
+    ("cells", "agents"),
+    sizes([(1, 3), (4, 2), (60, 7), (200, 20)], [(1, 1), (3, 5), (6, 6), (9, 20), (300, 3)]),
+)
 def test_place(cells: int, agents: int) -> None:
     """Distinct free cells, for agents in id order, each by its own word; who finds none stays."""
     random = np.random.default_rng(100 * cells + agents)
@@ -64,11 +70,18 @@ def test_place(cells: int, agents: int) -> None:
     word = random.integers(0, 2**32, (cases, agents))
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < random.choice([0, 0.5, 1], (cases, 1))
-    arrays = jnp.asarray(free), jnp.asarray(word, jnp.uint32), jnp.asarray(position, jnp.int32), jnp.asarray(sent)
+    arrays = (
+        jnp.asarray(free),
+        jnp.asarray(word, jnp.uint32),
+        jnp.asarray(position, jnp.int32),
+        jnp.asarray(sent),
+    )
     found, placed = same_in_both_forms(PLACE, jnp.asarray(site, jnp.int32), *arrays)
     assert (found.dtype, placed.dtype) == (jnp.int32, jnp.bool_)
     for case in range(cases):
-        expected = references.place(site.tolist(), *(x[case].tolist() for x in (free, word, position, sent)))
+        expected = references.place(
+            site.tolist(), *(x[case].tolist() for x in (free, word, position, sent))
+        )
         assert (found[case].tolist(), placed[case].tolist()) == expected
         new = found[case][placed[case]]
         assert len(set(new.tolist())) == len(new) <= free[case].sum()
@@ -85,7 +98,9 @@ def test_place_fitting(cells: int, agents: int) -> None:
     word = random.integers(0, 2**32, (cases, agents))
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < 0.7
-    arrays = [jnp.asarray(x) for x in (free, own, word.astype(np.uint32), position.astype(np.int32), sent)]
+    arrays = [
+        jnp.asarray(x) for x in (free, own, word.astype(np.uint32), position.astype(np.int32), sent)
+    ]
     found, placed = same_in_both_forms(PLACE_FITTING, jnp.asarray(site, jnp.int32), *arrays)
     for case in range(cases):
         left, expected, done = free[case].copy(), position[case].tolist(), [False] * agents
@@ -97,14 +112,21 @@ def test_place_fitting(cells: int, agents: int) -> None:
         assert (found[case].tolist(), placed[case].tolist()) == (expected, done)
     everything = jnp.ones_like(arrays[1])
     same = PLACE_FITTING(jnp.asarray(site, jnp.int32), arrays[0], everything, *arrays[2:])
-    assert all((x == y).all() for x, y in zip(same, PLACE(jnp.asarray(site, jnp.int32), arrays[0], *arrays[2:]), strict=True))
+    assert all(
+        (x == y).all()
+        for x, y in zip(
+            same, PLACE(jnp.asarray(site, jnp.int32), arrays[0], *arrays[2:]), strict=True
+        )
+    )
 
 
 def test_place_by_hand() -> None:
     """Agent 0 is not sent; 1 takes the second of two cells, 2 the one left; there is no third."""
     cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([1, 2, 3, 4], jnp.int32)
     words = jnp.array([0, 2**31, 2**32 - 1, 0], jnp.uint32)
-    found, placed = jax.jit(place)(cells, jnp.array([True, False, True]), words, position, jnp.array([False, True, True, True]))
+    found, placed = jax.jit(place)(
+        cells, jnp.array([True, False, True]), words, position, jnp.array([False, True, True, True])
+    )
     assert found.tolist() == [1, 30, 10, 4]
     assert placed.tolist() == [False, True, True, False]
 
@@ -113,7 +135,11 @@ def test_place_by_hand() -> None:
 def test_come_back(dtype: jnp.dtype) -> None:
     """To the cells that `place` gives: with a drawn heading, the one it had, or one that was given; who finds none stays away."""
     cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([0, 0, 0, 0, 7], jnp.int32)
-    back, free, key = jnp.array([True, True, True, True, False]), jnp.ones(3, bool), jnp.array([3, 4], jnp.uint32)
+    back, free, key = (
+        jnp.array([True, True, True, True, False]),
+        jnp.ones(3, bool),
+        jnp.array([3, 4], jnp.uint32),
+    )
     facing = jnp.array([ANY_HEADING, SAME_HEADING, 2, 2, 2], jnp.int32)
     words, turns = random_bits(key, 8, 5), random_bits(key, 9, 5)
     where = (words, turns, position, jnp.full(5, 1, dtype), facing)
@@ -121,7 +147,10 @@ def test_come_back(dtype: jnp.dtype) -> None:
     assert drawn != 1
     new, heading, placed = jax.jit(come_back)(cells, free, back, *where)
     assert new.tolist() == place(cells, free, words, position, back)[0].tolist()
-    assert (heading.tolist(), placed.tolist()) == ([drawn, 1, 2, 1, 1], [True, True, True, False, False])
+    assert (heading.tolist(), placed.tolist()) == (
+        [drawn, 1, 2, 1, 1],
+        [True, True, True, False, False],
+    )
     assert heading.dtype == dtype
     own = jnp.eye(5, 3, dtype=bool)[jnp.array([2, 0, 3, 1, 0])]
     new, _, placed = jax.jit(come_back)(cells, free, back, *where, own)
@@ -129,13 +158,18 @@ def test_come_back(dtype: jnp.dtype) -> None:
 
 
 @pytest.mark.usefixtures("form")
-@pytest.mark.parametrize("members", [1, 33, 600, *(pytest.param(size, marks=pytest.mark.thorough) for size in (2, 6, 32, 147))])
+@pytest.mark.parametrize(
+    "members",
+    [1, 33, 600, *(pytest.param(size, marks=pytest.mark.thorough) for size in (2, 6, 32, 147))],
+)
 def test_pick(members: int) -> None:
     """One of the members; nobody if there are none."""
     random = np.random.default_rng(members)
     member = random.random((200, members)) < random.choice([0, 0.05, 0.5, 1], (200, 1))
     word = np.concatenate([random.integers(0, 2**32, 196), [0, 1, 2**32 - 1, 2**31]])
-    number, found = map(np.asarray, jax.jit(jax.vmap(pick))(jnp.asarray(member), jnp.asarray(word, jnp.uint32)))
+    number, found = map(
+        np.asarray, jax.jit(jax.vmap(pick))(jnp.asarray(member), jnp.asarray(word, jnp.uint32))
+    )
     assert (number.dtype, found.dtype) == (jnp.int32, jnp.bool_)
     for case in range(200):
         there = np.flatnonzero(member[case]).tolist()
@@ -153,24 +187,38 @@ def test_pick_of_set(dtype: jnp.dtype) -> None:
     number, found = jax.jit(pick_of_set)(jnp.asarray(sets, dtype), word)
     expected, there = jax.jit(pick)(jnp.asarray((sets[:, None] >> np.arange(size)) & 1 != 0), word)
     assert found.tolist() == there.tolist()
-    assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
+    assert (
+        np.asarray(number)[np.asarray(there)].tolist()
+        == np.asarray(expected)[np.asarray(there)].tolist()
+    )
 
 
 @pytest.mark.usefixtures("form")
 def test_pick_of_large_set() -> None:
     """A set kept as bits in two words is the same as its members spelt out."""
     random = np.random.default_rng(64)
-    members = np.concatenate([random.random((100, 64)) < 0.5, np.eye(64, dtype=bool)[[0, 31, 32, 63]], np.zeros((1, 64), bool)])
+    members = np.concatenate(
+        [
+            random.random((100, 64)) < 0.5,
+            np.eye(64, dtype=bool)[[0, 31, 32, 63]],
+            np.zeros((1, 64), bool),
+        ]
+    )
     word = jnp.asarray(random.integers(0, 2**32, len(members)), jnp.uint32)
     number, found = jax.jit(pick_of_large_set)(jax.jit(pack)(jnp.asarray(members)), word)
     expected, there = jax.jit(pick)(jnp.asarray(members), word)
     assert found.tolist() == there.tolist() == members.any(axis=1).tolist()
-    assert np.asarray(number)[np.asarray(there)].tolist() == np.asarray(expected)[np.asarray(there)].tolist()
+    assert (
+        np.asarray(number)[np.asarray(there)].tolist()
+        == np.asarray(expected)[np.asarray(there)].tolist()
+    )
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("batched", ["no", "sets", "keys", "both", "twice"])
-@pytest.mark.parametrize(("several", "form"), [(None, "cpu"), (5, "cpu"), (40, "cpu"), (69, "cpu"), (40, "gpu")])
+@pytest.mark.parametrize(
+    ("several", "form"), [(None, "cpu"), (5, "cpu"), (40, "cpu"), (69, "cpu"), (40, "gpu")]
+)
 def test_pick_of_many_sets(several: int | None, form: str, batched: str) -> None:
     """As one set at a time with its word, whether words are drawn or not, whichever set has several, whatever of a batch differs."""
     size = 70
@@ -205,7 +253,9 @@ def test_pick_of_many_sets(several: int | None, form: str, batched: str) -> None
     assert alone.dtype == np.uint8
 
 
-@pytest.mark.parametrize(("members", "turns"), sizes([(1, 1), (6, 3), (40, 8)], [(2, 5), (100, 20)]))
+@pytest.mark.parametrize(
+    ("members", "turns"), sizes([(1, 1), (6, 3), (40, 8)], [(2, 5), (100, 20)])
+)
 def test_choose(members: int, turns: int) -> None:
     random = np.random.default_rng(members)
     cases = 200
@@ -214,17 +264,25 @@ def test_choose(members: int, turns: int) -> None:
     arrays = jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)
     (found,) = same_in_both_forms(lambda *given: (CHOOSE(*given),), *arrays)
     for case in range(cases):
-        assert found[case].tolist() == references.choose(member[case].tolist(), word[case].tolist(), int(number[case]))
+        assert found[case].tolist() == references.choose(
+            member[case].tolist(), word[case].tolist(), int(number[case])
+        )
 
 
 def test_choose_for_each_of_the_surroundings() -> None:
     """Rows choose apart, each its own number."""
     random = np.random.default_rng(0)
-    member, word, number = random.random((3, 4, 5)) < 0.7, random.integers(0, 2**32, (3, 4, 5)), random.integers(0, 6, (3, 4))
+    member, word, number = (
+        random.random((3, 4, 5)) < 0.7,
+        random.integers(0, 2**32, (3, 4, 5)),
+        random.integers(0, 6, (3, 4)),
+    )
     arrays = jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)
     (found,) = same_in_both_forms(lambda *given: (jax.jit(choose)(*given),), *arrays)
     for i, j in np.ndindex(3, 4):
-        assert found[i, j].tolist() == references.choose(member[i, j].tolist(), word[i, j].tolist(), int(number[i, j]))
+        assert found[i, j].tolist() == references.choose(
+            member[i, j].tolist(), word[i, j].tolist(), int(number[i, j])
+        )
 
 
 @pytest.mark.parametrize(("members", "turns"), sizes([(6, 3), (40, 8)], [(100, 20)]))
@@ -240,12 +298,20 @@ def test_choose_by_chance(members: int, turns: int) -> None:
     )
     by_chance = jax.vmap(lambda *given: choose_by_chance(*given[:-1], stream, given[-1]))
     types = (bool, jnp.uint32, jnp.int32, jnp.uint32, jnp.uint32)
-    arrays = [jnp.asarray(array, kind) for array, kind in zip((member, word, number, keys, limit), types, strict=True)]
+    arrays = [
+        jnp.asarray(array, kind)
+        for array, kind in zip((member, word, number, keys, limit), types, strict=True)
+    ]
     (found,) = same_in_both_forms(lambda *given: (by_chance(*given),), *arrays)
     for case, key in enumerate(keys.tolist()):
         picked = references.choose(member[case].tolist(), word[case].tolist(), int(number[case]))
-        drawn = [references.threefry(tuple(key), (stream, place // 2))[place % 2] // 2 for place in range(members)]
-        assert found[case].tolist() == [one and less < limit[case] for one, less in zip(picked, drawn, strict=True)]
+        drawn = [
+            references.threefry(tuple(key), (stream, place // 2))[place % 2] // 2
+            for place in range(members)
+        ]
+        assert found[case].tolist() == [
+            one and less < limit[case] for one, less in zip(picked, drawn, strict=True)
+        ]
 
 
 def test_choose_is_uniform() -> None:
@@ -270,7 +336,9 @@ def test_pair(left: int, right: int, alike: bool) -> None:
     """Best pair first, nobody twice, and no pair left over whose two sides are free."""
     random = np.random.default_rng(10 * left + right)
     cases = 150
-    rank = random_ranks(random, (cases, left, right)) * (random.random((cases, left, right)) < random.choice([0.3, 1], (cases, 1, 1)))
+    rank = random_ranks(random, (cases, left, right)) * (
+        random.random((cases, left, right)) < random.choice([0.3, 1], (cases, 1, 1))
+    )
     if alike:
         rank = rank * ~np.eye(left, dtype=bool)
     paired = jax.jit(jax.vmap(lambda r: (pair(r, alike),)))
@@ -278,16 +346,26 @@ def test_pair(left: int, right: int, alike: bool) -> None:
     for case in range(cases):
         partner = found[case].tolist()
         assert partner == references.pair(rank[case].tolist(), alike)
-        lefts, rights = {a for a, b in enumerate(partner) if b < right}, [b for b in partner if b < right]
+        lefts, rights = (
+            {a for a, b in enumerate(partner) if b < right},
+            [b for b in partner if b < right],
+        )
         assert len(set(rights)) == len(rights)
         if alike:
             assert not lefts & set(rights)
         busy = (lefts | set(rights), lefts | set(rights)) if alike else (lefts, set(rights))
-        assert not [(a, b) for a, b in np.argwhere(rank[case] > 0).tolist() if a not in busy[0] and b not in busy[1]]
+        assert not [
+            (a, b)
+            for a, b in np.argwhere(rank[case] > 0).tolist()
+            if a not in busy[0] and b not in busy[1]
+        ]
 
 
 @pytest.mark.parametrize(
-    ("left", "right", "alike"), sizes([(3, 5, False), (5, 5, True)], [(1, 1, False), (6, 3, False), (2, 2, True), (7, 7, True)])
+    ("left", "right", "alike"),
+    sizes(
+        [(3, 5, False), (5, 5, True)], [(1, 1, False), (6, 3, False), (2, 2, True), (7, 7, True)]
+    ),
 )
 @pytest.mark.parametrize("few", [1, 3])
 def test_pair_reached_is_pair(left: int, right: int, alike: bool, few: int) -> None:
@@ -295,14 +373,21 @@ def test_pair_reached_is_pair(left: int, right: int, alike: bool, few: int) -> N
     random = np.random.default_rng(100 * left + 10 * right + few)
     cases = 200
     reached = random.integers(0, right + 1, (cases, left, few))  # `right` is nobody
-    table = np.concatenate([random_ranks(random, (cases, left, right)), np.zeros((cases, left, 1), np.int64)], axis=2)
+    table = np.concatenate(
+        [random_ranks(random, (cases, left, right)), np.zeros((cases, left, 1), np.int64)], axis=2
+    )
     if alike:
         table[:, range(left), range(left)] = 0
     rank = np.take_along_axis(table, reached, axis=2)
     paired = jax.jit(jax.vmap(lambda b, r: (pair_reached(b, r, right, alike),)))
-    (found,) = same_in_both_forms(paired, jnp.asarray(reached, jnp.int32), jnp.asarray(rank, jnp.uint32))
+    (found,) = same_in_both_forms(
+        paired, jnp.asarray(reached, jnp.int32), jnp.asarray(rank, jnp.uint32)
+    )
     for case in range(cases):
-        pairs = [[int(table[case, a, b]) if b in reached[case, a] else 0 for b in range(right)] for a in range(left)]
+        pairs = [
+            [int(table[case, a, b]) if b in reached[case, a] else 0 for b in range(right)]
+            for a in range(left)
+        ]
         assert found[case].tolist() == references.pair(pairs, alike)
 
 

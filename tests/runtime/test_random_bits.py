@@ -7,7 +7,15 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.random_bits import below, key_words, next_threshold, random_bits, random_bits_at, ranks, threshold
+from sjdsl.runtime.random_bits import (
+    below,
+    key_words,
+    next_threshold,
+    random_bits,
+    random_bits_at,
+    ranks,
+    threshold,
+)
 
 from . import references
 
@@ -30,7 +38,9 @@ def key_of(key: tuple[int, int]) -> jax.Array:
 
 
 @pytest.mark.parametrize(("key", "counter", "output"), VECTORS)
-def test_published_vectors(key: tuple[int, int], counter: tuple[int, int], output: tuple[int, int]) -> None:
+def test_published_vectors(
+    key: tuple[int, int], counter: tuple[int, int], output: tuple[int, int]
+) -> None:
     assert references.threefry(key, counter) == output
     if counter[1] < 2**31:  # word numbers are 32 bits
         numbers = jnp.array([2 * counter[1], 2 * counter[1] + 1], jnp.uint32)
@@ -53,20 +63,30 @@ def test_words_are_numbered_in_row_major_order() -> None:
     assert line.dtype == jnp.uint32
     assert line.tolist() == [references.threefry((3, 4), (77, i // 2))[i % 2] for i in range(24)]
     np.testing.assert_array_equal(random_bits(key, 77, 2, 3, 4), line.reshape(2, 3, 4))
-    np.testing.assert_array_equal(random_bits(key, 77, 7), line[:7])  # how many are drawn changes none
+    np.testing.assert_array_equal(
+        random_bits(key, 77, 7), line[:7]
+    )  # how many are drawn changes none
     assert random_bits(key, 77).shape == ()
     assert int(random_bits(key, 77)) == int(line[0])
 
 
 def test_streams_and_keys_differ() -> None:
-    found = np.stack([random_bits(key_of(key), stream, 64) for key in ((0, 0), (0, 1), (1, 0)) for stream in (0, 1, 2, LAST)])
+    found = np.stack(
+        [
+            random_bits(key_of(key), stream, 64)
+            for key in ((0, 0), (0, 1), (1, 0))
+            for stream in (0, 1, 2, LAST)
+        ]
+    )
     assert len(np.unique(found)) == found.size
 
 
 def test_words_of_a_batch_of_keys() -> None:
     keys = jax.random.bits(jax.random.key(0), (5, 2), jnp.uint32)
     batch = jax.vmap(lambda k: random_bits(k, 9, 6))(keys)
-    assert batch.tolist() == [[references.threefry(tuple(k), (9, i // 2))[i % 2] for i in range(6)] for k in keys.tolist()]
+    assert batch.tolist() == [
+        [references.threefry(tuple(k), (9, i // 2))[i % 2] for i in range(6)] for k in keys.tolist()
+    ]
 
 
 @pytest.mark.parametrize("impl", ["threefry2x32", "rbg", "unsafe_rbg"])
@@ -76,7 +96,11 @@ def test_words_of_typed_keys(impl: str) -> None:
     assert (found.shape, found.dtype) == ((2,), jnp.uint32)
     # the second use of the key on purpose: it is asked for the same words
     with jax.debug_key_reuse(False):
-        expected = jax.random.key_data(key) if impl == "threefry2x32" else jax.random.bits(key, (2,), jnp.uint32)
+        expected = (
+            jax.random.key_data(key)
+            if impl == "threefry2x32"
+            else jax.random.bits(key, (2,), jnp.uint32)
+        )
     np.testing.assert_array_equal(found, expected)
 
 
@@ -85,7 +109,15 @@ def test_old_style_keys_are_their_words() -> None:
     assert key_words(key_of((7, 8))).tolist() == [7, 8]
 
 
-@pytest.mark.parametrize("bad", [jnp.zeros(4, jnp.uint32), jnp.zeros(2, jnp.int32), jnp.zeros((1, 2), jnp.uint32), jnp.uint32(3)])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        jnp.zeros(4, jnp.uint32),
+        jnp.zeros(2, jnp.int32),
+        jnp.zeros((1, 2), jnp.uint32),
+        jnp.uint32(3),
+    ],
+)
 def test_other_arrays_are_no_keys(bad: jax.Array) -> None:
     with pytest.raises(ValueError, match="a key is a typed key"):
         key_words(bad)
@@ -93,7 +125,11 @@ def test_other_arrays_are_no_keys(bad: jax.Array) -> None:
 
 def probabilities() -> list[float]:
     edges = [0.0, 1.0, 0.5, 1 - 2**-24, 2**-24, 2**-31, 0.1, 0.001, 0.0005, 0.025, 1 / 3]
-    return [*edges, *np.random.default_rng(2).random(500).tolist(), *(10 ** np.random.default_rng(3).uniform(-9, 0, 500)).tolist()]
+    return [
+        *edges,
+        *np.random.default_rng(2).random(500).tolist(),
+        *(10 ** np.random.default_rng(3).uniform(-9, 0, 500)).tolist(),
+    ]
 
 
 def exact(p: np.float32) -> Fraction:
@@ -118,7 +154,10 @@ def test_never_and_always() -> None:
 def test_next_threshold_is_exact() -> None:
     """The float32 products of the manual, in whole numbers: T2 = T1 + trunc(float32(2^31 - T1) * q)."""
     random = np.random.default_rng(4)
-    p, q = np.array(probabilities(), np.float32), np.array(random.permutation(probabilities()), np.float32)
+    p, q = (
+        np.array(probabilities(), np.float32),
+        np.array(random.permutation(probabilities()), np.float32),
+    )
     before = threshold(jnp.asarray(p))
     expected = []
     for t, x in zip(before.tolist(), q, strict=True):
@@ -143,7 +182,9 @@ def test_a_chain_that_ends_with_certainty_leaves_nothing() -> None:
 @pytest.mark.parametrize("bound", [1, 2, 3, 4, 7, 91, 255, 256, 257, 40_000, 65_534, 65_535])
 def test_below_is_the_exact_share(bound: int) -> None:
     w = some_words(2000, bound)
-    w += [k * 2**32 // bound + d for k in range(1, min(bound, 40)) for d in (-1, 0, 1)]  # beside the steps
+    w += [
+        k * 2**32 // bound + d for k in range(1, min(bound, 40)) for d in (-1, 0, 1)
+    ]  # beside the steps
     found = below(jnp.array(w, jnp.uint32), bound)
     assert found.dtype == jnp.int32
     assert found.tolist() == [x * bound // 2**32 for x in w]

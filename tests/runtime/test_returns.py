@@ -25,7 +25,9 @@ BY_HAND = [
 @pytest.mark.parametrize(("returns", "wanted"), BY_HAND)
 def test_equality_by_hand(returns: list[float], wanted: float) -> None:
     for arrays in (np, jnp):
-        np.testing.assert_allclose(equality(arrays.asarray(returns, arrays.float32)), wanted, rtol=1e-6)
+        np.testing.assert_allclose(
+            equality(arrays.asarray(returns, arrays.float32)), wanted, rtol=1e-6
+        )
 
 
 def test_collective_return() -> None:

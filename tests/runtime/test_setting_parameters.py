@@ -102,7 +102,9 @@ def test_make_refuses(market: Path, case: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "limit"), [("rest", 715827882), ("price", 715494549)])
-def test_the_limit_that_is_told_is_the_last_value_that_is_taken(env: Environment, name: str, limit: int) -> None:
+def test_the_limit_that_is_told_is_the_last_value_that_is_taken(
+    env: Environment, name: str, limit: int
+) -> None:
     given = {"most": 0} if name == "price" else {}
     assert param_values(env.game, {name: limit, **given})[name] == limit
     with pytest.raises(ValueError, match=f"`{name}` is {limit + 1}, and can be {limit} at most"):
@@ -119,7 +121,14 @@ def test_at_the_limit_sums_are_exact(market: Path) -> None:
 
 @pytest.mark.parametrize(
     "given",
-    [{"sellers": 2**40}, {"sellers": float("nan")}, {"sellers": float("inf")}, {"sellers": 10**400}, {"sellers": 0}, {"sellers": 2.5}],
+    [
+        {"sellers": 2**40},
+        {"sellers": float("nan")},
+        {"sellers": float("inf")},
+        {"sellers": 10**400},
+        {"sellers": 0},
+        {"sellers": 2.5},
+    ],
 )
 def test_sizes_are_refused_too(market: Path, given: dict[str, Any]) -> None:
     with pytest.raises(CompileError, match="`sellers`"):
@@ -134,14 +143,32 @@ def test_a_size_counts_in_the_sums(market: Path) -> None:
 
 WITH: dict[str, tuple[dict[str, Any], str]] = {
     "a Python number too large": ({"price": 2**40}, "^`price` is 1099511627776, outside"),
-    "an array too large": ({"rest": jnp.int32(2**30)}, "^`rest` is 1073741824, and can be 715827882 at most"),
-    "another dtype": ({"price": jnp.float32(3)}, r"^`price` is float32\[\], and int32\[\] is wanted$"),
-    "whole numbers for a real": ({"worth": jnp.int32(3)}, r"^`worth` is int32\[\], and float32\[\] is wanted$"),
-    "another shape": ({"price": jnp.array([1, 2])}, r"^`price` is int32\[2\], and int32\[\] is wanted$"),
-    "another length": ({"stock": jnp.array([1, 2, 3])}, r"^`stock` is int32\[3\], and int32\[2\] is wanted$"),
+    "an array too large": (
+        {"rest": jnp.int32(2**30)},
+        "^`rest` is 1073741824, and can be 715827882 at most",
+    ),
+    "another dtype": (
+        {"price": jnp.float32(3)},
+        r"^`price` is float32\[\], and int32\[\] is wanted$",
+    ),
+    "whole numbers for a real": (
+        {"worth": jnp.int32(3)},
+        r"^`worth` is int32\[\], and float32\[\] is wanted$",
+    ),
+    "another shape": (
+        {"price": jnp.array([1, 2])},
+        r"^`price` is int32\[2\], and int32\[\] is wanted$",
+    ),
+    "another length": (
+        {"stock": jnp.array([1, 2, 3])},
+        r"^`stock` is int32\[3\], and int32\[2\] is wanted$",
+    ),
     "no number": ({"worth": jnp.nan}, "^`worth` is a number"),
     "infinity": ({"worth": jnp.float32(jnp.inf)}, "^`worth` is inf, outside"),
-    "no word": ({"liked": jnp.uint8(2)}, r"^`liked` is the number of a word, 0 \.\. 1 \(red, green\), not 2$"),
+    "no word": (
+        {"liked": jnp.uint8(2)},
+        r"^`liked` is the number of a word, 0 \.\. 1 \(red, green\), not 2$",
+    ),
     "an episode of no steps": ({"days": jnp.int32(1)}, "^`days` is 1, and can be 2 at least"),
     "a requirement": ({"price": jnp.int32(0)}, "^these parameters fail"),
     "nothing": ({"price": None}, r"^`price` is None, and an array is wanted: int32\[\]$"),
@@ -156,9 +183,28 @@ def test_with_params_refuses(env: Environment, case: str) -> None:
 
 
 def test_with_params_takes_what_make_takes(env: Environment, market: Path) -> None:
-    changed = env.with_params(env.params.replace(price=7, worth=np.float64(0.25), share=jnp.float32(0.7), liked=1, stock=jnp.array([5, 6])))
-    made = sjdsl.make(market, params={"price": 7, "worth": 0.25, "share": 0.7, "liked": "green", "stock": {"red": 5, "green": 6}})
-    assert jax.tree.map(lambda x: (x.dtype, x.tolist()), changed.params) == jax.tree.map(lambda x: (x.dtype, x.tolist()), made.params)
+    changed = env.with_params(
+        env.params.replace(
+            price=7,
+            worth=np.float64(0.25),
+            share=jnp.float32(0.7),
+            liked=1,
+            stock=jnp.array([5, 6]),
+        )
+    )
+    made = sjdsl.make(
+        market,
+        params={
+            "price": 7,
+            "worth": 0.25,
+            "share": 0.7,
+            "liked": "green",
+            "stock": {"red": 5, "green": 6},
+        },
+    )
+    assert jax.tree.map(lambda x: (x.dtype, x.tolist()), changed.params) == jax.tree.map(
+        lambda x: (x.dtype, x.tolist()), made.params
+    )
     assert changed.with_params(changed.params).episode_length == made.episode_length
     with pytest.raises(TypeError, match="these are not parameters of"):
         env.with_params(sjdsl.make("coins").params)
@@ -178,21 +224,29 @@ def played(env: Environment, params: Any) -> Any:
     return state.world_pot, reward, other.module.episode_length(other.params)
 
 
-@pytest.mark.parametrize("trace", [jax.jit, lambda f: jax.vmap(f, in_axes=0), lambda f: jax.jit(jax.vmap(f))])
+@pytest.mark.parametrize(
+    "trace", [jax.jit, lambda f: jax.vmap(f, in_axes=0), lambda f: jax.jit(jax.vmap(f))]
+)
 def test_traced_parameters_are_taken(env: Environment, trace: Callable[[Any], Any]) -> None:
     batched = trace is not jax.jit
     prices = jnp.array([1, 20, 300]) if batched else jnp.int32(20)
     found = trace(lambda price: played(env, env.params.replace(price=price, days=9)))(prices)
     assert found[0].tolist() == ([3, 60, 900] if batched else 60)
     assert found[2].tolist() == ([8, 8, 8] if batched else 8)
-    with pytest.raises(ValueError, match=r"`most` is 5001, outside 0 \.\. 5000"):  # of the others the values are known
+    with pytest.raises(
+        ValueError, match=r"`most` is 5001, outside 0 \.\. 5000"
+    ):  # of the others the values are known
         trace(lambda price: played(env, env.params.replace(price=price, most=5001)))(prices)
     with pytest.raises(ValueError, match=r"`price` is float32\[\], and int32\[\] is wanted"):
-        trace(lambda price: played(env, env.params.replace(price=price)))(prices.astype(jnp.float32))
+        trace(lambda price: played(env, env.params.replace(price=price)))(
+            prices.astype(jnp.float32)
+        )
 
 
 def test_known_numbers_stay_known_where_others_are_traced(env: Environment) -> None:
-    assert jax.jit(lambda x: x + env.with_params(env.params.replace(days=12)).episode_length)(1) == 12
+    assert (
+        jax.jit(lambda x: x + env.with_params(env.params.replace(days=12)).episode_length)(1) == 12
+    )
 
 
 def test_a_reward_can_be_differentiated(env: Environment) -> None:
@@ -208,6 +262,10 @@ def test_a_step_takes_arrays_of_its_game_only(env: Environment) -> None:
     _, state = env.reset(jax.random.key(0))
     with pytest.raises(ValueError, match=r"`price` is int32\[2\], and int32\[\] is wanted"):
         env.step(jax.random.key(0), state, STAY, env.params.replace(price=jnp.array([1, 2])))
-    both = jax.tree.map(lambda *leaves: jnp.stack(leaves), env.params, env.params.replace(price=jnp.int32(8)))
-    after = jax.vmap(env.step, in_axes=(None, None, None, 0))(jax.random.key(0), state, STAY, both)[1]
+    both = jax.tree.map(
+        lambda *leaves: jnp.stack(leaves), env.params, env.params.replace(price=jnp.int32(8))
+    )
+    after = jax.vmap(env.step, in_axes=(None, None, None, 0))(jax.random.key(0), state, STAY, both)[
+        1
+    ]
     assert after.world_pot.tolist() == [90, 24]

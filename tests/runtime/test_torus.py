@@ -49,11 +49,17 @@ def test_cells_on_and_next_cells(size: tuple[int, int]) -> None:
     rows = blank(size)
     table = geometry.next_cells(rows, PAD, "#", wraps=True)
     starts = jnp.array([number(row, col, size) for row, col in places(size)])
-    found = cells_on(starts[:, None, None], jnp.arange(4)[None, :, None], jnp.arange(9)[None, None], *size, PAD)
+    found = cells_on(
+        starts[:, None, None], jnp.arange(4)[None, :, None], jnp.arange(9)[None, None], *size, PAD
+    )
     for at, (row, col) in enumerate(places(size)):
         for heading, by in enumerate(DIRECTIONS):
-            assert table[4 * number(row, col, size) + heading] == number(row + by[0], col + by[1], size)
-            assert found[at, heading].tolist() == [number(row + n * by[0], col + n * by[1], size) for n in range(9)]
+            assert table[4 * number(row, col, size) + heading] == number(
+                row + by[0], col + by[1], size
+            )
+            assert found[at, heading].tolist() == [
+                number(row + n * by[0], col + n * by[1], size) for n in range(9)
+            ]
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -67,7 +73,9 @@ def test_no_shape_has_a_cell_twice(size: tuple[int, int]) -> None:
         ahead, right = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
         wanted: list[int] = []
         for a, c in shape:
-            cell = number(row + a * ahead[0] + c * right[0], col + a * ahead[1] + c * right[1], size)
+            cell = number(
+                row + a * ahead[0] + c * right[0], col + a * ahead[1] + c * right[1], size
+            )
             wanted.append(1 if cell in (number(row, col, size), *wanted) else cell)
         assert around[number(row, col, size) + offsets[heading]].tolist() == wanted
 
@@ -91,10 +99,18 @@ def test_windows_repeat_the_map(size: tuple[int, int], heading: int) -> None:
     far = geometry.view_steps_around(blank(size), **view)
     ahead, right = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
     row, col = places(size)[-1]
-    seen = windows(joined_edges(jnp.asarray(frame), PAD), jnp.array([number(row, col, size)]), jnp.array([heading]), **view)
+    seen = windows(
+        joined_edges(jnp.asarray(frame), PAD),
+        jnp.array([number(row, col, size)]),
+        jnp.array([heading]),
+        **view,
+    )
     offsets = [(a, c) for a in range(5, -2, -1) for c in range(-2, 4)]
     for at, (a, c) in enumerate(offsets):
-        place = (row + a * ahead[0] + c * right[0]) % size[0], (col + a * ahead[1] + c * right[1]) % size[1]
+        place = (
+            (row + a * ahead[0] + c * right[0]) % size[0],
+            (col + a * ahead[1] + c * right[1]) % size[1],
+        )
         assert int(seen[0, at]) == cells[place]
         assert own[heading, at] == (place == (row, col))
         assert far[heading, at] == steps(row, place[0], size[0]) + steps(col, place[1], size[1])
@@ -105,13 +121,17 @@ def test_what_movers_gain_by_a_step(size: tuple[int, int]) -> None:
     here, goals = places(size)[0], places(size)
     cells = jnp.array([[number(*goal, size)] for goal in goals])
     start = jnp.full(len(goals), number(*here, size))
-    found = np.asarray(gains_around(start, cells, jnp.ones_like(cells, bool), size[1] + 2 * PAD, *size))
+    found = np.asarray(
+        gains_around(start, cells, jnp.ones_like(cells, bool), size[1] + 2 * PAD, *size)
+    )
     for goal, gained in zip(goals, found, strict=True):
 
         def far(row: int, col: int, goal: tuple[int, int] = goal) -> int:
             return steps(row % size[0], goal[0], size[0]) + steps(col % size[1], goal[1], size[1])
 
-        assert gained.tolist() == [far(here[0] + r, here[1] + c) - far(*here) for r, c in DIRECTIONS]
+        assert gained.tolist() == [
+            far(here[0] + r, here[1] + c) - far(*here) for r, c in DIRECTIONS
+        ]
 
 
 @pytest.mark.parametrize("size", [(3, 4), (2, 33), (5, 64)])
@@ -119,4 +139,6 @@ def test_boards_are_rolled(size: tuple[int, int]) -> None:
     cells = np.random.default_rng(0).random(size) < 0.3
     for rows, cols in ((0, 1), (-1, 0), (2, -3), (7, 70)):
         rolled = board(jnp.asarray(np.roll(cells, (rows, cols), (0, 1))))
-        np.testing.assert_array_equal(wrapped(board(jnp.asarray(cells)), rows, cols, size[1]), rolled)
+        np.testing.assert_array_equal(
+            wrapped(board(jnp.asarray(cells)), rows, cols, size[1]), rolled
+        )

@@ -5,7 +5,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.egocentric_windows import fill, look_fields, look_number, paint, planes_of, windows
+from sjdsl.runtime.egocentric_windows import (
+    fill,
+    look_fields,
+    look_number,
+    paint,
+    planes_of,
+    windows,
+)
 
 from . import references
 
@@ -25,7 +32,9 @@ VIEWS = [
 ]
 
 
-def naive(plane: np.ndarray, row: int, col: int, heading: int, view: tuple[int, int, int, int]) -> np.ndarray:
+def naive(
+    plane: np.ndarray, row: int, col: int, heading: int, view: tuple[int, int, int, int]
+) -> np.ndarray:
     ahead, behind, left, right = view
     window = np.zeros((ahead + 1 + behind, left + 1 + right), plane.dtype)
     for r in range(window.shape[0]):
@@ -35,13 +44,17 @@ def naive(plane: np.ndarray, row: int, col: int, heading: int, view: tuple[int, 
 
 
 @pytest.mark.parametrize(("frame", "view"), VIEWS)
-def test_windows_from_every_cell_and_heading(frame: tuple[int, int], view: tuple[int, int, int, int]) -> None:
+def test_windows_from_every_cell_and_heading(
+    frame: tuple[int, int], view: tuple[int, int, int, int]
+) -> None:
     """Every cell that far from the frame's edge, in all four headings, each cell of the frame with its own value."""
     rows, cols = frame
     ahead, behind, left, right = view
     plane = np.arange(rows * cols, dtype=np.uint8).reshape(frame)
     far = max(view)
-    poses = [(r, c, h) for r in range(far, rows - far) for c in range(far, cols - far) for h in range(4)]
+    poses = [
+        (r, c, h) for r in range(far, rows - far) for c in range(far, cols - far) for h in range(4)
+    ]
     assert poses
     row, col, heading = np.array(poses).T
     found = CUT(
@@ -54,13 +67,23 @@ def test_windows_from_every_cell_and_heading(frame: tuple[int, int], view: tuple
         right=right,
     )
     assert found.dtype == jnp.uint8
-    np.testing.assert_array_equal(found, np.stack([naive(plane, *pose, view).reshape(-1) for pose in poses]))
+    np.testing.assert_array_equal(
+        found, np.stack([naive(plane, *pose, view).reshape(-1) for pose in poses])
+    )
 
 
 def test_forward_is_up_and_right_is_right() -> None:
     """A hand-made case: what one who looks east has around it."""
-    plane = jnp.array([[0, 0, 0, 0, 0], [0, 1, 2, 3, 0], [0, 4, 5, 6, 0], [0, 7, 8, 9, 0], [0, 0, 0, 0, 0]], jnp.uint8)
-    seen = {h: CUT(plane, jnp.array([12]), jnp.array([h]), ahead=1, behind=1, left=1, right=1).reshape(3, 3).tolist() for h in range(4)}
+    plane = jnp.array(
+        [[0, 0, 0, 0, 0], [0, 1, 2, 3, 0], [0, 4, 5, 6, 0], [0, 7, 8, 9, 0], [0, 0, 0, 0, 0]],
+        jnp.uint8,
+    )
+    seen = {
+        h: CUT(plane, jnp.array([12]), jnp.array([h]), ahead=1, behind=1, left=1, right=1)
+        .reshape(3, 3)
+        .tolist()
+        for h in range(4)
+    }
     assert seen[0] == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
     assert seen[1] == [[3, 6, 9], [2, 5, 8], [1, 4, 7]]
     assert seen[2] == [[9, 8, 7], [6, 5, 4], [3, 2, 1]]
@@ -70,14 +93,17 @@ def test_forward_is_up_and_right_is_right() -> None:
 def test_windows_of_a_batch_are_those_of_each() -> None:
     random = np.random.default_rng(0)
     planes = jnp.asarray(random.integers(0, 255, (6, 9, 12)), jnp.uint8)
-    position = jnp.asarray(random.integers(3, 6, (6, 4)) * 12 + random.integers(3, 9, (6, 4)), jnp.int32)
+    position = jnp.asarray(
+        random.integers(3, 6, (6, 4)) * 12 + random.integers(3, 9, (6, 4)), jnp.int32
+    )
     heading = jnp.asarray(random.integers(0, 4, (6, 4)), jnp.int32)
 
     def cut(plane: jax.Array, position: jax.Array, heading: jax.Array) -> jax.Array:
         return CUT(plane, position, heading, ahead=3, behind=1, left=2, right=2)
 
     np.testing.assert_array_equal(
-        jax.vmap(cut)(planes, position, heading), jnp.stack([cut(planes[i], position[i], heading[i]) for i in range(6)])
+        jax.vmap(cut)(planes, position, heading),
+        jnp.stack([cut(planes[i], position[i], heading[i]) for i in range(6)]),
     )
 
 
@@ -85,7 +111,10 @@ def test_windows_of_a_batch_are_those_of_each() -> None:
 def test_fill_alone_and_in_batches(length: int) -> None:
     """Short runs and long ones, at both ends and side by side with one cell between."""
     cells = np.array([c for c in range(40) if c % (length + 1) != length], np.int32)
-    planes, values = np.arange(120, dtype=np.uint8).reshape(3, 40), 200 + np.arange(3 * cells.size, dtype=np.uint8).reshape(3, -1) % 50
+    planes, values = (
+        np.arange(120, dtype=np.uint8).reshape(3, 40),
+        200 + np.arange(3 * cells.size, dtype=np.uint8).reshape(3, -1) % 50,
+    )
     wanted = planes.copy()
     wanted[:, cells] = values
     alone = jax.jit(lambda plane, value: fill(plane, cells, value))
@@ -95,11 +124,15 @@ def test_fill_alone_and_in_batches(length: int) -> None:
     of_values = jax.jit(jax.vmap(lambda value: fill(jnp.asarray(planes[0]), cells, value)))
     constant = np.asarray(of_values(jnp.asarray(values)))
     np.testing.assert_array_equal(constant[:, cells], values)
-    np.testing.assert_array_equal(constant[1], np.where(np.isin(np.arange(40), cells), wanted[1], planes[0]))
+    np.testing.assert_array_equal(
+        constant[1], np.where(np.isin(np.arange(40), cells), wanted[1], planes[0])
+    )
     many = of_values(np.tile(values, (10, 1)))
     np.testing.assert_array_equal(many, np.tile(constant, (10, 1)))
     of_planes = jax.jit(jax.vmap(lambda plane: fill(plane, cells, jnp.asarray(values[0]))))
-    np.testing.assert_array_equal(np.asarray(of_planes(np.tile(planes, (10, 1))))[-3:, cells], values[[0] * 3])
+    np.testing.assert_array_equal(
+        np.asarray(of_planes(np.tile(planes, (10, 1))))[-3:, cells], values[[0] * 3]
+    )
     twice = jax.vmap(both)(jnp.asarray([planes, planes]), jnp.asarray([values, values]))
     np.testing.assert_array_equal(twice, [wanted, wanted])
 
@@ -107,8 +140,12 @@ def test_fill_alone_and_in_batches(length: int) -> None:
 def test_paint_adds_bits() -> None:
     plane = jnp.array([1, 2, 4, 8, 0], jnp.uint8)
     assert PAINT(plane, jnp.array([1, 3, 1], jnp.int32), 4).tolist() == [1, 6, 4, 12, 0]
-    assert PAINT(plane, jnp.array([2, 2], jnp.int32), 4).tolist() == plane.tolist()  # what is there already stays once
-    assert PAINT(plane, jnp.array([4, 0], jnp.int32), jnp.array([0x70, 0x80], jnp.uint8)).tolist() == [0x81, 2, 4, 8, 0x70]
+    assert (
+        PAINT(plane, jnp.array([2, 2], jnp.int32), 4).tolist() == plane.tolist()
+    )  # what is there already stays once
+    assert PAINT(
+        plane, jnp.array([4, 0], jnp.int32), jnp.array([0x70, 0x80], jnp.uint8)
+    ).tolist() == [0x81, 2, 4, 8, 0x70]
     assert PAINT(plane, jnp.zeros(3, jnp.int32), 128).tolist() == [129, 2, 4, 8, 0]
     assert PAINT(plane, jnp.array([], jnp.int32), 128).tolist() == plane.tolist()
 
@@ -120,16 +157,22 @@ def test_planes_side_by_side(number: int) -> None:
     assert found.dtype == jnp.uint8
     np.testing.assert_array_equal(found, np.stack(planes, axis=1).reshape(3, number, 5, 7))
     without = planes_of((5, 7), jnp.array([True, False, True]), *(jnp.asarray(p) for p in planes))
-    np.testing.assert_array_equal(without, np.where([[[[True]]], [[[False]]], [[[True]]]], found, 0))
+    np.testing.assert_array_equal(
+        without, np.where([[[[True]]], [[[False]]], [[[True]]]], found, 0)
+    )
 
 
-@pytest.mark.parametrize(("first", "sizes"), [(3, (3, 3, 10)), (0, (2,)), (200, (7, 8)), (93, (163,))])
+@pytest.mark.parametrize(
+    ("first", "sizes"), [(3, (3, 3, 10)), (0, (2,)), (200, (7, 8)), (93, (163,))]
+)
 def test_looks_are_numbered_and_taken_apart(first: int, sizes: tuple[int, ...]) -> None:
     """Each combination of values has its number, in the order in which they are counted; all other numbers are no looks of the kind."""
     values = np.indices(sizes).reshape(len(sizes), -1)
     numbers = jax.jit(look_number, static_argnums=(0, 1))(first, sizes, *map(jnp.asarray, values))
     assert numbers.dtype == jnp.uint8
     assert numbers.tolist() == list(range(first, first + values.shape[1]))
-    there, *found = jax.jit(look_fields, static_argnums=(1, 2))(jnp.arange(256, dtype=jnp.uint8), first, sizes)
+    there, *found = jax.jit(look_fields, static_argnums=(1, 2))(
+        jnp.arange(256, dtype=jnp.uint8), first, sizes
+    )
     assert np.flatnonzero(there).tolist() == numbers.tolist()
     assert [np.asarray(f)[np.asarray(there)].tolist() for f in found] == values.tolist()

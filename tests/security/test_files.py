@@ -18,7 +18,13 @@ from sjdsl.replay import DatasetWriter, Header, Recording
 from sjdsl.replay.recording import save_recording
 from sjdsl.studio.folder import Folder, digest
 from sjdsl.sweeps.locks import take
-from sjdsl.trainers.metrics_files import EVALUATIONS, METRICS_JSONL, append_line, cut_metrics, open_metrics
+from sjdsl.trainers.metrics_files import (
+    EVALUATIONS,
+    METRICS_JSONL,
+    append_line,
+    cut_metrics,
+    open_metrics,
+)
 from sjdsl.trainers.run_files import write_json
 from sjdsl.trainers.run_lock import LOCK, locked
 
@@ -64,10 +70,16 @@ def test_a_link_is_replaced_and_not_followed(tmp_path: Path) -> None:
     elsewhere.write_text("theirs")
     (tmp_path / "a").symlink_to(elsewhere)
     write_whole(tmp_path / "a", "ours")
-    assert (elsewhere.read_text(), (tmp_path / "a").read_text(), (tmp_path / "a").is_symlink()) == ("theirs", "ours", False)
+    assert (elsewhere.read_text(), (tmp_path / "a").read_text(), (tmp_path / "a").is_symlink()) == (
+        "theirs",
+        "ours",
+        False,
+    )
 
 
-def test_a_link_planted_under_the_unfinished_name_is_not_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_link_planted_under_the_unfinished_name_is_not_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Nobody can guess the name; who could would still reach nothing."""
     monkeypatch.setattr("secrets.token_hex", lambda _: "guessed")
     (tmp_path / "guessed.unfinished").symlink_to(tmp_path / "elsewhere")
@@ -91,9 +103,7 @@ def test_what_fails_leaves_what_was_there_and_nothing_else(tmp_path: Path) -> No
 
 def test_what_a_killed_process_left_is_removed(tmp_path: Path) -> None:
     """A file that is being written is locked, by whichever process; others may have any other name."""
-    script = (
-        f"import os; from sjdsl.files import *; from pathlib import Path\nwith written_whole(Path({str(tmp_path / 'a')!r})): os.abort()"
-    )
+    script = f"import os; from sjdsl.files import *; from pathlib import Path\nwith written_whole(Path({str(tmp_path / 'a')!r})): os.abort()"
     subprocess.run([sys.executable, "-c", script], check=False, stderr=subprocess.DEVNULL)
     (left,) = tmp_path.iterdir()
     assert left.suffix == ".unfinished"
@@ -125,7 +135,14 @@ def planted(folder: Path, name: str) -> tuple[Path, Path]:
     """Returns a file with links beside it, under every name that was once that of an unfinished one, and where these lead."""
     victim, target = folder / "victim", folder / name
     victim.write_text("theirs")
-    for link in (f".{name}.new", f"{name}.{os.getpid()}", f"{name}.unfinished", f"{name}.part", f"{name}.new", f"{name}.tmp"):
+    for link in (
+        f".{name}.new",
+        f"{name}.{os.getpid()}",
+        f"{name}.unfinished",
+        f"{name}.part",
+        f"{name}.new",
+        f"{name}.tmp",
+    ):
         (folder / link).symlink_to(victim)
     return target, victim
 
@@ -145,7 +162,12 @@ def test_nothing_is_written_elsewhere(what: str, tmp_path: Path) -> None:
     target.chmod(0o600)
     match what:
         case "fmt":
-            target.write_text((ROOT / "games/coins.sj").read_text().replace("  kind", "    kind").replace("maps/coins.txt", "coins.txt"))
+            target.write_text(
+                (ROOT / "games/coins.sj")
+                .read_text()
+                .replace("  kind", "    kind")
+                .replace("maps/coins.txt", "coins.txt")
+            )
             assert run(["fmt", str(target)]) == 0
         case "compile":
             assert run(["compile", "coins", "-o", str(target)]) == 0
@@ -153,14 +175,21 @@ def test_nothing_is_written_elsewhere(what: str, tmp_path: Path) -> None:
             save_recording(RECORDING, target)
         case "json":
             write_json(target, {"a": 1})
-    assert (victim.read_text(), mode(target), target.read_text() != "game") == ("theirs", 0o600, True)
+    assert (victim.read_text(), mode(target), target.read_text() != "game") == (
+        "theirs",
+        0o600,
+        True,
+    )
 
 
 @pytest.mark.parametrize("what", ["run", "metrics", "evaluations", "cut", "cell"])
 def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     """Locks, logs and what is taken off their ends: a folder of a stranger may have links in their places."""
     victim = tmp_path / "victim"
-    theirs = "".join(f'{{"update": {number}, "env_steps": 1, "seconds": 1, "episodes": 0}}\n' for number in (1, 2))
+    theirs = "".join(
+        f'{{"update": {number}, "env_steps": 1, "seconds": 1, "episodes": 0}}\n'
+        for number in (1, 2)
+    )
     victim.write_text(theirs)
     names = {
         "run": LOCK,
@@ -178,7 +207,9 @@ def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
         "cut": lambda: list(cut_metrics(link.parent, 1)),
         "cell": lambda: take(link.parents[1], "cell"),
     }
-    with pytest.raises(OSError, match=r"it is a link, through which nothing is written|symbolic link"):
+    with pytest.raises(
+        OSError, match=r"it is a link, through which nothing is written|symbolic link"
+    ):
         changes.get(what, lambda: open_metrics(link.parent).__enter__())()
     assert victim.read_text() == theirs
 
@@ -209,14 +240,20 @@ def test_reading_stops_at_the_limit(tmp_path: Path) -> None:
         file.truncate(2**40)  # takes no room on the disk
     with pytest.raises(OSError, match="more than 1,000 bytes"):
         read_bytes(large, 1000)
-    assert read_bytes(large.with_name("small"), 4) == b"1234" if large.with_name("small").write_bytes(b"1234") else False
+    assert (
+        read_bytes(large.with_name("small"), 4) == b"1234"
+        if large.with_name("small").write_bytes(b"1234")
+        else False
+    )
     os.mkfifo(tmp_path / "pipe")
     for name in (tmp_path / "pipe", Path("/dev/zero"), tmp_path):
         with pytest.raises(OSError, match=r"regular file|directory"):
             read_bytes(name, 1000)
 
 
-@pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, "1" * 5000, "", "nul", "{'a': 1}"])
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, '{"a":' * 100_000, "1" * 5000, "", "nul", "{'a': 1}"]
+)
 def test_what_is_no_json_is_a_value_error(text: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"."):
         parse_json(text.encode())
@@ -225,8 +262,19 @@ def test_what_is_no_json_is_a_value_error(text: str, tmp_path: Path) -> None:
         read_json(tmp_path / "a.json")
 
 
-WRITES = {"write_text", "write_bytes", "replace", "truncate", "touch", "mkstemp", "NamedTemporaryFile"}
-MAY_WRITE = {"sjdsl/files.py", "sjdsl/studio/access.py"}  # the others make files that must be new: O_EXCL
+WRITES = {
+    "write_text",
+    "write_bytes",
+    "replace",
+    "truncate",
+    "touch",
+    "mkstemp",
+    "NamedTemporaryFile",
+}
+MAY_WRITE = {
+    "sjdsl/files.py",
+    "sjdsl/studio/access.py",
+}  # the others make files that must be new: O_EXCL
 
 
 def calls(path: Path) -> set[str]:
@@ -237,13 +285,19 @@ def calls(path: Path) -> set[str]:
             owner = node.func.value.id if isinstance(node.func.value, ast.Name) else ""
             if node.func.attr not in ("replace", "truncate") or owner == "os":
                 found.add(node.func.attr)
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "open":
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id == "open"
+        ):
             modes = [a.value for a in node.args[1:2] if isinstance(a, ast.Constant)]
             found |= {"write_text"} if modes and set(str(modes[0])) & set("wxa+") else set()
     return found
 
 
 def test_files_are_written_in_one_place() -> None:
-    modules = [path for folder in ("sjdsl", "trainers") for path in sorted((ROOT / folder).rglob("*.py"))]
+    modules = [
+        path for folder in ("sjdsl", "trainers") for path in sorted((ROOT / folder).rglob("*.py"))
+    ]
     found = {path.relative_to(ROOT).as_posix() for path in modules if calls(path) & WRITES}
     assert found - MAY_WRITE == set()

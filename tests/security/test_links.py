@@ -107,11 +107,17 @@ def test_a_link_out_of_the_folder_is_refused(link: str, games: Path, tmp_path: P
 def test_a_link_to_nothing(games: Path) -> None:
     (games / "maps" / "tiny.txt").unlink()
     (games / "maps" / "tiny.txt").symlink_to("gone.txt")
-    assert errors(games / "tiny.sj") == [("SJ008", "`maps/tiny.txt` cannot be read: it is a link to a file that is not there")]
+    assert errors(games / "tiny.sj") == [
+        ("SJ008", "`maps/tiny.txt` cannot be read: it is a link to a file that is not there")
+    ]
 
 
-@pytest.mark.parametrize("name", ["a.sj", "sub/../a.sj", "here/a.sj", "other.sj", "./sub/back/a.sj", "hard.sj"])
-def test_a_circle_by_any_path(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    "name", ["a.sj", "sub/../a.sj", "here/a.sj", "other.sj", "./sub/back/a.sj", "hard.sj"]
+)
+def test_a_circle_by_any_path(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     game = tmp_path / "a.sj"
     game.write_text(f'sj 1\ngame a extends "{name}" {{ }}\n')
     (tmp_path / "sub").mkdir()
@@ -129,7 +135,9 @@ def test_a_circle_by_any_path(name: str, tmp_path: Path, capsys: pytest.CaptureF
 def test_a_circle_of_texts_that_are_not_saved(tmp_path: Path) -> None:
     session = Session()
     for name, base in (("a", "b"), ("b", "sub/../a")):
-        session.open((tmp_path / f"{name}.sj").as_uri(), f'sj 1\ngame {name} extends "{base}.sj" {{ }}\n')
+        session.open(
+            (tmp_path / f"{name}.sj").as_uri(), f'sj 1\ngame {name} extends "{base}.sj" {{ }}\n'
+        )
     (tmp_path / "sub").mkdir()
     assert [d.code for d in session.diagnostics((tmp_path / "a.sj").as_uri())] == ["SJ110"]
 
@@ -142,7 +150,9 @@ def test_a_long_chain_is_no_circle(games: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
-def test_what_is_no_file_is_not_waited_for(kind: str, games: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_no_file_is_not_waited_for(
+    kind: str, games: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     def place(path: Path) -> Path:
         if kind == "pipe":
             os.mkfifo(path)
@@ -161,9 +171,13 @@ def test_what_is_no_file_is_not_waited_for(kind: str, games: Path, capsys: pytes
 
     (games / "maps" / "tiny.txt").unlink()
     place(games / "maps" / "tiny.txt")
-    assert [code for code, _ in errors(games / "tiny.sj")] == ["SJ112" if kind == "device" else "SJ309"]
+    assert [code for code, _ in errors(games / "tiny.sj")] == [
+        "SJ112" if kind == "device" else "SJ309"
+    ]
     with pytest.raises(CompileError, match="cannot be read"):
         map_rows(games / "maps" / "tiny.txt", read_source(games / "tiny.sj"))
 
     (games / "child.sj").write_text('sj 1\ngame child extends "odd.sj" { }\n')
-    assert [code for code, _ in errors(games / "child.sj")] == ["SJ112" if kind == "device" else "SJ008"]
+    assert [code for code, _ in errors(games / "child.sj")] == [
+        "SJ112" if kind == "device" else "SJ008"
+    ]

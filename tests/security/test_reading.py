@@ -25,7 +25,14 @@ from sjdsl.trainers.policy_file import policy_path
 from sjdsl.trainers.policy_names import split_name
 from sjdsl.trainers.run_state import run_state
 
-TITLES = ["</script><script>alert(1)</script>", "<img src=x onerror=alert(1)>", "{{ 7 * 7 }}", "\\\"'`&lt;", "]]> --> <!--", "\U0001f352é"]
+TITLES = [
+    "</script><script>alert(1)</script>",
+    "<img src=x onerror=alert(1)>",
+    "{{ 7 * 7 }}",
+    "\\\"'`&lt;",
+    "]]> --> <!--",
+    "\U0001f352é",
+]
 
 
 def _refused(*_: object, **__: object) -> Any:
@@ -33,7 +40,9 @@ def _refused(*_: object, **__: object) -> Any:
 
 
 @pytest.mark.parametrize("command", ["check", "fmt", "doc", "diff"])
-def test_commands_that_read_run_nothing(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_commands_that_read_run_nothing(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     game = written("tiny.sj", tmp_path)
     arguments = [command, str(game), *([str(game)] if command == "diff" else [])]
     assert run(arguments) == 0  # all that is imported is there by now
@@ -83,7 +92,9 @@ def page_of(path: Path) -> str:
 
 
 @pytest.mark.parametrize("title", TITLES)
-def test_a_page_has_no_more_elements_for_any_title(title: str, tmp_path: Path, plain: Elements) -> None:
+def test_a_page_has_no_more_elements_for_any_title(
+    title: str, tmp_path: Path, plain: Elements
+) -> None:
     path = written("tiny.sj", tmp_path, title.replace("\\", "\\\\").replace('"', '\\"'))
     found = Elements(page_of(path))
     assert (found.tags, found.handlers, len(found.scripts)) == (plain.tags, [], 2)

@@ -13,7 +13,17 @@ import numpy as np
 import pytest
 
 from sjdsl.cli import run
-from sjdsl.replay import Dataset, DatasetWriter, Episode, Header, Recording, RecordingError, dataset, load_recording, save_recording
+from sjdsl.replay import (
+    Dataset,
+    DatasetWriter,
+    Episode,
+    Header,
+    Recording,
+    RecordingError,
+    dataset,
+    load_recording,
+    save_recording,
+)
 
 HEADER = Header(
     game="coins", environment={"game": "coins"}, hash="0", policy="stay", policy_digest=None, seed=0, episodes=0, observation="tokens",
@@ -39,7 +49,15 @@ def many(tmp_path: Path) -> Path:
     with DatasetWriter(path, HEADER) as writer:
         for seed in range(2):
             writer.add(
-                Episode(seed, seen, actions, rewards, {"eaten": np.ones((3, 2), np.int32), "all": np.ones(3, np.int32)}, False, True)
+                Episode(
+                    seed,
+                    seen,
+                    actions,
+                    rewards,
+                    {"eaten": np.ones((3, 2), np.int32), "all": np.ones(3, np.int32)},
+                    False,
+                    True,
+                )
             )
     return path
 
@@ -57,7 +75,9 @@ def replays(path: Path, capsys: pytest.CaptureFixture[str]) -> str:
 def test_what_was_recorded_is_shown(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["replay", str(recorded)]) == 0
     assert "step 3" in capsys.readouterr().out
-    empty = Recording.model_validate_json(recorded.read_text()).model_copy(update={"actions": [], "returns": [0.0, 0.0]})
+    empty = Recording.model_validate_json(recorded.read_text()).model_copy(
+        update={"actions": [], "returns": [0.0, 0.0]}
+    )
     save_recording(empty, recorded.with_name("empty.json"))
     assert run(["replay", str(recorded.with_name("empty.json"))]) == 0
 
@@ -98,16 +118,30 @@ DAMAGE: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_a_damaged_episode_is_a_message(damage: str, recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_damaged_episode_is_a_message(
+    damage: str, recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "episode.json"
     path.write_text(json.dumps(json.loads(recorded.read_text()) | DAMAGE[damage]))
     replays(path, capsys)
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"{", b"[" * 100_000, b"null", b"\xff\xfe", b"PK\x03\x04", b"PK\x05\x06" + b"\0" * 18, b'{"seed": 1e999}']
+    "content",
+    [
+        b"",
+        b"{",
+        b"[" * 100_000,
+        b"null",
+        b"\xff\xfe",
+        b"PK\x03\x04",
+        b"PK\x05\x06" + b"\0" * 18,
+        b'{"seed": 1e999}',
+    ],
 )
-def test_what_is_no_episode_is_a_message(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_no_episode_is_a_message(
+    content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "episode.json"
     path.write_bytes(content)
     replays(path, capsys)
@@ -138,16 +172,25 @@ def test_no_line_of_another_file_is_printed(
     path = tmp_path / "episode.json"
     path.write_text(json.dumps(content))
     capsys.readouterr()
-    assert run(["replay", str(path), *(["-o", str(tmp_path / "a.gif")] if way == "film" else [])]) == 1
+    assert (
+        run(["replay", str(path), *(["-o", str(tmp_path / "a.gif")] if way == "film" else [])]) == 1
+    )
     told = "".join(capsys.readouterr())
     assert f"{path} names a game, or a map for it, with errors: SJ" in told
     for line in (SECRET, "secret", "second"):
         assert line not in told
 
 
-def test_a_folder_of_a_run_shows_no_other_file_either(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_of_a_run_shows_no_other_file_either(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "passwd").write_text(SECRET)
-    manifest = {"provenance": {"game": "coins", "map": str(tmp_path / "passwd")}, "game": {}, "config": {}, "versions": {}}
+    manifest = {
+        "provenance": {"game": "coins", "map": str(tmp_path / "passwd")},
+        "game": {},
+        "config": {},
+        "versions": {},
+    }
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     for command in (["evaluate", str(tmp_path)], ["train", "--resume", str(tmp_path)]):
         assert run(command) == 1
@@ -171,7 +214,9 @@ def test_bytes_of_a_data_set_change(first: float, many: Path) -> None:
     written = [*Dataset(many)]
     for number in range(400):
         damaged = bytearray(whole)
-        damaged[chosen.randrange(int(first * len(damaged)), len(damaged))] ^= 1 << chosen.randrange(8)
+        damaged[chosen.randrange(int(first * len(damaged)), len(damaged))] ^= 1 << chosen.randrange(
+            8
+        )
         many.write_bytes(damaged[: chosen.randrange(len(damaged))] if number % 10 == 0 else damaged)
         try:
             for episode, before in zip(Dataset(many), written, strict=True):
@@ -205,12 +250,17 @@ def peak() -> int:
 
 @pytest.mark.parametrize("lies", [False, True], ids=["says so", "says that it is small"])
 @pytest.mark.parametrize("where", ["header.npy", "returns.npy", "episode_00000/actions.npy"])
-def test_a_small_file_cannot_take_much_memory(where: str, lies: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_small_file_cannot_take_much_memory(
+    where: str, lies: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A member of 384 MB of zeros in 0.4 MB, where 64 MB are allowed; one that lies says in the directory that it has 100 bytes."""
     monkeypatch.setattr(dataset, "LARGEST", 64 * 2**20)
     path = tmp_path / "bomb.npz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
-        for name, content in (("header.npy", header(episodes=1)), ("returns.npy", npy(np.zeros((1, 2))))):
+        for name, content in (
+            ("header.npy", header(episodes=1)),
+            ("returns.npy", npy(np.zeros((1, 2)))),
+        ):
             if name != where:
                 file.writestr(name, content)
         with file.open(where, "w", force_zip64=False) as member:
@@ -219,12 +269,20 @@ def test_a_small_file_cannot_take_much_memory(where: str, lies: bool, tmp_path: 
     if lies:
         content = bytearray(path.read_bytes())
         for signature, offset in ((b"PK\x03\x04", 22), (b"PK\x01\x02", 24)):
-            place = content.rindex(signature, 0, content.rindex(where.encode()) if signature[2] == 1 else content.index(where.encode()))
+            place = content.rindex(
+                signature,
+                0,
+                content.rindex(where.encode())
+                if signature[2] == 1
+                else content.index(where.encode()),
+            )
             content[place + offset : place + offset + 4] = struct.pack("<I", 100)
         path.write_bytes(content)
     assert path.stat().st_size < 500_000
     before = peak()
-    with pytest.raises(RecordingError, match=r"bomb\.npz (cannot be read|holds no recorded episodes)"):
+    with pytest.raises(
+        RecordingError, match=r"bomb\.npz (cannot be read|holds no recorded episodes)"
+    ):
         Dataset(path)[0]
     assert peak() - before < 100 * 2**20
 
@@ -232,9 +290,16 @@ def test_a_small_file_cannot_take_much_memory(where: str, lies: bool, tmp_path: 
 @pytest.mark.parametrize(
     "content",
     [
-        b"\x93NUMPY\x01\x00\x76\x00" + b"{'descr': '<f8', 'fortran_order': False, 'shape': (1099511627776,), }".ljust(117) + b"\n",
-        b"\x93NUMPY\x01\x00\x76\x00" + b"{'descr': '|O', 'fortran_order': False, 'shape': (1,), }".ljust(117) + b"\n" + b"cos\nsystem\n",
-        b"\x93NUMPY\x01\x00\x76\x00" + b"{'descr': '<f8', 'fortran_order': False, 'shape': (-1, 8), }".ljust(117) + b"\n",
+        b"\x93NUMPY\x01\x00\x76\x00"
+        + b"{'descr': '<f8', 'fortran_order': False, 'shape': (1099511627776,), }".ljust(117)
+        + b"\n",
+        b"\x93NUMPY\x01\x00\x76\x00"
+        + b"{'descr': '|O', 'fortran_order': False, 'shape': (1,), }".ljust(117)
+        + b"\n"
+        + b"cos\nsystem\n",
+        b"\x93NUMPY\x01\x00\x76\x00"
+        + b"{'descr': '<f8', 'fortran_order': False, 'shape': (-1, 8), }".ljust(117)
+        + b"\n",
         b"\x93NUMPY\x09\x00\x76\x00",
         b"\x93NUMPY\x01\x00\x76\x00" + (b"(" * 117) + b"\n",
         b"",
@@ -244,13 +309,19 @@ def test_a_small_file_cannot_take_much_memory(where: str, lies: bool, tmp_path: 
 )
 def test_an_array_that_lies_is_refused(content: bytes, tmp_path: Path) -> None:
     path = archive(tmp_path / "a.npz", {"header.npy": header(episodes=1), "returns.npy": content})
-    with pytest.raises(RecordingError, match=r"a\.npz (cannot be read|holds no recorded episodes|is damaged)"):
+    with pytest.raises(
+        RecordingError, match=r"a\.npz (cannot be read|holds no recorded episodes|is damaged)"
+    ):
         Dataset(path)
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
 def test_other_ways_to_compress_are_not_read(method: int, tmp_path: Path) -> None:
-    path = archive(tmp_path / "a.npz", {"header.npy": header(episodes=0), "returns.npy": npy(np.zeros((0, 2)))}, method)
+    path = archive(
+        tmp_path / "a.npz",
+        {"header.npy": header(episodes=0), "returns.npy": npy(np.zeros((0, 2)))},
+        method,
+    )
     with pytest.raises(RecordingError):
         Dataset(path)
 
@@ -273,7 +344,9 @@ def test_other_ways_to_compress_are_not_read(method: int, tmp_path: Path) -> Non
         {"seed": None},
     ],
 )
-def test_arrays_of_no_episode_are_refused(changed: dict[str, np.ndarray | None], many: Path) -> None:
+def test_arrays_of_no_episode_are_refused(
+    changed: dict[str, np.ndarray | None], many: Path
+) -> None:
     with zipfile.ZipFile(many) as file:
         members = {name: file.read(name) for name in file.namelist()}
     for name, array in changed.items():
@@ -288,11 +361,17 @@ def test_arrays_of_no_episode_are_refused(changed: dict[str, np.ndarray | None],
 def test_a_file_of_an_earlier_version_is_read_with_a_warning(many: Path) -> None:
     before = [*Dataset(many)]
     with zipfile.ZipFile(many) as file:
-        members = {name: file.read(name) for name in file.namelist() if name not in ("header.npy", "digests.npy")}
+        members = {
+            name: file.read(name)
+            for name in file.namelist()
+            if name not in ("header.npy", "digests.npy")
+        }
     archive(many, {**members, "header.npy": header(episodes=2)})
     with pytest.warns(UserWarning, match="has no digests"):
         older = [*Dataset(many)]
-    np.testing.assert_equal([vars(episode) for episode in older], [vars(episode) for episode in before])
+    np.testing.assert_equal(
+        [vars(episode) for episode in older], [vars(episode) for episode in before]
+    )
 
 
 def test_what_is_changed_with_its_checksum_is_seen(many: Path) -> None:
@@ -311,8 +390,12 @@ def test_what_is_changed_with_its_checksum_is_seen(many: Path) -> None:
         archive(many, {**members, name: bytes(changed)})
         with pytest.raises(RecordingError, match=r"many\.npz (cannot be read|is damaged)"):
             Dataset(many)[1]
-    archive(many, {name: content for name, content in members.items() if "observations" not in name})
-    with pytest.raises(RecordingError, match="is damaged: its arrays are not those that its header names"):
+    archive(
+        many, {name: content for name, content in members.items() if "observations" not in name}
+    )
+    with pytest.raises(
+        RecordingError, match="is damaged: its arrays are not those that its header names"
+    ):
         Dataset(many)
 
 
@@ -322,5 +405,7 @@ def test_more_episodes_than_there_are(episodes: int, many: Path) -> None:
         members = {name: file.read(name) for name in file.namelist()}
     told = Dataset(many).header.model_copy(update={"episodes": episodes})
     archive(many, {**members, "header.npy": npy(np.array(told.model_dump_json()))})
-    with pytest.raises(RecordingError, match=rf"is damaged: it doesn't hold the returns of {episodes} episodes"):
+    with pytest.raises(
+        RecordingError, match=rf"is damaged: it doesn't hold the returns of {episodes} episodes"
+    ):
         Dataset(many)

@@ -9,8 +9,15 @@ import pytest
 from tests.test_prose import paragraphs
 
 ROOT = Path(__file__).parents[2]
-TEXT, FILES, REPLAYS, READING, LINKS = (f"security/test_{name}.py" for name in ("generated_text", "files", "replays", "reading", "links"))
-POLICIES, ACCESS, CHILD = "trainers/test_policy_safety.py", "studio/test_access.py", "studio/test_child.py"
+TEXT, FILES, REPLAYS, READING, LINKS = (
+    f"security/test_{name}.py"
+    for name in ("generated_text", "files", "replays", "reading", "links")
+)
+POLICIES, ACCESS, CHILD = (
+    "trainers/test_policy_safety.py",
+    "studio/test_access.py",
+    "studio/test_child.py",
+)
 LIMITS, PAGE, SERVER = (
     "compiler/test_limits.py",
     "render/test_episode_page.py",
@@ -25,7 +32,9 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{READING}::test_commands_that_read_run_nothing",
         f"{READING}::test_the_language_server_runs_nothing",
     ),
-    "A game names other files": ("compiler/test_error_cases.py::test_case",),  # errors/SJ112_file_outside.sj
+    "A game names other files": (
+        "compiler/test_error_cases.py::test_case",
+    ),  # errors/SJ112_file_outside.sj
     "Links there may lead": (
         f"{LINKS}::test_a_link_inside_the_folder",
         f"{LINKS}::test_links_to_another_package",
@@ -34,7 +43,10 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
     "Only regular files": (f"{LINKS}::test_what_is_no_file_is_not_waited_for",),
     "Sizes are limited": (f"{LIMITS}::test_one_message",),
     "**Compiled games** are": (f"{TEXT}::test_the_texts_of_a_game_become_no_code",),
-    "Only names, numbers": (f"{TEXT}::test_the_texts_of_a_game_become_no_code", f"{TEXT}::test_the_name_of_a_file_becomes_no_code"),
+    "Only names, numbers": (
+        f"{TEXT}::test_the_texts_of_a_game_become_no_code",
+        f"{TEXT}::test_the_name_of_a_file_becomes_no_code",
+    ),
     "The cache of compiled games": (f"{TEXT}::test_what_is_cached_does_not_depend_on_the_file",),
     "A game may still take": WARNS,
     "**The studio** listens": (f"{READING}::test_the_studio_listens_on_this_machine_alone",),
@@ -87,7 +99,10 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{REPLAYS}::test_no_line_of_another_file_is_printed",
         f"{REPLAYS}::test_a_folder_of_a_run_shows_no_other_file_either",
     ),
-    "**Pages** of episodes": (f"{PAGE}::test_texts_of_a_game_stay_texts", f"{READING}::test_a_report_shows_names_as_texts"),
+    "**Pages** of episodes": (
+        f"{PAGE}::test_texts_of_a_game_stay_texts",
+        f"{READING}::test_a_report_shows_names_as_texts",
+    ),
     "None of them becomes": (f"{READING}::test_a_page_has_no_more_elements_for_any_title",),
     "**What does run code": (f"{POLICIES}::test_what_the_caller_names_runs",),
     "Functions that only the files of a policy": (
@@ -116,10 +131,16 @@ def test_every_sentence_is_held_by_a_test() -> None:
     found = promised()
     for sentence in found:
         assert [start for start in HELD_BY if sentence.startswith(start)] != [], sentence
-    assert [start for start in HELD_BY if not any(sentence.startswith(start) for sentence in found)] == []
+    assert [
+        start for start in HELD_BY if not any(sentence.startswith(start) for sentence in found)
+    ] == []
 
 
-@pytest.mark.parametrize("name", sorted({name for names in HELD_BY.values() if names != WARNS for name in names}))
+@pytest.mark.parametrize(
+    "name", sorted({name for names in HELD_BY.values() if names != WARNS for name in names})
+)
 def test_the_tests_are_there(name: str) -> None:
     file, _, function = name.partition("::")
-    assert re.search(rf"^(async )?def {function}\b", (ROOT / "tests" / file).read_text("utf-8"), re.MULTILINE)
+    assert re.search(
+        rf"^(async )?def {function}\b", (ROOT / "tests" / file).read_text("utf-8"), re.MULTILINE
+    )

@@ -16,7 +16,13 @@ from sjdsl.library.substrates import written_substrates
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "build" / "site"
 PAGES = sorted(SITE.rglob("*.html"))
-LOADED = {("script", "src"), ("img", "src"), ("iframe", "src"), ("source", "srcset"), ("link", "href")}
+LOADED = {
+    ("script", "src"),
+    ("img", "src"),
+    ("iframe", "src"),
+    ("source", "srcset"),
+    ("link", "href"),
+}
 LED = LOADED | {("a", "href")}
 INLINE = "data:"
 
@@ -35,7 +41,9 @@ class Seen(HTMLParser):
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         values = dict(attrs)
         self.anchors |= {value for key in ("id", "name") if (value := values.get(key))}
-        self.links += [(tag, value) for key, value in attrs if value is not None and (tag, key) in LED]
+        self.links += [
+            (tag, value) for key, value in attrs if value is not None and (tag, key) in LED
+        ]
 
     def handle_data(self, data: str) -> None:
         self.text.append(data)
@@ -71,36 +79,65 @@ def dead_links(page: Path, site: Path = SITE) -> Iterator[str]:
 
 
 def test_every_link_and_anchor_leads_somewhere() -> None:
-    pages = [page for page in PAGES if page.name != "404.html"]  # its links begin at the root of the server
+    pages = [
+        page for page in PAGES if page.name != "404.html"
+    ]  # its links begin at the root of the server
     assert len(pages) > 100
-    found = {str(page.relative_to(SITE)): dead for page in pages if (dead := list(dead_links(page)))}
+    found = {
+        str(page.relative_to(SITE)): dead for page in pages if (dead := list(dead_links(page)))
+    }
     assert found == {}
 
 
 def test_a_dead_link_is_found(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
-    page.write_text('<a id="here" href="#here"></a><a href="#gone"></a><img src="none.png"><a href="page.html#here"></a>', "utf-8")
+    page.write_text(
+        '<a id="here" href="#here"></a><a href="#gone"></a><img src="none.png"><a href="page.html#here"></a>',
+        "utf-8",
+    )
     assert list(dead_links(page, tmp_path)) == ["#gone: no such anchor", "none.png: no such file"]
 
 
 def test_nothing_is_loaded_from_elsewhere() -> None:
-    loaded = {url for page in PAGES for tag, url in seen(page).links if tag != "a" and elsewhere(url) and not url.startswith(INLINE)}
+    loaded = {
+        url
+        for page in PAGES
+        for tag, url in seen(page).links
+        if tag != "a" and elsewhere(url) and not url.startswith(INLINE)
+    }
     assert loaded == set()
 
 
 def test_every_game_and_substrate_has_a_picture_and_a_board() -> None:
-    names = [*bundled(), *(f"{s.game}__{s.variant}" if s.variant else s.game for s in written_substrates())]
-    assert [name for name in names if not (SITE / "gallery" / f"{name.split('__')[0]}.html").is_file()] == []
-    small = [n for n in names for end in ("gif", "html", "png") if (SITE / "boards" / f"{n}.{end}").stat().st_size < 500]
+    names = [
+        *bundled(),
+        *(f"{s.game}__{s.variant}" if s.variant else s.game for s in written_substrates()),
+    ]
+    assert [
+        name for name in names if not (SITE / "gallery" / f"{name.split('__')[0]}.html").is_file()
+    ] == []
+    small = [
+        n
+        for n in names
+        for end in ("gif", "html", "png")
+        if (SITE / "boards" / f"{n}.{end}").stat().st_size < 500
+    ]
     assert small == []
     gallery = {url for tag, url in seen(SITE / "gallery" / "index.html").links if tag == "img"}
-    substrates = {f"../boards/{s.game}__{s.variant}.gif" if s.variant else f"../boards/{s.game}.gif" for s in written_substrates()}
+    substrates = {
+        f"../boards/{s.game}__{s.variant}.gif" if s.variant else f"../boards/{s.game}.gif"
+        for s in written_substrates()
+    }
     assert gallery == substrates | {f"../boards/{name}.gif" for name in main_games()}
 
 
 def test_the_manual_is_in_pages_and_says_everything() -> None:
     chapters = sorted((SITE / "language").glob("*.html"))
-    titles = [line for line in (ROOT / "docs/language.md").read_text("utf-8").splitlines() if line.startswith("## ")]
+    titles = [
+        line
+        for line in (ROOT / "docs/language.md").read_text("utf-8").splitlines()
+        if line.startswith("## ")
+    ]
     assert len(chapters) == len(titles) > 20
     assert "51-kinds-and-glyphs" in seen(SITE / "language" / "the-world.html").anchors
     led = {url for _, url in seen(SITE / "recipes.html").links}
@@ -111,7 +148,10 @@ def test_the_manual_is_in_pages_and_says_everything() -> None:
     ("page", "wanted"),
     [
         ("reference/sjdsl.html", {"sjdsl.make", "sjdsl.Environment", "sjdsl.Environment.step"}),
-        ("reference/sjdsl.trainers.html", {"sjdsl.trainers.train", "sjdsl.trainers.evaluate", "sjdsl.trainers.PPOConfig"}),
+        (
+            "reference/sjdsl.trainers.html",
+            {"sjdsl.trainers.train", "sjdsl.trainers.evaluate", "sjdsl.trainers.PPOConfig"},
+        ),
         ("reference/sjdsl.experiments.html", {"sjdsl.experiments.schelling_diagram"}),
         ("reference/messages.html", {"sj204-a-field-can-leave-its-range"}),
         ("reference/commands.html", {"sjdsl-train", "sjdsl-render"}),
@@ -130,5 +170,11 @@ def test_blocks_of_the_language_are_coloured() -> None:
 def test_pages_are_found_by_search() -> None:
     entries = json.loads((SITE / "search" / "search_index.json").read_text("utf-8"))["docs"]
     places = {entry["location"].split("#")[0] for entry in entries}
-    assert {"tour.html", "language/agents.html", "gallery/clean_up.html", "reference/sjdsl.html", "training.html"} <= places
+    assert {
+        "tour.html",
+        "language/agents.html",
+        "gallery/clean_up.html",
+        "reference/sjdsl.html",
+        "training.html",
+    } <= places
     assert not [place for place in places if place.startswith("source/") and "ipynb" not in place]

@@ -11,7 +11,14 @@ import pytest
 
 playwright = pytest.importorskip("playwright.sync_api", reason="make test-browser installs it")
 SITE = Path(__file__).parents[2] / "build" / "site"
-CHROMIUM = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
+CHROMIUM = next(
+    (
+        path
+        for name in ("chromium", "chromium-browser", "google-chrome")
+        if (path := shutil.which(name))
+    ),
+    None,
+)
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
 WAIT = 60_000  # milliseconds, at most
 
@@ -39,8 +46,17 @@ def page(address: str) -> Iterator[object]:
         opened, wrong = browser.new_page(), list[str]()
         opened.set_default_timeout(WAIT)
         opened.on("pageerror", lambda error: wrong.append(str(error)))
-        opened.on("response", lambda answer: wrong.append(answer.url) if answer.status >= 400 else None)
-        opened.on("request", lambda asked: wrong.append(asked.url) if not asked.url.startswith((address, "data:", "blob:")) else None)
+        opened.on(
+            "response", lambda answer: wrong.append(answer.url) if answer.status >= 400 else None
+        )
+        opened.on(
+            "request",
+            lambda asked: (
+                wrong.append(asked.url)
+                if not asked.url.startswith((address, "data:", "blob:"))
+                else None
+            ),
+        )
         yield opened
         browser.close()
     assert wrong == []
@@ -50,7 +66,9 @@ def test_search_finds_a_chapter_of_the_manual(page: object, address: str) -> Non
     page.goto(f"{address}/index.html")
     page.get_by_role("textbox", name="Search").click()
     page.get_by_role("textbox", name="Search").fill("glyphs")
-    page.locator('.md-search-result__link[href*="language/the-world.html"]').first.wait_for(timeout=WAIT)
+    page.locator('.md-search-result__link[href*="language/the-world.html"]').first.wait_for(
+        timeout=WAIT
+    )
 
 
 def test_search_works_in_pages_opened_from_a_disk(page: object) -> None:
@@ -59,7 +77,9 @@ def test_search_works_in_pages_opened_from_a_disk(page: object) -> None:
     opened.get_by_role("textbox", name="Search").click()
     opened.get_by_text("Type to start searching").wait_for(timeout=WAIT)
     opened.keyboard.type("glyphs")
-    opened.locator('.md-search-result__link[href*="language/the-world.html"]').first.wait_for(timeout=WAIT)
+    opened.locator('.md-search-result__link[href*="language/the-world.html"]').first.wait_for(
+        timeout=WAIT
+    )
     opened.close()
 
 
@@ -72,21 +92,33 @@ def test_a_live_board_is_stepped_through_and_fits(page: object, address: str) ->
         page.set_viewport_size({"width": width, "height": 800})
         page.wait_for_timeout(500)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-        sizes = [board.locator(f'[data-part="{name}"]').bounding_box() for name in ("stage", "board")]
+        sizes = [
+            board.locator(f'[data-part="{name}"]').bounding_box() for name in ("stage", "board")
+        ]
         assert sizes[1]["width"] > 0.8 * min(sizes[0]["width"], 11 * 48), (
             "the board fills its pane, or its pictures are as large as they get"
         )
         frame = page.locator("iframe.board").first.bounding_box()
-        assert abs(frame["height"] - board.locator("html").evaluate("page => page.offsetHeight")) <= 4, "no empty space, nothing hidden"
+        assert (
+            abs(frame["height"] - board.locator("html").evaluate("page => page.offsetHeight")) <= 4
+        ), "no empty space, nothing hidden"
 
 
-def test_the_front_page_begins_with_the_playground_and_fits_a_phone(page: object, address: str) -> None:
+def test_the_front_page_begins_with_the_playground_and_fits_a_phone(
+    page: object, address: str
+) -> None:
     page.set_viewport_size({"width": 390, "height": 800})
     page.goto(f"{address}/index.html")
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     first, *_ = page.locator(".md-button").all()
-    assert (first.inner_text(), first.get_attribute("href")) == ("Playground", "https://sjdsl.github.io/sjdsl/playground/")
-    film, text = page.locator("article picture").first.bounding_box(), page.locator("article pre").first.bounding_box()
+    assert (first.inner_text(), first.get_attribute("href")) == (
+        "Playground",
+        "https://sjdsl.github.io/sjdsl/playground/",
+    )
+    film, text = (
+        page.locator("article picture").first.bounding_box(),
+        page.locator("article pre").first.bounding_box(),
+    )
     assert text["y"] >= film["y"] + film["height"], "the text isn't under the film"
 
 
@@ -104,11 +136,17 @@ def test_films_stand_still_for_those_who_ask(page: object, address: str) -> None
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("name", ["index.html", "gallery/index.html", "gallery/coins.html"])
 def test_axe_finds_nothing(name: str, scheme: str, page: object, address: str) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="make test-browser installs it").Axe()
+    axe = pytest.importorskip(
+        "axe_playwright_python.sync_playwright", reason="make test-browser installs it"
+    ).Axe()
     page.set_viewport_size({"width": 1100, "height": 900})
     page.emulate_media(color_scheme=scheme)
     page.goto(f"{address}/{name}")
-    page.locator(".md-code__nav[aria-label]").first.wait_for(state="attached") if name == "index.html" else None
+    page.locator(".md-code__nav[aria-label]").first.wait_for(
+        state="attached"
+    ) if name == "index.html" else None
     found = axe.run(page).response["violations"]
     page.emulate_media(color_scheme="light")
-    assert [(violation["id"], [node["target"] for node in violation["nodes"]]) for violation in found] == []
+    assert [
+        (violation["id"], [node["target"] for node in violation["nodes"]]) for violation in found
+    ] == []

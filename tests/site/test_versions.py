@@ -16,8 +16,19 @@ VERSION = '[{"version": "0.1", "title": "0.1", "aliases": ["latest"]}]'
 
 def git(folder: Path, *words: str, given: str = "") -> str:
     """Returns what git says in a folder."""
-    who = {f"GIT_{role}_{what}": text for role in ("AUTHOR", "COMMITTER") for what, text in (("NAME", "n"), ("EMAIL", "n@example.org"))}
-    done = subprocess.run(["git", "-C", folder, *words], input=given, env=os.environ | who, capture_output=True, text=True, check=True)
+    who = {
+        f"GIT_{role}_{what}": text
+        for role in ("AUTHOR", "COMMITTER")
+        for what, text in (("NAME", "n"), ("EMAIL", "n@example.org"))
+    }
+    done = subprocess.run(
+        ["git", "-C", folder, *words],
+        input=given,
+        env=os.environ | who,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     return done.stdout.strip()
 
 
@@ -43,10 +54,14 @@ def test_the_first_page_leads_to_the_latest_version(tmp_path: Path) -> None:
     )
     assert '"latest/"' in git(here, "show", "gh-pages:index.html")
     assert git(here, "show", "gh-pages:versions.json") == VERSION
-    assert git(here, "rev-parse", "gh-pages~1") == git(here, "rev-parse", "origin/gh-pages"), "nothing is pushed"
+    assert git(here, "rev-parse", "gh-pages~1") == git(here, "rev-parse", "origin/gh-pages"), (
+        "nothing is pushed"
+    )
 
 
-def test_the_table_of_contents_is_made_without_reading_a_game(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_table_of_contents_is_made_without_reading_a_game(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Every command of mike asks for it; to read all games would take half a minute of each."""
 
     def read(*_: object) -> None:
@@ -57,4 +72,7 @@ def test_the_table_of_contents_is_made_without_reading_a_game(monkeypatch: pytes
     config = load_config(str(ROOT / "mkdocs.yml"))
     config = config.plugins.run_event("config", config)
     (games,) = (section["Gallery"] for section in config.nav if "Gallery" in section)
-    assert games == [gallery.INDEX, *(f"{gallery.FOLDER}/{name}.md" for name in gallery.shown_names())]
+    assert games == [
+        gallery.INDEX,
+        *(f"{gallery.FOLDER}/{name}.md" for name in gallery.shown_names()),
+    ]

@@ -16,14 +16,27 @@ POWER = 0.999
 FEWEST = 20  # expected in each class: there the chi-square distribution may be used
 
 
-def assert_distribution(counts: np.ndarray, probabilities: Sequence[float] | None, finds: float, tests: int = 1) -> None:
+def assert_distribution(
+    counts: np.ndarray, probabilities: Sequence[float] | None, finds: float, tests: int = 1
+) -> None:
     """Asserts how often each outcome came; equally often without `probabilities`. `finds`: a bias that the test finds at least."""
     counts = np.asarray(counts, np.float64).reshape(-1)
-    shares = np.full(counts.size, 1 / counts.size) if probabilities is None else np.asarray(probabilities, np.float64)
+    shares = (
+        np.full(counts.size, 1 / counts.size)
+        if probabilities is None
+        else np.asarray(probabilities, np.float64)
+    )
     assert abs(shares.sum() - 1) < 1e-9
     expected = shares * counts.sum()
     assert expected.min() >= FEWEST, "too few trials"
-    _judge(float(((counts - expected) ** 2 / expected).sum()), counts.size - 1, counts.sum(), finds, tests, counts)
+    _judge(
+        float(((counts - expected) ** 2 / expected).sum()),
+        counts.size - 1,
+        counts.sum(),
+        finds,
+        tests,
+        counts,
+    )
 
 
 def assert_independent(table: np.ndarray, finds: float, tests: int = 1) -> None:
@@ -34,7 +47,9 @@ def assert_independent(table: np.ndarray, finds: float, tests: int = 1) -> None:
     assert min(table.shape) > 1, "an outcome that is always the same"
     assert expected.min() >= FEWEST, "too few trials"
     freedom = (table.shape[0] - 1) * (table.shape[1] - 1)
-    _judge(float(((table - expected) ** 2 / expected).sum()), freedom, table.sum(), finds, tests, table)
+    _judge(
+        float(((table - expected) ** 2 / expected).sum()), freedom, table.sum(), finds, tests, table
+    )
 
 
 @cache
@@ -42,10 +57,21 @@ def found_bias(trials: float, freedom: int, tests: int = 1) -> float:
     """Returns the w that is found with probability `POWER`."""
     bound = stats.chi2.isf(FALSE_ALARM / tests, freedom)
     largest = 10 * (bound + 100)
-    return float(np.sqrt(optimize.brentq(lambda x: stats.ncx2.sf(bound, freedom, x) - POWER, 1e-3, largest) / trials))
+    return float(
+        np.sqrt(
+            optimize.brentq(lambda x: stats.ncx2.sf(bound, freedom, x) - POWER, 1e-3, largest)
+            / trials
+        )
+    )
 
 
-def _judge(statistic: float, freedom: int, trials: float, finds: float, tests: int, counts: np.ndarray) -> None:
-    assert found_bias(trials, freedom, tests) <= finds, f"finds a bias of {found_bias(trials, freedom, tests):.4f} only"
+def _judge(
+    statistic: float, freedom: int, trials: float, finds: float, tests: int, counts: np.ndarray
+) -> None:
+    assert found_bias(trials, freedom, tests) <= finds, (
+        f"finds a bias of {found_bias(trials, freedom, tests):.4f} only"
+    )
     chance = float(stats.chi2.sf(statistic, freedom))
-    assert chance >= FALSE_ALARM / tests, f"as likely as {chance:.1e}: chi-square {statistic:.1f}, {freedom} degrees: {counts.tolist()}"
+    assert chance >= FALSE_ALARM / tests, (
+        f"as likely as {chance:.1e}: chi-square {statistic:.1f}, {freedom} degrees: {counts.tolist()}"
+    )

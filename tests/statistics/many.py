@@ -13,7 +13,12 @@ import sjdsl
 
 STEPS, ENVIRONMENTS = 16, 4096  # as a rollout has them
 FORWARD, STEP_RIGHT, BACKWARD, STEP_LEFT = 1, 2, 3, 4
-AROUND = ((0, 6, BACKWARD), (1, 7, STEP_LEFT), (2, 6, FORWARD), (1, 5, STEP_RIGHT))  # four agents who all enter one cell
+AROUND = (
+    (0, 6, BACKWARD),
+    (1, 7, STEP_LEFT),
+    (2, 6, FORWARD),
+    (1, 5, STEP_RIGHT),
+)  # four agents who all enter one cell
 HENS = ((1, 1), (1, 5), (1, 9))  # four open cells around each
 PAWNS = ((3, 3), (3, 5))  # face each other, with one cell between them
 EAST, WEST = 1, 3
@@ -38,7 +43,9 @@ def rollout_keys(seed: int) -> jax.Array:
 
 def counted_keys(first: int) -> jax.Array:
     """Returns keys that differ as little as keys can: `jax.random.key` of numbers in a row."""
-    return jax.vmap(jax.random.key)(jnp.arange(first, first + STEPS * ENVIRONMENTS)).reshape(STEPS, ENVIRONMENTS)
+    return jax.vmap(jax.random.key)(jnp.arange(first, first + STEPS * ENVIRONMENTS)).reshape(
+        STEPS, ENVIRONMENTS
+    )
 
 
 @cache
@@ -60,9 +67,17 @@ def _one(key: jax.Array) -> dict[str, jax.Array]:
     actions = jnp.asarray([action for *_, action in AROUND] + [0, 0], jnp.int32)
     after = env.step_env(key, state, actions)[1]
     back = env.step_env(jax.random.fold_in(key, 1), after, jnp.zeros(6, jnp.int32))[1]
-    fields = {name: getattr(after, f"floor_{name}").astype(jnp.int32) for name in ("hit", "tabled", "chain", "number", "wide")}
-    fields |= {name: getattr(after, f"floor_{name}").astype(jnp.int32) for name in ("colour", "burden", "picked", "some")}
-    fields["part"] = jnp.floor((after.floor_part + 1) * 5).astype(jnp.int32)  # a twentieth of -1 .. 3 each
+    fields = {
+        name: getattr(after, f"floor_{name}").astype(jnp.int32)
+        for name in ("hit", "tabled", "chain", "number", "wide")
+    }
+    fields |= {
+        name: getattr(after, f"floor_{name}").astype(jnp.int32)
+        for name in ("colour", "burden", "picked", "some")
+    }
+    fields["part"] = jnp.floor((after.floor_part + 1) * 5).astype(
+        jnp.int32
+    )  # a twentieth of -1 .. 3 each
     place, again = (_cells(env, s) for s in (after, back))
     return {
         **fields,
@@ -92,7 +107,9 @@ def _of_movers(key: jax.Array) -> dict[str, jax.Array]:
     state = env.module.initial_state()
     facing = jnp.asarray([EAST, WEST], state.pawn_heading.dtype)
     hens, pawns, agent = (_positions(env, cells, state) for cells in (HENS, PAWNS, [(0, 0)]))
-    state = state.replace(position=agent, hen_position=hens, pawn_position=pawns, pawn_heading=facing)
+    state = state.replace(
+        position=agent, hen_position=hens, pawn_position=pawns, pawn_heading=facing
+    )
     after = env.step_env(key, state, jnp.zeros(1, jnp.int32))[1]
     moved = after.pawn_position != state.pawn_position
     return {"strayed": after.hen_heading.astype(jnp.int32), "pushed": moved.astype(jnp.int32)}
@@ -100,7 +117,9 @@ def _of_movers(key: jax.Array) -> dict[str, jax.Array]:
 
 def _positions(env: sjdsl.Environment, cells: Sequence[tuple[int, int]], state: Any) -> jax.Array:
     """Returns cells of the map as a state has them."""
-    numbers = [(row + env.module.PAD) * env.module.FRAME[1] + col + env.module.PAD for row, col in cells]
+    numbers = [
+        (row + env.module.PAD) * env.module.FRAME[1] + col + env.module.PAD for row, col in cells
+    ]
     return jnp.asarray(numbers, state.position.dtype)
 
 
@@ -113,5 +132,12 @@ def _cells(env: sjdsl.Environment, state: Any) -> jax.Array:
 def _first_dens(env: sjdsl.Environment, state: Any) -> jax.Array:
     """Returns the number of the cell to which each of the last two came back, before they were sent again."""
     rows = env.game.rows
-    dens = jnp.asarray([r * len(rows[0]) + c for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph == "d"])
+    dens = jnp.asarray(
+        [
+            r * len(rows[0]) + c
+            for r, row in enumerate(rows)
+            for c, glyph in enumerate(row)
+            if glyph == "d"
+        ]
+    )
     return jnp.stack([dens[jnp.argmax(state.den_guest == agent)] for agent in (4, 5)])

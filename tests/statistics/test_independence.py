@@ -11,7 +11,18 @@ from tests.statistics.many import outcomes
 KEYS = ("rollout", "counted")
 PER_CELL = ("hit", "tabled", "chain", "number", "wide", "colour", "burden", "part")
 COARSER = {"wide": 100, "part": 5}  # so many classes taken as one
-OF_AGENTS = ("partner", "came", "gate", "heading", "den", "returned heading", "den again", "heading again", "taker", "strayed")
+OF_AGENTS = (
+    "partner",
+    "came",
+    "gate",
+    "heading",
+    "den",
+    "returned heading",
+    "den again",
+    "heading again",
+    "taker",
+    "strayed",
+)
 PAIRS = list(combinations((*PER_CELL, "picked", "some", *OF_AGENTS, "pushed"), 2))
 
 
@@ -22,7 +33,10 @@ def classes(keys: str) -> dict[str, np.ndarray]:
         found[name] = outcomes(keys)[name].argmax(axis=-1)
     found["some"] = outcomes(keys)["some"].argmax(axis=-1)
     found |= {name: found[name] // of for name, of in COARSER.items()}
-    return {name: np.unique(value, return_inverse=True)[1].reshape(value.shape) for name, value in found.items()}
+    return {
+        name: np.unique(value, return_inverse=True)[1].reshape(value.shape)
+        for name, value in found.items()
+    }
 
 
 def table(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -41,7 +55,13 @@ def merged(counts: np.ndarray) -> np.ndarray:
             into = rare - 1 if rare else 1
             order = np.arange(counts.shape[axis])
             order[rare] = into
-            counts = np.stack([np.take(counts, np.flatnonzero(order == i), axis).sum(axis=axis) for i in np.unique(order)], axis)
+            counts = np.stack(
+                [
+                    np.take(counts, np.flatnonzero(order == i), axis).sum(axis=axis)
+                    for i in np.unique(order)
+                ],
+                axis,
+            )
     return counts
 
 

@@ -43,17 +43,25 @@ def ways(found: np.ndarray, possible: list[tuple[int, ...]]) -> np.ndarray:
 def test_of_each_cell(name: str, keys: str) -> None:
     """A chance, a chain of chances, numbers, words, weighted words."""
     found, shares = outcomes(keys)[name], PER_CELL[name]
-    assert_distribution(np.bincount(found.reshape(-1), minlength=len(shares)), shares, finds=0.021 if len(shares) > 10 else 0.011)
+    assert_distribution(
+        np.bincount(found.reshape(-1), minlength=len(shares)),
+        shares,
+        finds=0.021 if len(shares) > 10 else 0.011,
+    )
     if len(shares) < 10:
         cells = found.reshape(-1, found.shape[-1]).T
-        assert_independent(np.stack([np.bincount(cell, minlength=len(shares)) for cell in cells]), finds=0.015)
+        assert_independent(
+            np.stack([np.bincount(cell, minlength=len(shares)) for cell in cells]), finds=0.015
+        )
 
 
 @pytest.mark.parametrize("keys", KEYS)
 def test_a_chance_from_a_table(keys: str) -> None:
     found = outcomes(keys)["tabled"]
     for cells, probability in ((~high(), 0.1), (high(), 0.6)):
-        assert_distribution(np.bincount(found[..., cells].reshape(-1)), (1 - probability, probability), finds=0.013)
+        assert_distribution(
+            np.bincount(found[..., cells].reshape(-1)), (1 - probability, probability), finds=0.013
+        )
 
 
 @pytest.mark.parametrize("keys", KEYS)
@@ -62,7 +70,11 @@ def test_pick(keys: str) -> None:
     one, some = outcomes(keys)["picked"], outcomes(keys)["some"]
     assert not one[..., ~high()].any()
     assert not some[..., high()].any()
-    assert_distribution(ways(one[..., high()], [tuple(row) for row in np.eye(7, dtype=int).tolist()]), None, finds=0.04)
+    assert_distribution(
+        ways(one[..., high()], [tuple(row) for row in np.eye(7, dtype=int).tolist()]),
+        None,
+        finds=0.04,
+    )
     threes = [tuple(int(i in three) for i in range(8)) for three in combinations(range(8), 3)]
     assert_distribution(ways(some[..., ~high()], threes), None, finds=0.05)
 
@@ -71,7 +83,9 @@ def test_pick(keys: str) -> None:
 def test_ties(keys: str) -> None:
     """Four agents enter one cell: one of them comes there, each equally often."""
     came = outcomes(keys)["came"]
-    assert_distribution(ways(came, [tuple(row) for row in np.eye(4, dtype=int).tolist()]), None, finds=0.04)
+    assert_distribution(
+        ways(came, [tuple(row) for row in np.eye(4, dtype=int).tolist()]), None, finds=0.04
+    )
 
 
 @pytest.mark.parametrize("keys", KEYS)
@@ -89,9 +103,13 @@ def test_match(keys: str) -> None:
 @pytest.mark.parametrize("keys", KEYS)
 def test_places(keys: str) -> None:
     """Four are sent to six gates at once, in 360 ways; two come back to six dens, in 30, and are sent there again."""
-    assert_distribution(ways(outcomes(keys)["gate"], list(permutations(GATES, 4))), None, finds=0.07)
+    assert_distribution(
+        ways(outcomes(keys)["gate"], list(permutations(GATES, 4))), None, finds=0.07
+    )
     for name in ("den", "den again"):
-        assert_distribution(ways(outcomes(keys)[name], list(permutations(DENS, 2))), None, finds=0.05)
+        assert_distribution(
+            ways(outcomes(keys)[name], list(permutations(DENS, 2))), None, finds=0.05
+        )
 
 
 @pytest.mark.parametrize("keys", KEYS)
@@ -114,7 +132,9 @@ def test_lots(keys: str) -> None:
 @pytest.mark.parametrize("keys", KEYS)
 def test_movers_at_random(keys: str) -> None:
     """Three movers with four open cells each: 64 ways."""
-    assert_distribution(ways(outcomes(keys)["strayed"], list(np.ndindex(4, 4, 4))), None, finds=0.05)
+    assert_distribution(
+        ways(outcomes(keys)["strayed"], list(np.ndindex(4, 4, 4))), None, finds=0.05
+    )
 
 
 @pytest.mark.parametrize("keys", KEYS)

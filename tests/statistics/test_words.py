@@ -40,7 +40,11 @@ def first_words() -> np.ndarray:
     """Returns the first word of each stream under keys in a row, `[S, KEYS]`."""
     keys = jax.random.key_data(jax.vmap(jax.random.key)(jnp.arange(KEYS)))
     number = jnp.zeros((), jnp.uint32)
-    return np.asarray(jax.vmap(lambda s: jax.vmap(lambda k: random_bits_at(k, s, number))(keys))(jnp.asarray(all_streams(), jnp.uint32)))
+    return np.asarray(
+        jax.vmap(lambda s: jax.vmap(lambda k: random_bits_at(k, s, number))(keys))(
+            jnp.asarray(all_streams(), jnp.uint32)
+        )
+    )
 
 
 def test_no_bit_leans() -> None:
@@ -63,7 +67,12 @@ def test_bits_of_all_rules_are_pairwise_independent() -> None:
 def test_bits_of_neighbouring_numbers_and_keys_are_independent() -> None:
     """Numbers under one key, as the instances of a rule have them; keys in a row."""
     number = 2**14
-    instances = np.stack([np.asarray(random_bits(jnp.array([0, 7], jnp.uint32), stream, number)) for stream in all_streams()[::4]])
+    instances = np.stack(
+        [
+            np.asarray(random_bits(jnp.array([0, 7], jnp.uint32), stream, number))
+            for stream in all_streams()[::4]
+        ]
+    )
     for found in (instances, first_words()):
         rows = signs(found)
         together = np.abs(np.einsum("sin,sjn->sij", rows[..., :-1], rows[..., 1:], optimize=True))

@@ -64,22 +64,45 @@ def test_the_page_wants_the_token(client: TestClient) -> None:
     ],
     ids=str,
 )
-def test_other_hosts_and_origins_are_refused_whatever_they_know(client: TestClient, path: str, headers: dict[str, str]) -> None:
+def test_other_hosts_and_origins_are_refused_whatever_they_know(
+    client: TestClient, path: str, headers: dict[str, str]
+) -> None:
     token = ("&" if "?" in path else "?") + "token=secret"
     assert client.get(path + token, headers=headers).status_code == 403
     assert client.get(path + token, headers={"origin": "http://127.0.0.1:8123"}).status_code == 200
 
 
 @pytest.mark.parametrize("path", ["/bench", "/language"])
-@pytest.mark.parametrize("wrong", [("", {}), (TOKEN, {"origin": "https://evil.example"}), (TOKEN, {"host": "evil.example"})], ids=str)
-def test_sockets_are_refused_alike(client: TestClient, path: str, wrong: tuple[str, dict[str, str]]) -> None:
+@pytest.mark.parametrize(
+    "wrong",
+    [("", {}), (TOKEN, {"origin": "https://evil.example"}), (TOKEN, {"host": "evil.example"})],
+    ids=str,
+)
+def test_sockets_are_refused_alike(
+    client: TestClient, path: str, wrong: tuple[str, dict[str, str]]
+) -> None:
     query, headers = wrong
-    with pytest.raises(WebSocketDisconnect) as closed, client.websocket_connect(path + query, headers=OWN | headers):
+    with (
+        pytest.raises(WebSocketDisconnect) as closed,
+        client.websocket_connect(path + query, headers=OWN | headers),
+    ):
         pass
     assert closed.value.code == 4403
 
 
-@pytest.mark.parametrize("path", ["../outside.sj", "/etc/passwd", "link.sj", "notes.md", "maps/../../outside.sj", ".", "", "gone.sj"])
+@pytest.mark.parametrize(
+    "path",
+    [
+        "../outside.sj",
+        "/etc/passwd",
+        "link.sj",
+        "notes.md",
+        "maps/../../outside.sj",
+        ".",
+        "",
+        "gone.sj",
+    ],
+)
 def test_only_games_and_maps_inside_the_folder_are_read(client: TestClient, path: str) -> None:
     answer = client.get("/file", params={"token": "secret", "path": path})
     assert answer.status_code == 404
@@ -102,17 +125,28 @@ def test_nothing_else_is_written(client: TestClient, folder: Path, path: str) ->
     assert not (folder.parent / "new.sj").exists()
 
 
-def test_a_file_that_somebody_else_changed_is_not_written_over(client: TestClient, folder: Path) -> None:
+def test_a_file_that_somebody_else_changed_is_not_written_over(
+    client: TestClient, folder: Path
+) -> None:
     first = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()
     (folder / "yard.sj").write_text("theirs\n", encoding="utf-8")
-    answer = client.put("/file" + TOKEN, json={"path": "yard.sj", "text": "mine\n", "digest": first["digest"]})
+    answer = client.put(
+        "/file" + TOKEN, json={"path": "yard.sj", "text": "mine\n", "digest": first["digest"]}
+    )
     assert answer.status_code == 409
     assert (folder / "yard.sj").read_text(encoding="utf-8") == "theirs\n"
     now = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()
-    saved = client.put("/file" + TOKEN, json={"path": "yard.sj", "text": "mine\n", "digest": now["digest"]})
+    saved = client.put(
+        "/file" + TOKEN, json={"path": "yard.sj", "text": "mine\n", "digest": now["digest"]}
+    )
     assert saved.status_code == 200
     assert (folder / "yard.sj").read_text(encoding="utf-8") == "mine\n"
-    assert client.put("/file" + TOKEN, json={"path": "yard.sj", "text": "x", "digest": saved.json()["digest"]}).status_code == 200
+    assert (
+        client.put(
+            "/file" + TOKEN, json={"path": "yard.sj", "text": "x", "digest": saved.json()["digest"]}
+        ).status_code
+        == 200
+    )
 
 
 def test_the_list_of_games(client: TestClient) -> None:
@@ -123,9 +157,15 @@ def test_the_list_of_games(client: TestClient) -> None:
 
 
 def test_an_example_is_copied_with_its_maps_and_bases(client: TestClient, folder: Path) -> None:
-    text = client.get("/file", params={"token": "secret", "path": "example:harvest_closed.sj"}).json()["text"]
+    text = client.get(
+        "/file", params={"token": "secret", "path": "example:harvest_closed.sj"}
+    ).json()["text"]
     assert text.startswith("sj 1")
-    asked = {"example": "example:harvest_closed.sj", "path": "mine.sj", "text": text.replace("sj 1", "sj 1\n# mine", 1)}
+    asked = {
+        "example": "example:harvest_closed.sj",
+        "path": "mine.sj",
+        "text": text.replace("sj 1", "sj 1\n# mine", 1),
+    }
     assert client.post("/copy" + TOKEN, json=asked).status_code == 200
     assert "# mine" in (folder / "mine.sj").read_text(encoding="utf-8")
     assert not check(read_source(folder / "mine.sj"))
@@ -133,22 +173,39 @@ def test_an_example_is_copied_with_its_maps_and_bases(client: TestClient, folder
     again = client.post("/copy" + TOKEN, json=asked)
     assert again.status_code == 400
     assert "already" in again.json()["refused"]
-    assert client.post("/copy" + TOKEN, json=asked | {"path": "../outside_too.sj"}).status_code == 400
+    assert (
+        client.post("/copy" + TOKEN, json=asked | {"path": "../outside_too.sj"}).status_code == 400
+    )
 
 
-@pytest.mark.parametrize(("like", "map_"), [("", "new_game.txt"), ("example:harvest_closed.sj", "maps/harvest_closed.txt")])
-def test_a_new_game_has_its_map_and_its_name(client: TestClient, folder: Path, like: str, map_: str) -> None:
+@pytest.mark.parametrize(
+    ("like", "map_"),
+    [("", "new_game.txt"), ("example:harvest_closed.sj", "maps/harvest_closed.txt")],
+)
+def test_a_new_game_has_its_map_and_its_name(
+    client: TestClient, folder: Path, like: str, map_: str
+) -> None:
     made = client.post("/new" + TOKEN, json={"path": "new_game.sj", "like": like}).json()
     assert {"new_game.sj", map_} <= set(made["copied"])
     assert "game new_game " in (folder / "new_game.sj").read_text(encoding="utf-8")
     assert not [d for d in check(read_source(folder / "new_game.sj")) if d.severity == "error"]
-    for path, reason in (("new_game.sj", "already"), ("New Game.sj", "cannot name a game"), ("../new.sj", "outside")):
-        assert reason in client.post("/new" + TOKEN, json={"path": path, "like": like}).json()["refused"]
+    for path, reason in (
+        ("new_game.sj", "already"),
+        ("New Game.sj", "cannot name a game"),
+        ("../new.sj", "outside"),
+    ):
+        assert (
+            reason
+            in client.post("/new" + TOKEN, json={"path": path, "like": like}).json()["refused"]
+        )
 
 
 def test_a_copy_spares_other_files_of_the_same_name(client: TestClient, folder: Path) -> None:
     (folder / "harvest_open.sj").write_text("mine\n", encoding="utf-8")
-    answer = client.post("/copy" + TOKEN, json={"example": "example:harvest_closed.sj", "path": "mine.sj", "text": "sj 1"})
+    answer = client.post(
+        "/copy" + TOKEN,
+        json={"example": "example:harvest_closed.sj", "path": "mine.sj", "text": "sj 1"},
+    )
     assert "another file `harvest_open.sj`" in answer.json()["refused"]
     assert not (folder / "mine.sj").exists()
     assert (folder / "harvest_open.sj").read_text(encoding="utf-8") == "mine\n"
@@ -183,23 +240,46 @@ def test_the_token_of_a_user_is_kept_and_read_by_nobody_else(tmp_path: Path) -> 
     assert kept_token(tmp_path / "cache") != token, "somebody may have read it"
 
 
-@pytest.mark.parametrize("path", ["\0", "x" * 5000 + ".sj", "a/" * 3000 + "x.sj", "\ud800.sj", "maps"])
+@pytest.mark.parametrize(
+    "path", ["\0", "x" * 5000 + ".sj", "a/" * 3000 + "x.sj", "\ud800.sj", "maps"]
+)
 def test_a_name_that_no_file_can_have_is_refused(client: TestClient, path: str) -> None:
     for answer in (
         client.get("/file?token=secret&path=" + quote(path.encode("utf-8", "surrogatepass"))),
-        client.put("/file" + TOKEN, content=json.dumps({"path": path, "text": "x", "digest": None})),
-        client.post("/copy" + TOKEN, content=json.dumps({"example": "example:coins.sj", "path": path, "text": "x"})),
+        client.put(
+            "/file" + TOKEN, content=json.dumps({"path": path, "text": "x", "digest": None})
+        ),
+        client.post(
+            "/copy" + TOKEN,
+            content=json.dumps({"example": "example:coins.sj", "path": path, "text": "x"}),
+        ),
     ):
         assert answer.status_code in (400, 404)
         assert answer.json()["refused"]
 
 
 @pytest.mark.parametrize(
-    "body", ["", "[]", '"x"', "null", "[" * 100_000, "{}", '{"path": "yard.sj"}', '{"path": 1, "text": {}}'], ids=lambda b: b[:12]
+    "body",
+    [
+        "",
+        "[]",
+        '"x"',
+        "null",
+        "[" * 100_000,
+        "{}",
+        '{"path": "yard.sj"}',
+        '{"path": 1, "text": {}}',
+    ],
+    ids=lambda b: b[:12],
 )
-def test_a_request_of_nonsense_is_refused_in_words(client: TestClient, folder: Path, body: str) -> None:
+def test_a_request_of_nonsense_is_refused_in_words(
+    client: TestClient, folder: Path, body: str
+) -> None:
     before = (folder / "yard.sj").read_text(encoding="utf-8")
-    for answer in (client.put("/file" + TOKEN, content=body), client.post("/copy" + TOKEN, content=body)):
+    for answer in (
+        client.put("/file" + TOKEN, content=body),
+        client.post("/copy" + TOKEN, content=body),
+    ):
         assert answer.status_code in (400, 409)
         assert answer.json()["refused"].startswith(("the request", "`", "there is"))
     assert (folder / "yard.sj").read_text(encoding="utf-8") == before
@@ -211,7 +291,9 @@ def test_a_large_file_is_not_read_whole(client: TestClient, folder: Path) -> Non
     assert "has more than" in client.get("/file?token=secret&path=huge.sj").json()["refused"]
 
 
-def test_a_vast_folder_is_listed_in_part_nearest_first(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_vast_folder_is_listed_in_part_nearest_first(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sjdsl.files.MOST_FOLDERS", 5)
     for number in range(20):
         (folder / f"far{number:02d}" / "deep").mkdir(parents=True)
@@ -244,9 +326,16 @@ def language(client: TestClient, *messages: tuple[str, dict]) -> list[dict]:
     """Returns what the language server of the studio says to each message, in its order."""
     answers = []
     with client.websocket_connect("/language" + TOKEN, headers=OWN) as socket:
-        for number, (method, params) in enumerate((("initialize", {"capabilities": {}}), *messages)):
+        for number, (method, params) in enumerate(
+            (("initialize", {"capabilities": {}}), *messages)
+        ):
             is_question = method != "textDocument/didOpen"
-            socket.send_text(json.dumps({"jsonrpc": "2.0", "method": method, "params": params} | ({"id": number} if is_question else {})))
+            socket.send_text(
+                json.dumps(
+                    {"jsonrpc": "2.0", "method": method, "params": params}
+                    | ({"id": number} if is_question else {})
+                )
+            )
             while is_question:
                 told = json.loads(socket.receive_text())
                 if told.get("id") == number:
@@ -262,34 +351,67 @@ def test_the_language_server_reads_no_other_folder(client: TestClient, folder: P
     places = [folder / "yard.sj", folder.parent / "outside.sj", folder / "link.sj"]
     example = games_folder() / "coins.sj"
     at = {"line": 1, "character": 20}
-    hovers = [("textDocument/hover", {"textDocument": {"uri": path.as_uri()}, "position": at}) for path in places]
+    hovers = [
+        ("textDocument/hover", {"textDocument": {"uri": path.as_uri()}, "position": at})
+        for path in places
+    ]
     format_ = {"options": {"tabSize": 2, "insertSpaces": True}}
-    formats = [("textDocument/formatting", {"textDocument": {"uri": path.as_uri()}, **format_}) for path in places]
-    outlines = [("textDocument/documentSymbol", {"textDocument": {"uri": path.as_uri()}}) for path in (*places, example)]
+    formats = [
+        ("textDocument/formatting", {"textDocument": {"uri": path.as_uri()}, **format_})
+        for path in places
+    ]
+    outlines = [
+        ("textDocument/documentSymbol", {"textDocument": {"uri": path.as_uri()}})
+        for path in (*places, example)
+    ]
     answers = [answer["result"] for answer in language(client, *hovers, *formats, *outlines)]
-    assert [bool(answer) for answer in answers] == [True, False, False, True, False, False, True, False, False, True]
+    assert [bool(answer) for answer in answers] == [
+        True,
+        False,
+        False,
+        True,
+        False,
+        False,
+        True,
+        False,
+        False,
+        True,
+    ]
 
 
 def test_a_text_put_outside_reads_nothing_beside_it(client: TestClient, folder: Path) -> None:
-    (folder.parent / "outside.sj").write_text("sj 1\ngame base { param secret : reward = 1 }\n", encoding="utf-8")
+    (folder.parent / "outside.sj").write_text(
+        "sj 1\ngame base { param secret : reward = 1 }\n", encoding="utf-8"
+    )
     uri = (folder.parent / "put.sj").as_uri()
     text = 'sj 1\ngame put extends "outside.sj" { set secret = 2 }\n'
     opened = {"uri": uri, "languageId": "sj", "version": 1, "text": text}
     for line, character in ((1, 25), (1, 42)):
-        question = {"textDocument": {"uri": uri}, "position": {"line": line, "character": character}}
-        (answer,) = language(client, ("textDocument/didOpen", {"textDocument": opened}), ("textDocument/definition", question))
+        question = {
+            "textDocument": {"uri": uri},
+            "position": {"line": line, "character": character},
+        }
+        (answer,) = language(
+            client,
+            ("textDocument/didOpen", {"textDocument": opened}),
+            ("textDocument/definition", question),
+        )
         assert not answer["result"]
 
 
 def test_a_game_that_extends_itself_is_copied_once(client: TestClient, folder: Path) -> None:
     (folder / "sub").mkdir()
-    (folder / "yard.sj").write_text('sj 1\ngame yard extends "sub/../yard.sj" { }\n', encoding="utf-8")
+    (folder / "yard.sj").write_text(
+        'sj 1\ngame yard extends "sub/../yard.sj" { }\n', encoding="utf-8"
+    )
     asked = {"example": "yard.sj", "path": "mine.sj", "text": "sj 1\n"}
     assert client.post("/copy" + TOKEN, json=asked).status_code == 200
     assert (folder / "mine.sj").read_text(encoding="utf-8") == "sj 1\n"
 
 
-def test_of_several_who_save_at_once_one_does(client: TestClient, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_several_who_save_at_once_one_does(
+    client: TestClient, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def slowly(path: Path, data: bytes) -> None:
         time.sleep(0.05)
         write_whole(path, data)
@@ -300,12 +422,25 @@ def test_of_several_who_save_at_once_one_does(client: TestClient, folder: Path, 
         texts = [f"sj 1\n# {number}\n" for number in range(6)]
         with ThreadPoolExecutor(6) as pool:
             asked = [{"path": path, "text": text, "digest": before} for text in texts]
-            answers = list(pool.map(lambda given: client.put("/file" + TOKEN, json=given).status_code, asked))
+            answers = list(
+                pool.map(lambda given: client.put("/file" + TOKEN, json=given).status_code, asked)
+            )
         assert sorted(answers) == [200, *[409] * 5]
         assert (folder / path).read_text(encoding="utf-8") == texts[answers.index(200)]
 
 
-ODD = ["%C3%A9", "%FF%FE", "%00", "%ED%A0%80", "%", "%zz", "&token=", "%F0%9F%8D%92", "+", "a" * 10_000]
+ODD = [
+    "%C3%A9",
+    "%FF%FE",
+    "%00",
+    "%ED%A0%80",
+    "%",
+    "%zz",
+    "&token=",
+    "%F0%9F%8D%92",
+    "+",
+    "a" * 10_000,
+]
 
 
 @pytest.mark.parametrize("token", ODD)
@@ -318,22 +453,41 @@ def test_any_token_is_refused_in_words(client: TestClient, path: str, token: str
 @pytest.mark.parametrize("token", ODD)
 @pytest.mark.parametrize("path", ["/bench", "/language"])
 def test_a_socket_with_any_token_is_refused(client: TestClient, path: str, token: str) -> None:
-    with pytest.raises(WebSocketDisconnect) as closed, client.websocket_connect(f"{path}?token={token}", headers=OWN):
+    with (
+        pytest.raises(WebSocketDisconnect) as closed,
+        client.websocket_connect(f"{path}?token={token}", headers=OWN),
+    ):
         pass
     assert closed.value.code == 4403
 
 
-@pytest.mark.parametrize("name", [b"host", b"origin", b"cookie", b"content-type", b"content-length", b"x"])
+@pytest.mark.parametrize(
+    "name", [b"host", b"origin", b"cookie", b"content-type", b"content-length", b"x"]
+)
 @pytest.mark.parametrize("value", [b"\xc3\xa9", b"\xff", b"", b"127.0.0.1:8123\xe9"])
 def test_any_header_is_answered(client: TestClient, name: bytes, value: bytes) -> None:
     headers = [(b"host", b"127.0.0.1:8123")] * (name != b"host") + [(name, value)]
-    assert client.request("GET", "/games" + TOKEN, headers=headers).status_code == (403 if name in (b"host", b"origin") else 200)
+    assert client.request("GET", "/games" + TOKEN, headers=headers).status_code == (
+        403 if name in (b"host", b"origin") else 200
+    )
 
 
 @pytest.mark.parametrize(
-    "query", ["path=%FF", "path=%00", "path=%ED%A0%80.sj", "path", "", "path=%C3%A9.sj", "path=a.sj&path=%FF", "%FF=%FF"]
+    "query",
+    [
+        "path=%FF",
+        "path=%00",
+        "path=%ED%A0%80.sj",
+        "path",
+        "",
+        "path=%C3%A9.sj",
+        "path=a.sj&path=%FF",
+        "%FF=%FF",
+    ],
 )
-@pytest.mark.parametrize("address", ["/file", "/games", "/tour", "/copy", "/new", "/assets/%FF", "/%C3%A9"])
+@pytest.mark.parametrize(
+    "address", ["/file", "/games", "/tour", "/copy", "/new", "/assets/%FF", "/%C3%A9"]
+)
 @pytest.mark.parametrize("method", ["GET", "PUT", "POST", "DELETE"])
 def test_any_query_is_answered(client: TestClient, method: str, address: str, query: str) -> None:
     answer = client.request(method, f"{address}{TOKEN}&{query}", content=b"\xff")
@@ -345,6 +499,8 @@ def test_a_page_keeps_the_line_ends_of_a_file(client: TestClient, folder: Path) 
     (folder / "yard.sj").write_bytes(b"sj 1\r\n# before\r\n")
     digest = client.get("/file", params={"token": "secret", "path": "yard.sj"}).json()["digest"]
     for text in ("sj 1\n# after\n", "sj 1\n# at last\n"):
-        saved = client.put("/file" + TOKEN, json={"path": "yard.sj", "text": text, "digest": digest})
+        saved = client.put(
+            "/file" + TOKEN, json={"path": "yard.sj", "text": text, "digest": digest}
+        )
         digest = saved.json()["digest"]
         assert (folder / "yard.sj").read_bytes() == text.replace("\n", "\r\n").encode()

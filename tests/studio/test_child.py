@@ -37,7 +37,10 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
         answers = [json.loads(await worker.ask('{"id": 1, "do": "step"}'))]
         worker._process.kill()
         await worker._process.wait()
-        answers += [json.loads(await worker.ask('{"id": 2, "do": "step"}')), json.loads(await worker.ask('{"id": 3, "do": "step"}'))]
+        answers += [
+            json.loads(await worker.ask('{"id": 2, "do": "step"}')),
+            json.loads(await worker.ask('{"id": 3, "do": "step"}')),
+        ]
         await worker.stop()
         return answers
 
@@ -47,7 +50,9 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
     assert "lost" not in after
 
 
-def test_a_text_reaches_the_process_whatever_the_encoding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_text_reaches_the_process_whatever_the_encoding(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("PYTHONIOENCODING", "latin-1")
 
     async def ask() -> dict:
@@ -81,7 +86,9 @@ def test_processes_wait_for_a_page_and_end_with_the_server(tmp_path: Path) -> No
     assert filling <= 1
 
 
-def test_a_page_that_is_closed_stops_what_it_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_that_is_closed_stops_what_it_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A request that would go on for long does not keep its process when nobody waits for the answer any more."""
     said: list[str] = []
 
@@ -96,13 +103,24 @@ def test_a_page_that_is_closed_stops_what_it_asked_for(tmp_path: Path, monkeypat
 
     monkeypatch.setattr(child.Spares, "take", lambda _: Endless(tmp_path))
     headers = [(b"host", b"127.0.0.1:8123")]
-    scope = {"type": "websocket", "path": "/bench", "query_string": b"token=secret", "headers": headers, "subprotocols": []}
+    scope = {
+        "type": "websocket",
+        "path": "/bench",
+        "query_string": b"token=secret",
+        "headers": headers,
+        "subprotocols": [],
+    }
 
     async def visit() -> None:
         heard = asyncio.Queue[dict[str, object]]()
-        for message in ({"type": "websocket.connect"}, {"type": "websocket.receive", "text": "checks"}):
+        for message in (
+            {"type": "websocket.connect"},
+            {"type": "websocket.receive", "text": "checks"},
+        ):
             heard.put_nowait(message)
-        page = asyncio.create_task(make_app(tmp_path, Access(8123, "secret"))(scope, heard.get, AsyncMock()))
+        page = asyncio.create_task(
+            make_app(tmp_path, Access(8123, "secret"))(scope, heard.get, AsyncMock())
+        )
         while not said:
             await asyncio.sleep(0.01)
         heard.put_nowait({"type": "websocket.receive", "text": "step"})

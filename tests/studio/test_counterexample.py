@@ -44,7 +44,9 @@ game yard "Yard" {
 
 
 def ask(bench: Bench, **request: Any) -> dict[str, Any]:
-    return json.loads(json.dumps(bench.answer(READ.validate_json(json.dumps({"id": 7, **request})))))
+    return json.loads(
+        json.dumps(bench.answer(READ.validate_json(json.dumps({"id": 7, **request}))))
+    )
 
 
 @pytest.fixture
@@ -78,10 +80,13 @@ def test_a_failed_check_has_what_leads_to_it() -> None:
 
 def test_an_episode_that_misses_an_expectation_is_written_out() -> None:
     """It is the whole episode on the game's own map, with the draws and actions that the verdict is about."""
-    text = GAME.replace("always count(agent where agent.bag > 0) == 0", "expect eaten > 1000 with random over 2 episodes")
-    text = text.replace("set soil.fruit = none }", "set soil.fruit = none  tally eaten for agent }").replace(
-        "  checks", "  metrics { event eaten }\n  checks"
+    text = GAME.replace(
+        "always count(agent where agent.bag > 0) == 0",
+        "expect eaten > 1000 with random over 2 episodes",
     )
+    text = text.replace(
+        "set soil.fruit = none }", "set soil.fruit = none  tally eaten for agent }"
+    ).replace("  checks", "  metrics { event eaten }\n  checks")
     family = GameFamily(Source("yard.sj", text, Path()))
     (verdict,) = verify_properties(family, Effort(examples=1)).verdicts
     assert verdict.scenario is not None
@@ -95,7 +100,10 @@ def test_an_episode_that_misses_an_expectation_is_written_out() -> None:
 def test_it_is_shown_step_by_step(bench: Bench, scenario: dict[str, Any]) -> None:
     shown = ask(bench, do="replay", **scenario)
     assert (shown["at"], shown["moments"]) == (0, len(scenario["actions"]) + 1)
-    assert (shown["game"]["height"], shown["game"]["width"]) == (len(scenario["rows"]), len(scenario["rows"][0]))
+    assert (shown["game"]["height"], shown["game"]["width"]) == (
+        len(scenario["rows"]),
+        len(scenario["rows"][0]),
+    )
     assert shown["game"]["counterexample"]
     last = ask(bench, do="go", to=99)
     assert max(last["scene"]["rewards"]) == 1
@@ -110,9 +118,14 @@ def test_why_is_told_with_its_own_draws(bench: Bench, scenario: dict[str, Any]) 
     grew = ate = 0
     for at in range(len(scenario["actions"]) + 1):
         ask(bench, do="go", to=at)
-        ripe_now = [dict(ask(bench, do="panel", panel="state", row=r, col=c)["cell"]["values"]) for r, c in soils(scenario)]
+        ripe_now = [
+            dict(ask(bench, do="panel", panel="state", row=r, col=c)["cell"]["values"])
+            for r, c in soils(scenario)
+        ]
         turns = ask(bench, do="panel", panel="trace")["turns"]
-        said = [effect["said"] for turn in turns for rule in turn["rules"] for effect in rule["effects"]]
+        said = [
+            effect["said"] for turn in turns for rule in turn["rules"] for effect in rule["effects"]
+        ]
         grew += sum("none -> ripe" in text for text in said)
         ate += sum("ripe -> none" in text for text in said)
         assert sum(values["fruit"] == "ripe" for values in ripe_now) == grew - ate
@@ -120,7 +133,12 @@ def test_why_is_told_with_its_own_draws(bench: Bench, scenario: dict[str, Any]) 
 
 
 def soils(scenario: dict[str, Any]) -> list[tuple[int, int]]:
-    return [(r, c) for r, row in enumerate(scenario["rows"]) for c, glyph in enumerate(row) if glyph == "A"]
+    return [
+        (r, c)
+        for r, row in enumerate(scenario["rows"])
+        for c, glyph in enumerate(row)
+        if glyph == "A"
+    ]
 
 
 def test_the_game_itself_comes_back(bench: Bench, scenario: dict[str, Any]) -> None:
@@ -146,6 +164,8 @@ def test_the_game_itself_comes_back(bench: Bench, scenario: dict[str, Any]) -> N
     ],
     ids=str,
 )
-def test_one_of_other_rules_is_refused_in_words(bench: Bench, scenario: dict[str, Any], wrong: dict[str, Any]) -> None:
+def test_one_of_other_rules_is_refused_in_words(
+    bench: Bench, scenario: dict[str, Any], wrong: dict[str, Any]
+) -> None:
     assert "have changed since" in ask(bench, do="replay", **{**scenario, **wrong})["refused"]
     assert ask(bench, do="step")["at"] == 1, "and the board is as it was"

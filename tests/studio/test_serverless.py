@@ -26,14 +26,24 @@ def test_examples_are_opened_and_played(alone: Serverless) -> None:
     assert "example:clean_up.sj" in listed["examples"]
     found = file(alone, "GET", "/file?path=example%3Acoins.sj&token=none")
     text = found["text"]
-    assert Path(url2pathname(found["uri"].removeprefix("file://"))).read_text(encoding="utf-8") == text
-    opened = json.loads(alone.bench(json.dumps({"do": "text", "id": 1, "version": 1, "path": "example:coins.sj", "text": text})))
+    assert (
+        Path(url2pathname(found["uri"].removeprefix("file://"))).read_text(encoding="utf-8") == text
+    )
+    opened = json.loads(
+        alone.bench(
+            json.dumps(
+                {"do": "text", "id": 1, "version": 1, "path": "example:coins.sj", "text": text}
+            )
+        )
+    )
     assert opened["compiles"]
     assert json.loads(alone.bench(json.dumps({"do": "step", "id": 2})))["at"] == 1
     assert "unknown" in json.loads(alone.bench('{"do": "nothing", "id": 3}'))["refused"]
 
 
-def test_a_copy_is_written_with_what_it_needs_and_kept_by_another_worker(alone: Serverless, tmp_path: Path) -> None:
+def test_a_copy_is_written_with_what_it_needs_and_kept_by_another_worker(
+    alone: Serverless, tmp_path: Path
+) -> None:
     text = file(alone, "GET", "/file?path=example:clean_up.sj")["text"]
     copied = file(alone, "POST", "/copy", example="example:clean_up.sj", path="mine.sj", text=text)
     assert set(copied["written"]) == {"mine.sj", *copied["copied"]}
@@ -41,9 +51,21 @@ def test_a_copy_is_written_with_what_it_needs_and_kept_by_another_worker(alone: 
     for path, kept in copied["written"].items():
         other.keep(path, kept)
         other.keep(path, kept)
-    assert file(other, "GET", "/games")["games"] == ["mine.sj", "meltingpot/shared/edges.sj", "meltingpot/shared/endings.sj"]
-    assert file(other, "GET", "/file?path=mine.sj").items() >= {"text": text, "digest": copied["digest"]}.items()
-    assert "already" in file(alone, "POST", "/copy", example="example:clean_up.sj", path="mine.sj", text=text)["refused"]
+    assert file(other, "GET", "/games")["games"] == [
+        "mine.sj",
+        "meltingpot/shared/edges.sj",
+        "meltingpot/shared/endings.sj",
+    ]
+    assert (
+        file(other, "GET", "/file?path=mine.sj").items()
+        >= {"text": text, "digest": copied["digest"]}.items()
+    )
+    assert (
+        "already"
+        in file(alone, "POST", "/copy", example="example:clean_up.sj", path="mine.sj", text=text)[
+            "refused"
+        ]
+    )
 
 
 def test_what_somebody_else_changed_is_not_overwritten(alone: Serverless) -> None:
@@ -71,7 +93,11 @@ def test_the_language_server_answers(alone: Serverless, tmp_path: Path, prepared
         if prepared:
             alone.prepare_language(hear)
             assert heard == [], "nobody has asked yet"
-        say(id=1, method="initialize", params={"capabilities": {}, "rootUri": root, "processId": None})
+        say(
+            id=1,
+            method="initialize",
+            params={"capabilities": {}, "rootUri": root, "processId": None},
+        )
         say(method="initialized", params={})
         document = {
             "uri": root + "/a.sj",
@@ -81,10 +107,18 @@ def test_the_language_server_answers(alone: Serverless, tmp_path: Path, prepared
         }
         say(method="textDocument/didOpen", params={"textDocument": document})
         async with asyncio.timeout(20):
-            while not any(message.get("method") == "textDocument/publishDiagnostics" for message in heard):
+            while not any(
+                message.get("method") == "textDocument/publishDiagnostics" for message in heard
+            ):
                 await asyncio.sleep(0.01)
         return heard
 
     heard = asyncio.run(talk())
-    assert "completionProvider" in next(m for m in heard if m.get("id") == 1)["result"]["capabilities"]
-    assert any(m["params"]["diagnostics"] for m in heard if m.get("method") == "textDocument/publishDiagnostics")
+    assert (
+        "completionProvider" in next(m for m in heard if m.get("id") == 1)["result"]["capabilities"]
+    )
+    assert any(
+        m["params"]["diagnostics"]
+        for m in heard
+        if m.get("method") == "textDocument/publishDiagnostics"
+    )

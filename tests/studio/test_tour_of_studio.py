@@ -19,7 +19,9 @@ GAMES = [step["game"].removeprefix(PREFIX) for step in steps()[1:]]
 
 
 def test_the_page_is_that_of_the_documents() -> None:
-    assert (tour_folder() / "tour.md").read_text(encoding="utf-8") == PAGE.read_text(encoding="utf-8"), "copy docs/tour.md there again"
+    assert (tour_folder() / "tour.md").read_text(encoding="utf-8") == PAGE.read_text(
+        encoding="utf-8"
+    ), "copy docs/tour.md there again"
 
 
 def test_there_are_six_steps_to_read() -> None:
@@ -40,7 +42,10 @@ def test_each_game_is_what_the_page_has_built(name: str, frame: str, tmp_path: P
     built = read_written(read_source(tmp_path / f"{frame}.sj"))
     mine = read_written(read_source(tour_folder() / name))
     changes = differences(built, mine)
-    assert {line.partition(":")[0] for lines in changes.values() for line in lines} <= {"name", "title"}, report(built, mine)
+    assert {line.partition(":")[0] for lines in changes.values() for line in lines} <= {
+        "name",
+        "title",
+    }, report(built, mine)
     assert [variant for variant, _ in built.variants] == [variant for variant, _ in mine.variants]
     for variant, _ in built.variants:
         there, here = (
@@ -54,9 +59,18 @@ def put_in(block: str, text: str) -> str:
     """Returns a game with the declarations of a block where the page tells a reader to put them."""
     for declaration in re.split(r"\n(?=\w)", block.strip()):
         keyword, name = re.findall(r"\w+", declaration)[:2]
-        words = keyword if keyword in ("schedule", "metrics", "observe", "checks") else f"{keyword} {name}"
+        words = (
+            keyword
+            if keyword in ("schedule", "metrics", "observe", "checks")
+            else f"{keyword} {name}"
+        )
         new = indent(declaration, "  ") + "\n"
-        text, replaced = re.subn(rf"^  {words}\b.*?\n(?=\n*(?:  \w|\}}))", lambda _, new=new: new, text, flags=re.MULTILINE | re.DOTALL)
+        text, replaced = re.subn(
+            rf"^  {words}\b.*?\n(?=\n*(?:  \w|\}}))",
+            lambda _, new=new: new,
+            text,
+            flags=re.MULTILINE | re.DOTALL,
+        )
         assert replaced <= 1
         if not replaced:
             text = text.rstrip().removesuffix("}") + new + "}\n"

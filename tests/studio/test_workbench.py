@@ -48,7 +48,9 @@ def bench(tmp_path: Path) -> Bench:
 
 def ask(bench: Bench, **request: Any) -> dict[str, Any]:
     """Returns the answer as the page has it."""
-    answer = json.loads(json.dumps(bench.answer(READ.validate_json(json.dumps({"id": 7, **request})))))
+    answer = json.loads(
+        json.dumps(bench.answer(READ.validate_json(json.dumps({"id": 7, **request}))))
+    )
     assert answer["id"] == 7
     return answer
 
@@ -66,11 +68,21 @@ def take_steps(bench: Bench, count: int) -> dict[str, Any]:
 
 def test_a_text_becomes_a_board(bench: Bench) -> None:
     answer = opened(bench)
-    assert (answer["game"]["height"], answer["game"]["width"], answer["game"]["agents"]) == (2, 3, 2)
+    assert (answer["game"]["height"], answer["game"]["width"], answer["game"]["agents"]) == (
+        2,
+        3,
+        2,
+    )
     assert answer["game"]["policies"] == ["random", "stay", "idler"]
     assert answer["game"]["variants"] == [["poor", "a fruit pays nothing"]]
     (fine,) = answer["game"]["numbers"]
-    assert (fine["name"], fine["unit"], fine["low"], fine["high"], fine["entries"]) == ("fine", "reward", 0, 5, [[[], 1.0, 1.0]])
+    assert (fine["name"], fine["unit"], fine["low"], fine["high"], fine["entries"]) == (
+        "fine",
+        "reward",
+        0,
+        5,
+        [[[], 1.0, 1.0]],
+    )
     assert len(answer["scene"]["cells"]) == 2 * 6
     assert len(answer["scene"]["figures"]) == 2
     assert all(url.startswith("data:image/svg+xml;base64,") for url in answer["pictures"])
@@ -79,7 +91,9 @@ def test_a_text_becomes_a_board(bench: Bench) -> None:
 def test_a_text_with_errors_leaves_the_board_as_it_is(bench: Bench) -> None:
     opened(bench)
     ask(bench, do="step")
-    answer = ask(bench, do="text", version=2, path="yard.sj", text=GAME.replace("kind floor", "kind flor"))
+    answer = ask(
+        bench, do="text", version=2, path="yard.sj", text=GAME.replace("kind floor", "kind flor")
+    )
     assert answer["compiles"] is False
     assert answer["errors"] >= 1
     line, message = answer["problems"][0]
@@ -92,7 +106,13 @@ def test_a_start_beyond_float32_is_told_with_its_line(bench: Bench) -> None:
     text = GAME.replace("field bag", "field wealth : reward = 1 field bag").replace(
         "facing north", "facing north set agent.wealth = 1e20 * 1e20"
     )
-    answer = ask(bench, do="text", version=1, path="yard.sj", text=text.replace("1e20", "1" + 20 * "0" + ".0"))
+    answer = ask(
+        bench,
+        do="text",
+        version=1,
+        path="yard.sj",
+        text=text.replace("1e20", "1" + 20 * "0" + ".0"),
+    )
     assert "yard.sj:14: in step 0" in answer["refused"]
     assert "leaves float32" in answer["refused"]
 
@@ -164,7 +184,9 @@ def test_who_is_driven_acts_and_the_others_follow_a_policy(bench: Bench) -> None
     assert ask(bench, do="step", actions={"1": 1})["scene"]["actions"] == [2, 1]
     assert "no policy" in ask(bench, do="others", policy="nobody")["refused"]
     assert opened(bench, GAME.replace("capped = 0", "capped = 1"))["game"]["others"] == "idler"
-    assert opened(bench, GAME.replace("policy idler", "policy loafer"))["game"]["others"] == "random"
+    assert (
+        opened(bench, GAME.replace("policy idler", "policy loafer"))["game"]["others"] == "random"
+    )
 
 
 def test_a_number_counts_from_the_next_step_on(bench: Bench) -> None:
@@ -186,26 +208,43 @@ def test_a_table_is_set_entry_by_entry(bench: Bench) -> None:
     text = text.replace("give fine", "give pay[ripe][none]").replace("set fine = 0", "set fine = 9")
     answer = opened(bench, text)
     pay = next(number for number in answer["game"]["numbers"] if number["name"] == "pay")
-    assert pay["entries"] == [[["none", "none"], 1, 1], [["none", "ripe"], 2, 2], [["ripe", "none"], 3, 3], [["ripe", "ripe"], 4, 4]]
+    assert pay["entries"] == [
+        [["none", "none"], 1, 1],
+        [["none", "ripe"], 2, 2],
+        [["ripe", "none"], 3, 3],
+        [["ripe", "ripe"], 4, 4],
+    ]
     ask(bench, do="others", policy="stay")
     ask(bench, do="put", agent=1, row=0, col=2)
     ask(bench, do="number", name="pay", value={"ripe": {"none": 2.5}})
     assert ask(bench, do="step")["scene"]["rewards"] == [0, 2.5]
-    kept = opened(bench, text + "# mine\n", params={"pay": {"ripe": {"none": 2.5}}})["game"]["numbers"]
-    assert next(number["entries"][2] for number in kept if number["name"] == "pay") == [["ripe", "none"], 2.5, 3]
+    kept = opened(bench, text + "# mine\n", params={"pay": {"ripe": {"none": 2.5}}})["game"][
+        "numbers"
+    ]
+    assert next(number["entries"][2] for number in kept if number["name"] == "pay") == [
+        ["ripe", "none"],
+        2.5,
+        3,
+    ]
     assert "no entry" in ask(bench, do="number", name="pay", value={"raw": {"none": 2}})["refused"]
 
 
 def test_a_require_is_kept_whatever_is_set(bench: Bench) -> None:
-    text = GAME.replace("param fine", "param tax : reward = 0 in 0 .. 5\n  param fine").replace("checks {", "checks { require tax <= fine ")
+    text = GAME.replace("param fine", "param tax : reward = 0 in 0 .. 5\n  param fine").replace(
+        "checks {", "checks { require tax <= fine "
+    )
     opened(bench, text)
     assert "require" in ask(bench, do="number", name="tax", value=2)["refused"]
     ask(bench, do="number", name="fine", value=3)
     assert "refused" not in ask(bench, do="number", name="tax", value=2)
     assert opened(bench, text, params={"fine": 3, "tax": 2})["game"]["left"] == []
-    (tenth,) = opened(bench, GAME.replace("fine : reward = 1", "fine : reward = 0.1"))["game"]["numbers"]
+    (tenth,) = opened(bench, GAME.replace("fine : reward = 1", "fine : reward = 0.1"))["game"][
+        "numbers"
+    ]
     assert tenth["entries"][0][1] == tenth["entries"][0][2], "no reason to offer a way back"
-    later = opened(bench, text.replace("tax <= fine", "tax == 0"), params={"fine": 3, "tax": 2})["game"]
+    later = opened(bench, text.replace("tax <= fine", "tax == 0"), params={"fine": 3, "tax": 2})[
+        "game"
+    ]
     assert later["left"] == ["tax"], "the last one set goes"
     assert {n["name"]: n["entries"][0][1] for n in later["numbers"]} == {"tax": 0, "fine": 3}
 
@@ -221,11 +260,19 @@ def test_a_require_is_kept_whatever_is_set(bench: Bench) -> None:
     ],
 )
 def test_a_number_is_written_where_the_text_has_it(
-    bench: Bench, variants: tuple[str, ...], name: str, entry: tuple[str, ...], value: str, wanted: str
+    bench: Bench,
+    variants: tuple[str, ...],
+    name: str,
+    entry: tuple[str, ...],
+    value: str,
+    wanted: str,
 ) -> None:
     text = (
         GAME.replace("sj 1", "sj 1  # 🍎")
-        .replace("param fine", "param pay : reward = { none: { none: 1, ripe: 2 }, ripe: { none: 3, ripe: 4 } }\n  param fine")
+        .replace(
+            "param fine",
+            "param pay : reward = { none: { none: 1, ripe: 2 }, ripe: { none: 3, ripe: 4 } }\n  param fine",
+        )
         .replace("give fine", "give fine + pay[ripe][none]")
     )
     opened(bench, text, variants=variants)
@@ -234,11 +281,20 @@ def test_a_number_is_written_where_the_text_has_it(
         assert wanted in answer["refused"]
         return
     change, units = answer["change"], text.encode("utf-16-le")
-    assert wanted in (units[: 2 * change["start"]] + change["glyph"].encode("utf-16-le") + units[2 * change["end"] :]).decode("utf-16-le")
+    assert wanted in (
+        units[: 2 * change["start"]]
+        + change["glyph"].encode("utf-16-le")
+        + units[2 * change["end"] :]
+    ).decode("utf-16-le")
 
 
 def test_curves_are_of_every_moment(bench: Bench) -> None:
-    answer = opened(bench, GAME.replace("event eaten", "event eaten  mean ripe = count(soil where soil.fruit is ripe)"))
+    answer = opened(
+        bench,
+        GAME.replace(
+            "event eaten", "event eaten  mean ripe = count(soil where soil.fruit is ripe)"
+        ),
+    )
     assert answer["game"]["metrics"] == [["eaten", True], ["ripe", False]]
     ask(bench, do="others", policy="stay")
     ask(bench, do="put", agent=1, row=0, col=2)
@@ -265,10 +321,16 @@ def test_why_tells_the_rule_and_the_cells(bench: Bench) -> None:
     ask(bench, do="step")
     turns = ask(bench, do="panel", panel="trace")["turns"]
     rules = [rule for turn in turns if turn["phase"] == "eat" for rule in turn["rules"]]
-    said = {effect["said"]: (rule["line"], effect["cells"]) for rule in rules for effect in rule["effects"]}
+    said = {
+        effect["said"]: (rule["line"], effect["cells"])
+        for rule in rules
+        for effect in rule["effects"]
+    }
     line = GAME[: GAME.index("phase eat")].count("\n") + 1
     assert said["soil (0, 2)  fruit: ripe -> none"] == (line, [[0, 2]])
-    assert said["agent 0  reward +1"][1] == [[0, 2]]  # where the agent stands: who asks about another cell doesn't see it
+    assert said["agent 0  reward +1"][1] == [
+        [0, 2]
+    ]  # where the agent stands: who asks about another cell doesn't see it
 
 
 def test_python_has_the_lines_it_comes_from(bench: Bench) -> None:
@@ -276,7 +338,9 @@ def test_python_has_the_lines_it_comes_from(bench: Bench) -> None:
     lines = ask(bench, do="panel", panel="python")["lines"]
     eat = GAME[: GAME.index("phase eat")].count("\n") + 1
     assert any(line == eat and "params.fine" in text for text, line in lines)
-    assert [text for text, line in lines if line == eat and "return " in text] == []  # a comment is about the lines up to there
+    assert [
+        text for text, line in lines if line == eat and "return " in text
+    ] == []  # a comment is about the lines up to there
     assert len([text for text, line in lines if line == eat and ".sj:" not in text]) > 1
 
 
@@ -340,8 +404,16 @@ def test_a_cell_is_painted_in_the_text(bench: Bench) -> None:
     assert answer["game"]["map_file"] is None
     change = ask(bench, do="paint", row=1, col=0, glyph="A")["change"]
     units = GAME.replace("sj 1", "sj 1  # 🍎").encode("utf-16-le")
-    assert units[2 * change["start"] : 2 * change["end"]].decode("utf-16-le") == change["before"] == "."
-    painted = (units[: 2 * change["start"]] + change["glyph"].encode("utf-16-le") + units[2 * change["end"] :]).decode("utf-16-le")
+    assert (
+        units[2 * change["start"] : 2 * change["end"]].decode("utf-16-le")
+        == change["before"]
+        == "."
+    )
+    painted = (
+        units[: 2 * change["start"]]
+        + change["glyph"].encode("utf-16-le")
+        + units[2 * change["end"] :]
+    ).decode("utf-16-le")
     assert opened(bench, painted)["scene"]["cells"] != answer["scene"]["cells"]
     assert '"A.."' in painted
     assert "no kind" in ask(bench, do="paint", row=1, col=0, glyph="?")["refused"]
@@ -370,13 +442,18 @@ def test_an_episode_is_that_of_play(bench: Bench) -> None:
         assert scene == scene | {"actions": list(played.actions), "places": places}
 
 
-@pytest.mark.parametrize("path", ["../yard.sj", "/tmp/yard.sj", "yard.txt", "\0.sj", "example:../yard.sj", "tour:/etc/yard.sj"])
+@pytest.mark.parametrize(
+    "path",
+    ["../yard.sj", "/tmp/yard.sj", "yard.txt", "\0.sj", "example:../yard.sj", "tour:/etc/yard.sj"],
+)
 def test_a_text_is_of_a_game_in_the_folder(bench: Bench, path: str) -> None:
     """Else the maps and bases beside it would be read from anywhere."""
     assert "`" in ask(bench, do="text", version=1, path=path, text=GAME)["refused"]
 
 
-def test_a_fault_of_our_own_is_told_and_nothing_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fault_of_our_own_is_told_and_nothing_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     made = Bench(tmp_path)
     opened(made)
     ask(made, do="step")
@@ -393,7 +470,9 @@ def test_a_fault_of_our_own_is_told_and_nothing_is_lost(tmp_path: Path, monkeypa
         (True, ("step_left", "stay"), "step_left", None),
     ],
 )
-def test_arrows_go_where_they_point(relative: bool, names: tuple[str, ...], left: str, comma: str | None) -> None:
+def test_arrows_go_where_they_point(
+    relative: bool, names: tuple[str, ...], left: str, comma: str | None
+) -> None:
     keys = action_keys(names, relative)
     assert names[keys["left"]] == left
     assert (names[keys["comma"]] if comma else keys.get("comma")) == comma
@@ -402,5 +481,11 @@ def test_arrows_go_where_they_point(relative: bool, names: tuple[str, ...], left
 def test_own_actions_have_digits_then_letters() -> None:
     names = ("stay", *(f"own{number}" for number in range(1, 28)))
     keys = action_keys(names, True)
-    assert [names[keys[key]] for key in ("1", "9", "a", "enter", "r")] == ["own1", "own9", "own10", "own1", "own26"]
+    assert [names[keys[key]] for key in ("1", "9", "a", "enter", "r")] == [
+        "own1",
+        "own9",
+        "own10",
+        "own1",
+        "own26",
+    ]
     assert "q" not in keys

@@ -48,7 +48,9 @@ PARTS = {
     "start": "each agent { send agent to grass facing north }",
     "schedule": "schedule walk -> rule -> shoot",
     "window": "window ahead 2, behind 1, left 1, right 1",
-} | dict.fromkeys(("numbers", "world", "agents", "rule", "phases", "observe", "metrics", "checks", "policies"), "")
+} | dict.fromkeys(
+    ("numbers", "world", "agents", "rule", "phases", "observe", "metrics", "checks", "policies"), ""
+)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,9 @@ def add(folder: Path, axis: str, game: str = "coins", **changes: Any) -> set[str
         ("gamma=0.9", "learning_rate=0.1", {}),
     ],
 )
-def test_new_values_with_all_else_as_it_was(tmp_path: Path, before: str, now: str, changes: dict[str, Any]) -> None:
+def test_new_values_with_all_else_as_it_was(
+    tmp_path: Path, before: str, now: str, changes: dict[str, Any]
+) -> None:
     first = add(tmp_path, before, **changes)
     assert first < add(tmp_path, now, **changes)
 

@@ -31,7 +31,9 @@ def driver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def answer(monkeypatch: pytest.MonkeyPatch, status: int, out: str, error: str = "") -> None:
     """Has the process that counts GPUs give an answer."""
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], status, out, error))
+    monkeypatch.setattr(
+        subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], status, out, error)
+    )
 
 
 @pytest.mark.parametrize(
@@ -69,7 +71,10 @@ def test_a_single_process_keeps_all_gpus(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_a_jax_that_does_not_start_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     answer(monkeypatch, 1, "", "Traceback\nRuntimeError: no backend `cuda`\n")
-    with pytest.raises(ExperimentError, match=r"JAX doesn't start, so its GPUs can't be counted: RuntimeError: no backend `cuda`$"):
+    with pytest.raises(
+        ExperimentError,
+        match=r"JAX doesn't start, so its GPUs can't be counted: RuntimeError: no backend `cuda`$",
+    ):
         usable_gpus()
 
 
@@ -88,13 +93,19 @@ def test_a_driver_without_a_gpu_for_jax() -> None:
         (["7"], 2, ["7", "7"], "2 processes share 1 GPU"),
     ],
 )
-def test_each_worker_sees_one_gpu(monkeypatch: pytest.MonkeyPatch, gpus: list[str], workers: int, seen: list[str], words: str) -> None:
+def test_each_worker_sees_one_gpu(
+    monkeypatch: pytest.MonkeyPatch, gpus: list[str], workers: int, seen: list[str], words: str
+) -> None:
     variables = variables_of_workers(gpus, workers)
     assert [own[VISIBLE] for own in variables] == seen
-    assert all(own.get(RESERVING) == ("false" if workers > len(gpus) else None) for own in variables)
+    assert all(
+        own.get(RESERVING) == ("false" if workers > len(gpus) else None) for own in variables
+    )
     assert describe_shares(gpus, workers) == words
     monkeypatch.setenv("XLA_CLIENT_MEM_FRACTION", ".3")
-    assert variables_of_workers(gpus, workers) == [{VISIBLE: gpu} for gpu in seen], "the user has shared the memory out"
+    assert variables_of_workers(gpus, workers) == [{VISIBLE: gpu} for gpu in seen], (
+        "the user has shared the memory out"
+    )
 
 
 def test_without_gpus_workers_keep_their_environment() -> None:
@@ -102,7 +113,9 @@ def test_without_gpus_workers_keep_their_environment() -> None:
 
 
 @pytest.mark.parametrize("ratios", [(0.25, 0.75), (0.25,)])
-def test_cells_run_in_processes_with_a_gpu_each(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ratios: tuple[float, ...]) -> None:
+def test_cells_run_in_processes_with_a_gpu_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ratios: tuple[float, ...]
+) -> None:
     """Even a single one: this process has left the GPUs alone."""
     started: list[Any] = []
 
@@ -113,7 +126,11 @@ def test_cells_run_in_processes_with_a_gpu_each(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr(module, "usable_gpus", lambda: ["2", "3", "5"])
     monkeypatch.setattr(running, "run_in_processes", run)
     told: list[str] = []
-    spec = SweepSpec([GAME], [Axis("exchange_ratio", ratios)], settings={**TINY, "reward": "exchange"})
-    assert len(sweep(spec, tmp_path / "swept", workers=2, watch=Watch(tell=told.append)).stopped) == len(ratios)
+    spec = SweepSpec(
+        [GAME], [Axis("exchange_ratio", ratios)], settings={**TINY, "reward": "exchange"}
+    )
+    assert len(
+        sweep(spec, tmp_path / "swept", workers=2, watch=Watch(tell=told.append)).stopped
+    ) == len(ratios)
     assert started == [(len(ratios), 2, ["2", "3", "5"])]
     assert told == [describe_shares(["2", "3", "5"], len(ratios))]

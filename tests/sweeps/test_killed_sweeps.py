@@ -14,20 +14,50 @@ import pytest
 
 from tests.sweeps.described import GAME
 
-SMALL = ("num_envs=4", "num_steps=4", "num_minibatches=1", "num_epochs=1", "network=mlp", "network_width=4")
-SETS = [part for text in (*SMALL, "total_timesteps=4800", "checkpoint_updates=20") for part in ("--set", text)]
-ARGUMENTS = ["sweep", GAME, "--axis", "reward=individual,common,exchange", *SETS, "--seeds", "2", "--episodes", "4", "--run"]
+SMALL = (
+    "num_envs=4",
+    "num_steps=4",
+    "num_minibatches=1",
+    "num_epochs=1",
+    "network=mlp",
+    "network_width=4",
+)
+SETS = [
+    part
+    for text in (*SMALL, "total_timesteps=4800", "checkpoint_updates=20")
+    for part in ("--set", text)
+]
+ARGUMENTS = [
+    "sweep",
+    GAME,
+    "--axis",
+    "reward=individual,common,exchange",
+    *SETS,
+    "--seeds",
+    "2",
+    "--episodes",
+    "4",
+    "--run",
+]
 CELLS = [f"matrix_game_reward-{reward}" for reward in ("individual", "common", "exchange")]
 PATIENCE = 400.0
 
 
 def start(folder: Path, *more: str, limit: int = 0) -> "subprocess.Popen[str]":
     """Starts a sweep. `limit`: the bytes that a file may have, 0 for any number."""
-    limits = f"resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, resource.RLIM_INFINITY));" if limit else ""
-    program = f"import resource, sys; {limits} from sjdsl.cli import main; sys.argv[0] = 'sjdsl'; main()"
+    limits = (
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, resource.RLIM_INFINITY));"
+        if limit
+        else ""
+    )
+    program = (
+        f"import resource, sys; {limits} from sjdsl.cli import main; sys.argv[0] = 'sjdsl'; main()"
+    )
     variables = {**os.environ, "JAX_PLATFORMS": "cpu", "JAX_DISABLE_MOST_OPTIMIZATIONS": "true"}
     command = [sys.executable, "-c", program, *ARGUMENTS, str(folder), *more]
-    return subprocess.Popen(command, env=variables, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(
+        command, env=variables, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
 
 
 def wait_for(condition: Callable[[], bool], process: "subprocess.Popen[str]") -> None:
@@ -51,19 +81,31 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("whole") / "sweep"
     process = start(folder)
     assert process.wait(PATIENCE) == 0, process.communicate()[1][-3000:]
-    assert [row["cell"] for row in csv.DictReader(results(folder).decode().splitlines())] == [cell for cell in CELLS for _ in range(2)]
+    assert [row["cell"] for row in csv.DictReader(results(folder).decode().splitlines())] == [
+        cell for cell in CELLS for _ in range(2)
+    ]
     return folder
 
 
 @pytest.mark.parametrize(
     ("cell", "rows"),
-    [pytest.param(1, 150, marks=pytest.mark.thorough), *(pytest.param(*at, marks=pytest.mark.slow) for at in ((0, 0), (0, 50), (2, 299)))],
+    [
+        pytest.param(1, 150, marks=pytest.mark.thorough),
+        *(pytest.param(*at, marks=pytest.mark.slow) for at in ((0, 0), (0, 50), (2, 299))),
+    ],
 )
 def test_kill_minus_nine(whole: Path, tmp_path: Path, cell: int, rows: int) -> None:
     """Killed when a cell has learnt so many updates of 300; at 0, when it has been locked."""
     folder = tmp_path / "sweep"
     process = start(folder)
-    wait_for(lambda: rows_in(folder, CELLS[cell]) >= rows if rows else (folder / "locks" / f"{CELLS[cell]}.lock").exists(), process)
+    wait_for(
+        lambda: (
+            rows_in(folder, CELLS[cell]) >= rows
+            if rows
+            else (folder / "locks" / f"{CELLS[cell]}.lock").exists()
+        ),
+        process,
+    )
     process.kill()
     process.communicate()
     assert process.returncode == -signal.SIGKILL
@@ -81,13 +123,20 @@ def test_two_processes_on_one_folder(whole: Path, tmp_path: Path) -> None:
     both = [start(folder), start(folder)]
     said = [process.communicate(timeout=PATIENCE)[1] for process in both]
     assert [process.returncode for process in both] == [0, 0], said
-    trained = sorted(line.partition(":")[0] for text in said for line in text.splitlines() if ": training" in line)
+    trained = sorted(
+        line.partition(":")[0]
+        for text in said
+        for line in text.splitlines()
+        if ": training" in line
+    )
     assert trained == sorted(CELLS)
     assert results(folder) == results(whole)
 
 
 @pytest.mark.slow
-def test_one_of_two_processes_is_killed_and_the_other_takes_over(whole: Path, tmp_path: Path) -> None:
+def test_one_of_two_processes_is_killed_and_the_other_takes_over(
+    whole: Path, tmp_path: Path
+) -> None:
     folder = tmp_path / "sweep"
     first = start(folder)
     wait_for(lambda: rows_in(folder, CELLS[0]) >= 50, first)
@@ -101,16 +150,25 @@ def test_one_of_two_processes_is_killed_and_the_other_takes_over(whole: Path, tm
 
 
 @pytest.mark.slow
-def test_a_worker_that_the_system_kills_leaves_its_cell_stopped(whole: Path, tmp_path: Path) -> None:
+def test_a_worker_that_the_system_kills_leaves_its_cell_stopped(
+    whole: Path, tmp_path: Path
+) -> None:
     folder = tmp_path / "sweep"
     process = start(folder, "--workers", "2")
     wait_for(lambda: rows_in(folder, CELLS[0]) >= 50, process)
     lock = str(folder / "locks" / f"{CELLS[0]}.lock")
-    (worker,) = [child for child in psutil.Process(process.pid).children() if lock in {file.path for file in child.open_files()}]
+    (worker,) = [
+        child
+        for child in psutil.Process(process.pid).children()
+        if lock in {file.path for file in child.open_files()}
+    ]
     worker.kill()
     _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1, said[-3000:]
-    assert f"stopped: {CELLS[0]}: its process ended early, perhaps for lack of memory; the same command resumes it" in said
+    assert (
+        f"stopped: {CELLS[0]}: its process ended early, perhaps for lack of memory; the same command resumes it"
+        in said
+    )
     again = start(folder)
     _, said = again.communicate(timeout=PATIENCE)
     assert again.returncode == 0, said[-3000:]

@@ -38,7 +38,8 @@ def test_one_at_a_time(tmp_path: Path) -> None:
 
 def test_a_process_that_died_holds_nothing(tmp_path: Path) -> None:
     with subprocess.Popen(
-        [sys.executable, "-c", HOLDS + "print('held', flush=True); time.sleep(600)", tmp_path], stdout=subprocess.PIPE
+        [sys.executable, "-c", HOLDS + "print('held', flush=True); time.sleep(600)", tmp_path],
+        stdout=subprocess.PIPE,
     ) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == b"held\n"

@@ -29,7 +29,9 @@ def test_values_with_commas_stand_in_brackets() -> None:
 
 def test_entries_of_tables() -> None:
     assert with_number({"a": 1}, "regrow[red]", 2) == {"a": 1, "regrow": {"red": 2}}
-    assert with_number({"regrow": {"blue": 1}}, "regrow[red]", 2) == {"regrow": {"blue": 1, "red": 2}}
+    assert with_number({"regrow": {"blue": 1}}, "regrow[red]", 2) == {
+        "regrow": {"blue": 1, "red": 2}
+    }
     (cell,) = plan("param.regrow[red][x]=0.1")
     assert cell.provenance["params"] == {"regrow": {"red": {"x": 0.1}}}
     assert re.fullmatch(r"[\w.-]+", cell.name)
@@ -50,24 +52,43 @@ def learner(env: Any, config: Any, *, bonus: float = 0.5) -> None:
 def test_settings_of_ones_own_on_axes() -> None:
     register("algorithm", "mine", learner)
     first, second = plan("own.bonus=.10,2", settings={"algorithm": "mine"})
-    assert (first.name, first.values, first.config["own"]) == ("coins_own.bonus-0.1", {"own.bonus": 0.1}, {"bonus": 0.1})
+    assert (first.name, first.values, first.config["own"]) == (
+        "coins_own.bonus-0.1",
+        {"own.bonus": 0.1},
+        {"bonus": 0.1},
+    )
     assert second.config["own"] == {"bonus": 2}
     for settings in ({"own.bonus": "3"}, {"own": {"bonus": 3}}):  # of those cells that take it
         ippo, mine = plan("algorithm=ippo,mine", settings=settings)
-        assert (ippo.config["own"], mine.config["own"], mine.configuration().own) == ({}, {"bonus": 3}, (("bonus", 3),))
+        assert (ippo.config["own"], mine.config["own"], mine.configuration().own) == (
+            {},
+            {"bonus": 3},
+            (("bonus", 3),),
+        )
         with pytest.raises(ExperimentError, match=r"`own\.bonus` does nothing in any cell"):
             plan("algorithm=ippo,mappo", settings=settings)
-    with pytest.raises(ExperimentError, match=r"coins with own\.bonos 1: `own\.bonos` does nothing: .*; did you mean `bonus`\?"):
+    with pytest.raises(
+        ExperimentError,
+        match=r"coins with own\.bonos 1: `own\.bonos` does nothing: .*; did you mean `bonus`\?",
+    ):
         plan("own.bonos=1", settings={"algorithm": "mine"})
-    with pytest.raises(ExperimentError, match=r"`own\.bonus` is an axis, and is also set for all cells"):
+    with pytest.raises(
+        ExperimentError, match=r"`own\.bonus` is an axis, and is also set for all cells"
+    ):
         plan("own.bonus=1,2", settings={"algorithm": "mine", "own": {"bonus": 1}})
 
 
 def test_a_setting_of_all_cells_is_for_those_that_read_it() -> None:
-    own, exchanged = plan("reward=individual,exchange", settings={"exchange_ratio": 0.9}, preset="two_cores")
+    own, exchanged = plan(
+        "reward=individual,exchange", settings={"exchange_ratio": 0.9}, preset="two_cores"
+    )
     assert (own.config["exchange_ratio"], exchanged.config["exchange_ratio"]) == (0.5, 0.9)
     for preset in (None, "two_cores"):
-        ippo, vdn = plan("algorithm=ippo,vdn", settings={"clip_epsilon": 0.3, "double_q": True, "reward": "common"}, preset=preset)
+        ippo, vdn = plan(
+            "algorithm=ippo,vdn",
+            settings={"clip_epsilon": 0.3, "double_q": True, "reward": "common"},
+            preset=preset,
+        )
         assert (ippo.config["clip_epsilon"], vdn.config["double_q"]) == (0.3, True)
         assert "double_q" not in ippo.config and "clip_epsilon" not in vdn.config
 

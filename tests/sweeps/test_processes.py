@@ -11,7 +11,9 @@ import pytest
 from sjdsl.sweeps.processes import run_in_processes, shares_of
 from sjdsl.sweeps.work import Watch
 
-SEEN_AT_IMPORT = os.environ.get("CUDA_VISIBLE_DEVICES", "")  # as JAX sees it, which is imported before a process runs any code of ours
+SEEN_AT_IMPORT = os.environ.get(
+    "CUDA_VISIBLE_DEVICES", ""
+)  # as JAX sees it, which is imported before a process runs any code of ours
 
 
 @pytest.mark.parametrize(
@@ -36,7 +38,9 @@ def run_beside_another(path: Path, watch: Watch) -> None:
     except FileExistsError:
         return  # another process has the cell
     with file:
-        file.write(f"{os.getpid()} {SEEN_AT_IMPORT} {sorted(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else ''}")
+        file.write(
+            f"{os.getpid()} {SEEN_AT_IMPORT} {sorted(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else ''}"
+        )
         file.flush()
     if path.name == "killed":
         os.kill(os.getpid(), signal.SIGKILL)
@@ -55,14 +59,21 @@ def test_processes_have_cores_of_their_own_and_one_that_ends_costs_no_other_cell
 ) -> None:
     names = [last, "first", "second", "third"]
     before = dict(os.environ)
-    assert run_in_processes([tmp_path / name for name in names], 2, ["4", "7"], run_beside_another) is whole
+    assert (
+        run_in_processes([tmp_path / name for name in names], 2, ["4", "7"], run_beside_another)
+        is whole
+    )
     assert os.environ == before
     seen: Any = {path.name: path.read_text().split(" ", 2) for path in tmp_path.iterdir()}
     assert seen.keys() == {*names}
     assert {seen["first"][1], seen[last][1]} == {"4", "7"}
     told = capfd.readouterr().err.splitlines()
     assert {f"{name}: done" for name in ("first", "second", "third")} < {*told, ""}
-    assert [line for line in told if last in line] == {"killed": [], "full": ["full: no room"], "fourth": ["fourth: done"]}[last]
+    assert [line for line in told if last in line] == {
+        "killed": [],
+        "full": ["full: no room"],
+        "fourth": ["fourth: done"],
+    }[last]
     assert (seen[last][0] in {seen[name][0] for name in ("first", "second", "third")}) <= whole
     if hasattr(os, "sched_getaffinity") and len(os.sched_getaffinity(0)) > 1:
         assert seen["first"][2] != seen[last][2]

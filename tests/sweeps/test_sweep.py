@@ -37,7 +37,9 @@ def no_key_check() -> Iterator[None]:
 
 def asked(*ratios: float, **changes: Any) -> SweepSpec:
     settings = {**TINY, "reward": "exchange", **changes.pop("settings", {})}
-    return SweepSpec([GAME], [Axis("exchange_ratio", ratios)], settings=settings, episodes=3, **changes)
+    return SweepSpec(
+        [GAME], [Axis("exchange_ratio", ratios)], settings=settings, episodes=3, **changes
+    )
 
 
 def rows_of(folder: Path) -> list[dict[str, str]]:
@@ -51,7 +53,9 @@ def table_of(folder: Path) -> bytes:
 
 def states_of(folder: Path) -> dict[str, str]:
     known = read_sweep(folder)
-    return {cell.name: progress_of(folder, cell, known["episodes"]).state for cell in cells_of(known)}
+    return {
+        cell.name: progress_of(folder, cell, known["episodes"]).state for cell in cells_of(known)
+    }
 
 
 @pytest.fixture(scope="module")
@@ -83,17 +87,34 @@ def test_a_new_value_only_adds_cells(grown: tuple[Path, list[str], Outcome]) -> 
     assert states_of(folder) == {LOW: "done", HIGH: "done"}
 
 
-def test_results_are_the_evaluations_of_the_last_policies(grown: tuple[Path, list[str], Outcome]) -> None:
+def test_results_are_the_evaluations_of_the_last_policies(
+    grown: tuple[Path, list[str], Outcome],
+) -> None:
     rows = rows_of(grown[0])
-    assert [(row["cell"], row["seed"]) for row in rows] == [(LOW, "0"), (LOW, "1"), (HIGH, "0"), (HIGH, "1")]
+    assert [(row["cell"], row["seed"]) for row in rows] == [
+        (LOW, "0"),
+        (LOW, "1"),
+        (HIGH, "0"),
+        (HIGH, "1"),
+    ]
     env = sjdsl.make(GAME)
     row = rows[3]
     folder = grown[0] / "cells" / HIGH / "seed_1"
     played = evaluate(env, load_policy(folder, env), evaluation_key(1), 3)
     assert float(row["collective_return"]) == pytest.approx(played.collective_returns.mean())
     assert float(row["return_agent_1"]) == pytest.approx(played.returns[:, 1].mean())
-    assert (row["env_steps"], row["updates"], row["episodes"], row["hash"]) == ("64", "4", "3", env.hash)
-    assert (row["algorithm"], row["reward"], row["sharing"], row["exchange_ratio"]) == ("ippo", "exchange", "shared", "0.75")
+    assert (row["env_steps"], row["updates"], row["episodes"], row["hash"]) == (
+        "64",
+        "4",
+        "3",
+        env.hash,
+    )
+    assert (row["algorithm"], row["reward"], row["sharing"], row["exchange_ratio"]) == (
+        "ippo",
+        "exchange",
+        "shared",
+        "0.75",
+    )
     assert row["hardware"].startswith("cpu x1")
 
 
@@ -102,7 +123,9 @@ def test_a_cell_is_a_pool_of_its_seeds(grown: tuple[Path, list[str], Outcome]) -
     assert [player.seed for player in pool.players] == [0, 1]
 
 
-def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_same_again_runs_nothing(
+    grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(work, "train", None)
     before = table_of(grown[0])
     said: list[str] = []
@@ -115,7 +138,9 @@ def test_the_same_again_runs_nothing(grown: tuple[Path, list[str], Outcome], mon
 @pytest.mark.thorough
 def test_killed_it_goes_on_to_the_same_results(grown: tuple[Path, list[str], Outcome]) -> None:
     folder = grown[0].parent / "killed"
-    assert (folder / "locks" / f"{HIGH}.lock").exists(), "a file that nobody holds is in no one's way"
+    assert (folder / "locks" / f"{HIGH}.lock").exists(), (
+        "a file that nobody holds is in no one's way"
+    )
     said: list[str] = []
     sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append))
     assert said[0] == f"{HIGH}: training, from its last checkpoint"
@@ -148,7 +173,13 @@ def test_what_another_process_runs_is_waited_for(
 
 
 @pytest.mark.parametrize(
-    "change", [{"seed": 0}, {"summary": {}}, {"summary": {"collective return": 3}}, {"summary": {"collective return": {"mean": [1]}}}]
+    "change",
+    [
+        {"seed": 0},
+        {"summary": {}},
+        {"summary": {"collective return": 3}},
+        {"summary": {"collective return": {"mean": [1]}}},
+    ],
 )
 def test_an_evaluation_of_something_else_is_not_taken_for_a_result(
     change: dict[str, Any], grown: tuple[Path, list[str], Outcome], tmp_path: Path
@@ -170,15 +201,23 @@ REFUSED: list[tuple[Any, str]] = [
     ),
     (asked(0.25, settings={"learning_rate": 0.5}), "learning_rate 0.0005 there, 0.5 here"),
     (
-        SweepSpec([GAME], [Axis("exchange_ratio", (0.25,))], settings={**TINY, "reward": "exchange"}),
+        SweepSpec(
+            [GAME], [Axis("exchange_ratio", (0.25,))], settings={**TINY, "reward": "exchange"}
+        ),
         "episodes 3 there, 30 here",
     ),
     (asked(0.25, variant="chicken"), f"its cell {LOW} has hash"),
 ]
 
 
-@pytest.mark.parametrize(("other", "said"), REFUSED, ids=[f"{said[:30]} {other.axes and other.axes[0].values}" for other, said in REFUSED])
-def test_another_sweep_is_refused(grown: tuple[Path, list[str], Outcome], other: SweepSpec, said: str) -> None:
+@pytest.mark.parametrize(
+    ("other", "said"),
+    REFUSED,
+    ids=[f"{said[:30]} {other.axes and other.axes[0].values}" for other, said in REFUSED],
+)
+def test_another_sweep_is_refused(
+    grown: tuple[Path, list[str], Outcome], other: SweepSpec, said: str
+) -> None:
     before = (grown[0] / "sweep.json").read_bytes()
     with pytest.raises(ExperimentError, match="holds another sweep") as refused:
         sweep(other, grown[0])
@@ -186,7 +225,9 @@ def test_another_sweep_is_refused(grown: tuple[Path, list[str], Outcome], other:
     assert (grown[0] / "sweep.json").read_bytes() == before
 
 
-def test_other_versions_are_refused(grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_versions_are_refused(
+    grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sjdsl.sweeps.folder.versions", lambda: {"jax": "0.0.1"})
     with pytest.raises(ExperimentError, match=r"versions flax .* there, None here"):
         sweep(asked(0.25), grown[0])
@@ -194,7 +235,9 @@ def test_other_versions_are_refused(grown: tuple[Path, list[str], Outcome], monk
 
 def test_folders_of_something_else_are_refused(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(ExperimentError, match=r"is not empty and holds no sweep to resume \(notes.txt\)"):
+    with pytest.raises(
+        ExperimentError, match=r"is not empty and holds no sweep to resume \(notes.txt\)"
+    ):
         sweep(asked(0.25), tmp_path)
     with pytest.raises(ExperimentError, match="is a file, and a sweep is a folder"):
         sweep(asked(0.25), tmp_path / "notes.txt")
@@ -213,7 +256,9 @@ def test_cells_may_be_run_one_by_one_by_whoever(
     monkeypatch.setattr(
         work,
         "_train",
-        lambda sweep, cell, *_: shutil.copytree(grown[0] / "cells" / cell.name, sweep / "cells" / cell.name),
+        lambda sweep, cell, *_: shutil.copytree(
+            grown[0] / "cells" / cell.name, sweep / "cells" / cell.name
+        ),
     )
     assert [work.run_cell(path) for path in paths] == ["done", "done"]
     assert [work.run_cell(path) for path in paths] == ["done", "done"]
@@ -226,7 +271,9 @@ def test_cells_may_be_run_one_by_one_by_whoever(
 def diverging(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Outcome]:
     """Two cells, of which one has a learning rate that no network survives."""
     folder, lines = tmp_path_factory.mktemp("sweeps") / "diverging", list[str]()
-    rates = SweepSpec([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
+    rates = SweepSpec(
+        [GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2
+    )
     with jax.debug_key_reuse(False):
         return folder, lines, sweep(rates, folder, watch=Watch(tell=lines.append))
 
@@ -235,7 +282,9 @@ GOOD, BAD = "matrix_game_learning_rate-0.001", "matrix_game_learning_rate-1e-38"
 
 
 @pytest.mark.thorough
-def test_a_finished_cell_that_has_lost_a_policy_is_trained_anew(grown: tuple[Path, list[str], Outcome], tmp_path: Path) -> None:
+def test_a_finished_cell_that_has_lost_a_policy_is_trained_anew(
+    grown: tuple[Path, list[str], Outcome], tmp_path: Path
+) -> None:
     shutil.copytree(grown[0], tmp_path / "copy")
     folder = tmp_path / "copy"
     seed = folder / "cells" / HIGH / "seed_1"
@@ -246,11 +295,15 @@ def test_a_finished_cell_that_has_lost_a_policy_is_trained_anew(grown: tuple[Pat
     outcome = sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append), again=True)
     assert (outcome.done, outcome.failed) == ((LOW, HIGH), {}), said
     assert table_of(folder) == table_of(grown[0])
-    assert (folder / "failed" / f"{HIGH}_1" / "seed_0" / "policies").is_dir(), "what was there is kept"
+    assert (folder / "failed" / f"{HIGH}_1" / "seed_0" / "policies").is_dir(), (
+        "what was there is kept"
+    )
 
 
 @pytest.mark.thorough
-def test_a_cell_whose_loss_is_not_finite_has_failed(diverging: tuple[Path, list[str], Outcome]) -> None:
+def test_a_cell_whose_loss_is_not_finite_has_failed(
+    diverging: tuple[Path, list[str], Outcome],
+) -> None:
     folder, lines, outcome = diverging
     assert lines[0] == f"{GOOD}: training"
     assert outcome.done == (GOOD,)
@@ -262,10 +315,14 @@ def test_a_cell_whose_loss_is_not_finite_has_failed(diverging: tuple[Path, list[
 
 
 @pytest.mark.thorough
-def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_cells_stay_so_until_they_are_retried(
+    diverging: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
     folder = diverging[0]
     (bad,) = diverging[2].failed
-    rates = SweepSpec([GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2)
+    rates = SweepSpec(
+        [GAME], [Axis("learning_rate", (1e-3, 1e38))], settings={**TINY, "seeds": 1}, episodes=2
+    )
     trained: list[str] = []
 
     def full(*given: Any, **_: Any) -> None:
@@ -278,7 +335,9 @@ def test_failed_cells_stay_so_until_they_are_retried(diverging: tuple[Path, list
     with pytest.raises(DiskError, match="no room"):
         sweep(rates, folder, again=True)
     assert trained == [bad]
-    assert (folder / "failed" / f"{bad}_1" / "manifest.json").is_file(), "what it had written is put aside"
+    assert (folder / "failed" / f"{bad}_1" / "manifest.json").is_file(), (
+        "what it had written is put aside"
+    )
     assert not (folder / "cells" / bad).exists()
     assert states_of(folder)[GOOD] == "done"
 
@@ -314,10 +373,14 @@ def test_a_folder_that_is_half_written(tmp_path: Path, monkeypatch: pytest.Monke
     assert "manifest.json" in sweep(asked(0.25), tmp_path / "sweep").failed[LOW]
     with pytest.raises(DiskError):
         sweep(asked(0.25), tmp_path / "sweep", again=True)
-    assert (tmp_path / "sweep" / "failed" / f"{LOW}_2" / "manifest.json").is_file(), "one that cannot be read is put aside, too"
+    assert (tmp_path / "sweep" / "failed" / f"{LOW}_2" / "manifest.json").is_file(), (
+        "one that cannot be read is put aside, too"
+    )
 
 
-def test_an_interrupted_cell_is_run_by_nobody(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_cell_is_run_by_nobody(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def interrupted(*_: Any, **__: Any) -> None:
         assert states_of(tmp_path / "sweep")[LOW] == "running"
         raise KeyboardInterrupt
@@ -329,12 +392,17 @@ def test_an_interrupted_cell_is_run_by_nobody(tmp_path: Path, monkeypatch: pytes
 
 
 @pytest.mark.slow
-def test_the_python_lines_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_python_lines_of_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     page = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
     lines = page.partition("```python\n")[2].partition("```")[0]
     monkeypatch.chdir(tmp_path)
     exec(lines, {})
-    assert capsys.readouterr().out.splitlines()[-1] == "('coins_reward-individual', 'coins_reward-common') {}"
+    assert (
+        capsys.readouterr().out.splitlines()[-1]
+        == "('coins_reward-individual', 'coins_reward-common') {}"
+    )
 
 
 def finish(path: Path, seeds: range) -> None:
@@ -346,18 +414,24 @@ def finish(path: Path, seeds: range) -> None:
         summary = {"collective return": {"mean": float(seed), "low": 0.0, "high": None}}
         asked = {"policy": "last", "seed": seed, "greedy": None, "episodes": 2}
         (own / "evaluation.json").write_text(json.dumps({**asked, "summary": summary}))
-    (path / "manifest.json").write_text(json.dumps({"game": {}, "config": {}, "versions": {}, "status": "finished", "updates": 4}))
+    (path / "manifest.json").write_text(
+        json.dumps({"game": {}, "config": {}, "versions": {}, "status": "finished", "updates": 4})
+    )
 
 
 @pytest.mark.thorough
-def test_a_cell_that_does_not_fit_into_memory_has_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cell_that_does_not_fit_into_memory_has_failed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def train(_: Any, config: Any, run_dir: Path, *__: Any, **___: Any) -> None:
         if config.learning_rate == 0.2:
             raise RunError("an update needs more")
         finish(run_dir, range(2))
 
     monkeypatch.setattr(work, "train", train)
-    rates = SweepSpec([GAME], [Axis("learning_rate", (0.1, 0.2, 0.3, 0.4, 0.5))], settings=TINY, episodes=2)
+    rates = SweepSpec(
+        [GAME], [Axis("learning_rate", (0.1, 0.2, 0.3, 0.4, 0.5))], settings=TINY, episodes=2
+    )
     outcome = sweep(rates, tmp_path / "sweep")
     assert outcome.failed == {"matrix_game_learning_rate-0.2": "an update needs more"}
     assert len(outcome.done) == 4

@@ -12,12 +12,19 @@ ROWS = ("PPP..#", "..TT..", "..^^.<")
 
 
 def played(interpreted: bool) -> Scene:
-    return Stage(CAMP, interpreted=interpreted).put(*ROWS).step("forward, forward, zap").step("stay, turn_left")
+    return (
+        Stage(CAMP, interpreted=interpreted)
+        .put(*ROWS)
+        .step("forward, forward, zap")
+        .step("stay, turn_left")
+    )
 
 
 def test_it_shows_what_both_engines_show(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = played(False)
-    monkeypatch.setattr("sjdsl.testing.stage.compile_quickly", lambda *_: pytest.fail("nothing is compiled"))
+    monkeypatch.setattr(
+        "sjdsl.testing.stage.compile_quickly", lambda *_: pytest.fail("nothing is compiled")
+    )
     alone = played(True)
     assert alone.state is None
     assert alone.picture() == whole.picture()

@@ -11,10 +11,18 @@ STAGE = Stage(Path(__file__).parent / "meadow.sj", looks={"b": "grass grown=bare
 
 def test_movers_are_put_shown_and_stepped() -> None:
     """A deer flees from the agent beside it, the other rests and is caught; both engines agree."""
-    scene = STAGE.put("d>d.b", "..#..", fields={"deer.rest": [5, 0], "deer.heading": ["west", "south"], "deer.fear": {1: 2}})
-    scene.shows("d>d.b", "..#..").has({"deer.row": 0, "deer.col": [0, 2], "deer.heading": ["west", "south"], "deer.fear": [0, 2]})
+    scene = STAGE.put(
+        "d>d.b",
+        "..#..",
+        fields={"deer.rest": [5, 0], "deer.heading": ["west", "south"], "deer.fear": {1: 2}},
+    )
+    scene.shows("d>d.b", "..#..").has(
+        {"deer.row": 0, "deer.col": [0, 2], "deer.heading": ["west", "south"], "deer.fear": [0, 2]}
+    )
     assert scene.value("grass.grown")[4] == "bare"
-    scene.step("stay").shows("d>.db", "..#..").has({"deer.moved": [False, True], "deer.heading": ["west", "east"], "deer.fear": [0, 3]})
+    scene.step("stay").shows("d>.db", "..#..").has(
+        {"deer.moved": [False, True], "deer.heading": ["west", "east"], "deer.fear": [0, 3]}
+    )
     scene.step("turn_left").step("turn_left").shows("d<.db", "..#..")
     scene.step("catch").shows(".<.db", "..#..").has(
         {"reward": [1], "deer.away": [True, False], "deer.ticks": [2, 0], "deer.row": [None, 0]}
@@ -41,7 +49,10 @@ def test_a_picture_has_all_movers(picture: tuple[str, str], message: str) -> Non
 
 @pytest.mark.parametrize(
     ("settings", "message"),
-    [({"looks": {"d": "grass grown=bare"}}, "stands for the movers `deer`"), ({"arrows": "^>vd"}, "stands for a `deer`")],
+    [
+        ({"looks": {"d": "grass grown=bare"}}, "stands for the movers `deer`"),
+        ({"arrows": "^>vd"}, "stands for a `deer`"),
+    ],
 )
 def test_signs_of_movers_are_taken(settings: dict, message: str) -> None:
     with pytest.raises(ValueError, match=message):

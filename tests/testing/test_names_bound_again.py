@@ -22,6 +22,8 @@ game names "Names that mean two things" {
 
 
 @pytest.mark.parametrize("interpreted", [True, False])
-def test_a_name_that_an_inner_count_binds_again_keeps_its_value(interpreted: bool, tmp_path: Path) -> None:
+def test_a_name_that_an_inner_count_binds_again_keeps_its_value(
+    interpreted: bool, tmp_path: Path
+) -> None:
     (tmp_path / "names.sj").write_text(TEXT)
     Stage(tmp_path / "names.sj", interpreted=interpreted).start().step().has({"reward": [1, -1]})

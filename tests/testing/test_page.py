@@ -38,8 +38,25 @@ def test_its_tests_pass_under_plain_pytest_and_its_failure_is_shown(tmp_path: Pa
     }
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--rootdir", str(tmp_path), str(tmp_path)]
-    run = subprocess.run(command, cwd=tmp_path, env={**os.environ, "PYTEST_ADDOPTS": ""}, capture_output=True, text=True, check=False)
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-p",
+        "no:cacheprovider",
+        "-q",
+        "--rootdir",
+        str(tmp_path),
+        str(tmp_path),
+    ]
+    run = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env={**os.environ, "PYTEST_ADDOPTS": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert run.returncode == 0, run.stdout
     assert f"{1 + blocks('python')[0].count('def test_')} passed" in run.stdout
     failure = (tmp_path / "failure.txt").read_text(encoding="utf-8")
@@ -49,7 +66,9 @@ def test_its_tests_pass_under_plain_pytest_and_its_failure_is_shown(tmp_path: Pa
 def test_its_test_of_checks_passes_and_fails_as_the_checks_do(tmp_path: Path) -> None:
     (tmp_path / "games").mkdir()
     for name, check in (("good", "always count(agent) == 2"), ("bad", "require nap > 3")):
-        text = blocks("sj")[0].replace("  metrics { event eaten }", f"  metrics {{ event eaten }}\n  checks {{ {check} }}")
+        text = blocks("sj")[0].replace(
+            "  metrics { event eaten }", f"  metrics {{ event eaten }}\n  checks {{ {check} }}"
+        )
         (tmp_path / "games" / f"{name}.sj").write_text(text, encoding="utf-8")
     names = {"__file__": str(tmp_path / "test_checks.py")}
     exec(blocks("python")[-1], names)
@@ -66,8 +85,18 @@ def test_its_table_names_what_there_is() -> None:
 
     from sjdsl.testing import Scene, Stage
 
-    methods = [f for cls in (Stage, Scene) for name, f in vars(cls).items() if inspect.isfunction(f) and name[0] != "_"]
+    methods = [
+        f
+        for cls in (Stage, Scene)
+        for name, f in vars(cls).items()
+        if inspect.isfunction(f) and name[0] != "_"
+    ]
     told = {f.__name__ for f in methods} - {"numbers", "compare_start"}  # between the two classes
-    told |= {name for f in methods for name in inspect.signature(f).parameters} - {"self", "board", "name", "plane"}
+    told |= {name for f in methods for name in inspect.signature(f).parameters} - {
+        "self",
+        "board",
+        "name",
+        "plane",
+    }
     told |= set(inspect.signature(Stage).parameters)
     assert {name for name in told if not re.search(rf"\b{name}\b", PAGE)} == set()

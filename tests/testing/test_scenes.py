@@ -23,7 +23,11 @@ def put(*picture: str, **facts: Any) -> Scene:
 # one value of each type, as it is written and as it is read
 VALUES = [
     ("agent.bag[blue]", [1, 9, 0], [1, 9, 0]),
-    ("agent.bag", {1: {"red": 4}}, [{"red": 0, "blue": 0}, {"red": 4, "blue": 0}, {"red": 0, "blue": 0}]),
+    (
+        "agent.bag",
+        {1: {"red": 4}},
+        [{"red": 0, "blue": 0}, {"red": 4, "blue": 0}, {"red": 0, "blue": 0}],
+    ),
     ("agent.bag", {"blue": 2}, [{"red": 0, "blue": 2}] * 3),
     ("agent.hue", "blue", ["blue"] * 3),
     ("agent.friend", [2, None, 0], [2, None, 0]),
@@ -44,7 +48,12 @@ VALUES = [
 def test_what_is_put_is_there(name: str, written: Any, read: Any) -> None:
     scene = put(fields={name: written}).has({name: written})
     assert scene.value(name) == read
-    assert scene.observation.shape == (3, 6, 11, 11)  # here the compiled state is compared with the interpreter's
+    assert scene.observation.shape == (
+        3,
+        6,
+        11,
+        11,
+    )  # here the compiled state is compared with the interpreter's
 
 
 def test_a_step_is_told() -> None:
@@ -53,7 +62,12 @@ def test_a_step_is_told() -> None:
         "PPP..#",
         ">.Tt..  0",
         ".<.^..  12",
-        fields={"agent.hue": ["red", "red", "blue"], "tree.fruit": "ripe", "agent.friend": {0: 1}, "night": 1},
+        fields={
+            "agent.hue": ["red", "red", "blue"],
+            "tree.fruit": "ripe",
+            "agent.friend": {0: 1},
+            "night": 1,
+        },
     )
     scene.step("stay, zap, forward").has(
         {
@@ -90,10 +104,18 @@ def test_a_step_is_told() -> None:
 
 def test_who_is_away_comes_back() -> None:
     """Shot at in a scene, and put away by the picture: ticks, the way to face, a gate."""
-    shot = put("PPP..#", "..TT..", ".>^<..  102").step("stay, zap").has({"agent.away": [True, False, True], "agent.ticks": [1, 0, 1]})
+    shot = (
+        put("PPP..#", "..TT..", ".>^<..  102")
+        .step("stay, zap")
+        .has({"agent.away": [True, False, True], "agent.ticks": [1, 0, 1]})
+    )
     assert shot.places() == [None, (2, 1), None]
-    shot.step().has({"agent.away": False, "agent.heading": {0: "south", 2: "south"}, "agent.row": {0: 0, 2: 0}})
-    scene = put("PPP..#", "..TT..", ".>....  1", away={0: 2, 2: (1, "fire")}).has({"agent.away": [True, False, True]})
+    shot.step().has(
+        {"agent.away": False, "agent.heading": {0: "south", 2: "south"}, "agent.row": {0: 0, 2: 0}}
+    )
+    scene = put("PPP..#", "..TT..", ".>....  1", away={0: 2, 2: (1, "fire")}).has(
+        {"agent.away": [True, False, True]}
+    )
     scene.step().has({"agent.away": [True, False, False], "agent.heading": {2: "south"}})
     scene.step().has({"agent.away": False, "agent.row": {0: 0, 2: 0}})
     gone = (
@@ -109,7 +131,11 @@ def test_numbers_of_a_stage_and_of_a_scene() -> None:
     scene = stage.put("PPP..#", "..TT..", "..^^.<", params={"pay": {"red": 4}})
     assert (scene.params.pay.tolist(), int(scene.params.heat)) == ([4, 7], 9)
     scene = put(
-        "PPP..#", "..TT..", "..^^.<", params={"pay": {"red": 4, "blue": 7}, "heat": 9}, fields={"agent.hue": {1: "blue"}, "rate": 0}
+        "PPP..#",
+        "..TT..",
+        "..^^.<",
+        params={"pay": {"red": 4, "blue": 7}, "heat": 9},
+        fields={"agent.hue": {1: "blue"}, "rate": 0},
     )
     scene.step("forward, forward").has({"reward": [4, 7, 0], "tree.bare": 8})
     scene = put("PPP..#", "..TT..", "..^^.<").change(pay={"red": 5}).change(pay={"blue": 6}, heat=2)
@@ -121,7 +147,9 @@ def test_numbers_of_a_stage_and_of_a_scene() -> None:
 def test_a_picture_needs_no_cells_to_start_on(interpreted: bool) -> None:
     """Agents start on grass and return through gates: this map has neither."""
     stage = Stage(GAME, map=("TTTT",), interpreted=interpreted)
-    stage.put(">T^^", under={0: "t", 1: "t", 2: "t"}).step("forward").shows("t>^^", under={0: "t", 1: "t", 2: "t"})
+    stage.put(">T^^", under={0: "t", 1: "t", 2: "t"}).step("forward").shows(
+        "t>^^", under={0: "t", 1: "t", 2: "t"}
+    )
     shot = stage.put("T>^^").step("zap").has({"agent.ticks": [0, 1, 1]})
     with pytest.raises(AssertionError, match="agent 1 is sent to gate, where no cell is free"):
         shot.step()
@@ -131,9 +159,18 @@ def test_a_picture_needs_no_cells_to_start_on(interpreted: bool) -> None:
 
 def test_the_next_step_has_the_next_seed() -> None:
     """Two who want one cell: who gets it depends on the seed and on nothing else, and not always the same (in 20 runs: 2e-6)."""
-    one = [put("PPP..#", "..TT..", ".>.<.^", seed=seed).step("forward, forward").places() for seed in range(20)]
-    two = [put("PPP..#", "..TT..", ".>.<.^", seed=seed).step("forward, forward").places() for seed in range(5)]
-    later = [put("PPP..#", "..TT..", ".>.<.^", seed=seed - 1).step().step("forward, forward").places() for seed in range(1, 5)]
+    one = [
+        put("PPP..#", "..TT..", ".>.<.^", seed=seed).step("forward, forward").places()
+        for seed in range(20)
+    ]
+    two = [
+        put("PPP..#", "..TT..", ".>.<.^", seed=seed).step("forward, forward").places()
+        for seed in range(5)
+    ]
+    later = [
+        put("PPP..#", "..TT..", ".>.<.^", seed=seed - 1).step().step("forward, forward").places()
+        for seed in range(1, 5)
+    ]
     assert one[:5] == two
     assert one[1:5] == later
     assert len({str(places) for places in one}) == 2
@@ -168,7 +205,14 @@ def test_both_pictures_are_shown() -> None:
 def test_all_wrong_values_are_shown() -> None:
     scene = put("PPP..#", ">.TT..", ".<.^..")
     with pytest.raises(AssertionError) as failure:
-        scene.has({"agent.bag[red]": 0, "agent.hue": ["red", "blue", "red"], "mood": "wild", "tree.owner": {(1, 3): 1}})
+        scene.has(
+            {
+                "agent.bag[red]": 0,
+                "agent.hue": ["red", "blue", "red"],
+                "mood": "wild",
+                "tree.owner": {(1, 3): 1},
+            }
+        )
     assert str(failure.value).splitlines() == [
         "some values differ",
         "  agent.hue is ['red', 'red', 'red'], not ['red', 'blue', 'red']",
@@ -202,11 +246,23 @@ def test_engines_that_differ_are_found() -> None:
     hidden = {"away_pool", "away_facing"}  # what they mean shows when the agent is back
     for name, value in vars(scene.state).items():
         array = np.asarray(value)
-        wrong = scene.state.replace(**{name: jax.numpy.asarray(~array if array.dtype == bool else array + np.ones((), array.dtype))})
-        assert (state_differences(scene.env, wrong, scene.world, *seen) == []) == (name in hidden), name
-    assert state_differences(scene.env, scene.state, scene.world, seen[0] + 1, seen[1])[0].startswith("observations at (0, 0, 0, 0)")
+        wrong = scene.state.replace(
+            **{
+                name: jax.numpy.asarray(
+                    ~array if array.dtype == bool else array + np.ones((), array.dtype)
+                )
+            }
+        )
+        assert (state_differences(scene.env, wrong, scene.world, *seen) == []) == (
+            name in hidden
+        ), name
+    assert state_differences(scene.env, scene.state, scene.world, seen[0] + 1, seen[1])[
+        0
+    ].startswith("observations at (0, 0, 0, 0)")
     scene.state = scene.state.replace(heading=scene.state.heading.at[0].set(1))
-    with pytest.raises(AssertionError, match="the compiled step and the interpreter differ:\n  headings"):
+    with pytest.raises(
+        AssertionError, match="the compiled step and the interpreter differ:\n  headings"
+    ):
         scene.step()
 
 
@@ -220,7 +276,12 @@ def test_outcomes_that_differ_are_found() -> None:
     env = STAGE.env
     assert outcome_differences(env, [1, 0, 2], info, outcome) == []
     assert outcome_differences(env, [1, 0, 2.1], info, outcome)
-    for wrong in ({"events": told | {"eaten[blue]": [0, 2, 0]}}, {"metrics": {"owned": 2.0}}, {"terminated": True}, {"truncated": False}):
+    for wrong in (
+        {"events": told | {"eaten[blue]": [0, 2, 0]}},
+        {"metrics": {"owned": 2.0}},
+        {"terminated": True},
+        {"truncated": False},
+    ):
         assert len(outcome_differences(env, [1, 0, 2], info | wrong, outcome)) == 1, wrong
 
 

@@ -16,11 +16,19 @@ from sjdsl.testing import Stage
 from sjdsl.testing.paths import find_field, read_field
 
 HERE = Path(__file__).parent
-GAMES = [*main_games(), HERE / "camp.sj", *sorted((HERE.parent / "differential" / "games").glob("*.sj"))]
+GAMES = [
+    *main_games(),
+    HERE / "camp.sj",
+    *sorted((HERE.parent / "differential" / "games").glob("*.sj")),
+]
 
 
 def path_of(declared: Any) -> str:
-    return declared.name if declared.held_by.what == "world" else f"{declared.held_by.name}.{declared.name}"
+    return (
+        declared.name
+        if declared.held_by.what == "world"
+        else f"{declared.held_by.name}.{declared.name}"
+    )
 
 
 def put_again(stage: Stage, world: World) -> World:
@@ -33,20 +41,41 @@ def put_again(stage: Stage, world: World) -> World:
             standing[place.row].append((place.col, agent))
     orders: dict[str, list[int]] = {}
     for sort in stage.env.game.movers:
-        places = {place: number for number, place in enumerate(world.movers[sort.name].position) if place is not None}
+        places = {
+            place: number
+            for number, place in enumerate(world.movers[sort.name].position)
+            if place is not None
+        }
         orders[sort.name] = [number for _, number in sorted(places.items())]
         for row, col in places:
             rows[row][col] = sort.glyph
     numbers = [",".join(str(agent) for _, agent in sorted(row)) for row in standing]
-    picture = [f"{''.join(row)}  {told}" if told else "".join(row) for row, told in zip(rows, numbers, strict=True)]
-    labels = {phase.name: phase.label for phase in stage.env.game.schedule if hasattr(phase, "name")}
+    picture = [
+        f"{''.join(row)}  {told}" if told else "".join(row)
+        for row, told in zip(rows, numbers, strict=True)
+    ]
+    labels = {
+        phase.name: phase.label for phase in stage.env.game.schedule if hasattr(phase, "name")
+    }
     away, *movers_away = (
-        {i: (a.ticks, labels[a.pool.phase]) if a.pool else 0 for i, a in enumerate(herd.away) if a is not None}
+        {
+            i: (a.ticks, labels[a.pool.phase]) if a.pool else 0
+            for i, a in enumerate(herd.away)
+            if a is not None
+        }
         for herd in (world, *world.movers.values())
     )
-    fields = {path_of(f): read_field(find_field(stage.env.game, path_of(f)), world) for f in all_fields(stage.env.game)}
+    fields = {
+        path_of(f): read_field(find_field(stage.env.game, path_of(f)), world)
+        for f in all_fields(stage.env.game)
+    }
     return stage.put(
-        *picture, fields=fields, away=away, movers_away=dict(zip(world.movers, movers_away, strict=True)), numbers=orders, step=world.step
+        *picture,
+        fields=fields,
+        away=away,
+        movers_away=dict(zip(world.movers, movers_away, strict=True)),
+        numbers=orders,
+        step=world.step,
     ).world
 
 
@@ -62,12 +91,28 @@ def test_every_state_can_be_put(game: str | Path) -> None:
         world, _ = step(stage.env.game, world, actions, params, Threefry(number, 3))
         if number % 3 == 2:
             again = put_again(stage, world)
-            assert (again.cells, again.agents, again.fields) == (world.cells, world.agents, world.fields)
-            assert (again.position, again.away, again.step) == (world.position, world.away, world.step)
+            assert (again.cells, again.agents, again.fields) == (
+                world.cells,
+                world.agents,
+                world.fields,
+            )
+            assert (again.position, again.away, again.step) == (
+                world.position,
+                world.away,
+                world.step,
+            )
             for sort, herd in world.movers.items():
                 own = again.movers[sort]
-                assert (own.position, own.away, own.fields) == (herd.position, herd.away, herd.fields)
-            assert all(a == b for a, b, place in zip(again.heading, world.heading, world.position, strict=True) if place)
+                assert (own.position, own.away, own.fields) == (
+                    herd.position,
+                    herd.away,
+                    herd.fields,
+                )
+            assert all(
+                a == b
+                for a, b, place in zip(again.heading, world.heading, world.position, strict=True)
+                if place
+            )
 
 
 def test_twelve_agents() -> None:
@@ -90,11 +135,21 @@ def test_one_agent_with_a_number_of_two_digits() -> None:
 
 def test_a_map_of_a_file_with_the_glyph_of_an_arrow(tmp_path: Path) -> None:
     """A game of one's own, its floor drawn with `v`, in a variant."""
-    game = (HERE.parents[1] / "games" / "harvest_open.sj").read_text(encoding="utf-8").replace('kind floor "."', 'kind floor "v"')
-    shutil.copytree(HERE.parents[1] / "games/meltingpot/shared", tmp_path / "meltingpot/shared")  # what it extends
-    (tmp_path / "field.sj").write_text(game.replace("maps/harvest_open.txt", "room.txt"), encoding="utf-8")
+    game = (
+        (HERE.parents[1] / "games" / "harvest_open.sj")
+        .read_text(encoding="utf-8")
+        .replace('kind floor "."', 'kind floor "v"')
+    )
+    shutil.copytree(
+        HERE.parents[1] / "games/meltingpot/shared", tmp_path / "meltingpot/shared"
+    )  # what it extends
+    (tmp_path / "field.sj").write_text(
+        game.replace("maps/harvest_open.txt", "room.txt"), encoding="utf-8"
+    )
     (tmp_path / "room.txt").write_text("QQPvP\nvvvvv\n", encoding="utf-8")
-    stage = Stage(tmp_path / "field.sj", tmp_path / "room.txt", 2, variant="socialjax", arrows="nesw")
+    stage = Stage(
+        tmp_path / "field.sj", tmp_path / "room.txt", 2, variant="socialjax", arrows="nesw"
+    )
     scene = stage.put("QQPvP", "vnvev")
     assert (scene.headings(), scene.picture()) == (["north", "east"], ["QQPvP", "vnvev  01"])
     assert not stage.env.game.agents.relative

@@ -25,7 +25,11 @@ from sjdsl.trace.rules import Rules
 REPOSITORY = Path(__file__).parents[2]
 FILES = [
     *((path, 12) for path in sorted((REPOSITORY / "games").glob("*.sj"))),
-    *((path, 30) for folder in ("cases", "differential/games") for path in sorted((REPOSITORY / "tests" / folder).glob("*.sj"))),
+    *(
+        (path, 30)
+        for folder in ("cases", "differential/games")
+        for path in sorted((REPOSITORY / "tests" / folder).glob("*.sj"))
+    ),
 ]
 
 
@@ -47,7 +51,11 @@ def put(effect: Effect, game: ir.Game, world: World) -> None:
                 held[owner.number] = entered(held[owner.number], effect, words)
                 return
             board = board_of(game)
-            held = world.cells[board.kind_of[owner], name] if isinstance(owner, Cell) else world.agents[name]
+            held = (
+                world.cells[board.kind_of[owner], name]
+                if isinstance(owner, Cell)
+                else world.agents[name]
+            )
             number = board.number[owner] if isinstance(owner, Cell) else owner
             held[number] = entered(held[number], effect, words)
         case "heading" if isinstance(owner, Mover):
@@ -60,7 +68,12 @@ def put(effect: Effect, game: ir.Game, world: World) -> None:
             assert lists[owner.number] == effect.old
             lists[owner.number] = effect.new
         case "place" | "heading" | "away" | "moved":
-            states = {"place": world.position, "heading": world.heading, "away": world.away, "moved": world.moved}[effect.sort]
+            states = {
+                "place": world.position,
+                "heading": world.heading,
+                "away": world.away,
+                "moved": world.moved,
+            }[effect.sort]
             assert states[owner] == effect.old
             states[owner] = effect.new
         case _:
@@ -79,7 +92,16 @@ def entered(whole: object, effect: Effect, words: list[str]) -> object:
 
 
 def state_of(world: World) -> tuple:
-    return world.cells, world.agents, world.fields, world.position, world.heading, world.moved, world.away, world.movers
+    return (
+        world.cells,
+        world.agents,
+        world.fields,
+        world.position,
+        world.heading,
+        world.moved,
+        world.away,
+        world.movers,
+    )
 
 
 def check_step(game: ir.Game, before: World, moment: Moment) -> None:
@@ -90,10 +112,14 @@ def check_step(game: ir.Game, before: World, moment: Moment) -> None:
     for effect in effects:
         put(effect, game, world)
     assert state_of(world) == state_of(moment.world)
-    marks = {(cell.row, cell.col) for effect in effects if effect.sort == "mark" for cell in effect.new}
+    marks = {
+        (cell.row, cell.col) for effect in effects if effect.sort == "mark" for cell in effect.new
+    }
     assert marks == {(row, col) for _, row, col in moment.world.marks}
     ticks = {id(effect) for turn in moment.turns if turn.label == "tick" for effect in turn.effects}
-    assert all(effect.by for effect in effects if id(effect) not in ticks), "a change without a rule"
+    assert all(effect.by for effect in effects if id(effect) not in ticks), (
+        "a change without a rule"
+    )
     if moment.outcome is None:
         return
     rewards = [0.0 for _ in before.position]
@@ -103,19 +129,27 @@ def check_step(game: ir.Game, before: World, moment: Moment) -> None:
             rewards[effect.owner] += effect.new
         if effect.sort == "event":
             counts[effect.name.partition("[")[0]] += effect.new
-    np.testing.assert_allclose(moment.outcome.reward, rewards, rtol=1e-6, atol=1e-6)  # each phase rounds
+    np.testing.assert_allclose(
+        moment.outcome.reward, rewards, rtol=1e-6, atol=1e-6
+    )  # each phase rounds
     assert counts == {name: int(np.sum(count)) for name, count in moment.outcome.events.items()}
     assert moment.outcome.terminated == any(effect.sort == "end" for effect in effects)
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("path", "steps"), FILES, ids=lambda value: value.stem if isinstance(value, Path) else "")
+@pytest.mark.parametrize(
+    ("path", "steps"), FILES, ids=lambda value: value.stem if isinstance(value, Path) else ""
+)
 def test_changes_make_the_next_state(path: Path, steps: int) -> None:
     game = build(read_source(path)).game
     params = default_params(game)
     world = declared_world(board_of(game), params)
     for moment in play(game, params, 5, steps, at_random(game)):
-        check_step(game, world if moment.number is not None else declared_world(board_of(game), params), moment)
+        check_step(
+            game,
+            world if moment.number is not None else declared_world(board_of(game), params),
+            moment,
+        )
         world = moment.world
 
 
@@ -123,9 +157,14 @@ def test_words_are_those_of_jax() -> None:
     for seed in (0, 3, 2**32 - 1, -1):
         assert key_of(seed) == tuple(np.asarray(jax.random.key_data(jax.random.key(seed))).tolist())
     key = jax.random.key(7)
-    assert split(key_of(7), 4) == [tuple(words) for words in np.asarray(jax.random.key_data(jax.random.split(key, 4))).tolist()]
+    assert split(key_of(7), 4) == [
+        tuple(words) for words in np.asarray(jax.random.key_data(jax.random.split(key, 4))).tolist()
+    ]
     for below in (1, 2, 3, 7, 9, 64):
-        assert random_numbers(key_of(7), 9, below) == np.asarray(jax.random.randint(key, (9,), 0, below, np.int32)).tolist()
+        assert (
+            random_numbers(key_of(7), 9, below)
+            == np.asarray(jax.random.randint(key, (9,), 0, below, np.int32)).tolist()
+        )
 
 
 def test_a_trace_is_the_episode_that_is_rendered() -> None:
@@ -137,7 +176,9 @@ def test_a_trace_is_the_episode_that_is_rendered() -> None:
     assert len(moments) == len(shots) == 28
     for shot, moment in zip(shots, moments, strict=True):
         assert shot.step == moment.world.step
-        assert [None if r < 0 else (r, c) for r, c in zip(shot.row, shot.col, strict=True)] == moment.world.position
+        assert [
+            None if r < 0 else (r, c) for r, c in zip(shot.row, shot.col, strict=True)
+        ] == moment.world.position
         assert shot.heading.tolist() == moment.world.heading
 
 
@@ -161,7 +202,12 @@ def test_the_word_told_is_the_one_that_chose_the_cell() -> None:
     for seed in range(5):
         start = next(iter(play(game, default_params(game), seed, 0, at_random(game))))
         free = [(row, col) for row in range(2) for col in range(4)]
-        told = {effect.owner: effect for turn in start.turns for effect in turn.effects if effect.sort == "place"}
+        told = {
+            effect.owner: effect
+            for turn in start.turns
+            for effect in turn.effects
+            if effect.sort == "place"
+        }
         assert [*told] == [0, 1, 2, 3, 4]
         for effect in told.values():
             (used,) = effect.draws
@@ -230,7 +276,11 @@ def test_a_small_game_by_hand() -> None:
     assert lines_of(first) == ["fruit none -> ripe 17", "rest 0 -> 2 17", *shouted(0, 3)]
     (grown, *_) = (effect for turn in first.turns for effect in turn.effects)
     (drawn,) = grown.by[0].causes
-    assert (drawn.statement, drawn.number, drawn.word >> 1) == (chance, 0, luck_of((1, fires), chance.stream))
+    assert (drawn.statement, drawn.number, drawn.word >> 1) == (
+        chance,
+        0,
+        luck_of((1, fires), chance.stream),
+    )
     assert drawn.bounds == (2**29,)
 
     second = follow(game, first.world, params, (1, fails), [leave])
@@ -241,8 +291,18 @@ def test_a_small_game_by_hand() -> None:
     assert (failed.result, failed.bounds) == (None, (2**29, 2**29 + 3 * 2**28))
 
     fourth = follow(game, third.world, params, (1, fails), [shout])
-    assert lines_of(fourth) == ["place None -> (0, 2) 21", "away 1 -> None 21", *shouted(3, 6), "end 29"]
-    assert [len(effect.by) for turn in fourth.turns for effect in turn.effects if effect.name == "bag[wood]"] == [2]
+    assert lines_of(fourth) == [
+        "place None -> (0, 2) 21",
+        "away 1 -> None 21",
+        *shouted(3, 6),
+        "end 29",
+    ]
+    assert [
+        len(effect.by)
+        for turn in fourth.turns
+        for effect in turn.effects
+        if effect.name == "bag[wood]"
+    ] == [2]
     assert fourth.outcome is not None
     assert fourth.outcome.terminated
 
@@ -268,8 +328,14 @@ def lines_of(moment: Moment) -> list[str]:
     found = []
     for effect in (effect for turn in moment.turns for effect in turn.effects):
         line = game_line(effect.by[0].statement) if effect.by else "-"
-        old, new = (value.ticks if effect.sort == "away" and value else value for value in (effect.old, effect.new))
-        old, new = (f"({value.row}, {value.col})" if isinstance(value, Cell) else value for value in (old, new))
+        old, new = (
+            value.ticks if effect.sort == "away" and value else value
+            for value in (effect.old, effect.new)
+        )
+        old, new = (
+            f"({value.row}, {value.col})" if isinstance(value, Cell) else value
+            for value in (old, new)
+        )
         match effect.sort:
             case "reward" | "event":
                 found.append(f"{effect.name or 'reward'} {new:+} {line}")
@@ -285,15 +351,25 @@ def test_the_way_told_is_the_one_that_was_drawn() -> None:
     game = build(Source("hens.sj", HENS)).game
     for seed in range(5):
         start, moment = play(game, default_params(game), seed, 1, at_random(game))
-        (before,), (after,) = start.world.movers["hen"].position, moment.world.movers["hen"].position
-        ways = [Cell(before.row + row, before.col + col) for row, col in ((-1, 0), (0, 1), (1, 0), (0, -1))]
+        (before,), (after,) = (
+            start.world.movers["hen"].position,
+            moment.world.movers["hen"].position,
+        )
+        ways = [
+            Cell(before.row + row, before.col + col)
+            for row, col in ((-1, 0), (0, 1), (1, 0), (0, -1))
+        ]
         (agent,) = start.world.position
         open_ = [cell for cell in ways if cell in board_of(game).kind_of and cell != agent]
-        (gone,) = [effect for turn in moment.turns for effect in turn.effects if effect.sort == "place"]
+        (gone,) = [
+            effect for turn in moment.turns for effect in turn.effects if effect.sort == "place"
+        ]
         (used,) = (used for used in gone.draws if used.purpose == "which way")
         assert (gone.owner, gone.old, gone.new) == (Mover("hen", 0), before, after)
         assert open_[used.bits * len(open_) >> 32] == after
-        assert "hen 0  goes from" in "\n".join(moment_lines(moment, make_teller(board_of(game), Rules({}))))
+        assert "hen 0  goes from" in "\n".join(
+            moment_lines(moment, make_teller(board_of(game), Rules({})))
+        )
 
 
 HENS = """sj 1
@@ -333,7 +409,9 @@ def test_losers_of_a_lot_are_named() -> None:
     for moment in play(game, default_params(game), 1, 6, lambda *_: lambda *_: [1, 1, 2]):
         lines = [line.strip() for line in moment_lines(moment, teller)]
         lost = [line for line in lines if "lost the lot" in line]
-        takers = [effect for turn in moment.turns for effect in turn.effects if effect.name == "taker"]
+        takers = [
+            effect for turn in moment.turns for effect in turn.effects if effect.name == "taker"
+        ]
         for effect in takers:
             loser, winner = {0, 1, 2} - {effect.by[0].names["agent"]}, effect.by[0].names["agent"]
             assert len(effect.lost) == 2

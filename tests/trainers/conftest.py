@@ -38,7 +38,10 @@ def empty_curves() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def shared() -> Iterator[None]:
     """Has the runs of a module share what is compiled."""
-    with compiled_once(), jax.debug_key_reuse(True):  # as in the tests: otherwise programs are traced again
+    with (
+        compiled_once(),
+        jax.debug_key_reuse(True),
+    ):  # as in the tests: otherwise programs are traced again
         yield
 
 

@@ -32,9 +32,15 @@ class Probe:
     """A game given by what it shows, what it pays and how its episodes end; the interface of a compiled game."""
 
     name: str
-    reward: Callable[[ProbeState, Array], Any]  # state and actions [N] -> [N], or one number for all
-    show: Callable[[ProbeState], Array] = lambda _: jnp.int32(0)  # -> the one token seen, 0 .. 5; or one for each agent
-    length: Callable[[ProbeState], Array] = lambda _: jnp.int32(1)  # steps of the episode, at most MAX_STEPS
+    reward: Callable[
+        [ProbeState, Array], Any
+    ]  # state and actions [N] -> [N], or one number for all
+    show: Callable[[ProbeState], Array] = lambda _: jnp.int32(
+        0
+    )  # -> the one token seen, 0 .. 5; or one for each agent
+    length: Callable[[ProbeState], Array] = lambda _: jnp.int32(
+        1
+    )  # steps of the episode, at most MAX_STEPS
     truncates: bool | Array = False  # episodes end by the time limit
     num_agents: int = 2
     num_actions: int = 2
@@ -62,10 +68,14 @@ class Probe:
         state = ProbeState(cue=jax.random.randint(key, (), 0, 2, jnp.int32), step=jnp.int32(0))
         return self.observe(state), state
 
-    def step_env(self, key: Array, state: ProbeState, actions: Array, params: None = None) -> tuple[Any, ...]:
+    def step_env(
+        self, key: Array, state: ProbeState, actions: Array, params: None = None
+    ) -> tuple[Any, ...]:
         """Plays one step and resets nothing."""
         del key, params
-        reward = jnp.broadcast_to(jnp.asarray(self.reward(state, actions), jnp.float32), self.num_agents)
+        reward = jnp.broadcast_to(
+            jnp.asarray(self.reward(state, actions), jnp.float32), self.num_agents
+        )
         after = state.replace(step=state.step + 1)
         done = after.step >= self.length(state)
         info = {
@@ -77,7 +87,9 @@ class Probe:
         }
         return self.observe(after), after, reward, done, info
 
-    def step(self, key: Array, state: ProbeState, actions: Array, params: None = None) -> tuple[Any, ...]:
+    def step(
+        self, key: Array, state: ProbeState, actions: Array, params: None = None
+    ) -> tuple[Any, ...]:
         """Plays one step and starts a new episode after the last."""
         step_key, reset_key = jax.random.split(key)
         _, after, reward, done, info = self.step_env(step_key, state, actions, params)
@@ -88,7 +100,9 @@ class Probe:
 
 def windows(env: Probe, shown: int | Array | Sequence[int]) -> Array:
     """Returns the observations `[N, 1, 1, 1]` of agents that see one token, or one each."""
-    return jnp.broadcast_to(jnp.asarray(shown), env.num_agents).astype(jnp.uint8).reshape(-1, 1, 1, 1)
+    return (
+        jnp.broadcast_to(jnp.asarray(shown), env.num_agents).astype(jnp.uint8).reshape(-1, 1, 1, 1)
+    )
 
 
 @cache
@@ -100,19 +114,31 @@ def constant(amount: float, num_agents: int = 2) -> Probe:
 @cache
 def delayed() -> Probe:
     """Two steps; the second pays 1."""
-    return Probe("delayed", reward=lambda state, _: 1.0 * (state.step == 1), show=lambda state: state.step, length=lambda _: jnp.int32(2))
+    return Probe(
+        "delayed",
+        reward=lambda state, _: 1.0 * (state.step == 1),
+        show=lambda state: state.step,
+        length=lambda _: jnp.int32(2),
+    )
 
 
 @cache
 def cued() -> Probe:
     """One step that pays 1 after cue 1 and -1 after cue 0."""
-    return Probe("cued", reward=lambda state, _: 2.0 * state.cue - 1.0, show=lambda state: state.cue)
+    return Probe(
+        "cued", reward=lambda state, _: 2.0 * state.cue - 1.0, show=lambda state: state.cue
+    )
 
 
 @cache
 def matching(num_agents: int = 2) -> Probe:
     """One step that pays 1 to an agent whose action is the cue, else 0."""
-    return Probe("matching", reward=lambda state, actions: actions == state.cue, show=lambda state: state.cue, num_agents=num_agents)
+    return Probe(
+        "matching",
+        reward=lambda state, actions: actions == state.cue,
+        show=lambda state: state.cue,
+        num_agents=num_agents,
+    )
 
 
 @cache
@@ -156,7 +182,9 @@ def opposite() -> Probe:
 def hidden() -> Probe:
     """One step that pays 1 after cue 1 and -1 after cue 0; agent 1 sees the cue, agent 0 sees token 2."""
     return Probe(
-        "hidden", reward=lambda state, _: 2.0 * state.cue - 1.0, show=lambda state: jnp.stack([jnp.full_like(state.cue, 2), state.cue])
+        "hidden",
+        reward=lambda state, _: 2.0 * state.cue - 1.0,
+        show=lambda state: jnp.stack([jnp.full_like(state.cue, 2), state.cue]),
     )
 
 
@@ -187,7 +215,9 @@ def endless_riches() -> Probe:
 class Tables:
     """All that a probe does, as arrays: probes of a form share what is compiled."""
 
-    reward: Array  # [2, MAX_STEPS, A, ..., A, N] float32, by cue, step and the actions of all agents
+    reward: (
+        Array  # [2, MAX_STEPS, A, ..., A, N] float32, by cue, step and the actions of all agents
+    )
     shown: Array  # [2, MAX_STEPS + 1, N] uint8
     length: Array  # [2] int32
     truncates: Array  # [] bool
@@ -198,12 +228,21 @@ def tables_of(env: Probe) -> Tables:
     joint = jnp.indices((env.num_actions,) * env.num_agents).reshape(env.num_agents, -1).T
 
     def pay(cue: Array, step: Array, actions: Array) -> Array:
-        return jnp.broadcast_to(jnp.asarray(env.reward(ProbeState(cue, step), actions), jnp.float32), env.num_agents)
+        return jnp.broadcast_to(
+            jnp.asarray(env.reward(ProbeState(cue, step), actions), jnp.float32), env.num_agents
+        )
 
     def by_step(function: Callable[[Array, Array], Array], steps: int) -> Array:
-        return jnp.stack([jnp.stack([function(jnp.int32(cue), jnp.int32(step)) for step in range(steps)]) for cue in (0, 1)])
+        return jnp.stack(
+            [
+                jnp.stack([function(jnp.int32(cue), jnp.int32(step)) for step in range(steps)])
+                for cue in (0, 1)
+            ]
+        )
 
-    reward = by_step(lambda cue, step: jax.vmap(lambda actions: pay(cue, step, actions))(joint), MAX_STEPS)
+    reward = by_step(
+        lambda cue, step: jax.vmap(lambda actions: pay(cue, step, actions))(joint), MAX_STEPS
+    )
     return Tables(
         reward=reward.reshape(2, MAX_STEPS, *[env.num_actions] * env.num_agents, env.num_agents),
         shown=by_step(lambda cue, step: env.observe(ProbeState(cue, step)).ravel(), MAX_STEPS + 1),
@@ -269,7 +308,10 @@ QUICK_ROLLOUTS: dict[str, Any] = {  # value decomposition without a replay buffe
     "gamma": 0.8,
 }
 
-FAST_TO_COMPILE = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}  # compiling is what takes the time
+FAST_TO_COMPILE = {
+    "xla_backend_optimization_level": 0,
+    "xla_cpu_use_fusion_emitters": False,
+}  # compiling is what takes the time
 
 Run = tuple[TrainState, dict[str, Any]]
 
@@ -278,12 +320,16 @@ def quick(**changes: Any) -> Config:
     """Returns `QUICK` or, for vdn, `QUICK_VALUES` or `QUICK_ROLLOUTS`, with `changes`."""
     if changes.get("algorithm") != "vdn":
         return make_config(QUICK, **changes)
-    return make_config(QUICK_ROLLOUTS if changes.get("replay") == "none" else QUICK_VALUES, **changes)
+    return make_config(
+        QUICK_ROLLOUTS if changes.get("replay") == "none" else QUICK_VALUES, **changes
+    )
 
 
 def run_of(env: Probe, config: Config, seeds: int = 1) -> Callable[[Array], Run]:
     """Returns a whole run as a function of its key: to the last state and all updates' metrics. With more seeds, of as many keys."""
-    form = Probe("form", reward=lambda _, __: 0.0, num_agents=env.num_agents, num_actions=env.num_actions)
+    form = Probe(
+        "form", reward=lambda _, __: 0.0, num_agents=env.num_agents, num_actions=env.num_actions
+    )
     return lambda key: _run_of_form(form, config, seeds)(key, tables_of(env))
 
 
@@ -295,7 +341,9 @@ def _run_of_form(form: Probe, config: Config, seeds: int) -> Callable[[Array, Ta
 
     def run(key: Array, tables: Tables) -> Run:
         program = make_train(tabled(form, tables), config)
-        return jax.lax.scan(lambda state, _: program.update(state), program.init(key), length=config.num_updates)
+        return jax.lax.scan(
+            lambda state, _: program.update(state), program.init(key), length=config.num_updates
+        )
 
     runs = jax.vmap(run, in_axes=(0, None)) if seeds > 1 else run
     name = (form.num_agents, form.num_actions, config, seeds)
@@ -309,7 +357,11 @@ def learn(env: Probe, seed: int = 0, **changes: Any) -> Run:
 
 
 def judge(
-    env: Probe, state: TrainState, shown: int | Sequence[int], world: Sequence[float] | None = None, **changes: Any
+    env: Probe,
+    state: TrainState,
+    shown: int | Sequence[int],
+    world: Sequence[float] | None = None,
+    **changes: Any,
 ) -> tuple[Array, Array]:
     """Returns the action probabilities `[N, A]` and values `[N]` that trained networks give where agents see `shown`.
 
@@ -317,12 +369,18 @@ def judge(
     """
     networks = make_actor_critics(env, quick(**changes))
     seen = windows(env, shown)[None, None]
-    joint = networks.joint(seen, None) if world is None else jnp.asarray(world, jnp.float32)[None, None]
-    _, logits, values = networks.apply(state.learner.params, networks.start_memory(1), seen, joint, jnp.ones((1, 1), bool))
+    joint = (
+        networks.joint(seen, None) if world is None else jnp.asarray(world, jnp.float32)[None, None]
+    )
+    _, logits, values = networks.apply(
+        state.learner.params, networks.start_memory(1), seen, joint, jnp.ones((1, 1), bool)
+    )
     return jax.nn.softmax(logits[0, 0]), values[0, 0]
 
 
-def judge_actions(env: Probe, state: TrainState, shown: int | Sequence[int], **changes: Any) -> Array:
+def judge_actions(
+    env: Probe, state: TrainState, shown: int | Sequence[int], **changes: Any
+) -> Array:
     """Returns the value `[N, A]` of each action that a trained network of value decomposition gives."""
     config = quick(algorithm="vdn", **changes)
     assert isinstance(config, VDNConfig)

@@ -25,7 +25,15 @@ OF_THE_CLOCK = ("seconds", "steps_per_second", "rollout_share")
 
 # Twelve updates of 64 steps, with a checkpoint and a policy after every second and an evaluation after every third.
 SHORT = make_config(
-    {**QUICK, "num_envs": 8, "num_steps": 8, "total_timesteps": 64 * 12, "checkpoint_updates": 2, "policy_every": 2, "evaluate_every": 3},
+    {
+        **QUICK,
+        "num_envs": 8,
+        "num_steps": 8,
+        "total_timesteps": 64 * 12,
+        "checkpoint_updates": 2,
+        "policy_every": 2,
+        "evaluate_every": 3,
+    },
     normalise_values=True,
     evaluation_episodes=8,
     seed=5,
@@ -43,7 +51,13 @@ def counting(diverges_after: int = 1_000_000, seed_that_diverges: int | None = 0
     """Returns a run that learns nothing and compiles at once; its parameter counts the updates. Keys are those of seeds; None: all diverge."""
 
     def init(key: jax.Array) -> TrainState:
-        return TrainState(key, {"updates": jnp.zeros(())}, Worlds(jnp.zeros(2, jnp.int32)), jnp.int32(0), jnp.bool_(False))
+        return TrainState(
+            key,
+            {"updates": jnp.zeros(())},
+            Worlds(jnp.zeros(2, jnp.int32)),
+            jnp.int32(0),
+            jnp.bool_(False),
+        )
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         return state.replace(worlds=Worlds(state.worlds.steps + 1)), state.worlds.steps.sum()
@@ -51,7 +65,9 @@ def counting(diverges_after: int = 1_000_000, seed_that_diverges: int | None = 0
     def learn(state: TrainState, played: Any) -> tuple[TrainState, dict[str, jax.Array]]:
         updates = state.updates + 1
         seed = jax.random.key_data(state.key)[1]
-        bad = state.diverged | (updates > diverges_after) & ((seed == seed_that_diverges) if seed_that_diverges is not None else True)
+        bad = state.diverged | (updates > diverges_after) & (
+            (seed == seed_that_diverges) if seed_that_diverges is not None else True
+        )
         good = jnp.where(bad, state.learner["updates"], updates.astype(jnp.float32))
         metrics = {
             "episodes": updates,
@@ -78,10 +94,15 @@ def outcome(folder: Path) -> dict[str, Any]:
     metrics = read_lines(folder / "metrics.jsonl")
     evaluations = folder / "evaluations.jsonl"
     return {
-        "metrics": [{name: value for name, value in row.items() if name not in OF_THE_CLOCK} for row in metrics],
+        "metrics": [
+            {name: value for name, value in row.items() if name not in OF_THE_CLOCK}
+            for row in metrics
+        ],
         "columns": list(metrics[0]),
         "evaluations": read_lines(evaluations) if evaluations.exists() else [],
-        "policies": {path.name: path.read_bytes() for path in sorted((folder / "policies").iterdir())},
+        "policies": {
+            path.name: path.read_bytes() for path in sorted((folder / "policies").iterdir())
+        },
     }
 
 
@@ -101,7 +122,11 @@ def compiled_once() -> Iterator[None]:
     """Has all runs of `matching` share what is compiled: only that makes a hundred of them quick. Configurations: `SHORT`, or how often
     it saves and evaluates changed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "compile_train", lambda _, config, __: compiled_matching(config.model_copy(update=_ALIKE)))
+        patch.setattr(
+            run,
+            "compile_train",
+            lambda _, config, __: compiled_matching(config.model_copy(update=_ALIKE)),
+        )
         patch.setattr(recorder, "make_evaluator", lambda _, __, number: _evaluator(number))
         yield
 
@@ -120,7 +145,9 @@ def _evaluator(number: int) -> Callable[..., Any]:
     from sjdsl.trainers.evaluation import make_evaluator
     from sjdsl.trainers.policies import trained_policy
 
-    return make_evaluator(matching(), lambda parameters: trained_policy(matching(), SHORT, parameters), number)
+    return make_evaluator(
+        matching(), lambda parameters: trained_policy(matching(), SHORT, parameters), number
+    )
 
 
 def copy_run(source: Path, target: Path) -> Path:
@@ -131,9 +158,30 @@ def copy_run(source: Path, target: Path) -> Path:
 
 # The command line in processes of its own.
 
-ORCHARD = ("num_envs=4", "num_steps=4", "num_minibatches=2", "num_epochs=1", "network=mlp", "network_width=8")
-TWELVE = ("total_timesteps=192", "checkpoint_updates=2", "policy_every=2", "evaluate_every=3", "evaluation_episodes=4")
-VALUES = ("num_envs=4", "num_steps=4", "network=mlp", "network_width=8", "buffer_size=64", "batch_size=8", "learning_starts=32")
+ORCHARD = (
+    "num_envs=4",
+    "num_steps=4",
+    "num_minibatches=2",
+    "num_epochs=1",
+    "network=mlp",
+    "network_width=8",
+)
+TWELVE = (
+    "total_timesteps=192",
+    "checkpoint_updates=2",
+    "policy_every=2",
+    "evaluate_every=3",
+    "evaluation_episodes=4",
+)
+VALUES = (
+    "num_envs=4",
+    "num_steps=4",
+    "network=mlp",
+    "network_width=8",
+    "buffer_size=64",
+    "batch_size=8",
+    "learning_starts=32",
+)
 
 
 def sets(*assignments: str) -> list[str]:
@@ -143,10 +191,16 @@ def sets(*assignments: str) -> list[str]:
 
 def start_sjdsl(*arguments: str | Path, **variables: str) -> subprocess.Popen[str]:
     """Starts the command line in a process; what is compiled is shared with the other tests' processes."""
-    environment = {**os.environ, "JAX_PLATFORMS": "cpu", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
+    environment = {
+        **os.environ,
+        "JAX_PLATFORMS": "cpu",
+        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+    }
     environment |= {"JAX_DISABLE_MOST_OPTIMIZATIONS": "true", **variables}
     command = [sys.executable, "-m", "sjdsl", *(str(argument) for argument in arguments)]
-    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
 
 
 def run_sjdsl(*arguments: str | Path, **variables: str) -> str:
@@ -161,6 +215,8 @@ def wait_for_rows(run_dir: Path, number: int, process: subprocess.Popen[str]) ->
     """Waits until a run's metrics have so many rows, or its process has ended."""
     until = time.monotonic() + 300
     lines = run_dir / "metrics.jsonl"
-    while process.poll() is None and not (lines.exists() and lines.read_bytes().count(b"\n") >= number):
+    while process.poll() is None and not (
+        lines.exists() and lines.read_bytes().count(b"\n") >= number
+    ):
         assert time.monotonic() < until, "nothing was written"
         time.sleep(0.001)

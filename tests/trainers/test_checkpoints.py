@@ -39,7 +39,12 @@ def _state(seed: int, width: int = 3) -> State:
 
 
 def _bits(tree: State) -> list[tuple[str, bytes]]:
-    plain = jax.tree.map(lambda leaf: jax.random.key_data(leaf) if jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key) else leaf, tree)
+    plain = jax.tree.map(
+        lambda leaf: (
+            jax.random.key_data(leaf) if jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key) else leaf
+        ),
+        tree,
+    )
     return [(str(leaf.dtype), np.asarray(leaf).tobytes()) for leaf in jax.tree.leaves(plain)]
 
 
@@ -83,7 +88,9 @@ def test_an_unfinished_one_is_none(tmp_path: Path) -> None:
     checkpoints = Checkpoints(tmp_path)
     checkpoints.save(1, _state(1))
     checkpoints.close()
-    (tmp_path / "checkpoints" / "2.orbax-checkpoint-tmp" / "state.orbax-checkpoint-tmp").mkdir(parents=True)
+    (tmp_path / "checkpoints" / "2.orbax-checkpoint-tmp" / "state.orbax-checkpoint-tmp").mkdir(
+        parents=True
+    )
     again = Checkpoints(tmp_path)
     assert again.updates() == [1]
     again.save(2, _state(2))
@@ -92,7 +99,9 @@ def test_an_unfinished_one_is_none(tmp_path: Path) -> None:
     assert sorted(path.name for path in (tmp_path / "checkpoints").iterdir()) == ["1", "2"]
 
 
-def test_damage_in_any_file_is_found_before_an_array_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_damage_in_any_file_is_found_before_an_array_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Reading it would leave an event loop of orbax that is closed while threads still use it."""
     checkpoints = Checkpoints(tmp_path)
     checkpoints.save(1, _state(1))

@@ -22,7 +22,9 @@ def test_a_packaged_preset_runs(tmp_path: Path) -> None:
     result = train(env, preset.config, tmp_path / "run", "none")
     assert [row["episodes"] for row in result.rows] == [0, 4, 0, 4, 0, 4]
     for row in result.rows:
-        assert row["shaped_return"] == row["collective_return"] or np.isnan(row["collective_return"])
+        assert row["shaped_return"] == row["collective_return"] or np.isnan(
+            row["collective_return"]
+        )
         assert np.isfinite([row["loss"], row["entropy"], row["kl"], row["gradient_norm"]]).all()
     assert "event_own_coins_agent_1" in result.rows[0]
     manifest = json.loads((tmp_path / "run" / "manifest.json").read_text())
@@ -34,4 +36,6 @@ def test_a_packaged_preset_runs(tmp_path: Path) -> None:
     assert dataclasses.asdict(evaluation)["returns"].shape == (5, 2)
     np.testing.assert_array_equal(evaluation.lengths, 20)
     taken = sum(evaluation.events[name] for name in ("own_coins", "other_coins"))
-    np.testing.assert_array_equal(evaluation.returns, taken - 2 * evaluation.events["other_coins"][:, ::-1])
+    np.testing.assert_array_equal(
+        evaluation.returns, taken - 2 * evaluation.events["other_coins"][:, ::-1]
+    )

@@ -11,7 +11,17 @@ from typing import Any
 
 import jax
 import pytest
-from run_outcomes import OF_THE_CLOCK, ORCHARD, assert_same_end, copy_run, read_lines, read_manifest, run_sjdsl, sets, start_sjdsl
+from run_outcomes import (
+    OF_THE_CLOCK,
+    ORCHARD,
+    assert_same_end,
+    copy_run,
+    read_lines,
+    read_manifest,
+    run_sjdsl,
+    sets,
+    start_sjdsl,
+)
 
 from sjdsl.trainers import ConfigError, PPOConfig, make_config, ppo, sharding
 from tests.cli.command_line import GAME
@@ -22,13 +32,19 @@ ONE = "--xla_force_host_platform_device_count=1"
 
 def test_environments_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sharding.jax, "devices", lambda: [*jax.local_devices()] * 3)
-    with pytest.raises(ConfigError, match="num_envs = 4 environments cannot be spread over 3 devices; choose a multiple"):
+    with pytest.raises(
+        ConfigError,
+        match="num_envs = 4 environments cannot be spread over 3 devices; choose a multiple",
+    ):
         sharding.make_placement(make_config(num_envs=4))
 
 
 def test_minibatches_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ppo.jax, "devices", lambda: [*jax.local_devices()] * 2)
-    with pytest.raises(ConfigError, match="a minibatch of 125 steps cannot be spread over 2 devices; choose num_minibatches so that"):
+    with pytest.raises(
+        ConfigError,
+        match="a minibatch of 125 steps cannot be spread over 2 devices; choose num_minibatches so that",
+    ):
         ppo.check_minibatches(PPOConfig(num_envs=4, num_steps=125, num_minibatches=4))
     ppo.check_minibatches(PPOConfig(num_envs=4, num_steps=125, num_minibatches=2))
 
@@ -37,7 +53,13 @@ def test_minibatches_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) -
 def arguments(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     folder = tmp_path_factory.mktemp("games")
     (folder / "orchard.sj").write_text(GAME)
-    more = sets("total_timesteps=96", "checkpoint_updates=2", "policy_every=2", "evaluate_every=3", "evaluation_episodes=4")
+    more = sets(
+        "total_timesteps=96",
+        "checkpoint_updates=2",
+        "policy_every=2",
+        "evaluate_every=3",
+        "evaluation_episodes=4",
+    )
     return [str(folder / "orchard.sj"), *sets(*ORCHARD), *more, "--episodes", "0"]
 
 
@@ -56,7 +78,11 @@ def _assert_alike(run_dir: Path, one: Path) -> None:
         assert row.keys() == other.keys()
         for name in row.keys() - set(OF_THE_CLOCK):
             wanted_value = other[name]
-            assert row[name] == (wanted_value if wanted_value is None else pytest.approx(wanted_value, rel=1e-3, abs=1e-5)), name
+            assert row[name] == (
+                wanted_value
+                if wanted_value is None
+                else pytest.approx(wanted_value, rel=1e-3, abs=1e-5)
+            ), name
     assert [row["update"] for row in read_lines(run_dir / "evaluations.jsonl")] == [3, 6]
 
 
@@ -75,8 +101,15 @@ def _free_port() -> int:
 
 def _run_in_two_processes(*arguments: Any) -> list[str]:
     """Runs a command in two processes that join; returns what each printed."""
-    joined = {"JAX_COORDINATOR_ADDRESS": f"127.0.0.1:{_free_port()}", "JAX_NUM_PROCESSES": "2", "XLA_FLAGS": ONE}
-    processes = [start_sjdsl(*arguments, "--distributed", **joined, JAX_PROCESS_ID=str(number)) for number in range(2)]
+    joined = {
+        "JAX_COORDINATOR_ADDRESS": f"127.0.0.1:{_free_port()}",
+        "JAX_NUM_PROCESSES": "2",
+        "XLA_FLAGS": ONE,
+    }
+    processes = [
+        start_sjdsl(*arguments, "--distributed", **joined, JAX_PROCESS_ID=str(number))
+        for number in range(2)
+    ]
     printed = []
     try:
         for process in processes:
@@ -114,4 +147,6 @@ def test_a_process_alone_is_told_what_is_missing(arguments: list[str]) -> None:
     process = start_sjdsl("train", *arguments, "--distributed")
     _, err = process.communicate(timeout=120)
     assert process.returncode == 1
-    assert "outside a cluster, set JAX_COORDINATOR_ADDRESS, JAX_NUM_PROCESSES, JAX_PROCESS_ID" in err
+    assert (
+        "outside a cluster, set JAX_COORDINATOR_ADDRESS, JAX_NUM_PROCESSES, JAX_PROCESS_ID" in err
+    )

@@ -6,11 +6,20 @@ import numpy as np
 import pytest
 from probes import uneven
 
-from sjdsl.trainers.episodes import EpisodeSums, add_step, hand_over, mean_episode, without_value, zero_sums
+from sjdsl.trainers.episodes import (
+    EpisodeSums,
+    add_step,
+    hand_over,
+    mean_episode,
+    without_value,
+    zero_sums,
+)
 from sjdsl.trainers.metric_rows import flatten_metrics
 
 
-def played(steps: list[tuple[list[list[float]], list[list[int]], list[int], list[float]]]) -> EpisodeSums:
+def played(
+    steps: list[tuple[list[list[float]], list[list[int]], list[int], list[float]]],
+) -> EpisodeSums:
     """Returns what three episodes of two agents come to. A step: rewards, what each agent ate, alarms, apples left."""
     sums = zero_sums(uneven(), 3)
     sums = sums.replace(
@@ -19,7 +28,10 @@ def played(steps: list[tuple[list[list[float]], list[list[int]], list[int], list
         metric_finals={"apples": jnp.zeros(3)},
     )
     for reward, eaten, alarms, apples in steps:
-        info = {"events": {"eaten": jnp.array(eaten), "alarms": jnp.array(alarms)}, "metrics": {"apples": jnp.array(apples)}}
+        info = {
+            "events": {"eaten": jnp.array(eaten), "alarms": jnp.array(alarms)},
+            "metrics": {"apples": jnp.array(apples)},
+        }
         sums = add_step(sums, jnp.array(reward), 10 * jnp.array(reward), info)
     return sums
 
@@ -67,7 +79,13 @@ def test_no_episode_ends() -> None:
     row = flatten_metrics(mean)
     assert row.pop("episodes") == 0
     assert np.isnan([*row.values()]).all()
-    assert {"collective_return", "equality", "mean_apples", "final_apples", "event_eaten_agent_1", "return", "shaped_return_agent_0"} < {
-        *row
-    }
+    assert {
+        "collective_return",
+        "equality",
+        "mean_apples",
+        "final_apples",
+        "event_eaten_agent_1",
+        "return",
+        "shaped_return_agent_0",
+    } < {*row}
     assert running.length.tolist() == [2, 2, 2]

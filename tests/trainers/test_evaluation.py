@@ -42,14 +42,19 @@ def test_a_scripted_policy_sees_the_observation() -> None:
 def test_the_random_policy_draws_for_each_agent_and_episode() -> None:
     evaluation = evaluate(matching(), random_policy(matching()), jax.random.key(0), 400)
     assert 0.4 < evaluation.returns.mean() < 0.6
-    alike = (evaluation.events["second_action"][:, 0] == evaluation.events["second_action"][:, 1]).mean()
+    alike = (
+        evaluation.events["second_action"][:, 0] == evaluation.events["second_action"][:, 1]
+    ).mean()
     assert 0.4 < alike < 0.6
     interval = summarise(evaluation)["collective return"]
     assert interval.low < 1.0 < interval.high
 
 
 def test_the_same_key_gives_the_same_episodes() -> None:
-    first, again, other = (evaluate(matching(), random_policy(matching()), jax.random.key(seed), EPISODES).returns for seed in (1, 1, 2))
+    first, again, other = (
+        evaluate(matching(), random_policy(matching()), jax.random.key(seed), EPISODES).returns
+        for seed in (1, 1, 2)
+    )
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()
 
@@ -58,7 +63,9 @@ def test_intervals_are_students() -> None:
     """Five samples with mean 3 and standard deviation sqrt(2.5); t(0.975, 4) = 2.776445."""
     interval = estimate(np.arange(1.0, 6.0))
     margin = 2.776445 * np.sqrt(2.5) / np.sqrt(5)
-    assert (interval.mean, interval.low, interval.high) == pytest.approx((3.0, 3.0 - margin, 3.0 + margin), rel=1e-6)
+    assert (interval.mean, interval.low, interval.high) == pytest.approx(
+        (3.0, 3.0 - margin, 3.0 + margin), rel=1e-6
+    )
     assert estimate(np.array([1.0])).high == np.inf
 
 
@@ -95,6 +102,10 @@ def test_the_keys_of_evaluations_are_none_of_the_runs() -> None:
     words = {
         tuple(map(int, jax.random.key_data(key)))
         for seed in range(3)
-        for key in (jax.random.key(seed), *jax.random.split(jax.random.key(seed), 64), *(evaluation_key(seed, n) for n in range(64)))
+        for key in (
+            jax.random.key(seed),
+            *jax.random.split(jax.random.key(seed), 64),
+            *(evaluation_key(seed, n) for n in range(64)),
+        )
     }
     assert len(words) == 3 * (1 + 64 + 64)

@@ -22,19 +22,31 @@ def test_stages_fit_each_other(name: str, monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.chdir(ROOT)
     preset = load_preset(f"examples/{name}")
     assert preset.game is not None
-    check_stages([Stage(sjdsl.make(preset.game, **part.environment), part.config) for part in (*preset.earlier, preset)])
+    check_stages(
+        [
+            Stage(sjdsl.make(preset.game, **part.environment), part.config)
+            for part in (*preset.earlier, preset)
+        ]
+    )
 
 
 def test_a_giver_is_credited_for_what_can_be_refined() -> None:
     """One agent gives raw, one receives it, one gives fine, one collects and gives at once, one consumes."""
     before = [[1, 0, 0], [0, 0, 0], [0, 0, 1], [0, 0, 0], [2, 0, 0]]
     after = [[0, 0, 0], [0, 3, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]
-    counts = {"given": [1, 0, 1, 1, 0], "consumed": [0, 0, 0, 0, 2], "received[raw]": [0] * 5, "received[cut]": [0, 3, 0, 0, 0]}
+    counts = {
+        "given": [1, 0, 1, 1, 0],
+        "consumed": [0, 0, 0, 0, 2],
+        "received[raw]": [0] * 5,
+        "received[cut]": [0, 3, 0, 0, 0],
+    }
     step = SimpleNamespace(
         reward=jnp.array([0.0, 0.0, 0.0, 0.0, 2.0]),
         state=SimpleNamespace(agent_bag=jnp.array(before, jnp.uint8)),
         next_state=SimpleNamespace(agent_bag=jnp.array(after, jnp.uint8)),
-        events={name: jnp.array(count) for name, count in {**counts, "received[fine]": [0] * 5}.items()},
+        events={
+            name: jnp.array(count) for name, count in {**counts, "received[fine]": [0] * 5}.items()
+        },
     )
     giver_credit = find("reward", f"{ROOT}/examples/giver_credit.py:giver_credit")
     assert giver_credit(step).tolist() == [4, 0, 0, 4, 2]
@@ -52,13 +64,20 @@ def test_all_credit_is_for_tokens_that_were_created(monkeypatch: pytest.MonkeyPa
     def step(state: Any, key: jax.Array) -> tuple[Any, tuple[jax.Array, jax.Array]]:
         actions = jax.random.randint(key, (15,), 0, env.num_actions)
         _, after, reward, _, info = env.step_env(key, state, actions)
-        played = SimpleNamespace(reward=reward, state=state, next_state=after, events=info["events"])
+        played = SimpleNamespace(
+            reward=reward, state=state, next_state=after, events=info["events"]
+        )
         received = sum(info["events"][f"received[{level}]"] for level in ("raw", "cut", "fine"))
         created = (received - info["events"]["given"]).sum()
         full = (state.agent_bag >= 10).any()  # a bag that may lose tokens
-        return after, (jnp.where(full, 0, (giver_credit(played, credit=1.0) - reward).sum()), jnp.where(full, 0, created))
+        return after, (
+            jnp.where(full, 0, (giver_credit(played, credit=1.0) - reward).sum()),
+            jnp.where(full, 0, created),
+        )
 
     _, state = env.reset(jax.random.key(0))
-    _, (credited, created) = jax.jit(lambda state: jax.lax.scan(step, state, jax.random.split(jax.random.key(1), 1000)))(state)
+    _, (credited, created) = jax.jit(
+        lambda state: jax.lax.scan(step, state, jax.random.split(jax.random.key(1), 1000))
+    )(state)
     assert credited.tolist() == created.tolist()
     assert created.sum() > 20

@@ -12,7 +12,16 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from probes import QUICK, matching, quick, run_of, stream
-from run_outcomes import SHORT, assert_same_end, compiled_matching, compiled_once, counting, outcome, read_lines, read_manifest
+from run_outcomes import (
+    SHORT,
+    assert_same_end,
+    compiled_matching,
+    compiled_once,
+    counting,
+    outcome,
+    read_lines,
+    read_manifest,
+)
 from safetensors.numpy import load_file
 
 from sjdsl.runtime.policy import UNTRAINED
@@ -40,7 +49,15 @@ from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_names import UNTRAINED as NEED_NO_FILE
 from sjdsl.trainers.policy_names import split_name
 
-SMALL = {**QUICK, "num_envs": 4, "num_steps": 4, "num_epochs": 1, "total_timesteps": 16 * 3, "checkpoint_updates": 1, "policy_every": 1}
+SMALL = {
+    **QUICK,
+    "num_envs": 4,
+    "num_steps": 4,
+    "num_epochs": 1,
+    "total_timesteps": 16 * 3,
+    "checkpoint_updates": 1,
+    "policy_every": 1,
+}
 
 
 class Mine(nn.Module):
@@ -50,7 +67,9 @@ class Mine(nn.Module):
 
     @nn.compact
     def __call__(self, tokens: jax.Array) -> jax.Array:
-        return nn.relu(nn.Dense(self.width, name="mine")(tokens.reshape(len(tokens), -1).astype(jnp.float32)))
+        return nn.relu(
+            nn.Dense(self.width, name="mine")(tokens.reshape(len(tokens), -1).astype(jnp.float32))
+        )
 
 
 def one_for_the_second(step: Step) -> jax.Array:
@@ -66,7 +85,13 @@ def always_second(key: jax.Array, observation: jax.Array) -> jax.Array:
 def brought(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Update]]:
     """A run of agent 0 beside a partner, with all that can be brought along, and what its callback was told."""
     told: list[Update] = []
-    config = make_config(SMALL, network=Mine, reward=one_for_the_second, partners={1: always_second}, sharing="per_agent")
+    config = make_config(
+        SMALL,
+        network=Mine,
+        reward=one_for_the_second,
+        partners={1: always_second},
+        sharing="per_agent",
+    )
     run_dir = tmp_path_factory.mktemp("runs") / "brought"
     train(matching(), config, run_dir, "none", callback=told.append)
     return run_dir, told
@@ -85,10 +110,13 @@ def test_the_manifest_names_what_was_brought(brought: tuple[Path, list[Update]])
 def test_a_network_of_ones_own_is_what_learns(brought: tuple[Path, list[Update]]) -> None:
     config = make_config(read_manifest(brought[0])["config"])
     names = {
-        jax.tree_util.keystr(place): leaf.shape for place, leaf in jax.tree_util.tree_leaves_with_path(parameter_shapes(matching(), config))
+        jax.tree_util.keystr(place): leaf.shape
+        for place, leaf in jax.tree_util.tree_leaves_with_path(parameter_shapes(matching(), config))
     }
     own = {name: shape for name, shape in names.items() if "mine" in name}
-    assert list(own.values()) == [(1, 16), (1, 1, 16)], "of one agent, the one that learns; as wide as network_width"
+    assert list(own.values()) == [(1, 16), (1, 1, 16)], (
+        "of one agent, the one that learns; as wide as network_width"
+    )
     assert not any("Dense" in name for name in names if "torso" in name)
 
 
@@ -113,7 +141,9 @@ def test_partners_act_by_their_policy(brought: tuple[Path, list[Update]]) -> Non
 def test_a_callback_is_told_after_each_update(brought: tuple[Path, list[Update]]) -> None:
     run_dir, told = brought
     rows = read_lines(run_dir / "metrics.jsonl")
-    assert [(update.number, update.env_steps, update.run_dir) for update in told] == [(n, 16 * n, run_dir) for n in (1, 2, 3)]
+    assert [(update.number, update.env_steps, update.run_dir) for update in told] == [
+        (n, 16 * n, run_dir) for n in (1, 2, 3)
+    ]
     assert [update.row["loss"] for update in told] == [row["loss"] for row in rows]
     assert all(update.rows[0]["loss"] == update.row["loss"] for update in told)
 
@@ -132,7 +162,9 @@ def test_agents_learn_beside_a_partner_that_does_not() -> None:
 @pytest.mark.slow
 def test_values_are_learnt_beside_a_partner() -> None:
     with jax.debug_key_reuse(False):
-        _, metrics = run_of(matching(), quick(algorithm="vdn", partners={1: always_second}))(jax.random.key(0))
+        _, metrics = run_of(matching(), quick(algorithm="vdn", partners={1: always_second}))(
+            jax.random.key(0)
+        )
     assert metrics["agent_return"][-10:, 0].mean() > 0.85
     assert (metrics["event"]["second_action"][:, 1] == 1).all()
 
@@ -147,7 +179,9 @@ def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
             return jnp.full((*observation.shape[:2], 2), parameters) + observation[..., :1]
 
     seen = jnp.zeros((4, 2, 1))
-    batch = Transition(seen, jnp.zeros((4, 2), jnp.int32), jnp.full(4, 3.0), seen + 1.0, jnp.zeros(4, bool))
+    batch = Transition(
+        seen, jnp.zeros((4, 2), jnp.int32), jnp.full(4, 3.0), seen + 1.0, jnp.zeros(4, bool)
+    )
     config = quick(algorithm="vdn", partners={1: "random"}, gamma=0.5)
     loss, parts = vdn_loss(1.0, 1.0, Network, batch, config)  # type: ignore[arg-type]
     assert (float(loss), float(parts["team_value"])) == (9.0, 1.0)
@@ -158,7 +192,10 @@ def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
     [
         ({2: "random"}, r"`partners` names agent 2; the game has agents 0 to 1"),
         ({0: "random", 1: "random"}, r"holds all 2 agents fixed: leave out at least one"),
-        ({1: "nobody"}, r"there is no policy `nobody`; a policy is random, stay, a policy of the game's file, the folder RUN of a run"),
+        (
+            {1: "nobody"},
+            r"there is no policy `nobody`; a policy is random, stay, a policy of the game's file, the folder RUN of a run",
+        ),
         ({1: "stay"}, r"matching has no action `stay`; its actions are action_0, action_1"),
     ],
 )
@@ -169,12 +206,19 @@ def test_partners_that_cannot_be_are_refused(partners: dict[int, str], said: str
 
 def test_a_partners_memory_begins_anew_with_each_episode() -> None:
     """Its action is how many steps it remembers; the others' actions stay theirs."""
-    counting_steps = MemoryPolicy(jnp.int32(0), lambda memory, _, observation: (memory + 1, jnp.full(len(observation), memory)))
+    counting_steps = MemoryPolicy(
+        jnp.int32(0),
+        lambda memory, _, observation: (memory + 1, jnp.full(len(observation), memory)),
+    )
     partners = Partners((1,), mixed_policy(2, [((1,), counting_steps)]))
     memory, taken = partners.start(3), []
     observation = jnp.zeros((3, 2, 1, 1, 1), jnp.uint8)
-    for number, fresh in enumerate(([True, True, True], [False, True, False], [False, False, False])):
-        memory, actions = partners.act(matching(), memory, jax.random.key(number), observation, jnp.zeros(3), jnp.array(fresh))
+    for number, fresh in enumerate(
+        ([True, True, True], [False, True, False], [False, False, False])
+    ):
+        memory, actions = partners.act(
+            matching(), memory, jax.random.key(number), observation, jnp.zeros(3), jnp.array(fresh)
+        )
         taken.append(partners.in_place(jnp.full((3, 2), 7), actions).tolist())
     assert taken == [[[7, 0]] * 3, [[7, 1], [7, 0], [7, 1]], [[7, 2], [7, 1], [7, 2]]]
 
@@ -196,13 +240,22 @@ def test_partners_may_come_as_text() -> None:
 
 
 def test_a_reward_must_be_one_for_each_agent() -> None:
-    with pytest.raises(ConfigError, match=r"must give a number for each of the 2 agents, an array of shape \(2,\), not \(\)"):
+    with pytest.raises(
+        ConfigError,
+        match=r"must give a number for each of the 2 agents, an array of shape \(2,\), not \(\)",
+    ):
         make_train(matching(), make_config(SMALL, reward=lambda step: step.reward.sum()))
 
 
 def test_a_network_must_make_features() -> None:
-    register("network", "flat", lambda: lambda_module(lambda tokens: tokens.reshape(-1).astype(jnp.float32)))
-    with pytest.raises(ConfigError, match=r"`flat` must return features \[M, K\] for tokens .*; it returned \(2,\)"):
+    register(
+        "network",
+        "flat",
+        lambda: lambda_module(lambda tokens: tokens.reshape(-1).astype(jnp.float32)),
+    )
+    with pytest.raises(
+        ConfigError, match=r"`flat` must return features \[M, K\] for tokens .*; it returned \(2,\)"
+    ):
         parameter_shapes(matching(), make_config(SMALL, network="flat"))
 
 
@@ -225,9 +278,13 @@ def test_a_network_may_come_in_many_ways(tmp_path: Path, where: str) -> None:
             register("network", "made_now", lambda planes, width: Mine(width=len(planes) + width))
             name = "made_now"
         case _:
-            (tmp_path / "nets.py").write_text("from test_hooks import Mine\nclass Other(Mine):\n    pass\n")
+            (tmp_path / "nets.py").write_text(
+                "from test_hooks import Mine\nclass Other(Mine):\n    pass\n"
+            )
             name = f"{tmp_path}/nets.py:Other"
-    shapes = jax.tree.leaves(parameter_shapes(matching(), make_config(SMALL, network=name, sharing="shared")))
+    shapes = jax.tree.leaves(
+        parameter_shapes(matching(), make_config(SMALL, network=name, sharing="shared"))
+    )
     width = {"module made before": 5, "function": 17, "file": 16}[where]
     assert (1, 1, width) in [leaf.shape for leaf in shapes]
 
@@ -235,9 +292,15 @@ def test_a_network_may_come_in_many_ways(tmp_path: Path, where: str) -> None:
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"network": "rnn"}, "`network` must be 'mlp', 'cnn', the name of a network that was registered, or FILE.py:NAME, not 'rnn'"),
+        (
+            {"network": "rnn"},
+            "`network` must be 'mlp', 'cnn', the name of a network that was registered, or FILE.py:NAME, not 'rnn'",
+        ),
         ({"reward": "none.py:f"}, "none.py does not exist"),
-        ({"reward": "no_such_module:f"}, "the reward `no_such_module:f` is not found: No module named 'no_such_module'"),
+        (
+            {"reward": "no_such_module:f"},
+            "the reward `no_such_module:f` is not found: No module named 'no_such_module'",
+        ),
         ({"reward": "math:no_such"}, "is not found: math has no `no_such`"),
         ({"algorithm": "vdn", "reward": one_for_the_second}, "`reward` must be 'common' with VDN"),
     ],
@@ -261,7 +324,10 @@ def test_a_reward_sees_where_its_action_led() -> None:
 
 
 def test_two_functions_of_one_place_have_two_names() -> None:
-    first, second = (make_config(reward=lambda step, weight=weight: weight * step.reward).reward for weight in (1.0, 2.0))
+    first, second = (
+        make_config(reward=lambda step, weight=weight: weight * step.reward).reward
+        for weight in (1.0, 2.0)
+    )
     assert first != second
     assert second == f"{first}#2"
 
@@ -291,10 +357,15 @@ def test_a_policy_is_found_by_its_name(brought: tuple[Path, list[Update]], tmp_p
         assert policy.act(policy.start, jax.random.key(1), observation)[1].shape == (2,)
     assert find_policy(always_second, env) is always_second
     assert (
-        find_policy("random", env)(jax.random.key(0), observation).tolist() == random_policy(env)(jax.random.key(0), observation).tolist()
+        find_policy("random", env)(jax.random.key(0), observation).tolist()
+        == random_policy(env)(jax.random.key(0), observation).tolist()
     )
-    (tmp_path / "bots.py").write_text("import jax.numpy as jnp\ndef zero(key, observation):\n    return jnp.zeros(2, jnp.int32)\n")
-    assert find_policy(f"{tmp_path}/bots.py:zero", env)(jax.random.key(0), observation).tolist() == [0, 0]
+    (tmp_path / "bots.py").write_text(
+        "import jax.numpy as jnp\ndef zero(key, observation):\n    return jnp.zeros(2, jnp.int32)\n"
+    )
+    assert find_policy(f"{tmp_path}/bots.py:zero", env)(
+        jax.random.key(0), observation
+    ).tolist() == [0, 0]
     with pytest.raises(PolicyError, match="has no policy of update 9, but of 1, 2, 3"):
         find_policy(f"{run_dir}@9", env)
     with pytest.raises(PolicyError, match=r"bots\.py has no `one`"):
@@ -308,19 +379,26 @@ def test_a_policy_is_found_by_its_name(brought: tuple[Path, list[Update]], tmp_p
 
 
 @pytest.mark.thorough
-def test_a_run_starts_from_a_policy_and_keeps_a_copy(brought: tuple[Path, list[Update]], tmp_path: Path) -> None:
+def test_a_run_starts_from_a_policy_and_keeps_a_copy(
+    brought: tuple[Path, list[Update]], tmp_path: Path
+) -> None:
     source = shutil.copytree(brought[0], tmp_path / "source")
     alike = read_manifest(source)["config"]
     config = make_config(alike | {"init_from": f"{source}@2", "reward": "individual"})
     program = make_train(matching(), config)
     started = jax.tree.leaves(program.parameters(program.init(jax.random.key(3))))
     stored = load_file(source / "policies" / "00000002.safetensors")
-    assert sorted(leaf.tobytes() for leaf in map(np.asarray, started)) == sorted(tensor.tobytes() for tensor in stored.values())
+    assert sorted(leaf.tobytes() for leaf in map(np.asarray, started)) == sorted(
+        tensor.tobytes() for tensor in stored.values()
+    )
     with pytest.raises(
-        ConfigError, match=r"can't start from .*last\.safetensors, whose networks differ: .*network_width = 16 there and 8 here"
+        ConfigError,
+        match=r"can't start from .*last\.safetensors, whose networks differ: .*network_width = 16 there and 8 here",
     ):
         make_train(matching(), make_config(alike | {"init_from": str(source), "network_width": 8}))
-    plain = make_train(matching(), make_config(alike | {"init_from": str(source), "normalise_values": False}))
+    plain = make_train(
+        matching(), make_config(alike | {"init_from": str(source), "normalise_values": False})
+    )
     assert "deviation" not in plain.parameters(plain.init(jax.random.key(3)))["params"]["critic"], (
         "the critic's scale is folded into its last layer"
     )
@@ -330,7 +408,9 @@ def test_a_run_starts_from_a_policy_and_keeps_a_copy(brought: tuple[Path, list[U
     run_dir = tmp_path / "run"
     with pytest.raises(ZeroDivisionError):
         train(matching(), config, run_dir, "none", callback=lambda update: 1 // (2 - update.number))
-    assert (run_dir / "checkpoints" / "2").is_dir(), "a callback that fails costs nothing of the run"
+    assert (run_dir / "checkpoints" / "2").is_dir(), (
+        "a callback that fails costs nothing of the run"
+    )
     shutil.rmtree(source)
     assert resume(matching(), run_dir, "none").updates == 3
 
@@ -345,8 +425,16 @@ def test_a_finished_run_made_longer_is_one_that_was_as_long(tmp_path: Path) -> N
     with compiled_once(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(run, "compile_train", lambda *_: compiled_matching(constant))
         train(matching(), constant, tmp_path / "whole", "none")
-        train(matching(), constant.model_copy(update={"total_timesteps": 64 * 6}), tmp_path / "run", "none")
-        with pytest.raises(RunError, match=r"a run of 384 steps that has done 384; a run can only be made longer: .*not 128"):
+        train(
+            matching(),
+            constant.model_copy(update={"total_timesteps": 64 * 6}),
+            tmp_path / "run",
+            "none",
+        )
+        with pytest.raises(
+            RunError,
+            match=r"a run of 384 steps that has done 384; a run can only be made longer: .*not 128",
+        ):
             resume(matching(), tmp_path / "run", "none", total_timesteps=128)
         result = resume(matching(), tmp_path / "run", "none", total_timesteps=64 * 12)
     assert result.updates == 12
@@ -361,7 +449,9 @@ def test_a_finished_run_made_longer_is_one_that_was_as_long(tmp_path: Path) -> N
 def test_a_callback_may_end_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "make_train", lambda *_: counting())
     config = SHORT.model_copy(update={"evaluate_every": 0, "checkpoint_updates": 0})
-    result = train(matching(), config, tmp_path / "run", "none", callback=lambda update: update.number == 5)
+    result = train(
+        matching(), config, tmp_path / "run", "none", callback=lambda update: update.number == 5
+    )
     assert result.updates == 5
     assert read_manifest(tmp_path / "run")["status"] == "stopped by its callback after update 5"
     assert json.loads((tmp_path / "run" / "policies" / "last.json").read_text())["update"] == 5
@@ -370,7 +460,9 @@ def test_a_callback_may_end_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert [row["update"] for row in outcome(tmp_path / "run")["metrics"]] == list(range(1, 13))
 
 
-def test_a_run_does_not_go_on_with_a_file_that_has_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_does_not_go_on_with_a_file_that_has_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(run, "make_train", lambda *_: counting())
     file = tmp_path / "mine.py"
     file.write_text("def paid(step):\n    return step.reward\n")
@@ -379,7 +471,9 @@ def test_a_run_does_not_go_on_with_a_file_that_has_changed(tmp_path: Path, monke
     train(matching(), config, tmp_path / "run", "none", callback=lambda update: update.number == 2)
     text = file.read_text()
     file.write_text(text.replace("reward", "reward + 1"))
-    with pytest.raises(RunError, match=r"mine\.py has changed since .*run was started: restore the file"):
+    with pytest.raises(
+        RunError, match=r"mine\.py has changed since .*run was started: restore the file"
+    ):
         resume(matching(), tmp_path / "run", "none")
     file.write_text(text)
     assert resume(matching(), tmp_path / "run", "none").updates == 12

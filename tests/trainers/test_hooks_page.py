@@ -22,7 +22,10 @@ class LikeCoins(Probe):
 
     def step_env(self, *given: Any, **named: Any) -> tuple[Any, ...]:
         *played, info = super().step_env(*given, **named)
-        events = {"other_coins": info["events"]["second_action"], "own_coins": info["events"]["second_action"]}
+        events = {
+            "other_coins": info["events"]["second_action"],
+            "own_coins": info["events"]["second_action"],
+        }
         return *played, info | {"events": events}
 
 
@@ -38,14 +41,25 @@ def test_the_hooks_do_what_the_page_says(
     assert len(blocks) == 7
     monkeypatch.chdir(tmp_path)
     if game == "stand-in":
-        monkeypatch.setattr(sjdsl, "make", lambda *_, **__: LikeCoins("coins", reward=matching().reward, show=matching().show))
+        monkeypatch.setattr(
+            sjdsl,
+            "make",
+            lambda *_, **__: LikeCoins("coins", reward=matching().reward, show=matching().show),
+        )
     names: dict[str, Any] = {"__name__": "hooks"}
     for text in blocks:
         assert len(text.strip().splitlines()) <= 10
         exec(text, names)
-    read = {path.name: json.loads((path / "manifest.json").read_text()) for path in Path("runs").iterdir()}
-    assert {name: manifest["updates"] for name, manifest in read.items()} == dict.fromkeys(read, 2) | {"tuned": 4}
-    assert {name: manifest["status"] for name, manifest in read.items()} == dict.fromkeys(read, "finished")
+    read = {
+        path.name: json.loads((path / "manifest.json").read_text())
+        for path in Path("runs").iterdir()
+    }
+    assert {name: manifest["updates"] for name, manifest in read.items()} == dict.fromkeys(
+        read, 2
+    ) | {"tuned": 4}
+    assert {name: manifest["status"] for name, manifest in read.items()} == dict.fromkeys(
+        read, "finished"
+    )
     assert read["attention"]["config"]["network"] == "hooks:Attention"
     assert read["kind"]["config"]["reward"] == "hooks:kind"
     assert read["with_stubborn"]["config"]["partners"] == [[1, "hooks:stubborn"]]

@@ -14,7 +14,12 @@ KINDS: dict[str, dict[str, Any]] = {
     "ippo": {},
     "convolutions": {"network": "cnn", "reward": "svo"},
     "mappo": {"algorithm": "mappo", "critic": "state", "reward": "inequity"},
-    "own networks with memory": {"sharing": "per_agent", "memory": "gru", "agent_id": True, "precision": "bfloat16"},
+    "own networks with memory": {
+        "sharing": "per_agent",
+        "memory": "gru",
+        "agent_id": True,
+        "precision": "bfloat16",
+    },
     "vdn": {"algorithm": "vdn", "double_q": True},
     "a partner": {"partners": {1: "random"}},
 }
@@ -44,13 +49,19 @@ def test_64_bits_do_not_change_what_is_drawn() -> None:
 
     without = learnt()
     with jax.enable_x64(True):
-        jax.tree.map(lambda here, there: np.testing.assert_allclose(here, there, rtol=1e-4, atol=1e-6), learnt(), without)
+        jax.tree.map(
+            lambda here, there: np.testing.assert_allclose(here, there, rtol=1e-4, atol=1e-6),
+            learnt(),
+            without,
+        )
 
 
 @pytest.mark.thorough
 def test_no_nan_comes_up_in_healthy_training() -> None:
     """Neither where no episode has finished in an update, nor where equality means nothing; rows have NaN for both all the same."""
-    run = make_train(stream("truncated"), quick(num_envs=4, num_steps=2, num_minibatches=1, total_timesteps=64))
+    run = make_train(
+        stream("truncated"), quick(num_envs=4, num_steps=2, num_minibatches=1, total_timesteps=64)
+    )
     with jax.debug_nans(True):
         _, metrics = jax.jit(run.update)(run.init(jax.random.key(0)))
     assert metrics["episodes"] == 0

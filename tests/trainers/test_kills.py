@@ -8,13 +8,27 @@ import time
 from pathlib import Path
 
 import pytest
-from run_outcomes import ORCHARD, TWELVE, VALUES, assert_same_end, read_lines, read_manifest, run_sjdsl, sets, start_sjdsl, wait_for_rows
+from run_outcomes import (
+    ORCHARD,
+    TWELVE,
+    VALUES,
+    assert_same_end,
+    read_lines,
+    read_manifest,
+    run_sjdsl,
+    sets,
+    start_sjdsl,
+    wait_for_rows,
+)
 
 from tests.cli.command_line import GAME
 
 pytestmark = pytest.mark.slow
 
-ARGUMENTS = {"ippo": sets(*ORCHARD, *TWELVE), "vdn": ["--algorithm", "vdn", *sets(*VALUES, *TWELVE)]}
+ARGUMENTS = {
+    "ippo": sets(*ORCHARD, *TWELVE),
+    "vdn": ["--algorithm", "vdn", *sets(*VALUES, *TWELVE)],
+}
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +56,9 @@ def _resume(run_dir: Path) -> None:
 
 
 @pytest.mark.parametrize("rows", [1, 4, 9])
-def test_killed_when_so_many_rows_are_written(arguments: list[str], whole: Path, tmp_path: Path, rows: int) -> None:
+def test_killed_when_so_many_rows_are_written(
+    arguments: list[str], whole: Path, tmp_path: Path, rows: int
+) -> None:
     run_dir = tmp_path / "run"
     process = start_sjdsl("train", *arguments, "--run", run_dir)
     wait_for_rows(run_dir, rows, process)
@@ -55,7 +71,9 @@ def test_killed_when_so_many_rows_are_written(arguments: list[str], whole: Path,
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_killed_again_and_again(arguments: list[str], whole: Path, tmp_path: Path, seed: int) -> None:
+def test_killed_again_and_again(
+    arguments: list[str], whole: Path, tmp_path: Path, seed: int
+) -> None:
     """Within a second of the first update that a process makes: also while it saves, and while it reads what was saved."""
     chance = random.Random(seed)
     run_dir = tmp_path / "run"
@@ -94,7 +112,9 @@ def test_ctrl_c_is_told_and_gone_on_from(arguments: list[str], whole: Path, tmp_
 
 
 @pytest.mark.parametrize("limit", [2500, 4000])
-def test_files_that_may_not_grow(arguments: list[str], whole: Path, tmp_path: Path, limit: int) -> None:
+def test_files_that_may_not_grow(
+    arguments: list[str], whole: Path, tmp_path: Path, limit: int
+) -> None:
     """The system refuses what goes beyond so many bytes of a file: no disk is full in the same place twice, but this comes near."""
     run_dir = tmp_path / "run"
     program = (
@@ -116,7 +136,15 @@ def test_files_that_may_not_grow(arguments: list[str], whole: Path, tmp_path: Pa
 def test_ctrl_c_while_the_program_is_compiled(games: Path, tmp_path: Path, wait: float) -> None:
     """The manifest is written before; nothing is kept, and the process ends as it is told, whatever XLA is at."""
     run_dir = tmp_path / "run"
-    process = start_sjdsl("train", str(games / "orchard.sj"), *ARGUMENTS["ippo"], "--set", f"gamma={0.9 + wait / 100}", "--run", run_dir)
+    process = start_sjdsl(
+        "train",
+        str(games / "orchard.sj"),
+        *ARGUMENTS["ippo"],
+        "--set",
+        f"gamma={0.9 + wait / 100}",
+        "--run",
+        run_dir,
+    )
     until = time.monotonic() + 120
     while not (run_dir / "manifest.json").exists():
         assert process.poll() is None

@@ -12,7 +12,13 @@ from sjdsl.trainers.seeds_in_words import seeds_in_words
 
 
 def row(update: int, **changes: Any) -> dict[str, Any]:
-    figures = {"update": update, "rewarded_steps": 0.5, "episodes": 4, "collective_return": 10.0 + update, "explained_variance": 0.4}
+    figures = {
+        "update": update,
+        "rewarded_steps": 0.5,
+        "episodes": 4,
+        "collective_return": 10.0 + update,
+        "explained_variance": 0.4,
+    }
     return (
         figures
         | {
@@ -28,13 +34,22 @@ def row(update: int, **changes: Any) -> dict[str, Any]:
 
 HEALTHY = [row(1), row(2)]
 SAID: dict[str, tuple[list[dict[str, Any]], str]] = {
-    "no reward": ([row(n, rewarded_steps=0.0, collective_return=0.0) for n in (1, 2)], "no agent has been rewarded yet"),
-    "not above the first policy": ([row(1), row(2, collective_return=11.0)], "11.0, is not above what it was before learning, 11.0"),
+    "no reward": (
+        [row(n, rewarded_steps=0.0, collective_return=0.0) for n in (1, 2)],
+        "no agent has been rewarded yet",
+    ),
+    "not above the first policy": (
+        [row(1), row(2, collective_return=11.0)],
+        "11.0, is not above what it was before learning, 11.0",
+    ),
     "a critic worse than none": (
         [row(1, explained_variance=0.2), row(2, explained_variance=-0.8)],
         "explained_variance is -0.30 on average",
     ),
-    "an event that never happens": ([r | {"event_given_agent_1": 0.0} for r in HEALTHY], "these events have never happened: given."),
+    "an event that never happens": (
+        [r | {"event_given_agent_1": 0.0} for r in HEALTHY],
+        "these events have never happened: given.",
+    ),
 }
 
 
@@ -96,5 +111,8 @@ def test_seeds_with_the_same_warning_share_it_with_the_range_of_their_figures() 
         LearningWarning("{} is not above {}", (9.5, 8.25)),
         LearningWarning("no"),
     )
-    assert said_once({0: [low], 1: [], 2: [high, other]}) == ["seeds 0 and 2: 7.0 to 9.5 is not above 8.2", "seed 2: no"]
+    assert said_once({0: [low], 1: [], 2: [high, other]}) == [
+        "seeds 0 and 2: 7.0 to 9.5 is not above 8.2",
+        "seed 2: no",
+    ]
     assert said_once({4: [low]}) == ["7.0 is not above 8.2"]

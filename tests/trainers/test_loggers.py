@@ -39,7 +39,9 @@ def learns_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
-def test_tensorboard_gets_every_number_with_its_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tensorboard_gets_every_number_with_its_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     written: dict[str, list[tuple[str, float, int]]] = {}
     closed: list[str] = []
     purged: dict[str, int | None] = {}
@@ -57,7 +59,9 @@ def test_tensorboard_gets_every_number_with_its_step(tmp_path: Path, monkeypatch
 
     _stand_in("tensorboardX", monkeypatch, SummaryWriter=SummaryWriter)
     with compiled_once():
-        run_dir = train(matching(), SHORT, tmp_path / "run", "none", loggers=("tensorboard",)).run_dir
+        run_dir = train(
+            matching(), SHORT, tmp_path / "run", "none", loggers=("tensorboard",)
+        ).run_dir
     folder = str(run_dir / "tensorboard")
     assert closed == [folder]
     assert purged == {folder: None}
@@ -69,16 +73,23 @@ def test_tensorboard_gets_every_number_with_its_step(tmp_path: Path, monkeypatch
         if name not in ("update", "env_steps") and value is not None
     ]
     assert [entry for entry in noted if entry[0] != "evaluation_collective_return"] == wanted
-    evaluated = [(row["collective return"]["mean"], row["env_steps"]) for row in read_lines(run_dir / "evaluations.jsonl")]
+    evaluated = [
+        (row["collective return"]["mean"], row["env_steps"])
+        for row in read_lines(run_dir / "evaluations.jsonl")
+    ]
     assert [entry[1:] for entry in noted if entry[0] == "evaluation_collective_return"] == evaluated
 
 
-def test_tensorboard_has_each_step_once_after_a_resume(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tensorboard_has_each_step_once_after_a_resume(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What was logged after the checkpoint that a run goes on from is purged, for it is logged again."""
     logged: list[tuple[int | None, list[int]]] = []
 
     class SummaryWriter:
-        def __init__(self, folder: str, purge_step: int | None = None, filename_suffix: str = "") -> None:
+        def __init__(
+            self, folder: str, purge_step: int | None = None, filename_suffix: str = ""
+        ) -> None:
             del filename_suffix
             Path(folder).mkdir(exist_ok=True)
             self.steps: list[int] = []
@@ -92,12 +103,21 @@ def test_tensorboard_has_each_step_once_after_a_resume(tmp_path: Path, monkeypat
 
     _stand_in("tensorboardX", monkeypatch, SummaryWriter=SummaryWriter)
     with pytest.raises(DiskError):
-        train(matching(), UNEVALUATED, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
+        train(
+            matching(),
+            UNEVALUATED,
+            tmp_path / "run",
+            "none",
+            loggers=("tensorboard",),
+            callback=killed,
+        )
     resume(matching(), tmp_path / "run", "none")
     (never, before), (purge_step, after) = logged
     assert (never, before) == (None, [64 * update for update in range(1, 6)])
     assert purge_step is not None
-    assert [step for step in before if step < purge_step] + after == [64 * update for update in range(1, 13)]
+    assert [step for step in before if step < purge_step] + after == [
+        64 * update for update in range(1, 13)
+    ]
 
 
 def test_wandb_gets_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,7 +136,9 @@ def test_wandb_gets_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.Monk
 
     _stand_in("wandb", monkeypatch, init=lambda **named: Run(**named))
     train(matching(), TWO_SEEDS, tmp_path / "run", "none", loggers=("wandb",))
-    assert [kept["name"].endswith(f"seed {seed}") for kept, seed in zip(runs, (5, 6), strict=True)] == [True, True]
+    assert [
+        kept["name"].endswith(f"seed {seed}") for kept, seed in zip(runs, (5, 6), strict=True)
+    ] == [True, True]
     for kept in runs:
         assert kept["finished"]
         assert [step for _, step in kept["logged"]] == [64 * update for update in range(1, 13)]
@@ -124,17 +146,25 @@ def test_wandb_gets_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.Monk
         assert kept["config"]["seeds"] == 2
     resume(matching(), tmp_path / "run", "none")
     assert len(runs) == 4, "a run goes on with the loggers it was started with"
-    assert {kept["reinit"] for kept in runs} == {"create_new"}, "of several seeds in one process each has its own run"
-    assert [kept["id"] for kept in runs[2:]] == [kept["id"] for kept in runs[:2]], "and is gone on with"
+    assert {kept["reinit"] for kept in runs} == {"create_new"}, (
+        "of several seeds in one process each has its own run"
+    )
+    assert [kept["id"] for kept in runs[2:]] == [kept["id"] for kept in runs[:2]], (
+        "and is gone on with"
+    )
     assert len({kept["id"] for kept in runs}) == 2
     resume(matching(), tmp_path / "run", "none", loggers=())
     assert len(runs) == 4, "unless others are asked for, or none"
 
 
 @pytest.mark.parametrize(("name", "package"), [("tensorboard", "tensorboardX"), ("wandb", "wandb")])
-def test_a_missing_package_is_told_of(name: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_is_told_of(
+    name: str, package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sjdsl.extras.find_spec", lambda _: None)
-    with pytest.raises(MissingExtra, match=rf"the package {package} is needed: pip install 'sjdsl\[{name}\]'"):
+    with pytest.raises(
+        MissingExtra, match=rf"the package {package} is needed: pip install 'sjdsl\[{name}\]'"
+    ):
         check_loggers([name])
 
 
@@ -143,15 +173,27 @@ def test_an_unknown_logger_is_refused() -> None:
         check_loggers(["mlflow"])
 
 
-def test_weights_and_biases_themselves_have_a_run_for_each_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_weights_and_biases_themselves_have_a_run_for_each_seed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In its offline mode, which asks nobody; two seeds, stopped and gone on with."""
     pytest.importorskip("wandb")
     monkeypatch.setenv("WANDB_MODE", "offline")
-    train(matching(), TWO_SEEDS, tmp_path / "run", "none", loggers=("wandb",), callback=lambda update: update.number == 4)
+    train(
+        matching(),
+        TWO_SEEDS,
+        tmp_path / "run",
+        "none",
+        loggers=("wandb",),
+        callback=lambda update: update.number == 4,
+    )
     resume(matching(), tmp_path / "run", "none")
     for seed in (5, 6):
         name = (tmp_path / "run" / f"seed_{seed}" / "wandb_id").read_text()
-        found = [path.name for path in (tmp_path / "run" / f"seed_{seed}" / "wandb").glob("offline-run-*")]
+        found = [
+            path.name
+            for path in (tmp_path / "run" / f"seed_{seed}" / "wandb").glob("offline-run-*")
+        ]
         assert [folder.rpartition("-")[2] for folder in found] == [name] * 2
 
 
@@ -161,7 +203,16 @@ def test_tensorboard_itself_shows_each_step_once(tmp_path: Path) -> None:
     reading = pytest.importorskip("tensorboard.backend.event_processing.event_accumulator")
 
     with pytest.raises(DiskError):
-        train(matching(), UNEVALUATED, tmp_path / "run", "none", loggers=("tensorboard",), callback=killed)
+        train(
+            matching(),
+            UNEVALUATED,
+            tmp_path / "run",
+            "none",
+            loggers=("tensorboard",),
+            callback=killed,
+        )
     resume(matching(), tmp_path / "run", "none")
     shown = reading.EventAccumulator(str(tmp_path / "run" / "tensorboard")).Reload()
-    assert [event.step for event in shown.Scalars("loss")] == [64 * update for update in range(1, 13)]
+    assert [event.step for event in shown.Scalars("loss")] == [
+        64 * update for update in range(1, 13)
+    ]

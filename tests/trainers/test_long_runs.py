@@ -36,7 +36,9 @@ def num_bytes(paper: Config) -> int:
     return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state))
 
 
-def _count(config: Config, num_bytes: float, seconds_an_update: float, bytes_a_second: float) -> tuple[int, float, float]:
+def _count(
+    config: Config, num_bytes: float, seconds_an_update: float, bytes_a_second: float
+) -> tuple[int, float, float]:
     """Plays a run on a clock that only stands for one; returns checkpoints, seconds spent writing, and seconds in all."""
     now = writing = 0.0
     number = 0
@@ -53,7 +55,9 @@ def _count(config: Config, num_bytes: float, seconds_an_update: float, bytes_a_s
 
 @pytest.mark.parametrize("bytes_a_second", [50e6, 500e6, 5e9])
 @pytest.mark.parametrize("seconds_an_update", [0.003, 0.03])
-def test_vdn_of_the_paper_writes_few_checkpoints(paper: Config, num_bytes: int, seconds_an_update: float, bytes_a_second: float) -> None:
+def test_vdn_of_the_paper_writes_few_checkpoints(
+    paper: Config, num_bytes: int, seconds_an_update: float, bytes_a_second: float
+) -> None:
     """156,250 updates; one every 50 would have been 3,125 copies of the replay buffer, hundreds of gigabytes."""
     assert paper.num_updates == 156_250
     assert num_bytes > 30e6, "the replay buffer is in it"
@@ -73,7 +77,10 @@ def test_the_first_checkpoint_waits_for_what_its_size_lets_expect() -> None:
 
 
 def test_a_key_of_before_says_what_there_is_instead() -> None:
-    with pytest.raises(ConfigError, match=r"the key `checkpoint_every` is gone: .*`checkpoint_minutes`.*`policy_every`"):
+    with pytest.raises(
+        ConfigError,
+        match=r"the key `checkpoint_every` is gone: .*`checkpoint_minutes`.*`policy_every`",
+    ):
         make_config(checkpoint_every=50)
 
 
@@ -91,7 +98,11 @@ class _Clock:
 
 
 def _play(
-    folder: Path, config: Config, monkeypatch: pytest.MonkeyPatch, seconds_an_update: float, seconds_a_checkpoint: float
+    folder: Path,
+    config: Config,
+    monkeypatch: pytest.MonkeyPatch,
+    seconds_an_update: float,
+    seconds_a_checkpoint: float,
 ) -> list[int]:
     """Runs the updates of a run that computes nothing; returns after which of them it wrote a checkpoint."""
     clock, written = _Clock(), []
@@ -107,7 +118,9 @@ def _play(
         clock.now += seconds_a_checkpoint
         written.append(number)
 
-    compiled = Compiled(None, collect, lambda state, _: (state, metrics), lambda _: parameters, None, 0.0, 0.0)  # type: ignore[arg-type]
+    compiled = Compiled(
+        None, collect, lambda state, _: (state, metrics), lambda _: parameters, None, 0.0, 0.0
+    )  # type: ignore[arg-type]
     state: Any = {"replay": np.zeros(10)}
     with open_recorders([folder], matching(), config, 0, (), "long") as recorders:  # type: ignore[arg-type]
         keeping = updates.Keeping(recorders, save, lambda *_: None)  # type: ignore[arg-type]
@@ -117,7 +130,13 @@ def _play(
 
 def test_the_loop_keeps_to_the_pace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """2,000 updates of a second, checkpoints that take 20: every 380 seconds; and one at the end. The last three policies stay."""
-    config = make_config(algorithm="vdn", total_timesteps=2000 * 32, buffer_size=32, keep_policies=3, checkpoint_minutes=1)
+    config = make_config(
+        algorithm="vdn",
+        total_timesteps=2000 * 32,
+        buffer_size=32,
+        keep_policies=3,
+        checkpoint_minutes=1,
+    )
     written = _play(tmp_path, config, monkeypatch, 1.0, 20.0)
     assert written == [60, 440, 820, 1200, 1580, 1960, 2000]
     names = {path.stem for path in (tmp_path / "policies").iterdir()}
@@ -126,7 +145,9 @@ def test_the_loop_keeps_to_the_pace(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.thorough
-def test_what_is_remembered_of_rows_does_not_grow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_remembered_of_rows_does_not_grow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A row of this run is some 200 bytes on disk, and would be more than a thousand in memory."""
     config = make_config(algorithm="vdn", total_timesteps=1500 * 32, buffer_size=32)
     held = {}
@@ -138,7 +159,9 @@ def test_what_is_remembered_of_rows_does_not_grow(tmp_path: Path, monkeypatch: p
             held[row["update"]] = tracemalloc.get_traced_memory()[0]
 
     keeping = updates.Keeping
-    monkeypatch.setattr(updates, "Keeping", lambda recorders, checkpoints, _: keeping(recorders, checkpoints, show))
+    monkeypatch.setattr(
+        updates, "Keeping", lambda recorders, checkpoints, _: keeping(recorders, checkpoints, show)
+    )
     tracemalloc.start()
     try:
         _play(tmp_path, config, monkeypatch, 0.001, 0.0)
@@ -152,7 +175,13 @@ def test_what_is_remembered_of_rows_does_not_grow(tmp_path: Path, monkeypatch: p
 
 @pytest.fixture
 def rows_on_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    _play(tmp_path, make_config(algorithm="vdn", total_timesteps=50 * 32, buffer_size=32), monkeypatch, 1.0, 0.0)
+    _play(
+        tmp_path,
+        make_config(algorithm="vdn", total_timesteps=50 * 32, buffer_size=32),
+        monkeypatch,
+        1.0,
+        0.0,
+    )
     return tmp_path
 
 
@@ -160,4 +189,6 @@ def test_a_curve_has_no_more_points_than_can_be_seen(rows_on_disk: Path) -> None
     rows = list(read_rows(rows_on_disk / "metrics.jsonl"))
     assert thinned_rows(rows_on_disk, 50) == rows
     thinned = thinned_rows(rows_on_disk, 10)
-    assert [row["env_steps"] for row in thinned] == [np.mean([row["env_steps"] for row in rows[at : at + 5]]) for at in range(0, 50, 5)]
+    assert [row["env_steps"] for row in thinned] == [
+        np.mean([row["env_steps"] for row in rows[at : at + 5]]) for at in range(0, 50, 5)
+    ]

@@ -21,21 +21,59 @@ from sjdsl.trainers.resuming import check_same_run, extended
 from sjdsl.trainers.run_folder import describe_run
 from sjdsl.trainers.run_state import run_state
 
-STRANGE = [None, True, -1, 0.5, 10**400, "x", "\udcff", [], {}, [[]], [5], {"a": 1}, ["\udcff"], [{"seed": []}]]
+STRANGE = [
+    None,
+    True,
+    -1,
+    0.5,
+    10**400,
+    "x",
+    "\udcff",
+    [],
+    {},
+    [[]],
+    [5],
+    {"a": 1},
+    ["\udcff"],
+    [{"seed": []}],
+]
 
 
 @pytest.fixture(scope="module")
 def whole() -> dict[str, Any]:
     """A manifest with all fields; its game is nowhere, so that no command trains."""
-    provenance = {"game": "nowhere", "variant": None, "map": None, "num_agents": None, "params": {"a": 1}}
-    later = {"status": "interrupted", "updates": 3, "diverged": [{"seed": 0, "update": 2}], "resumed": ["2026-01-01"]}
-    asked = {"loggers": [], "asked": {"episodes": 3, "callback": "mine"}, "extended": [{"from": 1, "to": 2, "updates": 1}]}
-    return json.loads(json.dumps(describe_run(matching(), make_config(), provenance) | later | asked))
+    provenance = {
+        "game": "nowhere",
+        "variant": None,
+        "map": None,
+        "num_agents": None,
+        "params": {"a": 1},
+    }
+    later = {
+        "status": "interrupted",
+        "updates": 3,
+        "diverged": [{"seed": 0, "update": 2}],
+        "resumed": ["2026-01-01"],
+    }
+    asked = {
+        "loggers": [],
+        "asked": {"episodes": 3, "callback": "mine"},
+        "extended": [{"from": 1, "to": 2, "updates": 1}],
+    }
+    return json.loads(
+        json.dumps(describe_run(matching(), make_config(), provenance) | later | asked)
+    )
 
 
 def places(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     yield place
-    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    inner = (
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value)
+        if isinstance(value, list)
+        else ()
+    )
     for key, entry in inner:
         yield from places(entry, (*place, key))
 
@@ -68,17 +106,25 @@ def damaged(whole: dict[str, Any], place: tuple[Any, ...], value: Any) -> Any:
     ],
 )
 def test_what_is_wrong_is_named(
-    whole: dict[str, Any], place: tuple[str, ...], value: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    whole: dict[str, Any],
+    place: tuple[str, ...],
+    value: Any,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / MANIFEST).write_text(json.dumps(damaged(whole, place, value)))
-    with pytest.raises(RunError, match=rf"is damaged: `{'.'.join(place)}[^`]*` in its manifest\.json: "):
+    with pytest.raises(
+        RunError, match=rf"is damaged: `{'.'.join(place)}[^`]*` in its manifest\.json: "
+    ):
         read_manifest(tmp_path)
     assert command_line(["train", "--resume", str(tmp_path)]) == 1
     assert f"`{'.'.join(place)}" in capsys.readouterr().err
 
 
 @pytest.mark.thorough
-def test_whatever_stands_there_is_a_message(whole: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_whatever_stands_there_is_a_message(
+    whole: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / MANIFEST).write_text(json.dumps(whole))
     assert read_manifest(tmp_path) == whole
     for place in places(whole):
@@ -93,11 +139,15 @@ def test_whatever_stands_there_is_a_message(whole: dict[str, Any], tmp_path: Pat
                 warnings.simplefilter("ignore", ResultsWarning)
                 read_run(tmp_path)
     for partner in ("a" * 5000, "a\0", f"a@{'9' * 5000}"):
-        (tmp_path / MANIFEST).write_text(json.dumps(damaged(whole, ("config", "partners"), [[1, partner]])))
+        (tmp_path / MANIFEST).write_text(
+            json.dumps(damaged(whole, ("config", "partners"), [[1, partner]]))
+        )
         with pytest.raises(RunError, match=r"has an invalid configuration|has done"):
             extended(check_same_run(matching(), tmp_path), tmp_path, 1)
     for place in places({key: whole[key] for key in ("asked", "loggers", "provenance", "status")}):
-        for value in (value for value in STRANGE if "\\udcff" not in json.dumps(value)):  # which pytest's capture cannot print
+        for value in (
+            value for value in STRANGE if "\\udcff" not in json.dumps(value)
+        ):  # which pytest's capture cannot print
             (tmp_path / MANIFEST).write_text(json.dumps(damaged(whole, place, value)))
             for command in (["train", "--resume", str(tmp_path)], ["evaluate", str(tmp_path)]):
                 assert command_line(command) == 1, (command, place, value)

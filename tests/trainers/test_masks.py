@@ -39,7 +39,9 @@ def test_what_is_forbidden_has_no_probability_and_finite_gradients() -> None:
     logits = jnp.array([[0.3, 5.0, -0.2], [9.0, 0.0, -9.0]])
     probabilities = jax.nn.softmax(masked(logits, ALLOWED))
     assert (probabilities[~ALLOWED] == 0.0).all()
-    np.testing.assert_allclose(probabilities[0, [0, 2]], jax.nn.softmax(jnp.array([0.3, -0.2])), rtol=1e-6)
+    np.testing.assert_allclose(
+        probabilities[0, [0, 2]], jax.nn.softmax(jnp.array([0.3, -0.2])), rtol=1e-6
+    )
     assert float(probabilities[1, 2]) == 1.0
     assert masked(logits, None) is logits
 
@@ -65,7 +67,9 @@ def test_the_loss_knows_only_what_is_allowed() -> None:
     logits = jnp.array([[0.3, 5.0, -0.2], [9.0, 0.0, -9.0]])
     gradient, parts = jax.grad(loss, has_aux=True)(logits)
     left = 1 / (1 + np.exp(-0.5))  # of two logits that differ by 0.5
-    assert float(parts["entropy"]) == pytest.approx(-(left * np.log(left) + (1 - left) * np.log(1 - left)) / 2, rel=1e-5)
+    assert float(parts["entropy"]) == pytest.approx(
+        -(left * np.log(left) + (1 - left) * np.log(1 - left)) / 2, rel=1e-5
+    )
     assert np.isfinite(gradient).all()
     assert (gradient[~ALLOWED] == 0.0).all()
     assert (gradient[0, [0, 2]] != 0.0).all()
@@ -75,9 +79,14 @@ def test_the_loss_knows_only_what_is_allowed() -> None:
 def test_the_best_that_follows_is_one_of_those_allowed(double_q: bool, best: float) -> None:
     """Two agents; the target's values are best in actions that are forbidden where the step led. A network is its table."""
     network = type("Network", (), {"apply": staticmethod(lambda table, _: table)})
-    target, online = jnp.array([[[1.0, 50.0, 2.0], [50.0, 60.0, 7.0]]]), jnp.array([[[4.0, 9.0, 3.0], [9.0, 9.0, 3.0]]])
+    target, online = (
+        jnp.array([[[1.0, 50.0, 2.0], [50.0, 60.0, 7.0]]]),
+        jnp.array([[[4.0, 9.0, 3.0], [9.0, 9.0, 3.0]]]),
+    )
     taken = jnp.zeros((1, 2), jnp.int32)
-    batch = Transition(None, taken, jnp.array([1.0]), None, jnp.array([False]), allowed=ALLOWED[None])
+    batch = Transition(
+        None, taken, jnp.array([1.0]), None, jnp.array([False]), allowed=ALLOWED[None]
+    )
     loss, _ = vdn_loss(online, target, network, batch, VDNConfig(gamma=0.5, double_q=double_q))  # type: ignore[arg-type]
     assert float(loss) == pytest.approx((13.0 - (1.0 + 0.5 * best)) ** 2)
 
@@ -117,7 +126,9 @@ SMALL_VALUES = {**VDN, "num_envs": 4, "num_steps": 8, "buffer_size": 64}
 @cache
 def first_update(**changes: Any) -> tuple[TrainState, Any, dict[str, Any]]:
     """Returns a state before the first update, what was played in it, and its losses."""
-    program = make_train(one_door(), quick(**{**(SMALL_VALUES if "vdn" in changes.values() else SMALL), **changes}))
+    program = make_train(
+        one_door(), quick(**{**(SMALL_VALUES if "vdn" in changes.values() else SMALL), **changes})
+    )
 
     @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
     def run(key: jax.Array) -> tuple[TrainState, Any, dict[str, Any]]:
@@ -135,7 +146,9 @@ def first_update(**changes: Any) -> tuple[TrainState, Any, dict[str, Any]]:
     [
         pytest.param({}, marks=pytest.mark.slow),
         {"algorithm": "mappo", "sharing": "per_agent"},
-        pytest.param({"algorithm": "mappo", "sharing": "per_agent", "memory": "gru"}, marks=pytest.mark.slow),
+        pytest.param(
+            {"algorithm": "mappo", "sharing": "per_agent", "memory": "gru"}, marks=pytest.mark.slow
+        ),
     ],
     ids=["ippo", "mappo per agent", "mappo per agent with memory"],
 )
@@ -175,14 +188,24 @@ def learnt(**changes: Any) -> tuple[Any, TrainState, dict[str, Any]]:
 
     @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
     def run(key: jax.Array) -> tuple[TrainState, dict[str, Any]]:
-        return jax.lax.scan(lambda state, _: program.update(state), program.init(key), length=config.num_updates)
+        return jax.lax.scan(
+            lambda state, _: program.update(state), program.init(key), length=config.num_updates
+        )
 
     state, metrics = run(jax.random.key(0))
-    return trained_policy(one_door(), config, program.parameters(state), greedy=True), state, metrics
+    return (
+        trained_policy(one_door(), config, program.parameters(state), greedy=True),
+        state,
+        metrics,
+    )
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("changes", [{}, VDN, pytest.param({"algorithm": "mappo"}, marks=pytest.mark.slow)], ids=["ippo", "vdn", "mappo"])
+@pytest.mark.parametrize(
+    "changes",
+    [{}, VDN, pytest.param({"algorithm": "mappo"}, marks=pytest.mark.slow)],
+    ids=["ippo", "vdn", "mappo"],
+)
 def test_who_knows_what_is_allowed_goes_through_every_door(changes: dict[str, Any]) -> None:
     """Blind agents come to 1 a step, and without masks to 1 in 4 at most. The evaluation and films are told what is allowed as well."""
     policy, _, _ = learnt(**changes, total_timesteps=16 * 16 * 25)
@@ -201,7 +224,9 @@ def test_without_masks_closed_doors_are_chosen() -> None:
     config = quick(mask_actions=False)
     assert isinstance(config, PPOConfig)
     networks = make_actor_critics(one_door(), config)
-    parameters = jax.jit(lambda key: networks.init(key, one_door()), compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
+    parameters = jax.jit(
+        lambda key: networks.init(key, one_door()), compiler_options=FAST_TO_COMPILE
+    )(jax.random.key(0))
     policy = trained_policy(one_door(), config, parameters)
     assert callable(policy)
     returns = evaluate(one_door(), policy, jax.random.key(1), 256).returns

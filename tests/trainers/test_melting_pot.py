@@ -33,8 +33,15 @@ def test_two_updates_of_ippo(entry: Substrate) -> None:
     update = jax.jit(program.update).lower(state).compile(compiler_options=FAST_TO_COMPILE)
     for _ in range(UPDATES):
         state, metrics = update(state)
-        assert not [name for name, value in metrics.items() if "loss" in name and not np.isfinite(value).all()]
+        assert not [
+            name
+            for name, value in metrics.items()
+            if "loss" in name and not np.isfinite(value).all()
+        ]
     after = jax.device_get(program.parameters(state))
-    moved = [not np.array_equal(a, b) for a, b in zip(jax.tree.leaves(before), jax.tree.leaves(after), strict=True)]
+    moved = [
+        not np.array_equal(a, b)
+        for a, b in zip(jax.tree.leaves(before), jax.tree.leaves(after), strict=True)
+    ]
     assert any(moved)
     assert all(jnp.isfinite(leaf).all() for leaf in jax.tree.leaves(after))

@@ -24,7 +24,9 @@ def stopped(shared: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same run, stopped after update 9."""
     del shared
     folder = tmp_path_factory.mktemp("runs") / "stopped"
-    return train(matching(), SHORT, folder, "none", callback=lambda update: update.number == 9).run_dir
+    return train(
+        matching(), SHORT, folder, "none", callback=lambda update: update.number == 9
+    ).run_dir
 
 
 def change(number: int, to: Callable[[bytes], bytes]) -> Damage:
@@ -58,23 +60,37 @@ def test_rows_that_are_lost_are_missed(stopped: Path, tmp_path: Path, damage: Da
     before = {path: path.read_bytes() for path in (again / "policies").iterdir()}
     damage(again / JSONL)
     with pytest.raises(
-        RunError, match=r"metrics\.jsonl is damaged: it(s line \d can't be read| holds only the first [0-8] of the 9 updates)\."
+        RunError,
+        match=r"metrics\.jsonl is damaged: it(s line \d can't be read| holds only the first [0-8] of the 9 updates)\.",
     ):
         resume(matching(), again, "none")
     assert {path: path.read_bytes() for path in (again / "policies").iterdir()} == before
 
 
 @pytest.mark.parametrize(
-    "damage", [DAMAGES["halved"], DAMAGES["removed"], change(1, lambda line: line[:9] + b"\n"), change(1, lambda _: b"3\n")]
+    "damage",
+    [
+        DAMAGES["halved"],
+        DAMAGES["removed"],
+        change(1, lambda line: line[:9] + b"\n"),
+        change(1, lambda _: b"3\n"),
+    ],
 )
-def test_evaluations_that_are_lost_are_missed(stopped: Path, tmp_path: Path, damage: Damage) -> None:
+def test_evaluations_that_are_lost_are_missed(
+    stopped: Path, tmp_path: Path, damage: Damage
+) -> None:
     again = copy_run(stopped, tmp_path / "run")
     damage(again / EVALUATIONS)
-    with pytest.raises(RunError, match=r"evaluations\.jsonl is damaged: it(s line 2 can't be read| holds only [01] of 3 evaluations)\."):
+    with pytest.raises(
+        RunError,
+        match=r"evaluations\.jsonl is damaged: it(s line 2 can't be read| holds only [01] of 3 evaluations)\.",
+    ):
         resume(matching(), again, "none")
 
 
-def test_what_comes_after_the_checkpoint_may_be_anything(stopped: Path, whole: Path, tmp_path: Path) -> None:
+def test_what_comes_after_the_checkpoint_may_be_anything(
+    stopped: Path, whole: Path, tmp_path: Path
+) -> None:
     again = copy_run(stopped, tmp_path / "run")
     shutil.rmtree(again / "checkpoints" / "9")
     change(-1, lambda line: line[:30] + b"\n")(again / JSONL)
@@ -84,13 +100,20 @@ def test_what_comes_after_the_checkpoint_may_be_anything(stopped: Path, whole: P
     assert_same_end(again, whole)
 
 
-def test_a_seed_that_has_diverged_has_fewer_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_seed_that_has_diverged_has_fewer_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(run, "compile_train", compile_train)
-    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=3, seed_that_diverges=5))
+    monkeypatch.setattr(
+        run, "make_train", lambda *_: counting(diverges_after=3, seed_that_diverges=5)
+    )
     config = SHORT.model_copy(update={"evaluate_every": 0, "seeds": 2})
     train(matching(), config, tmp_path / "run", "none", callback=lambda update: update.number == 6)
     resume(matching(), tmp_path / "run", "none")
-    assert [len([*read_rows(tmp_path / "run" / f"seed_{seed}" / JSONL)]) for seed in (5, 6)] == [4, 12]
+    assert [len([*read_rows(tmp_path / "run" / f"seed_{seed}" / JSONL)]) for seed in (5, 6)] == [
+        4,
+        12,
+    ]
 
 
 def test_who_reads_a_damaged_file_is_told_where(whole: Path, tmp_path: Path) -> None:

@@ -32,7 +32,9 @@ def _observations(key: jax.Array) -> jax.Array:
 def _changed_in_turn(observation: jax.Array) -> jax.Array:
     """Returns `[1 + N * P, ...]`: the observation, and it with one cell of one plane of one agent changed."""
     at = [(agent, plane) for agent in range(AGENTS) for plane in range(3)]
-    return jnp.concatenate([observation, *(observation.at[:, :, agent, plane, 2, 3].add(1) for agent, plane in at)])
+    return jnp.concatenate(
+        [observation, *(observation.at[:, :, agent, plane, 2, 3].add(1) for agent, plane in at)]
+    )
 
 
 @pytest.fixture(scope="module", params=["mlp", "cnn"])
@@ -62,7 +64,9 @@ def test_shapes_and_initial_scale(kind: str) -> None:
     assert logits.shape == (1 + AGENTS * 3, ENVS, AGENTS, 7)
     assert values.shape == (1 + AGENTS * 3, ENVS, AGENTS)
     assert jax.nn.softmax(logits).max() < 1 / 7 + 0.02
-    actor, critic = (np.asarray(parameters["params"][head]["out"]["kernel"]) for head in ("actor", "critic"))
+    actor, critic = (
+        np.asarray(parameters["params"][head]["out"]["kernel"]) for head in ("actor", "critic")
+    )
     np.testing.assert_allclose(actor.T @ actor, 0.01**2 * np.eye(7), atol=1e-6)
     np.testing.assert_allclose(critic.T @ critic, [[1.0]], atol=1e-5)
 
@@ -97,19 +101,26 @@ def test_action_values_see_every_plane(kind: str) -> None:
 
     values = np.asarray(read(jax.random.key(0)))
     told = np.abs(values[1:] - values[0]).reshape(AGENTS, 3, ENVS, AGENTS, 7).max(axis=-1)
-    assert (told > 1e-6).tolist() == np.broadcast_to(np.eye(AGENTS, dtype=bool)[:, None, None], told.shape).tolist()
+    assert (told > 1e-6).tolist() == np.broadcast_to(
+        np.eye(AGENTS, dtype=bool)[:, None, None], told.shape
+    ).tolist()
 
 
 def test_bfloat16_is_of_the_layers_alone() -> None:
     """Parameters and outputs are float32, near those of float32: bfloat16 has 8 bits, so relative errors of 2^-8 a product."""
-    exact, coarse = (ActorCritic(7, AGENTS, PLANES, None, "mlp", 64, dtype=jnp.dtype(name)) for name in ("float32", "bfloat16"))
+    exact, coarse = (
+        ActorCritic(7, AGENTS, PLANES, None, "mlp", 64, dtype=jnp.dtype(name))
+        for name in ("float32", "bfloat16")
+    )
 
     @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
     def read(key: jax.Array) -> tuple[Any, jax.Array, jax.Array]:
         observation_key, network_key = jax.random.split(key)
         seen = _observations(observation_key)
         parameters = coarse.init(network_key, (), seen, None, FRESH)
-        return parameters, *(network.apply(parameters, (), seen, None, FRESH)[2] for network in (exact, coarse))
+        return parameters, *(
+            network.apply(parameters, (), seen, None, FRESH)[2] for network in (exact, coarse)
+        )
 
     parameters, wanted, found = read(jax.random.key(0))
     assert {leaf.dtype.name for leaf in jax.tree.leaves(parameters)} == {"float32"}
@@ -125,9 +136,13 @@ LENGTH = 6
 
 
 @pytest.mark.parametrize("central", [pytest.param(False, marks=pytest.mark.slow), True])
-def test_steps_read_one_by_one_or_together_are_the_same_and_memory_ends_with_an_episode(central: bool) -> None:
+def test_steps_read_one_by_one_or_together_are_the_same_and_memory_ends_with_an_episode(
+    central: bool,
+) -> None:
     """Two pasts that differ in their first step are told apart until an episode begins, at step 3."""
-    network = ActorCritic(3, AGENTS, PLANES[:1], PLANES[:1] if central else None, "mlp", 8, recurrent=True)
+    network = ActorCritic(
+        3, AGENTS, PLANES[:1], PLANES[:1] if central else None, "mlp", 8, recurrent=True
+    )
     start = network.start_memory(ENVS)
     fresh = jnp.zeros((LENGTH, ENVS), bool).at[3].set(True)
 
@@ -143,11 +158,17 @@ def test_steps_read_one_by_one_or_together_are_the_same_and_memory_ends_with_an_
         parameters = network.init(network_key, start, *windows(tokens), fresh)
 
         def one_by_one(memory: Any, step: tuple[jax.Array, jax.Array]) -> tuple[Any, Any]:
-            memory, logits, values = network.apply(parameters, memory, *windows(step[0][None]), step[1][None])
+            memory, logits, values = network.apply(
+                parameters, memory, *windows(step[0][None]), step[1][None]
+            )
             return memory, (logits[0], values[0])
 
         together = network.apply(parameters, start, *windows(tokens), fresh)[1:]
-        return together, jax.lax.scan(one_by_one, start, (tokens, fresh))[1], network.apply(parameters, start, *windows(other), fresh)[1:]
+        return (
+            together,
+            jax.lax.scan(one_by_one, start, (tokens, fresh))[1],
+            network.apply(parameters, start, *windows(other), fresh)[1:],
+        )
 
     together, stepwise, other = read(jax.random.key(0))
     jax.tree.map(partial(np.testing.assert_allclose, atol=1e-6), together, stepwise)
@@ -160,7 +181,9 @@ def test_steps_read_one_by_one_or_together_are_the_same_and_memory_ends_with_an_
 
 
 def _drawn(gain: float, shape: tuple[int, ...], seed: int = 0) -> jax.Array:
-    return jax.jit(lambda key: orthogonal(gain)(key, shape), compiler_options=FAST_TO_COMPILE)(jax.random.key(seed))
+    return jax.jit(lambda key: orthogonal(gain)(key, shape), compiler_options=FAST_TO_COMPILE)(
+        jax.random.key(seed)
+    )
 
 
 @pytest.mark.parametrize("shape", [(1331, 64), (64, 1), (7, 64), (5, 5, 3, 32), (64, 64)])
@@ -174,13 +197,17 @@ def test_starting_weights_are_orthogonal(shape: tuple[int, ...]) -> None:
 def test_nearly_parallel_columns_become_orthogonal_too() -> None:
     """Freed of the others once, they would keep errors of rounding a thousand times as large."""
     matrix = 1.0 + 1e-3 * jax.random.normal(jax.random.key(0), (20, 5))
-    columns = np.asarray(jax.jit(orthonormal_columns, compiler_options=FAST_TO_COMPILE)(matrix), np.float64)
+    columns = np.asarray(
+        jax.jit(orthonormal_columns, compiler_options=FAST_TO_COMPILE)(matrix), np.float64
+    )
     np.testing.assert_allclose(columns.T @ columns, np.eye(5), atol=1e-5)
 
 
 def test_starting_weights_have_no_direction() -> None:
     """Of 400 matrices of 6 x 3: an entry has mean 0 and variance 1/6, its mean a standard error of 0.0204; 18 entries, 4 errors each."""
-    draw = jax.jit(jax.vmap(lambda key: orthogonal()(key, (6, 3))), compiler_options=FAST_TO_COMPILE)
+    draw = jax.jit(
+        jax.vmap(lambda key: orthogonal()(key, (6, 3))), compiler_options=FAST_TO_COMPILE
+    )
     matrices = draw(jax.random.split(jax.random.key(0), 400))
     np.testing.assert_allclose(matrices.mean(axis=0), 0.0, atol=4 * 0.0204)
     np.testing.assert_allclose((matrices**2).mean(axis=0), 1 / 6, atol=4 * 0.011)
@@ -192,9 +219,13 @@ def test_other_keys_draw_other_weights() -> None:
     assert not np.allclose(first, other)
 
 
-def _gradients_of(convolution: Callable[[jax.Array, jax.Array], jax.Array], weight: jax.Array) -> Callable[..., Any]:
+def _gradients_of(
+    convolution: Callable[[jax.Array, jax.Array], jax.Array], weight: jax.Array
+) -> Callable[..., Any]:
     """Returns a function to the weighted sum of a convolution and its gradients."""
-    return jax.value_and_grad(lambda features, kernel: (weight * convolution(features, kernel)).sum(), argnums=(0, 1))
+    return jax.value_and_grad(
+        lambda features, kernel: (weight * convolution(features, kernel)).sum(), argnums=(0, 1)
+    )
 
 
 def test_convolution_and_its_gradients() -> None:
@@ -205,11 +236,18 @@ def test_convolution_and_its_gradients() -> None:
     def both(key: jax.Array) -> tuple[Any, Any]:
         keys = jax.random.split(key, 3)
         shapes = (2, 7, 7, 3), (5, 5, 3, 4), (2, 7, 7, 4)
-        features, kernel, weight = (jax.random.normal(key, shape) for key, shape in zip(keys, shapes, strict=True))
-        theirs = _gradients_of(lambda features, kernel: reference.apply({"params": {"kernel": kernel}}, features), weight)
+        features, kernel, weight = (
+            jax.random.normal(key, shape) for key, shape in zip(keys, shapes, strict=True)
+        )
+        theirs = _gradients_of(
+            lambda features, kernel: reference.apply({"params": {"kernel": kernel}}, features),
+            weight,
+        )
         return _gradients_of(convolve, weight)(features, kernel), theirs(features, kernel)
 
-    jax.tree.map(partial(np.testing.assert_allclose, rtol=1e-4, atol=1e-4), *both(jax.random.key(0)))
+    jax.tree.map(
+        partial(np.testing.assert_allclose, rtol=1e-4, atol=1e-4), *both(jax.random.key(0))
+    )
 
 
 @pytest.mark.parametrize("axes", [(0, 0), (0, None), (None, 0)])
@@ -221,10 +259,22 @@ def test_convolutions_of_several_networks(axes: tuple[int | None, int | None]) -
     def both(key: jax.Array) -> tuple[Any, Any]:
         keys = jax.random.split(key, 3)
         shapes = (2, 5, 5, 2), (3, 3, 2, 4)
-        stacked = ((3, *shape) if axis == 0 else shape for shape, axis in zip(shapes, axes, strict=True))
-        features, kernel = (jax.random.normal(key, shape) for key, shape in zip(keys[:2], stacked, strict=True))
+        stacked = (
+            (3, *shape) if axis == 0 else shape for shape, axis in zip(shapes, axes, strict=True)
+        )
+        features, kernel = (
+            jax.random.normal(key, shape) for key, shape in zip(keys[:2], stacked, strict=True)
+        )
         weight = jax.random.normal(keys[2], (2, 5, 5, 4))
-        theirs = _gradients_of(lambda features, kernel: reference.apply({"params": {"kernel": kernel}}, features), weight)
-        return tuple(jax.vmap(each, axes)(features, kernel) for each in (_gradients_of(convolve, weight), theirs))
+        theirs = _gradients_of(
+            lambda features, kernel: reference.apply({"params": {"kernel": kernel}}, features),
+            weight,
+        )
+        return tuple(
+            jax.vmap(each, axes)(features, kernel)
+            for each in (_gradients_of(convolve, weight), theirs)
+        )
 
-    jax.tree.map(partial(np.testing.assert_allclose, rtol=1e-4, atol=1e-4), *both(jax.random.key(0)))
+    jax.tree.map(
+        partial(np.testing.assert_allclose, rtol=1e-4, atol=1e-4), *both(jax.random.key(0))
+    )

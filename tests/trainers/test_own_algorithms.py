@@ -43,7 +43,15 @@ from sjdsl.trainers import (
 from sjdsl.trainers.own_settings import taken_settings
 from sjdsl.trainers.policies import parameter_shapes
 
-SMALL = {**QUICK, "num_envs": 4, "num_steps": 4, "num_epochs": 1, "total_timesteps": 16 * 4, "checkpoint_updates": 1, "policy_every": 1}
+SMALL = {
+    **QUICK,
+    "num_envs": 4,
+    "num_steps": 4,
+    "num_epochs": 1,
+    "total_timesteps": 16 * 4,
+    "checkpoint_updates": 1,
+    "policy_every": 1,
+}
 
 
 def as_it_is(env: Any, config: Any) -> Train:
@@ -59,13 +67,17 @@ def counting(env: Any, config: Any, *, factor: float, start: int = 3) -> Train:
 
     def learn(state: TrainState, played: Played) -> tuple[TrainState, Metrics]:
         rollout = replace(played.rollout, shaped_reward=factor * played.rollout.shaped_reward)
-        state, metrics = base.learn(replace(state, own=state.own + 1), replace(played, rollout=rollout))
+        state, metrics = base.learn(
+            replace(state, own=state.own + 1), replace(played, rollout=rollout)
+        )
         return state, metrics | {"counted": state.own, "each": jnp.arange(2.0)}
 
     return replace(base, init=init, learn=learn)
 
 
-def penalised(parameters: Any, apply: Any, batch: Batch, config: Config, *, penalty: float = 0.0) -> tuple[jax.Array, Metrics]:
+def penalised(
+    parameters: Any, apply: Any, batch: Batch, config: Config, *, penalty: float = 0.0
+) -> tuple[jax.Array, Metrics]:
     loss, metrics = ppo_loss(parameters, apply, batch, config)  # type: ignore[arg-type]
     return loss + penalty * metrics["kl"], metrics | {"paid": penalty * metrics["kl"]}
 
@@ -80,7 +92,9 @@ class Wide(nn.Module):
 
     @nn.compact
     def __call__(self, tokens: jax.Array) -> jax.Array:
-        return nn.Dense(self.width * self.times)(tokens.reshape(len(tokens), -1).astype(jnp.float32))
+        return nn.Dense(self.width * self.times)(
+            tokens.reshape(len(tokens), -1).astype(jnp.float32)
+        )
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -104,10 +118,15 @@ def test_what_changes_nothing_learns_as_the_bundled_one() -> None:
 
     def learnt(config: Config) -> tuple[Any, Metrics]:
         program = make_train(matching(), config)
-        state, metrics = jax.jit(program.update, compiler_options=FAST_TO_COMPILE)(program.init(jax.random.key(0)))
+        state, metrics = jax.jit(program.update, compiler_options=FAST_TO_COMPILE)(
+            program.init(jax.random.key(0))
+        )
         return program.parameters(state), metrics
 
-    bundled, own = learnt(make_config(SMALL)), learnt(make_config(SMALL, algorithm=as_it_is, loss=penalised))
+    bundled, own = (
+        learnt(make_config(SMALL)),
+        learnt(make_config(SMALL, algorithm=as_it_is, loss=penalised)),
+    )
     assert own[1].pop("paid") == 0
     jax.tree.map(np.testing.assert_array_equal, own, bundled)
 
@@ -123,7 +142,9 @@ def test_a_run_of_ones_own_algorithm_is_an_ordinary_one(counted: Path, tmp_path:
     train(matching(), asked, tmp_path / "run", "none", callback=lambda update: update.number == 2)
     assert resume(matching(), tmp_path / "run", "none").updates == 4
     assert_same_end(tmp_path / "run", counted)
-    assert evaluate(matching(), find_policy(counted, matching()), jax.random.key(0), 4).returns.shape == (4, 2)
+    assert evaluate(
+        matching(), find_policy(counted, matching()), jax.random.key(0), 4
+    ).returns.shape == (4, 2)
 
 
 @pytest.mark.thorough
@@ -133,17 +154,32 @@ def test_a_run_starts_from_a_policy_with_an_algorithm_of_ones_own(counted: Path)
     started = program.init(jax.random.key(3))
     stored = load_policy(counted, matching())
     assert callable(stored)
-    again = make_train(matching(), make_config(SMALL, init_from=str(counted)))  # of the same networks
-    same = jax.tree.map(lambda a, b: bool((a == b).all()), program.parameters(started), again.parameters(again.init(jax.random.key(4))))
+    again = make_train(
+        matching(), make_config(SMALL, init_from=str(counted))
+    )  # of the same networks
+    same = jax.tree.map(
+        lambda a, b: bool((a == b).all()),
+        program.parameters(started),
+        again.parameters(again.init(jax.random.key(4))),
+    )
     assert jax.tree.all(same)
     assert int(started.own) == 3
     with pytest.raises(ConfigError, match="can't start from a policy: its `Train` has no `adopt`"):
-        make_train(matching(), make_config(SMALL, algorithm=lambda *given: replace(as_it_is(*given), adopt=None), init_from=str(counted)))
+        make_train(
+            matching(),
+            make_config(
+                SMALL,
+                algorithm=lambda *given: replace(as_it_is(*given), adopt=None),
+                init_from=str(counted),
+            ),
+        )
 
 
 def test_settings_reach_the_hooks_that_take_them() -> None:
     own = {"factor": 1.0, "weight": 0.25, "times": 3, "penalty": 0.5}
-    config = make_config(SMALL, algorithm=counting, reward=weighed, network=Wide, loss=penalised, own=own)
+    config = make_config(
+        SMALL, algorithm=counting, reward=weighed, network=Wide, loss=penalised, own=own
+    )
     assert dict(config.own) == own
     assert {name: default for name, default, _ in taken_settings(config) if name != "factor"} == {
         "start": 3,
@@ -154,10 +190,14 @@ def test_settings_reach_the_hooks_that_take_them() -> None:
     shapes = {leaf.shape for leaf in jax.tree.leaves(parameter_shapes(matching(), config))}
     assert (1, 1, 3 * 16) in shapes
     program = make_train(matching(), config)
-    state, metrics = jax.jit(program.update, compiler_options=FAST_TO_COMPILE)(program.init(jax.random.key(0)))
+    state, metrics = jax.jit(program.update, compiler_options=FAST_TO_COMPILE)(
+        program.init(jax.random.key(0))
+    )
     assert np.allclose(metrics["shaped_agent_return"], 0.25 * metrics["agent_return"])
     assert np.isclose(metrics["paid"], 0.5 * metrics["kl"]) and metrics["paid"] != 0
-    assert jax.tree.all(jax.tree.map(lambda leaf: bool(jnp.isfinite(leaf).all()), program.parameters(state)))
+    assert jax.tree.all(
+        jax.tree.map(lambda leaf: bool(jnp.isfinite(leaf).all()), program.parameters(state))
+    )
 
 
 @pytest.mark.parametrize(
@@ -179,9 +219,18 @@ def test_settings_are_numbers_texts_and_truths(given: dict[str, Any], read: Any)
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"own": {"weight": 1}}, "`own.weight` does nothing: there is no algorithm, loss, network or reward of your own to take it"),
-        ({"own.wieght": 1, "reward": weighed}, "weighed` has no keyword-only argument of that name; did you mean `weight`?"),
-        ({"own.other": 1, "reward": weighed}, "weighed` has no keyword-only argument of that name; the settings are weight"),
+        (
+            {"own": {"weight": 1}},
+            "`own.weight` does nothing: there is no algorithm, loss, network or reward of your own to take it",
+        ),
+        (
+            {"own.wieght": 1, "reward": weighed},
+            "weighed` has no keyword-only argument of that name; did you mean `weight`?",
+        ),
+        (
+            {"own.other": 1, "reward": weighed},
+            "weighed` has no keyword-only argument of that name; the settings are weight",
+        ),
         (
             {"algorithm": counting},
             "the algorithm `test_own_algorithms:counting` requires `own.factor`, which has no default: --set own.factor=",
@@ -192,11 +241,20 @@ def test_settings_are_numbers_texts_and_truths(given: dict[str, Any], read: Any)
         ),
         ({"own": {"weight": float("nan")}, "reward": weighed}, "`own` must be a table of numbers"),
         ({"own": 3}, "`own` must be a table of numbers, texts, true or false, by name, not 3"),
-        ({"algorithm": "vdn", "loss": penalised}, "unknown key `loss` here: it is one of ippo and mappo"),
-        ({"algorithm": as_it_is, "critic": "state"}, "`critic` has no effect while `algorithm` is test_own_algorithms:as_it_is"),
+        (
+            {"algorithm": "vdn", "loss": penalised},
+            "unknown key `loss` here: it is one of ippo and mappo",
+        ),
+        (
+            {"algorithm": as_it_is, "critic": "state"},
+            "`critic` has no effect while `algorithm` is test_own_algorithms:as_it_is",
+        ),
         ({"algorithm": "dqn"}, "unknown algorithm 'dqn'; did you mean `vdn`?"),
         ({"algorithm": "none.py:f"}, "none.py does not exist"),
-        ({"loss": "mse"}, "`loss` must be 'ppo', the name of a loss that was registered, or FILE.py:NAME, not 'mse'"),
+        (
+            {"loss": "mse"},
+            "`loss` must be 'ppo', the name of a loss that was registered, or FILE.py:NAME, not 'mse'",
+        ),
     ],
 )
 def test_what_cannot_be_is_said_at_once(values: dict[str, Any], said: str) -> None:
@@ -208,11 +266,24 @@ def test_what_cannot_be_is_said_at_once(values: dict[str, Any], said: str) -> No
 @pytest.mark.parametrize(
     ("hooks", "said"),
     [
-        ({"algorithm": lambda *given: given[1]}, r"must return a sjdsl\.trainers\.Train that has a `policy`, not PPOConfig"),
-        ({"loss": lambda *_: jnp.ones(())}, r"must return a number and a dict of numbers, its metrics, not \(\)"),
-        ({"loss": lambda *_: (jnp.ones(3), {})}, r"must return a number and a dict of numbers, its metrics, not \(\(3,\), \{\}\)"),
         (
-            {"algorithm": lambda *given: replace(as_it_is(*given), learn=lambda state, _: (state, {"loss": 0.0}))},
+            {"algorithm": lambda *given: given[1]},
+            r"must return a sjdsl\.trainers\.Train that has a `policy`, not PPOConfig",
+        ),
+        (
+            {"loss": lambda *_: jnp.ones(())},
+            r"must return a number and a dict of numbers, its metrics, not \(\)",
+        ),
+        (
+            {"loss": lambda *_: (jnp.ones(3), {})},
+            r"must return a number and a dict of numbers, its metrics, not \(\(3,\), \{\}\)",
+        ),
+        (
+            {
+                "algorithm": lambda *given: replace(
+                    as_it_is(*given), learn=lambda state, _: (state, {"loss": 0.0})
+                )
+            },
             "lack episodes, collective_return, agent_return; `mean_episode` has all but the loss",
         ),
     ],
@@ -229,11 +300,17 @@ def test_hooks_that_make_something_else_are_named(hooks: dict[str, Any], said: s
 def test_presets_have_settings_of_ones_own(tmp_path: Path) -> None:
     """Those of a game come over those of all, what is asked for over both; what no hook takes is left out, and named."""
     path = tmp_path / "mine.toml"
-    path.write_text("[config.own]\nfactor = 1\nstart = 5\n[games.coins.config.own]\nfactor = 2\n[algorithm.ippo]\nnum_envs = 3\n")
+    path.write_text(
+        "[config.own]\nfactor = 1\nstart = 5\n[games.coins.config.own]\nfactor = 2\n[algorithm.ippo]\nnum_envs = 3\n"
+    )
     of = {"algorithm": counting}
     assert dict(load_preset(path, of).config.own) == {"factor": 1, "start": 5}
     mine = load_preset(path, {**of, "own": {"start": 7}}, "coins")
-    assert (dict(mine.config.own), mine.config.num_envs, mine.left_out) == ({"factor": 2, "start": 7}, 3, ())
+    assert (dict(mine.config.own), mine.config.num_envs, mine.left_out) == (
+        {"factor": 2, "start": 7},
+        3,
+        (),
+    )
     assert load_preset(path).left_out == ("own.factor", "own.start")
     with pytest.raises(ConfigError, match=r"`own\.factor` does nothing"):
         load_preset(path, {"own.factor": "1"})
@@ -242,9 +319,13 @@ def test_presets_have_settings_of_ones_own(tmp_path: Path) -> None:
 def test_acting_runs_no_reward_that_only_a_policy_names(counted: Path, tmp_path: Path) -> None:
     """Though an algorithm of one's own makes a whole run to act by."""
     code = tmp_path / "theirs.py"
-    code.write_text("from pathlib import Path\nPath(__file__).with_suffix('.ran').touch()\ndef reward(step):\n    return step.reward\n")
+    code.write_text(
+        "from pathlib import Path\nPath(__file__).with_suffix('.ran').touch()\ndef reward(step):\n    return step.reward\n"
+    )
     described = json.loads((counted / "policies" / "last.json").read_text())["config"]
-    config = make_config(described).model_copy(update={"reward": f"{code}:reward", "loss": f"{code}:reward"})
+    config = make_config(described).model_copy(
+        update={"reward": f"{code}:reward", "loss": f"{code}:reward"}
+    )
     parameter_shapes(matching(), config)
     assert not code.with_suffix(".ran").exists()
 
@@ -254,7 +335,10 @@ def test_a_manifest_with_a_setting_that_nothing_takes_is_refused(counted: Path) 
     manifest["config"]["own"]["facto"] = 1
     (counted.parent / "other").mkdir()
     (counted.parent / "other" / "manifest.json").write_text(json.dumps(manifest))
-    with pytest.raises(RunError, match=r"`own\.facto` does nothing: the algorithm .* has no keyword-only argument of that name"):
+    with pytest.raises(
+        RunError,
+        match=r"`own\.facto` does nothing: the algorithm .* has no keyword-only argument of that name",
+    ):
         resume(matching(), counted.parent / "other", "none")
 
 
@@ -280,18 +364,32 @@ def loss(parameters, apply, batch, config, *, weight=1.0):
 """
 
 
-def test_the_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_commands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Names and settings on the command line; the keys; code that only the run names is allowed by name."""
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(FILE)
-    hooks = ["--algorithm", "mine.py:learner", "--set", "loss=mine.py:loss", "--set", "own.weight=0.5"]
+    hooks = [
+        "--algorithm",
+        "mine.py:learner",
+        "--set",
+        "loss=mine.py:loss",
+        "--set",
+        "own.weight=0.5",
+    ]
     assert command_line(["train", "--keys", *hooks]) == 0
     said = capsys.readouterr().out
     here = tmp_path.resolve()
-    assert f"own.bonus = 1  # of the algorithm `{here}/mine.py:learner`\nown.weight = 0.5  # of the loss `{here}/mine.py:loss`\n" in said
+    assert (
+        f"own.bonus = 1  # of the algorithm `{here}/mine.py:learner`\nown.weight = 0.5  # of the loss `{here}/mine.py:loss`\n"
+        in said
+    )
     assert command_line(["train", "coins", *hooks, "--set", "own.wight=1"]) == 1
     assert "did you mean `weight`?" in capsys.readouterr().err
-    config = make_config(SMALL, algorithm="mine.py:learner", loss="mine.py:loss", own={"weight": 0.5})
+    config = make_config(
+        SMALL, algorithm="mine.py:learner", loss="mine.py:loss", own={"weight": 0.5}
+    )
     train(matching(), config, "run", "none", callback=lambda update: update.number == 1)
     manifest = json.loads(Path("run/manifest.json").read_text())
     assert manifest["config"]["own"] == {"weight": 0.5}
@@ -303,8 +401,13 @@ def test_the_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: p
     assert stored["config"]["algorithm"] == f"{here}/mine.py:learner"
 
 
-def test_a_policy_of_an_algorithm_that_was_typed_in_says_so(counted: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_policy_of_an_algorithm_that_was_typed_in_says_so(
+    counted: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sjdsl.trainers.extensions._REGISTERED", {})
     monkeypatch.setattr("sjdsl.trainers.extensions._ALLOWED", set())
-    with pytest.raises(PolicyError, match=r"names an algorithm of your own, `test_own_algorithms:counting`.*--allow-code"):
+    with pytest.raises(
+        PolicyError,
+        match=r"names an algorithm of your own, `test_own_algorithms:counting`.*--allow-code",
+    ):
         load_policy(counted, matching())

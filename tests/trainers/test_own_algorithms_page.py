@@ -45,7 +45,9 @@ def test_the_files_fit_the_trainers(values: dict[str, Any], column: str) -> None
     program = make_train(matching(), config)
     before = jax.eval_shape(program.init, jax.random.key(0))
     after, metrics = jax.eval_shape(program.update, before)
-    assert jax.tree.map(lambda leaf: (leaf.shape, leaf.dtype), after) == jax.tree.map(lambda leaf: (leaf.shape, leaf.dtype), before)
+    assert jax.tree.map(lambda leaf: (leaf.shape, leaf.dtype), after) == jax.tree.map(
+        lambda leaf: (leaf.shape, leaf.dtype), before
+    )
     assert metrics[column].shape == ()
 
 
@@ -66,16 +68,37 @@ def smaller(command: list[str]) -> list[str]:
         "network_width": 8,
         "total_timesteps": 48,
     }
-    kept = [part for pair in pairwise(command) if pair[0] == "--set" for part in pair if pair[1].split("=")[0] not in few]
-    others = [part for index, part in enumerate(command) if part != "--set" and command[index - 1] != "--set"]
+    kept = [
+        part
+        for pair in pairwise(command)
+        if pair[0] == "--set"
+        for part in pair
+        if pair[1].split("=")[0] not in few
+    ]
+    others = [
+        part
+        for index, part in enumerate(command)
+        if part != "--set" and command[index - 1] != "--set"
+    ]
     sets = [part for name, value in few.items() for part in ("--set", f"{name}={value}")]
-    return [*others[1:], *kept, *sets, *(["--param", "length=8"] if "again.sj" not in command else []), "--episodes", "1"]
+    return [
+        *others[1:],
+        *kept,
+        *sets,
+        *(["--param", "length=8"] if "again.sj" not in command else []),
+        "--episodes",
+        "1",
+    ]
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     "command",
-    [command for command in COMMANDS if command[1] == "train" and not {"--keys", "--resume"} & {*command}],
+    [
+        command
+        for command in COMMANDS
+        if command[1] == "train" and not {"--keys", "--resume"} & {*command}
+    ],
     ids=lambda command: command[2],
 )
 def test_the_commands_train(command: list[str], folder: Path) -> None:
@@ -101,15 +124,21 @@ def test_the_sweep_has_its_cells(folder: Path, capsys: pytest.CaptureFixture[str
 def test_agents_that_expect_each_other_to_learn_cooperate() -> None:
     """In an episode of 16 steps two who always betray earn 16 each, and two who never do 48."""
     env = sjdsl.make("again.sj")
-    (command,) = (command for command in COMMANDS if "lola.py:lola" in command and command[1] == "train")
-    values = dict(part.split("=") for part in command if "=" in part and not part.startswith("own."))
+    (command,) = (
+        command for command in COMMANDS if "lola.py:lola" in command and command[1] == "train"
+    )
+    values = dict(
+        part.split("=") for part in command if "=" in part and not part.startswith("own.")
+    )
     config = make_config(values, algorithm="lola.py:lola").model_copy(update={"algorithm": "ippo"})
     learner = filled("algorithm", "lola.py:lola", ())
 
     @jax.jit
     def last_returns(lookahead: float) -> jax.Array:
         program = learner(env, config, lookahead=lookahead)
-        _, metrics = jax.lax.scan(lambda state, _: program.update(state), program.init(jax.random.key(0)), length=200)
+        _, metrics = jax.lax.scan(
+            lambda state, _: program.update(state), program.init(jax.random.key(0)), length=200
+        )
         return metrics["agent_return"][-20:].mean(axis=0)
 
     with jax.debug_key_reuse(False):

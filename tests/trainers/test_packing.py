@@ -18,7 +18,10 @@ OWN_15 = TokenPlane("own bag", "number", high=15, uniform=True)
 OWN_9 = TokenPlane("own nine", "word", tuple("abcdefghi"), uniform=True)
 
 
-@pytest.mark.parametrize(("plane", "bits"), [(WORDS_6, 3), (WORDS_2, 1), (WORDS_9, 4), (BITS_3, 3), (NUMBER_255, 8), (NUMBER_15, 4)])
+@pytest.mark.parametrize(
+    ("plane", "bits"),
+    [(WORDS_6, 3), (WORDS_2, 1), (WORDS_9, 4), (BITS_3, 3), (NUMBER_255, 8), (NUMBER_15, 4)],
+)
 def test_a_plane_takes_as_many_bits_as_its_largest_value(plane: TokenPlane, bits: int) -> None:
     assert bits_of(plane) == bits
 
@@ -39,7 +42,9 @@ def test_values_come_back(planes: tuple[TokenPlane, ...], size: int) -> None:
     assert packing.size == size
     random = np.random.default_rng(0)
     highest = [2 ** bits_of(plane) - 1 for plane in planes]
-    values = np.stack([random.integers(0, high, (4, 2, 5, 3), endpoint=True) for high in highest], axis=2).astype(np.uint8)
+    values = np.stack(
+        [random.integers(0, high, (4, 2, 5, 3), endpoint=True) for high in highest], axis=2
+    ).astype(np.uint8)
     for index, high in enumerate(highest):
         values[0, 0, index, 0, 0] = high
         if planes[index].uniform:

@@ -17,20 +17,43 @@ from run_outcomes import counting
 
 from sjdsl.cli.evaluate import stored_policy
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.trainers import MemoryPolicy, PolicyError, evaluate, load_policy, make_config, run, train, trained_policy
+from sjdsl.trainers import (
+    MemoryPolicy,
+    PolicyError,
+    evaluate,
+    load_policy,
+    make_config,
+    run,
+    train,
+    trained_policy,
+)
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_file import write_policy
 from sjdsl.trainers.run_folder import describe_game
 
-ALWAYS_ONE = {"algorithm": "vdn", "network": "mlp", "network_width": 4, "buffer_size": 32, "epsilon_end": 0.0}
+ALWAYS_ONE = {
+    "algorithm": "vdn",
+    "network": "mlp",
+    "network_width": 4,
+    "buffer_size": 32,
+    "epsilon_end": 0.0,
+}
 
 
 def _store(folder: Path, fill: float = 0.0, **values: object) -> Path:
     """Stores a policy of `matching` all of whose parameters are `fill`."""
     config = make_config(ALWAYS_ONE, **values)
-    parameters = jax.tree.map(lambda leaf: np.full(leaf.shape, fill, leaf.dtype), parameter_shapes(matching(), config))
+    parameters = jax.tree.map(
+        lambda leaf: np.full(leaf.shape, fill, leaf.dtype), parameter_shapes(matching(), config)
+    )
     path = folder / "policies" / "best.safetensors"
-    described = {"game": describe_game(matching()), "config": config.model_dump(mode="json"), "update": 3, "env_steps": 192, "seed": 0}
+    described = {
+        "game": describe_game(matching()),
+        "config": config.model_dump(mode="json"),
+        "update": 3,
+        "env_steps": 192,
+        "seed": 0,
+    }
     write_policy(path, parameters, described)
     return path
 
@@ -49,22 +72,34 @@ def test_values_are_played_by_their_best_actions_unless_drawn(
     tmp_path: Path, load: Callable[..., Any], greedy: bool | None, explores: bool
 ) -> None:
     """The run ended with every action explored; the best is the first. What is not named acts as it was meant to: an evaluation, a film."""
-    policy = load(_store(tmp_path, epsilon_end=1.0), matching(), **({} if greedy is None else {"greedy": greedy}))
+    policy = load(
+        _store(tmp_path, epsilon_end=1.0),
+        matching(),
+        **({} if greedy is None else {"greedy": greedy}),
+    )
     seen = jnp.zeros((2, 1, 1, 1), jnp.uint8)
-    actions = np.asarray(jax.vmap(lambda key: policy(key, seen))(jax.random.split(jax.random.key(0), 64)))
+    actions = np.asarray(
+        jax.vmap(lambda key: policy(key, seen))(jax.random.split(jax.random.key(0), 64))
+    )
     assert actions.any() == explores
 
 
 def test_the_evaluation_of_a_run_plays_values_by_their_best_actions() -> None:
     """Equal values, the first action best: paid where it is the cue. Exploring, agents would differ."""
     config = make_config(ALWAYS_ONE, epsilon_end=1.0)
-    parameters = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config))
-    evaluation = evaluate(matching(), trained_policy(matching(), config, parameters), jax.random.key(0), 32)
+    parameters = jax.tree.map(
+        lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config)
+    )
+    evaluation = evaluate(
+        matching(), trained_policy(matching(), config, parameters), jax.random.key(0), 32
+    )
     assert set(evaluation.collective_returns) == {0.0, 2.0}
     assert not evaluation.events["second_action"].any()
 
 
-@pytest.mark.parametrize("damage", ["cut", "empty", "flipped", "no json", "json cut", "json of a future version"])
+@pytest.mark.parametrize(
+    "damage", ["cut", "empty", "flipped", "no json", "json cut", "json of a future version"]
+)
 def test_what_is_damaged_is_refused_by_name(tmp_path: Path, damage: str) -> None:
     path = _store(tmp_path)
     content, beside = path.read_bytes(), path.with_suffix(".json")
@@ -88,15 +123,23 @@ def test_what_is_damaged_is_refused_by_name(tmp_path: Path, damage: str) -> None
 
 def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
     path = _store(tmp_path)
-    with pytest.raises(PolicyError, match=r"doesn't fit matching: it was trained on matching with 2 actions .*; here are 3 actions"):
+    with pytest.raises(
+        PolicyError,
+        match=r"doesn't fit matching: it was trained on matching with 2 actions .*; here are 3 actions",
+    ):
         load_policy(path, dataclasses.replace(matching(), num_actions=3))
-    with pytest.warns(UserWarning, match=r"another form of the game: matching probe, not matching changed"):
+    with pytest.warns(
+        UserWarning, match=r"another form of the game: matching probe, not matching changed"
+    ):
         load_policy(path, dataclasses.replace(matching(), hash="changed"))
-    others = dataclasses.replace(matching(), hash="changed", token_planes=(TokenPlane("shown", "word", tuple("abc")),))
+    others = dataclasses.replace(
+        matching(), hash="changed", token_planes=(TokenPlane("shown", "word", tuple("abc")),)
+    )
     with (
         pytest.warns(UserWarning, match="another form of the game"),
         pytest.raises(
-            PolicyError, match="on matching probe, whose windows have the same size but show other things than those of matching changed"
+            PolicyError,
+            match="on matching probe, whose windows have the same size but show other things than those of matching changed",
         ),
     ):
         load_policy(path, others)
@@ -104,14 +147,18 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
         load_policy(tmp_path / "none.safetensors", matching())
 
 
-def test_a_hash_of_an_earlier_version_is_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_hash_of_an_earlier_version_is_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sjdsl.trainers.policy_file.current_hash", {"probe": "changed"}.get)
     with warnings.catch_warnings(action="error"):
         load_policy(_store(tmp_path), dataclasses.replace(matching(), hash="changed"))
 
 
 def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
-    with pytest.raises(PolicyError, match=r"is not the folder of a training run: it has no manifest\.json"):
+    with pytest.raises(
+        PolicyError, match=r"is not the folder of a training run: it has no manifest\.json"
+    ):
         load_policy(tmp_path, matching())
     (tmp_path / "manifest.json").write_text("{}")
     _store(tmp_path)
@@ -135,13 +182,20 @@ def test_folders_of_seeds_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_a_policy_with_memory_starts_each_episode_afresh() -> None:
     """And is told from one without: its actions come with what it remembers."""
     config = make_config({**QUICK, "memory": "gru"})
-    parameters = jax.tree.map(lambda leaf: np.full(leaf.shape, 0.1, leaf.dtype), parameter_shapes(matching(), config))
+    parameters = jax.tree.map(
+        lambda leaf: np.full(leaf.shape, 0.1, leaf.dtype), parameter_shapes(matching(), config)
+    )
     policy = trained_policy(matching(), config, parameters)
     assert isinstance(policy, MemoryPolicy)
-    memory, actions = jax.jit(policy.act)(policy.start, jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8))
+    memory, actions = jax.jit(policy.act)(
+        policy.start, jax.random.key(0), jnp.zeros((2, 1, 1, 1), jnp.uint8)
+    )
     assert actions.shape == (2,)
     assert jax.tree.map(jnp.shape, memory) == jax.tree.map(jnp.shape, policy.start)
-    assert any((old != new).any() for old, new in zip(jax.tree.leaves(policy.start), jax.tree.leaves(memory), strict=True))
+    assert any(
+        (old != new).any()
+        for old, new in zip(jax.tree.leaves(policy.start), jax.tree.leaves(memory), strict=True)
+    )
     returns = evaluate(matching(), policy, jax.random.key(1), 50).returns
     assert returns.shape == (50, 2)
     assert 0 < returns.mean() < 1
@@ -156,7 +210,10 @@ def test_a_flipped_byte_of_a_tensor_is_noticed(tmp_path: Path) -> None:
         flipped = bytearray(content)
         flipped[place] ^= 1
         path.write_bytes(flipped)
-        with pytest.raises(PolicyError, match=r"best\.safetensors is damaged: its tensors aren't those that were written"):
+        with pytest.raises(
+            PolicyError,
+            match=r"best\.safetensors is damaged: its tensors aren't those that were written",
+        ):
             load_policy(path, matching())
     path.write_bytes(content)
     load_policy(path, matching())
@@ -165,7 +222,9 @@ def test_a_flipped_byte_of_a_tensor_is_noticed(tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [np.nan, np.inf])
 def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, number: float) -> None:
     path = _store(tmp_path, fill=number)
-    with pytest.raises(PolicyError, match=r"best\.safetensors holds non-finite numbers, in .*kernel"):
+    with pytest.raises(
+        PolicyError, match=r"best\.safetensors holds non-finite numbers, in .*kernel"
+    ):
         load_policy(path, matching())
 
 

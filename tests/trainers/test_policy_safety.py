@@ -17,7 +17,16 @@ from probes import matching
 from safetensors.numpy import load_file, save_file
 
 from sjdsl.cli import run as command_line
-from sjdsl.trainers import Config, PolicyError, RunError, allow_code, find_policy, load_policy, make_config, resume
+from sjdsl.trainers import (
+    Config,
+    PolicyError,
+    RunError,
+    allow_code,
+    find_policy,
+    load_policy,
+    make_config,
+    resume,
+)
 from sjdsl.trainers.digest import digest_of
 from sjdsl.trainers.policies import parameter_shapes
 from sjdsl.trainers.policy_file import DIGEST, digests_of, read_policy, write_policy
@@ -55,9 +64,17 @@ def learner(env, config):
 
 def store(folder: Path, **values: object) -> Path:
     config = make_config(SMALL)
-    parameters = jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config))
+    parameters = jax.tree.map(
+        lambda leaf: np.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config)
+    )
     path = folder / "policies" / "last.safetensors"
-    described = {"game": describe_game(matching()), "config": config.model_dump(mode="json"), "update": 3, "env_steps": 192, "seed": 0}
+    described = {
+        "game": describe_game(matching()),
+        "config": config.model_dump(mode="json"),
+        "update": 3,
+        "env_steps": 192,
+        "seed": 0,
+    }
     write_policy(path, parameters, described)
     if values:
         rewrite(path, {**described, "config": {**described["config"], **values}})
@@ -92,19 +109,24 @@ def test_a_reward_of_ones_own_is_no_part_of_acting(tmp_path: Path, code: Path) -
 
 
 @pytest.mark.parametrize("which", ["algorithm", "network", "partners"])
-def test_code_that_only_the_files_of_a_policy_name_does_not_run(which: str, tmp_path: Path, code: Path) -> None:
+def test_code_that_only_the_files_of_a_policy_name_does_not_run(
+    which: str, tmp_path: Path, code: Path
+) -> None:
     name = f"{code}:{ {'algorithm': 'learner', 'network': 'Net', 'partners': 'act'}[which] }"
     path = store(tmp_path, **{which: name if which != "partners" else [[1, name]]})
     for load in (load_policy, find_policy):
         with pytest.raises(
-            PolicyError, match=rf"last\.json names an? .* of your own, `.*{name[-8:]}`.*: --allow-code .*allow_code\('"
+            PolicyError,
+            match=rf"last\.json names an? .* of your own, `.*{name[-8:]}`.*: --allow-code .*allow_code\('",
         ) as refused:
             load(path, matching())
         assert str(refused.value).count("theirs.py") == 3
     assert not ran(code)
 
 
-def test_a_module_that_could_be_imported_is_not(tmp_path: Path, code: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_module_that_could_be_imported_is_not(
+    tmp_path: Path, code: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.syspath_prepend(str(code.parent))
     for name in ("theirs:Net", "theirs:reward", "os:system"):
         with pytest.raises(PolicyError, match="of your own"):
@@ -121,8 +143,16 @@ def test_what_the_caller_names_runs(tmp_path: Path, code: Path) -> None:
     with pytest.raises(PolicyError, match="names a network of your own"):
         load_policy(store(tmp_path, network=f"{code}:Net"), matching())
     config = make_config(SMALL, network=f"{code}:Net")  # which names it
-    parameters = jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config))
-    described = {"game": describe_game(matching()), "config": config.model_dump(mode="json"), "update": 3, "env_steps": 192, "seed": 0}
+    parameters = jax.tree.map(
+        lambda leaf: np.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config)
+    )
+    described = {
+        "game": describe_game(matching()),
+        "config": config.model_dump(mode="json"),
+        "update": 3,
+        "env_steps": 192,
+        "seed": 0,
+    }
     write_policy(tmp_path / "own.safetensors", parameters, described)
     load_policy(tmp_path / "own.safetensors", matching())
 
@@ -135,20 +165,45 @@ def test_names_of_code_have_a_form() -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "name"), [("network", "Net"), ("reward", "reward"), ("loss", "reward"), ("algorithm", "learner"), ("partners", "act")]
+    ("key", "name"),
+    [
+        ("network", "Net"),
+        ("reward", "reward"),
+        ("loss", "reward"),
+        ("algorithm", "learner"),
+        ("partners", "act"),
+    ],
 )
-def test_resuming_runs_no_code_that_only_the_folder_names(key: str, name: str, tmp_path: Path, code: Path) -> None:
+def test_resuming_runs_no_code_that_only_the_folder_names(
+    key: str, name: str, tmp_path: Path, code: Path
+) -> None:
     value: Any = f"{code}:{name}" if key != "partners" else [[1, f"{code}:{name}"]]
     config = {**make_config(SMALL).model_dump(mode="json"), key: value}
-    manifest = {"game": describe_game(matching()), "config": config, "versions": versions(), "provenance": {}, "status": "interrupted"}
+    manifest = {
+        "game": describe_game(matching()),
+        "config": config,
+        "versions": versions(),
+        "provenance": {},
+        "status": "interrupted",
+    }
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    with pytest.raises(RunError, match=r"manifest\.json names an? .* of your own, `.*: --allow-code"):
+    with pytest.raises(
+        RunError, match=r"manifest\.json names an? .* of your own, `.*: --allow-code"
+    ):
         resume(matching(), tmp_path, "none")
     assert not ran(code)
 
 
-def test_a_callback_that_only_the_folder_names_does_not_run(tmp_path: Path, code: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    manifest = {"game": {}, "config": {}, "versions": {}, "provenance": {"game": "coins"}, "asked": {"callback": f"{code}:told"}}
+def test_a_callback_that_only_the_folder_names_does_not_run(
+    tmp_path: Path, code: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    manifest = {
+        "game": {},
+        "config": {},
+        "versions": {},
+        "provenance": {"game": "coins"},
+        "asked": {"callback": f"{code}:told"},
+    }
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     assert command_line(["train", "--resume", str(tmp_path)]) == 1
     assert "names a callback of your own" in capsys.readouterr().err
@@ -183,9 +238,19 @@ def test_no_byte_of_the_description_can_change(tmp_path: Path) -> None:
     path = store(tmp_path)
     beside = path.with_suffix(".json")
     whole = beside.read_bytes()
-    for damaged in (*flips(whole), b"", whole[:-1], whole + b" ", b"\xff" * 9, b"[" * 100_000, b"null"):
+    for damaged in (
+        *flips(whole),
+        b"",
+        whole[:-1],
+        whole + b" ",
+        b"\xff" * 9,
+        b"[" * 100_000,
+        b"null",
+    ):
         beside.write_bytes(damaged)
-        with pytest.raises(PolicyError, match=r"last\.json is damaged: it isn't the one that was written"):
+        with pytest.raises(
+            PolicyError, match=r"last\.json is damaged: it isn't the one that was written"
+        ):
             read(path)
     beside.write_bytes(b" " * 2**21)
     with pytest.raises(PolicyError, match="more than 1,048,576 bytes"):
@@ -203,7 +268,9 @@ def test_no_byte_of_the_tensors_can_change(tmp_path: Path) -> None:
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("digests", [{}, {DIGEST: ""}])
-def test_a_description_without_a_digest_loads_with_a_warning_or_is_refused(tmp_path: Path, digests: dict[str, str]) -> None:
+def test_a_description_without_a_digest_loads_with_a_warning_or_is_refused(
+    tmp_path: Path, digests: dict[str, str]
+) -> None:
     """As files of earlier versions: what can be told apart is, and nothing ends in a traceback."""
     path = store(tmp_path)
     tensors = load_file(path)

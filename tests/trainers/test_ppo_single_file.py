@@ -38,13 +38,25 @@ def test_its_loss_and_advantages_are_those_of_the_trainer(example: ModuleType) -
     reward, value, old = draw.normal(size=(3, *shape)).astype(np.float32)
     last_value = draw.normal(size=shape[1:]).astype(np.float32)
     done = draw.random(shape[:2]) < 0.3
-    logits, new_value = draw.normal(size=(*shape, actions)).astype(np.float32), draw.normal(size=shape).astype(np.float32)
+    logits, new_value = (
+        draw.normal(size=(*shape, actions)).astype(np.float32),
+        draw.normal(size=shape).astype(np.float32),
+    )
     action = draw.integers(actions, size=shape)
-    rollout = example.Rollout(jnp.zeros((*shape, 1, 1, 1)), action, -np.abs(old), value, jnp.asarray(reward), jnp.asarray(done))
+    rollout = example.Rollout(
+        jnp.zeros((*shape, 1, 1, 1)),
+        action,
+        -np.abs(old),
+        value,
+        jnp.asarray(reward),
+        jnp.asarray(done),
+    )
 
     advantage = example.advantages_of(rollout, last_value)
     following = np.where(done[..., None], 0.0, np.concatenate([value[1:], last_value[None]]))
-    expected = generalised_advantages(reward, value, following, jnp.asarray(done), example.GAMMA, example.LAMBDA)
+    expected = generalised_advantages(
+        reward, value, following, jnp.asarray(done), example.GAMMA, example.LAMBDA
+    )
     np.testing.assert_allclose(advantage, expected, rtol=1e-5, atol=1e-6)
 
     batch = Batch(
@@ -53,7 +65,11 @@ def test_its_loss_and_advantages_are_those_of_the_trainer(example: ModuleType) -
     )  # fmt: skip
     config = PPOConfig(clip_value_loss=False, clip_epsilon=example.CLIP)
     whole, _ = ppo_loss(None, lambda *_: ((), logits, new_value), batch, config)
-    np.testing.assert_allclose(example.loss_of(None, lambda *_: (logits, new_value), (rollout, advantage)), whole, rtol=1e-5)
+    np.testing.assert_allclose(
+        example.loss_of(None, lambda *_: (logits, new_value), (rollout, advantage)),
+        whole,
+        rtol=1e-5,
+    )
 
 
 @pytest.mark.thorough

@@ -10,13 +10,30 @@ import optax
 import pytest
 from flax.training.train_state import TrainState as Learner
 from jax import Array
-from probes import FAST_TO_COMPILE, Probe, dilemma, endless_riches, learn, matching, opposite, quick, recalled, uneven
+from probes import (
+    FAST_TO_COMPILE,
+    Probe,
+    dilemma,
+    endless_riches,
+    learn,
+    matching,
+    opposite,
+    quick,
+    recalled,
+    uneven,
+)
 
 from sjdsl.trainers import PPOConfig, TrainState, make_train
 from sjdsl.trainers.actor_critics import make_actor_critics
 from sjdsl.trainers.losses import Batch
 from sjdsl.trainers.masks import NEVER
-from sjdsl.trainers.optimisers import gradient_norms, learning_rate_schedule, make_optimiser, part_of_each, parts
+from sjdsl.trainers.optimisers import (
+    gradient_norms,
+    learning_rate_schedule,
+    make_optimiser,
+    part_of_each,
+    parts,
+)
 from sjdsl.trainers.ppo import (
     Acting,
     draw_actions,
@@ -40,7 +57,11 @@ VARIANTS = {
 }
 SELDOM = {"ippo": [], "per agent": [pytest.mark.thorough]}  # the others only with all tests
 ALL_VARIANTS = pytest.mark.parametrize(
-    "changes", [pytest.param(v, id=name, marks=SELDOM.get(name, [pytest.mark.slow])) for name, v in VARIANTS.items()]
+    "changes",
+    [
+        pytest.param(v, id=name, marks=SELDOM.get(name, [pytest.mark.slow]))
+        for name, v in VARIANTS.items()
+    ],
 )
 
 
@@ -56,7 +77,9 @@ def test_every_minibatch_of_every_epoch_is_a_gradient_step(changes: dict[str, An
     _, state = trained(changes)
     assert int(state.updates) == 100
     counts = [leaf for leaf in jax.tree.leaves(state.learner.opt_state) if leaf.dtype == jnp.int32]
-    assert len(counts) == (4 if changes.get("algorithm") == "mappo" else 2)  # there actor and critic have an optimiser each
+    assert len(counts) == (
+        4 if changes.get("algorithm") == "mappo" else 2
+    )  # there actor and critic have an optimiser each
     for count in (state.learner.step, *counts):
         np.testing.assert_array_equal(count, 2 * 2 * 100)
 
@@ -68,11 +91,15 @@ def test_the_learning_rate_falls_to_zero() -> None:
     assert float(rate(200)) == pytest.approx(config.learning_rate / 2)
     assert float(rate(400)) == pytest.approx(0.0)
     _, metrics = learn(matching())
-    np.testing.assert_allclose(metrics["learning_rate"], [rate(4 * update) for update in range(100)], rtol=1e-4, atol=1e-8)
+    np.testing.assert_allclose(
+        metrics["learning_rate"], [rate(4 * update) for update in range(100)], rtol=1e-4, atol=1e-8
+    )
 
 
 def test_the_same_seed_gives_the_same_run() -> None:
-    first, again, other = (jax.tree.leaves(learn.__wrapped__(matching(), seed)[1]) for seed in (3, 3, 4))
+    first, again, other = (
+        jax.tree.leaves(learn.__wrapped__(matching(), seed)[1]) for seed in (3, 3, 4)
+    )
     assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(first, again, strict=True))
     assert not all(np.array_equal(a, b, equal_nan=True) for a, b in zip(first, other, strict=True))
 
@@ -108,7 +135,9 @@ def test_a_rollout_keeps_bytes_and_independent_actions() -> None:
     """Networks that have learnt nothing: actions agree by chance, 1 in 2, over 2048 pairs with a standard error of 0.011."""
     state, _ = learn(endless_riches())
     program = make_train(matching(), quick(num_steps=128))
-    rollout: Rollout = jax.jit(lambda state: program.collect(state)[1].rollout, compiler_options=FAST_TO_COMPILE)(state)
+    rollout: Rollout = jax.jit(
+        lambda state: program.collect(state)[1].rollout, compiler_options=FAST_TO_COMPILE
+    )(state)
     assert rollout.observation.dtype == jnp.uint8
     assert rollout.observation.shape == (128, 16, 2, 1)
     alike = (rollout.action[..., 0] == rollout.action[..., 1]).mean()
@@ -130,7 +159,8 @@ def test_agents_draw_their_actions_independently(changes: dict[str, Any]) -> Non
 def less_sure(parameters: Any) -> Any:
     """Returns the parameters with a fifth of the actor's logits."""
     return jax.tree_util.tree_map_with_path(
-        lambda path, leaf: leaf / 5 if "['actor']['out']" in jax.tree_util.keystr(path) else leaf, parameters
+        lambda path, leaf: leaf / 5 if "['actor']['out']" in jax.tree_util.keystr(path) else leaf,
+        parameters,
     )
 
 
@@ -164,12 +194,18 @@ def test_learning_computes_what_acting_did(changes: dict[str, Any]) -> None:
         batch = make_batch(played.rollout, played.memory, jnp.zeros((16, 2)), config)
         return batch, learn_teams(state.learner, batch, key, networks, config)[1]
 
-    with jax.debug_key_reuse(False):  # the key of the trained state is used by every test that asks for it
-        batch, losses = jax.jit(play_and_learn, compiler_options=FAST_TO_COMPILE)(state, jax.random.key(1))
+    with jax.debug_key_reuse(
+        False
+    ):  # the key of the trained state is used by every test that asks for it
+        batch, losses = jax.jit(play_and_learn, compiler_options=FAST_TO_COMPILE)(
+            state, jax.random.key(1)
+        )
     assert batch.log_probability.min() < -1.0  # something else than a coin is at work
     assert float(jnp.abs(losses["kl"])) < 1e-6
     assert float(losses["clip_fraction"]) == 0.0
-    assert float(losses["value_loss"]) == pytest.approx(0.5 * float(jnp.square(batch.advantage).mean()), rel=1e-3, abs=1e-7)
+    assert float(losses["value_loss"]) == pytest.approx(
+        0.5 * float(jnp.square(batch.advantage).mean()), rel=1e-3, abs=1e-7
+    )
 
 
 def test_values_follow_the_rewards_of_each_agent() -> None:
@@ -211,7 +247,11 @@ def test_the_loss_equals_its_formula(clip_value_loss: bool) -> None:
     normal = (advantage - advantage.mean()) / advantage.std()
     policy_loss = -np.mean(np.minimum(ratio * normal, np.clip(ratio, 0.8, 1.2) * normal))
     clipped = old_value + np.clip(value - old_value, -0.2, 0.2)
-    squared_error = np.maximum((value - target) ** 2, (clipped - target) ** 2) if clip_value_loss else (value - target) ** 2
+    squared_error = (
+        np.maximum((value - target) ** 2, (clipped - target) ** 2)
+        if clip_value_loss
+        else (value - target) ** 2
+    )
     value_loss = 0.5 * np.mean(squared_error)
     entropy = -(np.exp(log_probability) * log_probability).sum(1).mean()
 
@@ -237,9 +277,13 @@ def test_the_loss_equals_its_formula(clip_value_loss: bool) -> None:
 
 
 @pytest.mark.parametrize(("scaled", "epsilon"), [(True, 0.2 / 2), (False, 0.2)])
-def test_the_clip_range_may_be_divided_by_the_number_of_agents(scaled: bool, epsilon: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_clip_range_may_be_divided_by_the_number_of_agents(
+    scaled: bool, epsilon: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     seen = []
-    monkeypatch.setattr("sjdsl.trainers.ppo.ppo_loss", lambda *given: seen.append(given[-1]) or 1 / 0)
+    monkeypatch.setattr(
+        "sjdsl.trainers.ppo.ppo_loss", lambda *given: seen.append(given[-1]) or 1 / 0
+    )
     program = make_train(matching(), quick(scale_clip_epsilon=scaled))
     with pytest.raises(ZeroDivisionError):
         jax.eval_shape(lambda key: program.update(program.init(key)), jax.random.key(0))
@@ -251,7 +295,14 @@ def test_every_epoch_sees_every_sample_once() -> None:
 
     What says which sample it is stands in the place of memory.
     """
-    config = PPOConfig(num_envs=4, num_steps=8, num_epochs=3, num_minibatches=4, value_coefficient=1.0, clip_value_loss=False)
+    config = PPOConfig(
+        num_envs=4,
+        num_steps=8,
+        num_epochs=3,
+        num_minibatches=4,
+        value_coefficient=1.0,
+        clip_value_loss=False,
+    )
     samples, minibatch = 32, 8
     shape = (1, samples, 1)
     batch = Batch(
@@ -269,14 +320,26 @@ def test_every_epoch_sees_every_sample_once() -> None:
     def read(parameters: dict[str, Array], memory: Array, *_: Any) -> tuple[Array, Array, Array]:
         return memory, jnp.zeros((1, minibatch, 1, 2)), parameters["values"][memory][None, :, None]
 
-    learner = Learner.create(apply_fn=None, params={"values": jnp.zeros(samples)}, tx=optax.sgd(0.1 * minibatch))
+    learner = Learner.create(
+        apply_fn=None, params={"values": jnp.zeros(samples)}, tx=optax.sgd(0.1 * minibatch)
+    )
     orders = draw_orders(jax.random.key(0), 1, config)
-    learner, _ = take_epochs(learner, batch, orders[0], np.array([0]), read, make_actor_critics(matching(1), config), config)
+    learner, _ = take_epochs(
+        learner,
+        batch,
+        orders[0],
+        np.array([0]),
+        read,
+        make_actor_critics(matching(1), config),
+        config,
+    )
     np.testing.assert_allclose(learner.params["values"], np.full(samples, 1 - 0.9**3), rtol=1e-5)
 
 
 def test_every_epoch_and_team_has_an_order_of_its_own() -> None:
-    orders = draw_orders(jax.random.key(0), 2, PPOConfig(num_envs=8, num_steps=8, num_epochs=3, num_minibatches=4)).reshape(6, 64)
+    orders = draw_orders(
+        jax.random.key(0), 2, PPOConfig(num_envs=8, num_steps=8, num_epochs=3, num_minibatches=4)
+    ).reshape(6, 64)
     np.testing.assert_array_equal(np.sort(orders, axis=1), np.broadcast_to(np.arange(64), (6, 64)))
     assert len(np.unique(orders, axis=0)) == 6
 
@@ -285,18 +348,36 @@ def test_a_minibatch_has_as_much_of_each_group_of_environments() -> None:
     """Steps of 8 environments, 12 in a minibatch: 3 of each of the four pairs that 8 and 12 divide into; with memory whole rollouts of 2 pairs."""
     config = PPOConfig(num_envs=8, num_steps=6, num_minibatches=4)
     orders = draw_orders(jax.random.key(0), 1, config)
-    np.testing.assert_array_equal(np.sort(orders.reshape(config.num_epochs, 48)), np.broadcast_to(np.arange(48), (config.num_epochs, 48)))
+    np.testing.assert_array_equal(
+        np.sort(orders.reshape(config.num_epochs, 48)),
+        np.broadcast_to(np.arange(48), (config.num_epochs, 48)),
+    )
     pairs = np.sort(np.asarray(orders) % 8 // 2, axis=-1)
-    np.testing.assert_array_equal(pairs, np.broadcast_to(np.repeat(np.arange(4), 3), (1, config.num_epochs, 4, 12)))
-    remembering = draw_orders(jax.random.key(0), 1, PPOConfig(num_envs=8, num_steps=6, num_minibatches=2, memory="gru"))
-    np.testing.assert_array_equal(np.sort(remembering // 2, axis=-1), np.broadcast_to(np.arange(4), (1, config.num_epochs, 2, 4)))
+    np.testing.assert_array_equal(
+        pairs, np.broadcast_to(np.repeat(np.arange(4), 3), (1, config.num_epochs, 4, 12))
+    )
+    remembering = draw_orders(
+        jax.random.key(0), 1, PPOConfig(num_envs=8, num_steps=6, num_minibatches=2, memory="gru")
+    )
+    np.testing.assert_array_equal(
+        np.sort(remembering // 2, axis=-1),
+        np.broadcast_to(np.arange(4), (1, config.num_epochs, 2, 4)),
+    )
 
 
 def test_actions_are_drawn_with_their_probabilities() -> None:
     """Of 40,000 environments, within five standard deviations; what is forbidden, first, last or in between, never."""
-    logits = jnp.array([[NEVER, 0.3, NEVER, -1.0, 2.0, NEVER], [1.0, -0.5, 0.0, 0.2, -3.0, 0.7], [NEVER, NEVER, NEVER, NEVER, NEVER, 0.0]])
+    logits = jnp.array(
+        [
+            [NEVER, 0.3, NEVER, -1.0, 2.0, NEVER],
+            [1.0, -0.5, 0.0, 0.2, -3.0, 0.7],
+            [NEVER, NEVER, NEVER, NEVER, NEVER, 0.0],
+        ]
+    )
     number = 40_000
-    actions = np.asarray(draw_actions(jax.random.key(0), jnp.broadcast_to(logits, (number, *logits.shape))))
+    actions = np.asarray(
+        draw_actions(jax.random.key(0), jnp.broadcast_to(logits, (number, *logits.shape)))
+    )
     for agent, wanted in enumerate(np.asarray(jax.nn.softmax(logits))):
         counted = np.bincount(actions[:, agent], minlength=6) / number
         assert (np.abs(counted - wanted) <= 5 * np.sqrt(wanted * (1 - wanted) / number)).all()
@@ -315,42 +396,67 @@ def _two_steps(gradients: Sequence[Any]) -> np.ndarray:
     for step, gradient in enumerate(map(np.asarray, gradients), start=1):
         gradient = gradient * min(1.0, 0.5 / np.linalg.norm(gradient))
         first, second = 0.9 * first + 0.1 * gradient, 0.999 * second + 0.001 * gradient**2
-        parameters = parameters - 0.1 * (first / (1 - 0.9**step)) / (np.sqrt(second / (1 - 0.999**step)) + 1e-8)
+        parameters = parameters - 0.1 * (first / (1 - 0.9**step)) / (
+            np.sqrt(second / (1 - 0.999**step)) + 1e-8
+        )
     return parameters
 
 
 def test_gradients_are_clipped_by_their_global_norm() -> None:
     """Gradients of norm 5 and 0.1."""
-    optimiser = make_optimiser(PPOConfig(learning_rate=0.1, anneal_learning_rate=False, max_gradient_norm=0.5))
+    optimiser = make_optimiser(
+        PPOConfig(learning_rate=0.1, anneal_learning_rate=False, max_gradient_norm=0.5)
+    )
     gradients = np.array([[3.0, 4.0], [0.06, -0.08]])
     parameters = {"a": jnp.zeros(1), "b": jnp.zeros(1)}
     memory = optimiser.init(parameters)
     for gradient in gradients:
-        updates, memory = optimiser.update({"a": jnp.float32(gradient[:1]), "b": jnp.float32(gradient[1:])}, memory, parameters)
+        updates, memory = optimiser.update(
+            {"a": jnp.float32(gradient[:1]), "b": jnp.float32(gradient[1:])}, memory, parameters
+        )
         parameters = optax.apply_updates(parameters, updates)
-    np.testing.assert_allclose([parameters["a"][0], parameters["b"][0]], _two_steps(gradients), rtol=1e-5)
+    np.testing.assert_allclose(
+        [parameters["a"][0], parameters["b"][0]], _two_steps(gradients), rtol=1e-5
+    )
 
 
 @pytest.mark.parametrize("joint", [False, True])
 def test_a_central_critic_has_an_optimiser_and_a_clip_of_its_own(joint: bool) -> None:
     """The critic's gradients are a hundred times the actor's in the first step: clipped together, they take all of its norm."""
-    optimiser = make_optimiser(PPOConfig(algorithm="mappo", joint_optimiser=joint, learning_rate=0.1, anneal_learning_rate=False))
+    optimiser = make_optimiser(
+        PPOConfig(
+            algorithm="mappo", joint_optimiser=joint, learning_rate=0.1, anneal_learning_rate=False
+        )
+    )
     actor, critic = np.array([[0.3, 0.4], [0.06, -0.08]]), np.array([[30.0, 40.0], [0.4, 0.1]])
     parameters = {"params": {"actor": jnp.zeros(2), "critic_torso": jnp.zeros(2)}}
     memory = optimiser.init(parameters)
     for step in range(2):
-        gradients = {"params": {"actor": jnp.float32(actor[step]), "critic_torso": jnp.float32(critic[step])}}
+        gradients = {
+            "params": {"actor": jnp.float32(actor[step]), "critic_torso": jnp.float32(critic[step])}
+        }
         updates, memory = optimiser.update(gradients, memory, parameters)
         parameters = optax.apply_updates(parameters, updates)
-    wanted = _two_steps(np.concatenate([actor, critic], axis=1)) if joint else np.concatenate([_two_steps(actor), _two_steps(critic)])
-    np.testing.assert_allclose(np.concatenate([parameters["params"]["actor"], parameters["params"]["critic_torso"]]), wanted, rtol=1e-4)
+    wanted = (
+        _two_steps(np.concatenate([actor, critic], axis=1))
+        if joint
+        else np.concatenate([_two_steps(actor), _two_steps(critic)])
+    )
+    np.testing.assert_allclose(
+        np.concatenate([parameters["params"]["actor"], parameters["params"]["critic_torso"]]),
+        wanted,
+        rtol=1e-4,
+    )
 
 
 def test_every_parameter_of_a_central_critic_is_the_critics() -> None:
     """And none of the actor's; a local critic shares the actor's layers, and its optimiser."""
     networks = make_actor_critics(matching(), quick(**CENTRAL, memory="gru"))
     shapes = jax.eval_shape(lambda key: networks.init(key, matching()), jax.random.key(0))["params"]
-    found = {module: set(jax.tree.leaves(part)) for module, part in part_of_each({"params": shapes})["params"].items()}
+    found = {
+        module: set(jax.tree.leaves(part))
+        for module, part in part_of_each({"params": shapes})["params"].items()
+    }
     critic = {name: {"critic"} for name in ("critic", "critic_torso", "critic_memory")}
     assert found == {"torso": {"actor"}, "memory": {"actor"}, "actor": {"actor"}, **critic}
     assert parts(PPOConfig()) == ()
@@ -360,7 +466,11 @@ def test_norms_of_gradients_are_told_apart() -> None:
     gradients = {"params": {"actor": jnp.array([3.0]), "critic": jnp.array([4.0])}}
     together = {"gradient_norm": 5.0}
     assert gradient_norms(gradients, PPOConfig()) == together
-    assert gradient_norms(gradients, PPOConfig(algorithm="mappo")) == {**together, "actor_gradient_norm": 3.0, "critic_gradient_norm": 4.0}
+    assert gradient_norms(gradients, PPOConfig(algorithm="mappo")) == {
+        **together,
+        "actor_gradient_norm": 3.0,
+        "critic_gradient_norm": 4.0,
+    }
 
 
 # numbers that are not finite
@@ -377,7 +487,9 @@ def test_norms_of_gradients_are_told_apart() -> None:
         (1.0, 2.0, True, False),
     ],
 )
-def test_what_is_not_finite_or_was_not_is_not_kept(loss: float, new: float, diverged: bool, good: bool) -> None:
+def test_what_is_not_finite_or_was_not_is_not_kept(
+    loss: float, new: float, diverged: bool, good: bool
+) -> None:
     old = {"weights": jnp.array([1.0, 1.0]), "step": jnp.int32(3)}
     fresh = {"weights": jnp.array([2.0, new]), "step": jnp.int32(4)}
     kept, told = keep_if_finite(jnp.float32(loss), fresh, old, jnp.bool_(diverged))

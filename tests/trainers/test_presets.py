@@ -14,24 +14,42 @@ from sjdsl.trainers.minibatches import check_minibatches
 from sjdsl.trainers.policies import parameter_shapes
 from tests.games.environments import NINE, environment
 
-PPO = tuple((algorithm, reward) for algorithm in ("ippo", "mappo") for reward in ("individual", "common", "svo", "exchange", "inequity"))
+PPO = tuple(
+    (algorithm, reward)
+    for algorithm in ("ippo", "mappo")
+    for reward in ("individual", "common", "svo", "exchange", "inequity")
+)
 RUNS = (*PPO, ("vdn", "common"))
 
 
 def test_a_packaged_preset_and_changes() -> None:
     preset = load_preset("two_cores", {"seed": 7, "num_envs": "32"}, "coins")
     assert preset.game == "coins"
-    assert (preset.config.seed, preset.config.num_envs, preset.config.reward) == (7, 32, "individual")
+    assert (preset.config.seed, preset.config.num_envs, preset.config.reward) == (
+        7,
+        32,
+        "individual",
+    )
     with pytest.raises(ConfigError, match="did you mean `learning_rate`"):
         load_preset("two_cores", {"learning_rates": 1})
 
 
 def test_a_preset_may_name_a_game(tmp_path: Path) -> None:
-    (tmp_path / "mine.toml").write_text('extends = "two_cores"\ngame = "coins"\n[environment]\nnum_agents = 3\n')
+    (tmp_path / "mine.toml").write_text(
+        'extends = "two_cores"\ngame = "coins"\n[environment]\nnum_agents = 3\n'
+    )
     preset = load_preset(tmp_path / "mine.toml")
-    assert (preset.game, preset.environment, preset.config.total_timesteps) == ("coins", {"num_agents": 3}, 4_000_000)
+    assert (preset.game, preset.environment, preset.config.total_timesteps) == (
+        "coins",
+        {"num_agents": 3},
+        4_000_000,
+    )
     other = load_preset(tmp_path / "mine.toml", game="harvest_open")
-    assert (other.game, other.environment, other.config.total_timesteps) == ("harvest_open", {}, 4_000_000)
+    assert (other.game, other.environment, other.config.total_timesteps) == (
+        "harvest_open",
+        {},
+        4_000_000,
+    )
 
 
 @pytest.mark.parametrize(
@@ -41,20 +59,41 @@ def test_a_preset_may_name_a_game(tmp_path: Path) -> None:
         ("game = 3\n", "`game` must be text, not 3"),
         ('game = "a"\nconfig = 3\n', "`config` must be a table, not 3"),
         ('only_listed = "yes"\n', "`only_listed` must be true or false, not 'yes'"),
-        ("[environment]\nagents = 3\n", r"mine\.toml: environment: unknown key `agents`; did you mean `num_agents`|the keys are"),
+        (
+            "[environment]\nagents = 3\n",
+            r"mine\.toml: environment: unknown key `agents`; did you mean `num_agents`|the keys are",
+        ),
         (
             '[games.coins.environment]\nnum_agents = "3"\n',
             r"mine\.toml: games\.coins: environment: `num_agents` must be a whole number, not '3'",
         ),
         ("[algorithm]\nippo = 3\n", r"mine\.toml: algorithm: `ippo` must be a table, not 3"),
-        ("[algorithm.ipo]\nseed = 3\n", r"mine\.toml: algorithm: unknown key `ipo`; did you mean `ippo`"),
-        ("[reward.svoo]\nseed = 3\n", r"mine\.toml: reward: unknown key `svoo`; did you mean `svo`"),
-        ("[games.coins.reward.svoo]\nseed = 3\n", r"mine\.toml: games\.coins: reward: unknown key `svoo`"),
-        ("[algorithm.ippo.reward.comon]\nseed = 3\n", r"mine\.toml: algorithm\.ippo\.reward: unknown key `comon`; did you mean `common`"),
-        ("[algorithm.ippo.reward]\nsvo = 3\n", r"mine\.toml: algorithm\.ippo\.reward: `svo` must be a table, not 3"),
+        (
+            "[algorithm.ipo]\nseed = 3\n",
+            r"mine\.toml: algorithm: unknown key `ipo`; did you mean `ippo`",
+        ),
+        (
+            "[reward.svoo]\nseed = 3\n",
+            r"mine\.toml: reward: unknown key `svoo`; did you mean `svo`",
+        ),
+        (
+            "[games.coins.reward.svoo]\nseed = 3\n",
+            r"mine\.toml: games\.coins: reward: unknown key `svoo`",
+        ),
+        (
+            "[algorithm.ippo.reward.comon]\nseed = 3\n",
+            r"mine\.toml: algorithm\.ippo\.reward: unknown key `comon`; did you mean `common`",
+        ),
+        (
+            "[algorithm.ippo.reward]\nsvo = 3\n",
+            r"mine\.toml: algorithm\.ippo\.reward: `svo` must be a table, not 3",
+        ),
         ("[algorithm.ippo.gamma]\nsvo = 3\n", "`gamma`"),
         ("[games]\ncoins = 3\n", r"mine\.toml: games: `coins` must be a table, not 3"),
-        ("[games.coins]\nconfg = 3\n", r"mine\.toml: games\.coins: unknown key `confg`; did you mean `config`"),
+        (
+            "[games.coins]\nconfg = 3\n",
+            r"mine\.toml: games\.coins: unknown key `confg`; did you mean `config`",
+        ),
         ("[config]\nnum_env = 3\n", "unknown key `num_env`; did you mean `num_envs`"),
         ("game = \n", r"mine\.toml: "),
         ('extends = "papr"\n', "unknown preset `papr`; did you mean `paper`"),
@@ -74,7 +113,10 @@ def test_a_preset_may_name_a_game(tmp_path: Path) -> None:
         ("#" * 2**21, r"mine\.toml can't be read: it has more than 1,048,576 bytes"),
         ('extends = "../FOLDER/mine.toml"\n', "presets extend each other in a circle"),
         ('extends = "./mine.toml"\n', "presets extend each other in a circle"),
-        ('extends = "mine.toml"\n', r"mine\.toml: presets extend each other in a circle: .*mine\.toml -> .*mine\.toml"),
+        (
+            'extends = "mine.toml"\n',
+            r"mine\.toml: presets extend each other in a circle: .*mine\.toml -> .*mine\.toml",
+        ),
     ],
 )
 def test_wrong_preset_files_are_explained(tmp_path: Path, text: str, message: str) -> None:
@@ -134,7 +176,11 @@ num_agents = 3
     ("game", "changes", "expected"),
     [
         ("coins", {"algorithm": "mappo", "reward": "svo"}, (2, 3, 5, 0.4, 0.5, 0.6, 0.7)),
-        ("coins", {"algorithm": "mappo", "reward": "svo", "gae_lambda": 0.9, "entropy_coefficient": 0.9}, (2, 3, 5, 0.4, 0.9, 0.6, 0.9)),
+        (
+            "coins",
+            {"algorithm": "mappo", "reward": "svo", "gae_lambda": 0.9, "entropy_coefficient": 0.9},
+            (2, 3, 5, 0.4, 0.9, 0.6, 0.9),
+        ),
         ("coins", {"algorithm": "mappo"}, (2, 3, 5, 0.3, 0.5, 0.6, 0.6)),
         ("coins", {}, (2, 2, 5, 0.2, 0.5, 0.5, 0.5)),
         ("other", {"algorithm": "mappo", "reward": "svo"}, (2, 3, 2, 0.4, 0.4, 0.4, 0.4)),
@@ -142,7 +188,9 @@ num_agents = 3
         (None, {}, (2, 2, 2, 0.2, 0.2, 0.2, 0.2)),
     ],
 )
-def test_later_tables_win(tmp_path: Path, game: str | None, changes: dict[str, Any], expected: tuple[float, ...]) -> None:
+def test_later_tables_win(
+    tmp_path: Path, game: str | None, changes: dict[str, Any], expected: tuple[float, ...]
+) -> None:
     (tmp_path / "mine.toml").write_text(LAYERS)
     preset = load_preset(tmp_path / "mine.toml", changes, game)
     found = preset.config
@@ -185,30 +233,49 @@ def test_a_preset_may_extend_another(tmp_path: Path) -> None:
     above = 'extends = "under.toml"\n[config]\nnum_envs = 9\n[games.coins.algorithm.mappo]\nclip_epsilon = 0.9\n[algorithm.mappo]\nentropy_coefficient = 0.9\n'
     (tmp_path / "mine.toml").write_text(above + "[games.coins.environment]\nmap = 'x.txt'\n")
     changes = {"algorithm": "mappo"}
-    under, mine = (load_preset(tmp_path / name, changes, "coins") for name in ("under.toml", "mine.toml"))
+    under, mine = (
+        load_preset(tmp_path / name, changes, "coins") for name in ("under.toml", "mine.toml")
+    )
     assert mine.config == under.config.model_copy(update={"num_envs": 9, "clip_epsilon": 0.9})
     assert mine.environment == {"num_agents": 3, "map": "x.txt"}
 
 
 @pytest.mark.parametrize(
     ("line", "game", "kept"),
-    [("", "pd_arena", True), ("", None, True), ('game = "coins"', None, True), ('game = "coins"', "pd_arena", False)],
+    [
+        ("", "pd_arena", True),
+        ("", None, True),
+        ('game = "coins"', None, True),
+        ('game = "coins"', "pd_arena", False),
+    ],
 )
-def test_the_environment_is_that_of_the_game_named_or_of_any(tmp_path: Path, line: str, game: str | None, kept: bool) -> None:
+def test_the_environment_is_that_of_the_game_named_or_of_any(
+    tmp_path: Path, line: str, game: str | None, kept: bool
+) -> None:
     (tmp_path / "mine.toml").write_text(f'{line}\n[environment]\nvariant = "socialjax"\n')
-    assert load_preset(tmp_path / "mine.toml", game=game).environment == ({"variant": "socialjax"} if kept else {})
+    assert load_preset(tmp_path / "mine.toml", game=game).environment == (
+        {"variant": "socialjax"} if kept else {}
+    )
 
 
 def test_a_preset_may_choose_the_algorithm_whose_table_is_read(tmp_path: Path) -> None:
-    (tmp_path / "mine.toml").write_text('[config]\nalgorithm = "vdn"\n[algorithm.vdn]\nbatch_size = 7\n[algorithm.ippo]\nnum_epochs = 9\n')
-    chosen, other = (load_preset(tmp_path / "mine.toml", changes).config for changes in ({}, {"algorithm": "ippo"}))
+    (tmp_path / "mine.toml").write_text(
+        '[config]\nalgorithm = "vdn"\n[algorithm.vdn]\nbatch_size = 7\n[algorithm.ippo]\nnum_epochs = 9\n'
+    )
+    chosen, other = (
+        load_preset(tmp_path / "mine.toml", changes).config
+        for changes in ({}, {"algorithm": "ippo"})
+    )
     assert isinstance(chosen, VDNConfig)
     assert isinstance(other, PPOConfig)
     assert (chosen.batch_size, other.num_epochs) == (7, 9)
 
 
 def test_a_preset_made_for_some_games_refuses_others() -> None:
-    with pytest.raises(ConfigError, match="the preset `paper` has no table for `chicken`; it has coins, harvest_open"):
+    with pytest.raises(
+        ConfigError,
+        match="the preset `paper` has no table for `chicken`; it has coins, harvest_open",
+    ):
         load_preset("paper", game="chicken")
 
 
@@ -238,14 +305,25 @@ def test_what_presets_resolve_to(golden: Callable[[Path, str], None]) -> None:
             of_reward = {}
             for reward in (reward for chosen, reward in RUNS if chosen == algorithm):
                 changes = {"algorithm": algorithm, "reward": reward}
-                configs = {game: load_preset(name, changes, game).config.model_dump() for game in NINE}
-                of_reward[reward] = {game: {f"{key}={value}" for key, value in config.items()} for game, config in configs.items()}
-            shared_by_all = set.intersection(*(settings for games in of_reward.values() for settings in games.values()))
+                configs = {
+                    game: load_preset(name, changes, game).config.model_dump() for game in NINE
+                }
+                of_reward[reward] = {
+                    game: {f"{key}={value}" for key, value in config.items()}
+                    for game, config in configs.items()
+                }
+            shared_by_all = set.intersection(
+                *(settings for games in of_reward.values() for settings in games.values())
+            )
             lines += ["", f"{name}, {algorithm}: {' '.join(sorted(shared_by_all))}"]
             for reward, games in of_reward.items():
                 shared = set.intersection(*games.values())
                 lines += [f"  {reward}: {' '.join(sorted(shared - shared_by_all))}"]
-                lines += [f"    {game}: {' '.join(sorted(own - shared))}" for game, own in games.items() if own - shared]
+                lines += [
+                    f"    {game}: {' '.join(sorted(own - shared))}"
+                    for game, own in games.items()
+                    if own - shared
+                ]
     golden(Path(__file__).with_name("presets.txt"), "\n".join(lines[1:]) + "\n")
 
 
@@ -253,19 +331,28 @@ def test_what_presets_resolve_to(golden: Callable[[Path, str], None]) -> None:
 
 
 DOCS = Path(__file__).parents[2] / "docs" / "training.md"
-Differences = dict[tuple[str, str, str], tuple[str, str]]  # (key, algorithm, reward) -> values of `paper` and `released`
+Differences = dict[
+    tuple[str, str, str], tuple[str, str]
+]  # (key, algorithm, reward) -> values of `paper` and `released`
 
 
 def told() -> Differences:
     """Returns what the table of docs/training.md says."""
-    table = DOCS.read_text().partition("They differ only in these keys:")[2].partition("### Faults of the released scripts")[0]
+    table = (
+        DOCS.read_text()
+        .partition("They differ only in these keys:")[2]
+        .partition("### Faults of the released scripts")[0]
+    )
     found: Differences = {}
     for line in [line for line in table.splitlines() if line.startswith("| `")]:
         key, runs, *values = (cell.strip(" `") for cell in line.strip("|").split("|")[:4])
         algorithm, _, rewards = runs.partition(": ")
         for run in RUNS:
             if algorithm in ("all", run[0]) and (not rewards or run[1] in rewards.split(", ")):
-                assert found.setdefault((key, *run), (values[0], values[1])) == (values[0], values[1])
+                assert found.setdefault((key, *run), (values[0], values[1])) == (
+                    values[0],
+                    values[1],
+                )
     return found
 
 
@@ -285,11 +372,18 @@ def written(value: Any) -> str:
 def test_the_manual_says_all_in_which_paper_and_released_differ(game: str) -> None:
     found: Differences = {}
     for algorithm, reward in RUNS:
-        paper, released = (load_preset(name, {"algorithm": algorithm, "reward": reward}, game) for name in ("paper", "released"))
+        paper, released = (
+            load_preset(name, {"algorithm": algorithm, "reward": reward}, game)
+            for name in ("paper", "released")
+        )
         assert (paper.environment, released.environment) == ({}, {"variant": "socialjax"})
         found["variant", algorithm, reward] = ("none", "socialjax")
         left, right = paper.config.model_dump(), released.config.model_dump()
-        found |= {(key, algorithm, reward): (written(left[key]), written(right[key])) for key in left if left[key] != right[key]}
+        found |= {
+            (key, algorithm, reward): (written(left[key]), written(right[key]))
+            for key in left
+            if left[key] != right[key]
+        }
     assert found == told()
 
 
@@ -304,7 +398,9 @@ def test_the_manual_says_all_in_which_paper_and_released_differ(game: str) -> No
         ("mappo", "clean_up", 19, 34_169 + 50_449),
     ],
 )
-def test_networks_have_the_released_sizes(algorithm: str, game: str, channels: int, released: int) -> None:
+def test_networks_have_the_released_sizes(
+    algorithm: str, game: str, channels: int, released: int
+) -> None:
     """Parameters of the released networks, counted by running its code; ours may see another number of channels, and a central critic
     says a value for each agent instead of one."""
     config = load_preset("released", {"algorithm": algorithm}, game).config
@@ -318,7 +414,10 @@ def test_networks_have_the_released_sizes(algorithm: str, game: str, channels: i
         assert found == released + 25 * 32 * more
 
 
-@pytest.mark.parametrize(("kind", "name"), [("loss", "ppo"), ("reward", "common"), ("network", "mlp"), ("algorithm", "vdn")])
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [("loss", "ppo"), ("reward", "common"), ("network", "mlp"), ("algorithm", "vdn")],
+)
 def test_built_in_names_are_not_taken(kind: Any, name: str) -> None:
     with pytest.raises(ValueError, match=f"`{name}` is a built-in {kind}"):
         register(kind, name, lambda *_: None)

@@ -5,14 +5,30 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from probes import cued, delayed, different, dilemma, hidden, judge, learn, matching, opposite, recalled, stream
+from probes import (
+    cued,
+    delayed,
+    different,
+    dilemma,
+    hidden,
+    judge,
+    learn,
+    matching,
+    opposite,
+    recalled,
+    stream,
+)
 
 TOLERANCE = 0.1
 CENTRAL = {"algorithm": "mappo"}
 OF_STATE = {"algorithm": "mappo", "critic": "state"}
 CRITICS = pytest.mark.parametrize(
     "changes",
-    [{}, pytest.param(CENTRAL, marks=pytest.mark.slow), pytest.param(OF_STATE, marks=pytest.mark.thorough)],
+    [
+        {},
+        pytest.param(CENTRAL, marks=pytest.mark.slow),
+        pytest.param(OF_STATE, marks=pytest.mark.thorough),
+    ],
     ids=["own window", "all windows", "state"],
 )
 
@@ -94,11 +110,19 @@ def test_agents_with_networks_of_their_own_learn_opposite_things() -> None:
 @pytest.mark.thorough
 def test_a_central_critic_sees_what_an_agent_does_not() -> None:
     """A critic of agent 0's own window knows only the mean."""
-    own, everybodys, of_state = (learn(hidden(), **changes)[0] for changes in ({}, CENTRAL, OF_STATE))
+    own, everybodys, of_state = (
+        learn(hidden(), **changes)[0] for changes in ({}, CENTRAL, OF_STATE)
+    )
     for cue, worth in ((0, -1.0), (1, 1.0)):
         np.testing.assert_allclose(judge(hidden(), own, [2, cue])[1], [0.0, worth], atol=0.2)
-        np.testing.assert_allclose(judge(hidden(), everybodys, [2, cue], **CENTRAL)[1], [worth, worth], atol=TOLERANCE)
-        np.testing.assert_allclose(judge(hidden(), of_state, [2, cue], [cue, 0], **OF_STATE)[1], [worth, worth], atol=TOLERANCE)
+        np.testing.assert_allclose(
+            judge(hidden(), everybodys, [2, cue], **CENTRAL)[1], [worth, worth], atol=TOLERANCE
+        )
+        np.testing.assert_allclose(
+            judge(hidden(), of_state, [2, cue], [cue, 0], **OF_STATE)[1],
+            [worth, worth],
+            atol=TOLERANCE,
+        )
 
 
 @CRITICS

@@ -12,14 +12,20 @@ from scipy import stats
 from sjdsl.trainers.replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
 
 CAPACITY, ADDED = 12, 4
-ENTRY = {"name": jax.ShapeDtypeStruct((), jnp.int32), "window": jax.ShapeDtypeStruct((2, 3), jnp.uint8)}
+ENTRY = {
+    "name": jax.ShapeDtypeStruct((), jnp.int32),
+    "window": jax.ShapeDtypeStruct((2, 3), jnp.uint8),
+}
 add = jax.jit(add_entries)
 
 
 def entries(first: int) -> dict[str, Any]:
     """Returns the entries `first`, `first` + 1, ...: each knows its name, and its window is full of it."""
     names = jnp.arange(first, first + ADDED, dtype=jnp.int32)
-    return {"name": names, "window": jnp.broadcast_to(names[:, None, None], (ADDED, 2, 3)).astype(jnp.uint8)}
+    return {
+        "name": names,
+        "window": jnp.broadcast_to(names[:, None, None], (ADDED, 2, 3)).astype(jnp.uint8),
+    }
 
 
 def filled_with(rounds: int) -> ReplayBuffer:
@@ -38,7 +44,10 @@ def test_it_holds_the_last_entries_as_a_queue_does(rounds: int) -> None:
     kept = np.asarray(replay.entries["name"])[: int(replay.filled)]
     assert int(replay.filled) == len(queue)
     assert sorted(kept.tolist()) == sorted(queue)
-    np.testing.assert_array_equal(replay.entries["window"][: len(kept)], np.broadcast_to(kept[:, None, None], (len(kept), 2, 3)))
+    np.testing.assert_array_equal(
+        replay.entries["window"][: len(kept)],
+        np.broadcast_to(kept[:, None, None], (len(kept), 2, 3)),
+    )
     assert replay.entries["window"].dtype == jnp.uint8
 
 
@@ -51,7 +60,9 @@ def test_entries_are_drawn_whole_with_equal_chances_from_what_is_filled(rounds: 
     last = rounds * ADDED
     assert names.tolist() == list(range(max(1, last - CAPACITY + 1), last + 1))
     assert stats.chisquare(counts).pvalue > 1e-4
-    np.testing.assert_array_equal(drawn["window"], np.broadcast_to(np.asarray(drawn["name"])[:, None, None], (20_000, 2, 3)))
+    np.testing.assert_array_equal(
+        drawn["window"], np.broadcast_to(np.asarray(drawn["name"])[:, None, None], (20_000, 2, 3))
+    )
 
 
 def test_draws_of_one_batch_are_independent() -> None:

@@ -14,7 +14,15 @@ from typing import Any
 import jax
 import pytest
 from probes import matching
-from run_outcomes import SHORT, assert_same_end, compiled_once, copy_run, counting, read_lines, read_manifest
+from run_outcomes import (
+    SHORT,
+    assert_same_end,
+    compiled_once,
+    copy_run,
+    counting,
+    read_lines,
+    read_manifest,
+)
 
 from sjdsl.termination import Terminated
 from sjdsl.trainers import RunError, make_config, metrics_files, resume, run, train, updates
@@ -91,10 +99,16 @@ def test_a_run_goes_on_from_every_moment(tmp_path: Path, evaluate_every: int) ->
 
 
 def _content(folder: Path) -> tuple[tuple[str, bytes], ...]:
-    return tuple((str(path.relative_to(folder)), path.read_bytes()) for path in sorted(folder.rglob("*")) if path.is_file())
+    return tuple(
+        (str(path.relative_to(folder)), path.read_bytes())
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    )
 
 
-def test_lines_that_were_cut_off_are_written_again(stopped: Path, whole: Path, tmp_path: Path) -> None:
+def test_lines_that_were_cut_off_are_written_again(
+    stopped: Path, whole: Path, tmp_path: Path
+) -> None:
     """Of what follows the last checkpoint: that waits for what went before to be on the disk."""
     torn = copy_run(stopped, tmp_path / "torn")
     metrics = torn / "metrics.jsonl"
@@ -156,7 +170,9 @@ def test_a_signal_ends_the_update_and_saves_it(
     assert type(stopped.value) is raised
     assert {number: signal.getsignal(number) for number in signals} == before
     assert read_manifest(run_dir)["status"] == "interrupted"
-    assert [row["update"] for row in read_lines(run_dir / "metrics.jsonl")] == list(range(1, pressed_in + 1))
+    assert [row["update"] for row in read_lines(run_dir / "metrics.jsonl")] == list(
+        range(1, pressed_in + 1)
+    )
     assert (run_dir / "checkpoints" / str(pressed_in)).is_dir()
     assert (run_dir / "learning_curve.png").exists()
     monkeypatch.setattr(updates, "_record", record)
@@ -165,7 +181,9 @@ def test_a_signal_ends_the_update_and_saves_it(
     assert_same_end(run_dir, whole)
 
 
-def test_a_run_without_a_checkpoint_says_that_it_starts_again(tmp_path: Path, whole: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_without_a_checkpoint_says_that_it_starts_again(
+    tmp_path: Path, whole: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     run_dir = copy_run(whole, tmp_path / "run")
     shutil.rmtree(run_dir / "checkpoints")
     resume(matching(), run_dir, "lines")
@@ -174,7 +192,9 @@ def test_a_run_without_a_checkpoint_says_that_it_starts_again(tmp_path: Path, wh
 
 def test_a_handler_of_ones_own_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     record, received = updates._record, list[int]()
-    monkeypatch.setattr(updates, "_record", lambda *given: os.kill(os.getpid(), signal.SIGTERM) or record(*given))
+    monkeypatch.setattr(
+        updates, "_record", lambda *given: os.kill(os.getpid(), signal.SIGTERM) or record(*given)
+    )
     before = signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
     try:
         result = train(matching(), SHORT, tmp_path / "run", "none")
@@ -218,7 +238,10 @@ def test_a_damaged_checkpoint_is_told_of_and_passed_over(
 ) -> None:
     again = copy_run(stopped, tmp_path / "run")
     damage(again / "checkpoints" / "6")
-    with pytest.warns(UserWarning, match=r"checkpoints/6 (is damaged|can(no|')t be read).*resuming from the one before"):
+    with pytest.warns(
+        UserWarning,
+        match=r"checkpoints/6 (is damaged|can(no|')t be read).*resuming from the one before",
+    ):
         resume(matching(), again, "none")
     assert_same_end(again, whole)
 
@@ -227,7 +250,11 @@ def test_a_damaged_checkpoint_is_told_of_and_passed_over(
 @pytest.mark.filterwarnings("ignore:.*resuming from the one before")
 def test_no_flipped_byte_changes_the_end(stopped: Path, whole: Path, tmp_path: Path) -> None:
     """In whichever file of a checkpoint: it is noticed, or it was of no account."""
-    files = [path.relative_to(stopped) for path in (stopped / "checkpoints" / "6").rglob("*") if path.is_file() and path.stat().st_size]
+    files = [
+        path.relative_to(stopped)
+        for path in (stopped / "checkpoints" / "6").rglob("*")
+        if path.is_file() and path.stat().st_size
+    ]
     assert len(files) > 10
     for number, file in enumerate(files):
         again = copy_run(stopped, tmp_path / str(number))
@@ -236,7 +263,9 @@ def test_no_flipped_byte_changes_the_end(stopped: Path, whole: Path, tmp_path: P
         assert_same_end(again, whole)
 
 
-def test_no_checkpoint_left_is_a_start_from_the_beginning(stopped: Path, whole: Path, tmp_path: Path) -> None:
+def test_no_checkpoint_left_is_a_start_from_the_beginning(
+    stopped: Path, whole: Path, tmp_path: Path
+) -> None:
     again = copy_run(stopped, tmp_path / "run")
     for name in ("4", "6"):
         _flip(again / "checkpoints" / name)
@@ -254,7 +283,12 @@ def test_the_checkpoint_of_another_run_is_none_of_this_one(
     other = tmp_path / "other"
     monkeypatch.setattr(run, "compile_train", _compile)
     monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    train(matching(), SHORT.model_copy(update={"evaluate_every": 0, "total_timesteps": 64 * 6}), other, "none")
+    train(
+        matching(),
+        SHORT.model_copy(update={"evaluate_every": 0, "total_timesteps": 64 * 6}),
+        other,
+        "none",
+    )
     monkeypatch.undo()
     again = copy_run(stopped, tmp_path / "run")
     shutil.rmtree(again / "checkpoints" / "6")
@@ -277,13 +311,19 @@ def _edit(run_dir: Path, **changes: Any) -> None:
 def test_only_the_run_it_was_is_gone_on_with(stopped: Path, tmp_path: Path) -> None:
     again = copy_run(stopped, tmp_path / "run")
     before = _content(again)
-    with pytest.raises(RunError, match=r"rules probe, and they are changed now; restore the file, or start a new run"):
+    with pytest.raises(
+        RunError,
+        match=r"rules probe, and they are changed now; restore the file, or start a new run",
+    ):
         resume(dataclasses.replace(matching(), hash="changed"), again, "none")
     with pytest.raises(RunError, match=r"other numbers of the game"):
         resume(dataclasses.replace(matching(), params=(1.0,)), again, "none")
     assert _content(again) == before, "a run that is refused is left as it was"
     _edit(again, versions=read_manifest(again)["versions"] | {"jax": "0.1.2"})
-    with pytest.raises(RunError, match=rf"made with jax 0\.1\.2 \(here {jax.__version__}\).*install those, or start a new run"):
+    with pytest.raises(
+        RunError,
+        match=rf"made with jax 0\.1\.2 \(here {jax.__version__}\).*install those, or start a new run",
+    ):
         resume(matching(), again, "none")
 
 
@@ -296,14 +336,19 @@ def test_only_the_run_it_was_is_gone_on_with(stopped: Path, tmp_path: Path) -> N
         (None, "is not the folder of a training run"),
     ],
 )
-def test_a_manifest_with_another_configuration_is_refused(stopped: Path, tmp_path: Path, config: Any, named: str) -> None:
+def test_a_manifest_with_another_configuration_is_refused(
+    stopped: Path, tmp_path: Path, config: Any, named: str
+) -> None:
     again = copy_run(stopped, tmp_path / "run")
     _edit(again, config=config)
     with pytest.raises(RunError, match=named):
         resume(matching(), again, "none")
 
 
-@pytest.mark.parametrize("text", [None, "", "{", "[]", "{}", '{"config": {}}', '{"game": 3, "config": {}, "versions": {}}'])
+@pytest.mark.parametrize(
+    "text",
+    [None, "", "{", "[]", "{}", '{"config": {}}', '{"game": 3, "config": {}, "versions": {}}'],
+)
 def test_what_is_no_run_is_refused(tmp_path: Path, text: str | None) -> None:
     if text is not None:
         (tmp_path / "manifest.json").write_text(text)
@@ -315,7 +360,9 @@ def _full(*_: Any, **__: Any) -> None:
     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def test_a_disk_that_is_full_when_metrics_are_written(tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_disk_that_is_full_when_metrics_are_written(
+    tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Linux has a file that is always full; in update 6 the metrics are led into it."""
     append = metrics_files.Metrics.append
 
@@ -328,7 +375,10 @@ def test_a_disk_that_is_full_when_metrics_are_written(tmp_path: Path, whole: Pat
 
     monkeypatch.setattr(metrics_files.Metrics, "append", lead_astray)
     run_dir = tmp_path / "run"
-    with pytest.raises(RunError, match=r"metrics\.jsonl could not be written: No space left on device.*make room, and resume"):
+    with pytest.raises(
+        RunError,
+        match=r"metrics\.jsonl could not be written: No space left on device.*make room, and resume",
+    ):
         train(matching(), SHORT, run_dir, "none")
     assert "No space left" in read_manifest(run_dir)["status"]
     monkeypatch.setattr(metrics_files.Metrics, "append", append)

@@ -28,10 +28,15 @@ def test_a_second_process_is_refused_until_the_first_has_died(tmp_path: Path) ->
     folder = tmp_path / "run"
     train(matching(), CONFIG, folder, "none", callback=lambda update: update.number == 4)
     before = read_manifest(folder)
-    with subprocess.Popen([sys.executable, "-c", HOLDS, str(folder)], stdout=subprocess.PIPE, text=True) as other:
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLDS, str(folder)], stdout=subprocess.PIPE, text=True
+    ) as other:
         assert other.stdout is not None
         assert other.stdout.readline() == "held\n"
-        with pytest.raises(RunError, match=rf"run is in use: process {other.pid} on .* trains there. Wait until it has ended"):
+        with pytest.raises(
+            RunError,
+            match=rf"run is in use: process {other.pid} on .* trains there. Wait until it has ended",
+        ):
             resume(matching(), folder, "none")
         assert read_manifest(folder) == before, "nothing was written"
         other.send_signal(signal.SIGKILL)
@@ -44,7 +49,10 @@ def test_a_run_that_is_under_way_is_not_begun_or_resumed_beside(tmp_path: Path) 
 
     def beside(update: Update) -> None:
         if update.number == 3:
-            for start in (lambda: resume(matching(), folder, "none"), lambda: train(matching(), CONFIG, folder, "none")):
+            for start in (
+                lambda: resume(matching(), folder, "none"),
+                lambda: train(matching(), CONFIG, folder, "none"),
+            ):
                 with pytest.raises(RunError) as error:
                     start()
                 said.append(str(error.value))
@@ -53,7 +61,9 @@ def test_a_run_that_is_under_way_is_not_begun_or_resumed_beside(tmp_path: Path) 
     assert f"process {os.getpid()}" in said[0]
     assert "is not empty" in said[1]
     assert read_manifest(folder)["status"] == "finished"
-    assert [json.loads(line)["update"] for line in (folder / "metrics.jsonl").read_text().splitlines()] == [*range(1, 13)]
+    assert [
+        json.loads(line)["update"] for line in (folder / "metrics.jsonl").read_text().splitlines()
+    ] == [*range(1, 13)]
 
 
 def test_a_lock_that_nobody_holds_is_in_no_ones_way(tmp_path: Path) -> None:

@@ -24,13 +24,19 @@ VARIANTS: list[dict[str, Any]] = [
 def test_each_seed_of_a_batch_is_the_run_it_would_have_been_alone(changes: dict[str, Any]) -> None:
     """To the rounding of two programs, which learning enlarges: the first updates to 1e-4, the outcome to 0.1."""
     with jax.debug_key_reuse(False):  # JAX takes the keys of any vmapped scan for used
-        _, together = run_of(matching(), quick(**changes), seeds=3)(jax.vmap(jax.random.key)(jnp.arange(3)))
+        _, together = run_of(matching(), quick(**changes), seeds=3)(
+            jax.vmap(jax.random.key)(jnp.arange(3))
+        )
     for seed in range(3):
         _, alone = learn(matching(), seed, **changes)
         assert together["loss"].shape == (3, *alone["loss"].shape)
-        np.testing.assert_allclose(together["loss"][seed, :5], alone["loss"][:5], rtol=1e-3, atol=1e-4)
+        np.testing.assert_allclose(
+            together["loss"][seed, :5], alone["loss"][:5], rtol=1e-3, atol=1e-4
+        )
         np.testing.assert_array_equal(together["agent_return"][seed, 0], alone["agent_return"][0])
-        np.testing.assert_allclose(together["agent_return"][seed, -1], alone["agent_return"][-1], atol=0.1)
+        np.testing.assert_allclose(
+            together["agent_return"][seed, -1], alone["agent_return"][-1], atol=0.1
+        )
 
 
 @pytest.mark.thorough
@@ -49,7 +55,13 @@ def test_compiled_seeds_are_the_runs_they_would_have_been_alone(algorithm: str) 
     with jax.debug_key_reuse(False):  # JAX takes the keys of any vmapped scan for used
         together = played(config.model_copy(update={"seeds": 3, "seed": 1}))
         alone = [played(config.model_copy(update={"seed": seed})) for seed in (1, 2, 3)]
-    jax.tree.map(lambda all_of, *own: np.testing.assert_allclose(all_of, np.stack(own), rtol=1e-4, atol=1e-5), together, *alone)
+    jax.tree.map(
+        lambda all_of, *own: np.testing.assert_allclose(
+            all_of, np.stack(own), rtol=1e-4, atol=1e-5
+        ),
+        together,
+        *alone,
+    )
 
 
 def test_other_seeds_are_other_runs() -> None:
@@ -57,13 +69,17 @@ def test_other_seeds_are_other_runs() -> None:
     runs = [learn(matching(), seed) for seed in range(3)]
     assert len({float(metrics["agent_return"][0, 0]) for _, metrics in runs}) == 3
     assert len({float(metrics["loss"][0]) for _, metrics in runs}) == 3
-    kernels = [np.asarray(state.learner.params["params"]["actor"]["out"]["kernel"]) for state, _ in runs]
+    kernels = [
+        np.asarray(state.learner.params["params"]["actor"]["out"]["kernel"]) for state, _ in runs
+    ]
     assert not np.allclose(kernels[0], kernels[1])
     assert not np.allclose(kernels[1], kernels[2])
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("changes", [{}, pytest.param({"algorithm": "vdn"}, marks=pytest.mark.slow)], ids=["ippo", "vdn"])
+@pytest.mark.parametrize(
+    "changes", [{}, pytest.param({"algorithm": "vdn"}, marks=pytest.mark.slow)], ids=["ippo", "vdn"]
+)
 def test_a_seed_that_diverges_stands_still_and_the_others_learn_on(changes: dict[str, Any]) -> None:
     """One of three is given a parameter that is not finite: from then on its parameters stay, and its loss is not a number."""
     program = make_train(matching(), quick(**changes))
@@ -72,17 +88,24 @@ def test_a_seed_that_diverges_stands_still_and_the_others_learn_on(changes: dict
         states = jax.vmap(lambda seed: program.init(jax.random.key(seed)))(seeds)
         kernel = jax.tree.map(lambda leaf: leaf.at[1].set(jnp.inf), program.parameters(states))
         states = jax.vmap(program.adopt)(states, kernel)
-        after, metrics = jax.lax.scan(lambda state, _: jax.vmap(program.update)(state), states, length=updates)
+        after, metrics = jax.lax.scan(
+            lambda state, _: jax.vmap(program.update)(state), states, length=updates
+        )
         return kernel, after, metrics
 
     with jax.debug_key_reuse(False):
-        before, after, metrics = jax.jit(poison, static_argnums=1, compiler_options=FAST_TO_COMPILE)(jnp.arange(3), 3)
+        before, after, metrics = jax.jit(
+            poison, static_argnums=1, compiler_options=FAST_TO_COMPILE
+        )(jnp.arange(3), 3)
     assert after.diverged.tolist() == [False, True, False]
     assert np.isfinite(metrics["loss"]).all(axis=0).tolist() == [True, False, True]
     assert np.isnan(metrics["loss"][:, 1]).all()
-    for old, new in zip(jax.tree.leaves(before), jax.tree.leaves(program.parameters(after)), strict=True):
+    for old, new in zip(
+        jax.tree.leaves(before), jax.tree.leaves(program.parameters(after)), strict=True
+    ):
         np.testing.assert_array_equal(new[1], old[1])
     moved = [
-        np.any(new != old, axis=tuple(range(1, new.ndim))) for old, new in zip(*map(jax.tree.leaves, (before, program.parameters(after))))
+        np.any(new != old, axis=tuple(range(1, new.ndim)))
+        for old, new in zip(*map(jax.tree.leaves, (before, program.parameters(after))))
     ]
     assert np.any(moved, axis=0).tolist() == [True, False, True]

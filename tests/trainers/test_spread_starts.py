@@ -15,23 +15,35 @@ LENGTH = 4
 def first_step_pays() -> Probe:
     """Four steps, the first of which pays 1: what is left of an episode in which all is eaten at once."""
     return Probe(
-        "first step pays", reward=lambda state, _: 1.0 * (state.step == 0), length=lambda _: jnp.int32(LENGTH), episode_length=LENGTH
+        "first step pays",
+        reward=lambda state, _: 1.0 * (state.step == 0),
+        length=lambda _: jnp.int32(LENGTH),
+        episode_length=LENGTH,
     )
 
 
 @pytest.mark.parametrize(
     ("changes", "rewards"),
     [
-        ({"spread_starts": False}, [2.0, 0.0, 0.0, 0.0] * 2),  # in lockstep: what an update learns from depends on its number
+        (
+            {"spread_starts": False},
+            [2.0, 0.0, 0.0, 0.0] * 2,
+        ),  # in lockstep: what an update learns from depends on its number
         ({}, [0.5] * 8),
         pytest.param({"seeds": 2}, [0.5] * 8, marks=pytest.mark.thorough),
         ({"algorithm": "vdn", "gradient_steps": 1}, [0.5] * 8),
     ],
 )
 def test_rewards_of_updates_do_not_cycle(changes: dict[str, object], rewards: list[float]) -> None:
-    config = quick(num_steps=1, num_minibatches=1, **changes) if "algorithm" not in changes else quick(num_steps=1, **changes)
+    config = (
+        quick(num_steps=1, num_minibatches=1, **changes)
+        if "algorithm" not in changes
+        else quick(num_steps=1, **changes)
+    )
     with jax.debug_key_reuse(False):  # JAX takes the keys of any vmapped scan for used
-        run = with_spread_starts(compile_train(make_train(first_step_pays(), config), config), config, LENGTH)
+        run = with_spread_starts(
+            compile_train(make_train(first_step_pays(), config), config), config, LENGTH
+        )
         state, found = run.start(), []
         for _ in rewards:
             state, metrics = run.learn(*run.collect(state))
@@ -41,11 +53,19 @@ def test_rewards_of_updates_do_not_cycle(changes: dict[str, object], rewards: li
 
 @pytest.mark.parametrize(
     ("steps", "begun"),
-    [pytest.param(1, [0, 1, 2, 3], marks=pytest.mark.thorough), (3, [0, 0, 3, 3]), pytest.param(4, [0] * 4, marks=pytest.mark.thorough)],
+    [
+        pytest.param(1, [0, 1, 2, 3], marks=pytest.mark.thorough),
+        (3, [0, 0, 3, 3]),
+        pytest.param(4, [0] * 4, marks=pytest.mark.thorough),
+    ],
 )
-def test_starts_are_a_rollout_apart_and_returns_are_those_of_whole_episodes(steps: int, begun: list[int]) -> None:
+def test_starts_are_a_rollout_apart_and_returns_are_those_of_whole_episodes(
+    steps: int, begun: list[int]
+) -> None:
     config = quick(num_envs=4, num_steps=steps, num_minibatches=1)
-    run = with_spread_starts(compile_train(make_train(first_step_pays(), config), config), config, LENGTH)
+    run = with_spread_starts(
+        compile_train(make_train(first_step_pays(), config), config), config, LENGTH
+    )
     worlds = run.start().worlds
     assert worlds.state.step.tolist() == begun
     assert worlds.sums.length.tolist() == begun

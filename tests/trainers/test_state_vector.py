@@ -48,14 +48,20 @@ def _check_play(env: Environment, steps: int) -> None:
         return state, (env.state_vector(state), state)
 
     _, first = env.reset(jax.random.key(3))
-    _, (vectors, states) = jax.jit(lambda: jax.lax.scan(advance, first, jax.random.split(jax.random.key(4), steps)))()
+    _, (vectors, states) = jax.jit(
+        lambda: jax.lax.scan(advance, first, jax.random.split(jax.random.key(4), steps))
+    )()
     vectors = np.asarray(vectors)
     assert np.isfinite(vectors).all()
     assert np.abs(vectors).max() <= 1.0
     assert len(np.unique(vectors, axis=0)) == steps  # the step counts, so that all states differ
     kept = np.asarray(vectors[:, 1:])
-    placed = np.concatenate([np.asarray(leaf).reshape(steps, -1) for leaf in (states.position, states.heading)], axis=1)
-    assert len(np.unique(kept, axis=0)) >= len(np.unique(placed, axis=0)), "agents who stand or look elsewhere make another vector"
+    placed = np.concatenate(
+        [np.asarray(leaf).reshape(steps, -1) for leaf in (states.position, states.heading)], axis=1
+    )
+    assert len(np.unique(kept, axis=0)) >= len(np.unique(placed, axis=0)), (
+        "agents who stand or look elsewhere make another vector"
+    )
 
 
 def test_entries_are_from_minus_one_to_one(orchard: Environment) -> None:
@@ -74,7 +80,13 @@ def test_every_part_of_a_state_counts(orchard: Environment) -> None:
     before = np.asarray(orchard.state_vector(state))
     for field in ("heading", "soil_fruit", "position"):
         value = getattr(state, field)
-        changed = state.replace(**{field: value.at[0].set((value[0] + 1) % 4 if field != "soil_fruit" else 1 - value[0])})
+        changed = state.replace(
+            **{
+                field: value.at[0].set(
+                    (value[0] + 1) % 4 if field != "soil_fruit" else 1 - value[0]
+                )
+            }
+        )
         assert (np.asarray(orchard.state_vector(changed)) != before).any(), field
 
 
@@ -107,7 +119,9 @@ def test_movers_are_in_it(tmp_path: Path) -> None:
     np.testing.assert_array_equal(vector[14:22].reshape(2, 4), [[0, 1, 0, 0]] * 2)
     np.testing.assert_array_equal(vector[22:].reshape(2, 2), [[1, 0]] * 2)
     gone = state.replace(duck_position=state.duck_position.at[0].set(0))
-    np.testing.assert_array_equal(np.asarray(env.state_vector(gone))[8:14], [0, 0, 0, *vector[11:14]])
+    np.testing.assert_array_equal(
+        np.asarray(env.state_vector(gone))[8:14], [0, 0, 0, *vector[11:14]]
+    )
 
 
 def test_the_state_an_episode_ended_in(orchard: Environment) -> None:
@@ -130,5 +144,9 @@ def test_roles(orchard: Environment) -> None:
     roles = hunt.roles
     assert roles is not None
     _, state = hunt.reset(jax.random.key(99))
-    assert roles == tuple(np.asarray(state.agents_role if hasattr(state, "agents_role") else state.agent_role).tolist())
+    assert roles == tuple(
+        np.asarray(
+            state.agents_role if hasattr(state, "agents_role") else state.agent_role
+        ).tolist()
+    )
     assert set(roles) == set(range(len(field.type.words)))

@@ -32,7 +32,9 @@ def three(**changes: Any) -> tuple[Probe, ActorCritics]:
         ({"sharing": "per_agent", "partners": "1=random"}, ((0,), (2,))),
     ],
 )
-def test_agents_that_learn_share_a_network_or_have_one_each(changes: dict[str, Any], teams: tuple[tuple[int, ...], ...]) -> None:
+def test_agents_that_learn_share_a_network_or_have_one_each(
+    changes: dict[str, Any], teams: tuple[tuple[int, ...], ...]
+) -> None:
     _, networks = three(**changes)
     assert networks.teams.agents == teams
 
@@ -51,7 +53,10 @@ class _Blind:
 
 def test_a_critic_of_the_state_needs_one() -> None:
     config = PPOConfig(algorithm="mappo", critic="state")
-    with pytest.raises(ConfigError, match='`matching` has no state_vector for a critic of the state; choose critic = "observations"'):
+    with pytest.raises(
+        ConfigError,
+        match='`matching` has no state_vector for a critic of the state; choose critic = "observations"',
+    ):
         make_train(_Blind(matching()), config)  # type: ignore[arg-type]
 
 
@@ -68,7 +73,10 @@ class _Forgetful(_Blind):
 
 def test_a_critic_of_the_state_needs_that_of_the_end() -> None:
     program = make_train(_Forgetful(matching()), quick(**CENTRAL, critic="state"))  # type: ignore[arg-type]
-    with pytest.raises(ConfigError, match='`matching` gives no terminal_state in the info of a step; choose critic = "observations"'):
+    with pytest.raises(
+        ConfigError,
+        match='`matching` gives no terminal_state in the info of a step; choose critic = "observations"',
+    ):
         jax.eval_shape(lambda key: program.collect(program.init(key)), jax.random.key(0))
 
 
@@ -85,7 +93,9 @@ def test_a_critic_of_the_state_needs_that_of_the_end() -> None:
     ],
     ids=["shared", "mappo", "partner", "memory"],
 )
-def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(changes: dict[str, Any]) -> None:
+def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(
+    changes: dict[str, Any],
+) -> None:
     """Agents 0 and 1 share a network in each case; a central critic says a value for each without numbers as well."""
     for told in (False, True):
         env, networks = three(**changes, agent_id=told)
@@ -93,11 +103,19 @@ def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(ch
 
         def read(key: jax.Array) -> tuple[jax.Array, jax.Array]:
             parameters = networks.init(key, env)  # noqa: B023
-            return networks.apply(parameters, networks.start_memory(2), seen, networks.joint(seen, None), jnp.ones((1, 2), bool))[1:]  # noqa: B023
+            return networks.apply(  # noqa: B023
+                parameters,
+                networks.start_memory(2),  # noqa: B023
+                seen,  # noqa: B023
+                networks.joint(seen, None),  # noqa: B023
+                jnp.ones((1, 2), bool),
+            )[1:]
 
         logits, values = jax.jit(read, compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
         assert (jnp.abs(logits[:, :, 0] - logits[:, :, 1]).max(axis=-1) > 1e-6).all() == told
-        assert (jnp.abs(values[:, :, 0] - values[:, :, 1]) > 1e-6).all() == (told or "algorithm" in changes)
+        assert (jnp.abs(values[:, :, 0] - values[:, :, 1]) > 1e-6).all() == (
+            told or "algorithm" in changes
+        )
 
 
 @pytest.mark.thorough
@@ -128,14 +146,19 @@ def _alone(sharing: str) -> tuple[Probe, dict[str, Any]]:
 
 
 def test_one_agent_is_one_network_however_it_is_shared() -> None:
-    shared, apart = (make_actor_critics(env, quick(**changes)) for env, changes in map(_alone, ("shared", "per_agent")))
+    shared, apart = (
+        make_actor_critics(env, quick(**changes))
+        for env, changes in map(_alone, ("shared", "per_agent"))
+    )
     assert apart == shared
 
 
 @pytest.mark.slow
 def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
     """Bit for bit."""
-    (shared, figures), (state, told) = (learn(env, **changes) for env, changes in map(_alone, ("shared", "per_agent")))
+    (shared, figures), (state, told) = (
+        learn(env, **changes) for env, changes in map(_alone, ("shared", "per_agent"))
+    )
     jax.tree.map(np.testing.assert_array_equal, shared.learner.params, state.learner.params)
     jax.tree.map(np.testing.assert_array_equal, figures, told)
 
@@ -148,7 +171,9 @@ def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
     [
         {"sharing": "per_agent"},
         pytest.param({"sharing": "per_agent", "algorithm": "mappo"}, marks=pytest.mark.slow),
-        pytest.param({"sharing": "per_agent", "memory": "gru", "agent_id": True}, marks=pytest.mark.thorough),
+        pytest.param(
+            {"sharing": "per_agent", "memory": "gru", "agent_id": True}, marks=pytest.mark.thorough
+        ),
     ],
     ids=["per agent", "mappo", "memory and numbers"],
 )
@@ -156,19 +181,37 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
     """Logits, values and memory of all agents at once are those of each team's network on its own."""
     env, networks = three(**changes)
     fresh = jnp.zeros((2, 4), bool)
-    seen = jnp.stack([jnp.stack([windows(env, [step, env_index % 2, 2]) for env_index in range(4)]) for step in (0, 1)])
+    seen = jnp.stack(
+        [
+            jnp.stack([windows(env, [step, env_index % 2, 2]) for env_index in range(4)])
+            for step in (0, 1)
+        ]
+    )
     joint = seen.reshape(2, 4, 3, 1, 1) if changes.get("algorithm") == "mappo" else None
 
     def both(key: jax.Array) -> tuple[Any, Any]:
         parameters = networks.init(key, env)
         start = networks.start_memory(4)
-        _, logits, values = networks.apply(parameters, start, seen, networks.joint(seen, None), fresh)
+        _, logits, values = networks.apply(
+            parameters, start, seen, networks.joint(seen, None), fresh
+        )
         apart = []
         for index, agents in enumerate(networks.teams.agents):
             own = jax.tree.map(lambda leaf: leaf[index], parameters)  # noqa: B023
             network = networks.network
-            apart.append(network.apply(own, network.start_memory(4), seen[:, :, np.asarray(agents)], joint, fresh, np.asarray(agents))[1:])
-        return (logits, values), tuple(jnp.concatenate(part, axis=2) for part in zip(*apart, strict=True))
+            apart.append(
+                network.apply(
+                    own,
+                    network.start_memory(4),
+                    seen[:, :, np.asarray(agents)],
+                    joint,
+                    fresh,
+                    np.asarray(agents),
+                )[1:]
+            )
+        return (logits, values), tuple(
+            jnp.concatenate(part, axis=2) for part in zip(*apart, strict=True)
+        )
 
     together, apart = jax.jit(both, compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-6), together, apart)

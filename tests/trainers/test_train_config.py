@@ -9,7 +9,11 @@ from sjdsl.trainers import PPOConfig, VDNConfig, load_preset, make_config, make_
 
 def test_numbers_may_come_as_text() -> None:
     config = make_config(total_timesteps="1e6", learning_rate="3e-4", anneal_learning_rate="false")
-    assert (config.total_timesteps, config.learning_rate, config.anneal_learning_rate) == (1_000_000, 3e-4, False)
+    assert (config.total_timesteps, config.learning_rate, config.anneal_learning_rate) == (
+        1_000_000,
+        3e-4,
+        False,
+    )
 
 
 def test_a_config_is_frozen() -> None:
@@ -31,7 +35,9 @@ def test_lists_may_come_as_text_or_as_one_number() -> None:
 
 
 def test_the_algorithm_decides_which_keys_there_are() -> None:
-    kinds = {algorithm: type(make_config(algorithm=algorithm)) for algorithm in ("ippo", "mappo", "vdn")}
+    kinds = {
+        algorithm: type(make_config(algorithm=algorithm)) for algorithm in ("ippo", "mappo", "vdn")
+    }
     assert kinds == {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
     assert make_config().algorithm == "ippo"
 
@@ -41,6 +47,14 @@ def test_seeds_are_numbered_from_the_first() -> None:
 
 
 def test_agents_learn_from_their_own_reward_unless_asked_otherwise() -> None:
-    assert [make_config(algorithm=name).reward for name in ("ippo", "mappo", "vdn")] == ["individual", "individual", "common"]
-    assert [load_preset("two_cores", {"algorithm": name}).config.reward for name in ("ippo", "vdn")] == ["individual", "common"]
-    assert load_preset("paper", {}, "coins").config.reward == "common", "as in the released configurations"
+    assert [make_config(algorithm=name).reward for name in ("ippo", "mappo", "vdn")] == [
+        "individual",
+        "individual",
+        "common",
+    ]
+    assert [
+        load_preset("two_cores", {"algorithm": name}).config.reward for name in ("ippo", "vdn")
+    ] == ["individual", "common"]
+    assert load_preset("paper", {}, "coins").config.reward == "common", (
+        "as in the released configurations"
+    )

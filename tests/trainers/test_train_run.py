@@ -14,20 +14,45 @@ from probes import QUICK, constant, matching
 from run_outcomes import counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
-from sjdsl.trainers import Result, RunError, evaluate, load_policy, make_config, make_train, recorder, resume, run, train
+from sjdsl.trainers import (
+    Result,
+    RunError,
+    evaluate,
+    load_policy,
+    make_config,
+    make_train,
+    recorder,
+    resume,
+    run,
+    train,
+)
 from sjdsl.trainers.compiled import compile_train
 from sjdsl.trainers.device import device_name
 from sjdsl.trainers.learning_curve import draw_learning_curve
 from sjdsl.trainers.progress import ProgressStyle, show_progress
 
-CONFIG = make_config({**QUICK, "total_timesteps": 16 * 16 * 20, "checkpoint_updates": 8, "policy_every": 8, "seed": 5})
+CONFIG = make_config(
+    {
+        **QUICK,
+        "total_timesteps": 16 * 16 * 20,
+        "checkpoint_updates": 8,
+        "policy_every": 8,
+        "seed": 5,
+    }
+)
 
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory: pytest.TempPathFactory) -> Result:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(recorder, "draw_learning_curve", draw_learning_curve)
-        return train(matching(), CONFIG, tmp_path_factory.mktemp("runs") / "first", "none", {"game": "matching"})
+        return train(
+            matching(),
+            CONFIG,
+            tmp_path_factory.mktemp("runs") / "first",
+            "none",
+            {"game": "matching"},
+        )
 
 
 def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
@@ -46,7 +71,11 @@ def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
     }
     assert manifest["versions"]["jax"] == jax.__version__
     device = jax.devices()[0]
-    assert manifest["device"] == {"platform": device.platform, "kind": device_name(device), "count": jax.device_count()}
+    assert manifest["device"] == {
+        "platform": device.platform,
+        "kind": device_name(device),
+        "count": jax.device_count(),
+    }
     assert manifest["device"]["kind"] not in ("", "cpu"), "a report must tell processors apart"
     assert 0 < manifest["compile_seconds"] < manifest["seconds"] < result.seconds
     assert 0 < manifest["program_megabytes"] < manifest["peak_megabytes"]
@@ -62,9 +91,30 @@ def test_metrics_have_one_row_an_update(result: Result) -> None:
     rows = read_lines(result.run_dir / "metrics.jsonl")
     assert [row["update"] for row in rows] == list(range(1, 21))
     assert rows[-1]["env_steps"] == 16 * 16 * 20
-    wanted = {"return", "return_agent_1", "shaped_return", "collective_return", "episodes", "entropy", "kl"}
-    wanted |= {"clip_fraction", "explained_variance", "policy_loss", "value_loss", "steps_per_second"}
-    wanted |= {"event_second_action_agent_0", "event_steps", "metric_step", "mean_step", "final_step", "equality"}
+    wanted = {
+        "return",
+        "return_agent_1",
+        "shaped_return",
+        "collective_return",
+        "episodes",
+        "entropy",
+        "kl",
+    }
+    wanted |= {
+        "clip_fraction",
+        "explained_variance",
+        "policy_loss",
+        "value_loss",
+        "steps_per_second",
+    }
+    wanted |= {
+        "event_second_action_agent_0",
+        "event_steps",
+        "metric_step",
+        "mean_step",
+        "final_step",
+        "equality",
+    }
     assert wanted <= rows[0].keys()
 
 
@@ -74,14 +124,23 @@ def test_the_learning_curve_is_drawn(result: Result) -> None:
 
 def test_policies_and_checkpoints_are_kept(result: Result) -> None:
     policies = result.run_dir / "policies"
-    assert {path.stem for path in policies.iterdir()} == {"00000008", "00000016", "00000020", "last", "best"}
+    assert {path.stem for path in policies.iterdir()} == {
+        "00000008",
+        "00000016",
+        "00000020",
+        "last",
+        "best",
+    }
     assert json.loads((policies / "00000016.json").read_text())["update"] == 16
     stored = load_file(policies / "last.safetensors")
     trained = {keystr(place): leaf for place, leaf in tree_leaves_with_path(result.parameters)}
     assert stored.keys() == trained.keys()
     for name, leaf in trained.items():
         np.testing.assert_array_equal(stored[name], leaf)
-    assert sorted(path.name for path in (result.run_dir / "checkpoints").iterdir()) == ["16", "20"], "the last two"
+    assert sorted(path.name for path in (result.run_dir / "checkpoints").iterdir()) == [
+        "16",
+        "20",
+    ], "the last two"
     assert not list(result.run_dir.rglob("*.unfinished"))
 
 
@@ -92,8 +151,12 @@ def test_a_stored_policy_acts_as_it_learnt(result: Result) -> None:
     assert actions.dtype == jnp.int32
     assert actions.shape == (2,)
     sampled = evaluate(matching(), policy, jax.random.key(1), 200).returns.mean()
-    greedy = evaluate(matching(), load_policy(result.run_dir, matching(), greedy=True), jax.random.key(1), 200)
-    early = evaluate(matching(), load_policy(result.run_dir, matching(), update=8), jax.random.key(1), 200)
+    greedy = evaluate(
+        matching(), load_policy(result.run_dir, matching(), greedy=True), jax.random.key(1), 200
+    )
+    early = evaluate(
+        matching(), load_policy(result.run_dir, matching(), update=8), jax.random.key(1), 200
+    )
     assert greedy.returns.mean() == 1.0
     assert 0.6 < early.returns.mean() < sampled
 
@@ -108,12 +171,16 @@ def _updates_of(run_dir: Path, name: str) -> float:
     return load_file(run_dir / "policies" / f"{name}.safetensors")["['updates']"].item()
 
 
-def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_run_keeps_what_it_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     @contextmanager
     def interrupt(*_: object) -> Iterator[object]:
         def show(row: dict[str, float], _: object) -> None:
             if row["update"] == 3:
-                assert len(read_lines(tmp_path / "run" / "metrics.jsonl")) == 3  # on disk already, should the process be killed
+                assert (
+                    len(read_lines(tmp_path / "run" / "metrics.jsonl")) == 3
+                )  # on disk already, should the process be killed
                 raise KeyboardInterrupt
 
         yield show
@@ -128,41 +195,63 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytes
     assert _updates_of(tmp_path / "run", "last") == 3.0
 
 
-def test_a_diverged_run_stops_with_its_last_good_parameters(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_diverged_run_stops_with_its_last_good_parameters(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9))
     with pytest.raises(
-        RunError, match=r"the loss became nan in update 10 of seed 0; the policy of update 9 is kept.*smaller learning_rate"
+        RunError,
+        match=r"the loss became nan in update 10 of seed 0; the policy of update 9 is kept.*smaller learning_rate",
     ):
         train(matching(), CONFIG.model_copy(update={"seed": 0}), tmp_path / "run", "none")
     assert str(read_manifest(tmp_path / "run")["status"]).startswith("failed: the loss became nan")
-    assert [row["loss"] for row in read_lines(tmp_path / "run" / "metrics.jsonl")] == [1.0] * 9 + [None]
+    assert [row["loss"] for row in read_lines(tmp_path / "run" / "metrics.jsonl")] == [1.0] * 9 + [
+        None
+    ]
     assert _updates_of(tmp_path / "run", "last") == 9.0
     assert _updates_of(tmp_path / "run", "00000009") == 9.0
     assert _updates_of(tmp_path / "run", "00000008") == 8.0
-    assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["8"], "what diverged is not gone on from"
+    assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["8"], (
+        "what diverged is not gone on from"
+    )
 
 
 @pytest.mark.thorough
 def test_parameters_that_are_not_finite_are_never_kept(tmp_path: Path) -> None:
     """A real run whose steps are absurd: whatever is stored can be played."""
-    config = CONFIG.model_copy(update={"learning_rate": 1e38, "max_gradient_norm": 1e38, "anneal_learning_rate": False})
-    with pytest.raises(RunError, match=r"the loss became nan in update \d+.*Try a smaller learning_rate than 1e\+38"):
+    config = CONFIG.model_copy(
+        update={"learning_rate": 1e38, "max_gradient_norm": 1e38, "anneal_learning_rate": False}
+    )
+    with pytest.raises(
+        RunError,
+        match=r"the loss became nan in update \d+.*Try a smaller learning_rate than 1e\+38",
+    ):
         train(matching(), config, tmp_path / "run", "none")
     for tensor in load_file(tmp_path / "run" / "policies" / "last.safetensors").values():
         assert np.isfinite(tensor).all()
 
 
-def test_one_seed_of_several_that_diverges_stops_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_seed_of_several_that_diverges_stops_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The others go on, also after a resume, and the manifest says which stopped."""
-    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=6))
+    monkeypatch.setattr(
+        run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=6)
+    )
     run_dir = tmp_path / "run"
     result = train(matching(), CONFIG.model_copy(update={"seeds": 3}), run_dir, "none")
     assert sorted(path.name for path in run_dir.glob("seed_*")) == ["seed_5", "seed_6", "seed_7"]
     manifest = read_manifest(run_dir)
-    assert (manifest["status"], manifest["diverged"], manifest["updates"]) == ("finished", [{"seed": 6, "update": 10}], 20)
+    assert (manifest["status"], manifest["diverged"], manifest["updates"]) == (
+        "finished",
+        [{"seed": 6, "update": 10}],
+        20,
+    )
     assert result.diverged == {6: 10}
     assert _updates_of(run_dir / "seed_6", "last") == 9.0
-    assert [row["loss"] for row in read_lines(run_dir / "seed_6" / "metrics.jsonl")] == [1.0] * 9 + [None]
+    assert [row["loss"] for row in read_lines(run_dir / "seed_6" / "metrics.jsonl")] == [
+        1.0
+    ] * 9 + [None]
     for other in ("seed_5", "seed_7"):
         assert _updates_of(run_dir / other, "last") == 20.0
         assert [row["loss"] for row in read_lines(run_dir / other / "metrics.jsonl")] == [1.0] * 20
@@ -174,13 +263,20 @@ def test_one_seed_of_several_that_diverges_stops_alone(tmp_path: Path, monkeypat
 
 def test_several_seeds_that_all_diverge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The run stops as the last of them does, and names them all."""
-    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=None))
+    monkeypatch.setattr(
+        run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=None)
+    )
     run_dir = tmp_path / "run"
-    with pytest.raises(RunError, match=r"in update 10 of seeds 5 and 6; the policy of update 9 is kept. Try a smaller learning_rate"):
+    with pytest.raises(
+        RunError,
+        match=r"in update 10 of seeds 5 and 6; the policy of update 9 is kept. Try a smaller learning_rate",
+    ):
         train(matching(), CONFIG.model_copy(update={"seeds": 2}), run_dir, "none")
     assert str(read_manifest(run_dir)["status"]).startswith("failed: the loss became nan")
     for seed in ("seed_5", "seed_6"):
-        assert [row["loss"] for row in read_lines(run_dir / seed / "metrics.jsonl")] == [1.0] * 9 + [None]
+        assert [row["loss"] for row in read_lines(run_dir / seed / "metrics.jsonl")] == [
+            1.0
+        ] * 9 + [None]
         assert _updates_of(run_dir / seed, "last") == 9.0
 
 
@@ -206,7 +302,9 @@ def _show_three_updates(style: ProgressStyle) -> None:
 
 def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
     _show_three_updates("lines")
-    printed = capsys.readouterr().out.splitlines()  # the second update comes too soon after the first
+    printed = (
+        capsys.readouterr().out.splitlines()
+    )  # the second update comes too soon after the first
     title, first, warning, last = (" ".join(line.split()) for line in printed)
     assert title == "a run: compiling"
     assert (
@@ -214,7 +312,9 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
         == "update 1/3 1,000 steps 1,333 steps/s acting 25 % of the time, learning 75 % 3 s left no episode has ended yet, entropy 1.25, KL 0.004"
     )
     assert warning == "warning: nobody was rewarded", "also in an update that is not shown"
-    assert last.endswith("learning 75 % 0 s left collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004")
+    assert last.endswith(
+        "learning 75 % 0 s left collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004"
+    )
 
 
 def test_the_bar_of_a_terminal_says_the_same(capsys: pytest.CaptureFixture[str]) -> None:
@@ -228,15 +328,21 @@ def test_the_bar_of_a_terminal_says_the_same(capsys: pytest.CaptureFixture[str])
 
 
 @pytest.mark.thorough
-def test_what_is_wrong_with_several_seeds_is_said_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_wrong_with_several_seeds_is_said_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     train(constant(0.0), CONFIG.model_copy(update={"seeds": 3}), tmp_path / "run", "lines")
     (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("warning")]
     assert line.startswith("warning: seeds 5 to 7: no agent has been rewarded yet")
-    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["warnings"] == [line.removeprefix("warning: ")]
+    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["warnings"] == [
+        line.removeprefix("warning: ")
+    ]
 
 
 @pytest.mark.thorough
-def test_a_run_in_which_nobody_is_rewarded_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_in_which_nobody_is_rewarded_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     train(constant(0.0), CONFIG, tmp_path / "run", "lines")
     assert capsys.readouterr().out.count("warning: no agent has been rewarded yet") == 1
     (kept,) = json.loads((tmp_path / "run" / "manifest.json").read_text())["warnings"]

@@ -10,7 +10,18 @@ import numpy as np
 import pytest
 from probes import constant, quick
 
-from sjdsl.trainers import Config, ConfigError, PPOConfig, RunError, VDNConfig, load_preset, make_config, make_train, register, resume
+from sjdsl.trainers import (
+    Config,
+    ConfigError,
+    PPOConfig,
+    RunError,
+    VDNConfig,
+    load_preset,
+    make_config,
+    make_train,
+    register,
+    resume,
+)
 from sjdsl.trainers.config import dependent_settings
 from sjdsl.trainers.extensions import RewardMode
 from sjdsl.trainers.manifest import MANIFEST
@@ -22,8 +33,14 @@ from sjdsl.trainers.shaping import make_shaping
 
 def test_what_nothing_reads_is_refused_however_it_is_set() -> None:
     """Also at its default, as it was asked for; more of what is refused is in `tests/cli/refused.txt`."""
-    for make in (make_config, lambda values: PPOConfig(**values), lambda values: load_preset("two_cores", values)):
-        with pytest.raises(ConfigError, match="`exchange_ratio` has no effect while `reward` is individual"):
+    for make in (
+        make_config,
+        lambda values: PPOConfig(**values),
+        lambda values: load_preset("two_cores", values),
+    ):
+        with pytest.raises(
+            ConfigError, match="`exchange_ratio` has no effect while `reward` is individual"
+        ):
             make({"exchange_ratio": 0.5})
 
 
@@ -53,7 +70,13 @@ def test_rewards_of_ones_own_read_the_smoothing_and_no_angle() -> None:
 
 
 @pytest.mark.parametrize(
-    "config", [PPOConfig(), PPOConfig(reward="svo", svo_angle=45), PPOConfig(algorithm="mappo", network="mlp"), VDNConfig()]
+    "config",
+    [
+        PPOConfig(),
+        PPOConfig(reward="svo", svo_angle=45),
+        PPOConfig(algorithm="mappo", network="mlp"),
+        VDNConfig(),
+    ],
 )
 def test_a_record_of_a_configuration_is_one(config: Config) -> None:
     """It has all settings, at their defaults those that nothing reads, for which nobody asks."""
@@ -69,12 +92,21 @@ def test_a_run_is_not_gone_on_with_by_what_nothing_reads(tmp_path: Path) -> None
     manifest = describe_run(env, quick(), {})
     manifest["config"]["exchange_ratio"] = 0.9
     write_json(tmp_path / MANIFEST, manifest)
-    with pytest.raises(RunError, match="`exchange_ratio` has no effect while `reward` is individual: set `reward` to exchange"):
+    with pytest.raises(
+        RunError,
+        match="`exchange_ratio` has no effect while `reward` is individual: set `reward` to exchange",
+    ):
         resume(env, tmp_path)
 
 
 def test_policies_of_earlier_versions_are_read_with_what_nothing_read(tmp_path: Path) -> None:
-    stored = {"reward": "individual", "network": "mlp", "exchange_ratio": 0.9, "convolution_channels": 8, "gamma": 0.5}
+    stored = {
+        "reward": "individual",
+        "network": "mlp",
+        "exchange_ratio": 0.9,
+        "convolution_channels": 8,
+        "gamma": 0.5,
+    }
     write_policy(
         tmp_path / "last.safetensors",
         {"a": np.zeros(1)},
@@ -93,9 +125,15 @@ def test_presets_may_have_what_only_some_rewards_and_networks_read(tmp_path: Pat
     path = tmp_path / "mine.toml"
     path.write_text("[config]\nexchange_ratio = 0.9\nconvolution_channels = 8\n")
     mine = load_preset(path)
-    assert (mine.config, mine.left_out) == (make_config(convolution_channels=8), ("exchange_ratio",))
+    assert (mine.config, mine.left_out) == (
+        make_config(convolution_channels=8),
+        ("exchange_ratio",),
+    )
     mine = load_preset(path, {"reward": "exchange", "network": "mlp"})
-    assert (mine.config, mine.left_out) == (make_config(reward="exchange", network="mlp", exchange_ratio=0.9), ("convolution_channels",))
+    assert (mine.config, mine.left_out) == (
+        make_config(reward="exchange", network="mlp", exchange_ratio=0.9),
+        ("convolution_channels",),
+    )
     with pytest.raises(ConfigError, match="`exchange_ratio` has no effect"):
         load_preset(path, {"exchange_ratio": 0.9})
 
@@ -118,12 +156,20 @@ def other(config: Config, name: str) -> Any:
     if name in OTHERS:
         return OTHERS[name]
     value = type(config).model_fields[name].default
-    return not value if isinstance(value, bool) else value // 2 if isinstance(value, int) else value / 2 + 0.125
+    return (
+        not value
+        if isinstance(value, bool)
+        else value // 2
+        if isinstance(value, int)
+        else value / 2 + 0.125
+    )
 
 
 def text_of(traced: Any) -> str:
     """Returns a traced program with its constants."""
-    return re.sub("0x[0-9a-f]+", "", f"{traced} {[np.asarray(constant) for constant in traced.consts]}")
+    return re.sub(
+        "0x[0-9a-f]+", "", f"{traced} {[np.asarray(constant) for constant in traced.consts]}"
+    )
 
 
 @pytest.mark.parametrize("algorithm", ["ippo", "vdn"])
@@ -141,7 +187,9 @@ def test_rewards_read_what_they_are_said_to(algorithm: str, reward: str) -> None
     config = make_config(algorithm=algorithm, reward=reward)
     for name, mark in dependent_settings(type(config)).items():
         if mark.setting == "reward":
-            changed = program(config.model_copy(update={name: other(config, name)})) != program(config)
+            changed = program(config.model_copy(update={name: other(config, name)})) != program(
+                config
+            )
             assert changed == (name not in config.unread), name
     scaled = program(config.model_copy(update={"match_socialjax": True})) != program(config)
     assert scaled == ("match_socialjax" not in config.unread)
@@ -154,7 +202,11 @@ def test_programs_read_what_they_are_said_to(algorithm: str, network: str) -> No
         run = make_train(constant(1.0), config)
         return text_of(jax.make_jaxpr(run.update)(jax.eval_shape(run.init, jax.random.key(0))))
 
-    register("loss", "none", lambda parameters, *_: (sum(leaf.sum() for leaf in jax.tree.leaves(parameters)), {}))
+    register(
+        "loss",
+        "none",
+        lambda parameters, *_: (sum(leaf.sum() for leaf in jax.tree.leaves(parameters)), {}),
+    )
     config = quick(algorithm=algorithm, network=network)
     before = program(config)
     for name, mark in dependent_settings(type(config)).items():

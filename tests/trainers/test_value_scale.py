@@ -20,12 +20,18 @@ def first_network(**changes: Any) -> tuple[Any, Any]:
     config = quick(**changes)
     assert isinstance(config, PPOConfig)
     networks = make_actor_critics(matching(), config)
-    return networks, jax.tree.map(lambda leaf: leaf[0], networks.init(jax.random.key(0), matching()))
+    return networks, jax.tree.map(
+        lambda leaf: leaf[0], networks.init(jax.random.key(0), matching())
+    )
 
 
 def values_of(networks: Any, parameters: Any) -> np.ndarray:
     windows = jnp.arange(6, dtype=jnp.uint8).reshape(1, 3, 2, 1, 1, 1) % 3
-    return np.asarray(networks.network.apply(parameters, (), windows, None, jnp.ones((1, 3), bool), jnp.arange(2))[2])
+    return np.asarray(
+        networks.network.apply(
+            parameters, (), windows, None, jnp.ones((1, 3), bool), jnp.arange(2)
+        )[2]
+    )
 
 
 @pytest.mark.parametrize("first", [True, False])
@@ -39,7 +45,9 @@ def test_moments_follow_and_values_stay(first: bool) -> None:
     critic = moved["params"]["critic"]
     np.testing.assert_allclose(critic["mean"], mean, rtol=1e-5)
     np.testing.assert_allclose(value_unit(moved), np.sqrt(square - mean**2), rtol=1e-4)
-    np.testing.assert_allclose(values_of(networks, moved), values_of(networks, parameters), atol=1e-4)
+    np.testing.assert_allclose(
+        values_of(networks, moved), values_of(networks, parameters), atol=1e-4
+    )
 
 
 def test_equal_targets_are_not_scaled_up() -> None:
@@ -54,7 +62,9 @@ def test_values_are_learnt_in_the_games_scale() -> None:
     for shown, worth in ((0, 0.8), (1, 1.0)):
         np.testing.assert_allclose(judge(delayed(), state, shown, **NORMALISED)[1], worth, atol=0.1)
     moments = [
-        leaf for path, leaf in jax.tree_util.tree_leaves_with_path(state.learner.opt_state) if "deviation" in jax.tree_util.keystr(path)
+        leaf
+        for path, leaf in jax.tree_util.tree_leaves_with_path(state.learner.opt_state)
+        if "deviation" in jax.tree_util.keystr(path)
     ]
     assert moments
     assert all(not np.asarray(leaf).any() for leaf in moments)
@@ -68,5 +78,7 @@ def test_parameters_are_converted_both_ways(sharing: str) -> None:
     moved = follow_targets(with_moments, jnp.array([10.0, 30.0]), jnp.bool_(True))
     wanted = values_of(plain, parameters)
     np.testing.assert_allclose(values_of(scaled, moved), wanted, atol=1e-5)
-    np.testing.assert_allclose(values_of(plain, converted(moved, normalised=False)), wanted, atol=1e-5)
+    np.testing.assert_allclose(
+        values_of(plain, converted(moved, normalised=False)), wanted, atol=1e-5
+    )
     assert converted(parameters, normalised=False) is parameters

@@ -6,7 +6,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import FAST_TO_COMPILE, delayed, endless_riches, judge_actions, learn, matching, quick, stream
+from probes import (
+    FAST_TO_COMPILE,
+    delayed,
+    endless_riches,
+    judge_actions,
+    learn,
+    matching,
+    quick,
+    stream,
+)
 
 from sjdsl.trainers import ConfigError, TrainState, VDNConfig, make_config, make_train
 from sjdsl.trainers.action_values import exploration
@@ -34,34 +43,46 @@ def test_value_is_discounted_once_a_step(changes: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, ON_POLICY, pytest.param({"double_q": True}, marks=pytest.mark.slow)], ids=["replayed", "on policy", "double"]
+    "changes",
+    [{}, ON_POLICY, pytest.param({"double_q": True}, marks=pytest.mark.slow)],
+    ids=["replayed", "on policy", "double"],
 )
 def test_each_joint_action_has_its_value(changes: dict[str, Any]) -> None:
     """The team has 1 for each agent that does what is cued: a sum, so that values can say it exactly."""
     for cue in (0, 1):
         found = values(matching(), cue, **changes)
         paid = np.arange(2) == cue
-        np.testing.assert_allclose(found[0][:, None] + found[1][None], paid[:, None] + 1.0 * paid[None], atol=TOLERANCE)
+        np.testing.assert_allclose(
+            found[0][:, None] + found[1][None], paid[:, None] + 1.0 * paid[None], atol=TOLERANCE
+        )
     _, metrics = learn(matching(), **VDN, **changes)
-    assert float(metrics["collective_return"][-10:].mean()) > 1.85  # all but 0.05 / 2 of the actions of each
+    assert (
+        float(metrics["collective_return"][-10:].mean()) > 1.85
+    )  # all but 0.05 / 2 of the actions of each
 
 
 @pytest.mark.slow
 def test_double_q_is_another_run() -> None:
-    plain, double = (learn(delayed(), **VDN, double_q=double_q)[1]["loss"] for double_q in (False, True))
+    plain, double = (
+        learn(delayed(), **VDN, double_q=double_q)[1]["loss"] for double_q in (False, True)
+    )
     assert (plain != double).any()
 
 
 @BOTH
 def test_a_time_limit_is_no_ending(changes: dict[str, Any]) -> None:
     """An endless reward of 1 to both is worth 2 / (1 - 0.8), wherever it is cut."""
-    found = [values(stream("truncated"), 1 + 2 * step, **changes).max(axis=1).sum() for step in range(3)]
+    found = [
+        values(stream("truncated"), 1 + 2 * step, **changes).max(axis=1).sum() for step in range(3)
+    ]
     np.testing.assert_allclose(found, 10.0, atol=0.7)
 
 
 @BOTH
 def test_a_true_ending_is_worth_nothing(changes: dict[str, Any]) -> None:
-    found = [values(stream("terminated"), 1 + 2 * step, **changes).max(axis=1).sum() for step in range(3)]
+    found = [
+        values(stream("terminated"), 1 + 2 * step, **changes).max(axis=1).sum() for step in range(3)
+    ]
     np.testing.assert_allclose(found, [2 * 2.44, 2 * 1.8, 2 * 1.0], atol=0.3)
 
 
@@ -72,14 +93,20 @@ def test_what_is_measured() -> None:
     updates = np.arange(200)
     assert int(state.learner.online.step) == 4 * 200
     np.testing.assert_array_equal(metrics["replayed"], np.minimum(64 * (updates + 1), 640))
-    np.testing.assert_allclose(metrics["epsilon"], np.maximum(1 - 0.95 * updates / 100, 0.05), atol=1e-5)
-    np.testing.assert_allclose(metrics["learning_rate"], 1e-2 * (1 - (updates + 1) / 200), atol=1e-6)
+    np.testing.assert_allclose(
+        metrics["epsilon"], np.maximum(1 - 0.95 * updates / 100, 0.05), atol=1e-5
+    )
+    np.testing.assert_allclose(
+        metrics["learning_rate"], 1e-2 * (1 - (updates + 1) / 200), atol=1e-6
+    )
     assert np.isfinite(metrics["loss"]).all()
 
 
 def test_at_first_actions_are_drawn() -> None:
     """1 each with a probability of 1/2: the mean of 64 episodes has a standard error of 0.09."""
-    assert float(learn(matching(), **VDN)[1]["collective_return"][0]) == pytest.approx(1.0, abs=0.35)
+    assert float(learn(matching(), **VDN)[1]["collective_return"][0]) == pytest.approx(
+        1.0, abs=0.35
+    )
 
 
 @BOTH
@@ -95,11 +122,21 @@ def test_an_infinite_reward_leaves_the_parameters_as_they_were(changes: dict[str
 # parts
 
 
-@pytest.mark.parametrize(("updates", "epsilon"), [(0, 0.9), (10, 0.7), (20, 0.5), (30, 0.3), (40, 0.1), (41, 0.1), (100, 0.1)])
+@pytest.mark.parametrize(
+    ("updates", "epsilon"),
+    [(0, 0.9), (10, 0.7), (20, 0.5), (30, 0.3), (40, 0.1), (41, 0.1), (100, 0.1)],
+)
 def test_exploring_falls_in_a_line_and_stays(updates: int, epsilon: float) -> None:
     """From 0.9 to 0.1 over 0.4 of 100 updates."""
     config = make_config(
-        VDN, num_envs=1, num_steps=1, total_timesteps=100, epsilon_start=0.9, epsilon_end=0.1, epsilon_fraction=0.4, buffer_size=1
+        VDN,
+        num_envs=1,
+        num_steps=1,
+        total_timesteps=100,
+        epsilon_start=0.9,
+        epsilon_end=0.1,
+        epsilon_fraction=0.4,
+        buffer_size=1,
     )
     assert isinstance(config, VDNConfig)
     assert float(exploration(config, jnp.int32(updates))) == pytest.approx(epsilon, rel=1e-5)
@@ -108,10 +145,16 @@ def test_exploring_falls_in_a_line_and_stays(updates: int, epsilon: float) -> No
 def test_the_target_follows_every_so_many_updates() -> None:
     target, online = {"a": jnp.array([0.0, 4.0])}, {"a": jnp.array([1.0, 8.0])}
     config = VDNConfig(target_update_every=3, target_rate=0.25)
-    moved = [follow_target(target, online, jnp.int32(updates), config)["a"].tolist() for updates in range(1, 7)]
+    moved = [
+        follow_target(target, online, jnp.int32(updates), config)["a"].tolist()
+        for updates in range(1, 7)
+    ]
     stays, goes = [0.0, 4.0], [0.25, 5.0]
     assert moved == [stays, stays, goes, stays, stays, goes]
-    np.testing.assert_array_equal(follow_target(target, online, jnp.int32(3), VDNConfig(target_update_every=3))["a"], online["a"])
+    np.testing.assert_array_equal(
+        follow_target(target, online, jnp.int32(3), VDNConfig(target_update_every=3))["a"],
+        online["a"],
+    )
 
 
 @pytest.mark.parametrize("double_q", [False, True])
@@ -120,7 +163,11 @@ def test_the_loss_equals_its_formula(double_q: bool) -> None:
     draw = np.random.default_rng(0)
     online, target = draw.normal(size=(2, 4, 3)).astype(np.float32)
     seen, led = draw.integers(0, 4, (2, 3, 2))
-    action, reward, ended = draw.integers(0, 3, (3, 2)), draw.normal(size=3).astype(np.float32), np.array([False, True, False])
+    action, reward, ended = (
+        draw.integers(0, 3, (3, 2)),
+        draw.normal(size=3).astype(np.float32),
+        np.array([False, True, False]),
+    )
 
     squares, taken = [], []
     for index in range(3):
@@ -182,12 +229,21 @@ def test_targets_of_rollouts_equal_their_recursion() -> None:
         acting=jnp.asarray(values),
         ending=jnp.asarray(terminal),
     )
-    np.testing.assert_allclose(with_targets(rollout, jnp.asarray(last), config).target, wanted.ravel(), rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(
+        with_targets(rollout, jnp.asarray(last), config).target,
+        wanted.ravel(),
+        rtol=1e-5,
+        atol=1e-6,
+    )
 
 
 def test_the_value_of_the_team_is_the_sum_over_learners() -> None:
     """Half the mean squared error; agent 1 of three doesn't learn."""
-    network = type("Network", (), {"apply": staticmethod(lambda parameters, observation: parameters[observation[..., 0]])})
+    network = type(
+        "Network",
+        (),
+        {"apply": staticmethod(lambda parameters, observation: parameters[observation[..., 0]])},
+    )
     table = jnp.array([[1.0, 2.0], [3.0, 5.0]])
     steps = Steps(jnp.array([[[0], [1], [1]]]), jnp.array([[1, 0, 1]]), jnp.array([10.0]))
     loss, parts = team_loss(table, network, jnp.array([0, 2]), steps)  # type: ignore[arg-type]
@@ -196,11 +252,23 @@ def test_the_value_of_the_team_is_the_sum_over_learners() -> None:
 
 def test_nothing_is_learnt_from_the_target() -> None:
     """The gradient of the loss is that of a fixed aim: 2 * (value - aim), shared by the actions taken."""
-    network = type("Network", (), {"apply": staticmethod(lambda parameters, observation: parameters[observation[..., 0, 0, 0]])})
+    network = type(
+        "Network",
+        (),
+        {
+            "apply": staticmethod(
+                lambda parameters, observation: parameters[observation[..., 0, 0, 0]]
+            )
+        },
+    )
     zero = jnp.zeros((1, 1, 1, 1, 1), jnp.int32)
-    batch = Transition(zero, jnp.zeros((1, 1), jnp.int32), jnp.array([1.0]), zero, jnp.array([False]))
+    batch = Transition(
+        zero, jnp.zeros((1, 1), jnp.int32), jnp.array([1.0]), zero, jnp.array([False])
+    )
     table = jnp.array([[3.0, 0.0]])
-    gradient = jax.grad(lambda parameters: vdn_loss(parameters, parameters, network, batch, VDNConfig(gamma=0.5))[0])(table)  # type: ignore[arg-type]
+    gradient = jax.grad(
+        lambda parameters: vdn_loss(parameters, parameters, network, batch, VDNConfig(gamma=0.5))[0]
+    )(table)  # type: ignore[arg-type]
     np.testing.assert_allclose(gradient, [[2 * (3 - (1 + 1.5)), 0.0]])
 
 
@@ -212,7 +280,10 @@ def test_the_learning_rate_falls_to_zero() -> None:
 
 
 def test_the_buffer_is_whole_updates() -> None:
-    with pytest.raises(ConfigError, match="`buffer_size` must be a multiple of num_envs x num_steps = 16 x 4 = 64, not 100"):
+    with pytest.raises(
+        ConfigError,
+        match="`buffer_size` must be a multiple of num_envs x num_steps = 16 x 4 = 64, not 100",
+    ):
         make_train(matching(), quick(**VDN, buffer_size=100))
 
 
@@ -236,14 +307,19 @@ def _learners(number: int, **changes: Any) -> list[ValueLearner]:
 
 
 def _same(one: Any, other: Any) -> bool:
-    return all(np.array_equal(a, b) for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True))
+    return all(
+        np.array_equal(a, b)
+        for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True)
+    )
 
 
 @pytest.mark.thorough
 def test_learning_starts_late_and_the_target_stays_behind() -> None:
     """64 steps an update: learning starts with the third, and the target follows at every second."""
     learners = _learners(6, learning_starts=150)
-    online, target = ([getattr(learner, name) for learner in learners] for name in ("online", "target"))
+    online, target = (
+        [getattr(learner, name) for learner in learners] for name in ("online", "target")
+    )
     assert [int(learner.step) for learner in online] == [0, 0, 0, 4, 8, 12, 16]
     assert _same(online[0].params, online[2].params)
     assert not _same(online[2].params, online[3].params)

@@ -35,7 +35,9 @@ class Plain(nn.Module):
 
     @nn.compact
     def __call__(self, tokens: Array) -> Array:
-        channels = to_channels(tokens, PLANES, self.dtype, scale_numbers=True).reshape(*tokens.shape[:-3], -1)
+        channels = to_channels(tokens, PLANES, self.dtype, scale_numbers=True).reshape(
+            *tokens.shape[:-3], -1
+        )
         return nn.Dense(WIDTH, dtype=self.dtype)(channels)
 
 
@@ -56,11 +58,20 @@ def draw_windows(seed: int, *lead: int) -> Array:
     return jnp.asarray(np.where(uniform, tokens[..., :1, :1], tokens), jnp.uint8)
 
 
-@pytest.fixture(params=["multiplied", pytest.param(1, marks=pytest.mark.thorough), 12, pytest.param(256, marks=pytest.mark.thorough)])
+@pytest.fixture(
+    params=[
+        "multiplied",
+        pytest.param(1, marks=pytest.mark.thorough),
+        12,
+        pytest.param(256, marks=pytest.mark.thorough),
+    ]
+)
 def _way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """As on a GPU, or looked up with each plane in a table of its own, with two in one, or with as many as may be."""
     if request.param == "multiplied":
-        monkeypatch.setattr(jax.lax, "platform_dependent", lambda *arguments, default, **_: default(*arguments))
+        monkeypatch.setattr(
+            jax.lax, "platform_dependent", lambda *arguments, default, **_: default(*arguments)
+        )
     else:
         monkeypatch.setattr(window_rows, "LIMITS", (request.param,))
     jax.clear_caches()  # the way is chosen when a function is traced
@@ -69,7 +80,9 @@ def _way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Non
 @pytest.mark.usefixtures("_way")
 @pytest.mark.parametrize("lead", [(12,), (2, 1, 7), (1,)])
 @pytest.mark.parametrize(("dtype", "tolerance"), [(jnp.float32, 1e-5), (jnp.bfloat16, 5e-2)])
-def test_the_layer_is_a_dense_one(lead: tuple[int, ...], dtype: jnp.dtype, tolerance: float) -> None:
+def test_the_layer_is_a_dense_one(
+    lead: tuple[int, ...], dtype: jnp.dtype, tolerance: float
+) -> None:
     """Values and both gradients."""
     tokens = draw_windows(0, *lead)
     parameters = Plain(dtype).init(jax.random.key(1), tokens)
@@ -85,7 +98,10 @@ def test_the_layer_is_a_dense_one(lead: tuple[int, ...], dtype: jnp.dtype, toler
 
     jax.tree.map(
         lambda ours, plain: np.testing.assert_allclose(
-            np.asarray(ours, np.float32), np.asarray(plain, np.float32), rtol=tolerance, atol=tolerance
+            np.asarray(ours, np.float32),
+            np.asarray(plain, np.float32),
+            rtol=tolerance,
+            atol=tolerance,
         ),
         of(Ours(dtype)),
         of(Plain(dtype)),
@@ -103,7 +119,13 @@ def test_gradients_of_gradients() -> None:
         def loss(own: dict) -> Array:
             return jnp.square(jnp.tanh(layer.apply(own, tokens)) - 0.5).mean()
 
-        return jax.jit(jax.grad(lambda own: loss(jax.tree.map(lambda leaf, step: leaf - 2.0 * step, own, jax.grad(loss)(own)))))(parameters)
+        return jax.jit(
+            jax.grad(
+                lambda own: loss(
+                    jax.tree.map(lambda leaf, step: leaf - 2.0 * step, own, jax.grad(loss)(own))
+                )
+            )
+        )(parameters)
 
     ours, plain = (after_a_step(layer(jnp.dtype(jnp.float32))) for layer in (Ours, Plain))
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6), ours, plain)
@@ -114,39 +136,55 @@ def test_gradients_of_gradients() -> None:
 def test_many_networks_at_once() -> None:
     """Under `vmap`, as teams of agents with their own parameters are: over windows, kernels, or both."""
     tokens = jnp.stack([draw_windows(seed, 6) for seed in range(3)])
-    parameters = jax.vmap(lambda key: Plain(jnp.dtype(jnp.float32)).init(key, tokens[0]))(jax.random.split(jax.random.key(1), 3))
+    parameters = jax.vmap(lambda key: Plain(jnp.dtype(jnp.float32)).init(key, tokens[0]))(
+        jax.random.split(jax.random.key(1), 3)
+    )
 
     def gradient(layer: nn.Module, axes: tuple[int | None, int | None]) -> Array:
         one, windows = (
-            jax.tree.map(lambda leaf: leaf[0], each) if axis is None else each for each, axis in zip((parameters, tokens), axes)
+            jax.tree.map(lambda leaf: leaf[0], each) if axis is None else each
+            for each, axis in zip((parameters, tokens), axes)
         )
         loss = jax.grad(lambda own, seen: jnp.square(layer.apply(own, seen)).sum())
         return jax.jit(jax.vmap(loss, axes))(one, windows)
 
     for axes in ((0, 0), (0, None), (None, 0)):
         ours, plain = (gradient(layer(jnp.dtype(jnp.float32)), axes) for layer in (Ours, Plain))
-        jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, plain)
+        jax.tree.map(
+            lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, plain
+        )
 
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("_way")
 def test_teams_in_several_seeds() -> None:
     """Under two `vmap`s each network looks at its own windows, and where both have one network, at all of them."""
-    tokens = jnp.stack([draw_windows(seed, 3, 4) for seed in range(2)])  # [seeds, teams, windows, ...]
+    tokens = jnp.stack(
+        [draw_windows(seed, 3, 4) for seed in range(2)]
+    )  # [seeds, teams, windows, ...]
     keys = jax.random.split(jax.random.key(1), (2, 3))
     plain = Plain(jnp.dtype(jnp.float32))
     parameters = jax.vmap(jax.vmap(lambda key: plain.init(key, tokens[0, 0])))(keys)
 
     def of(layer: nn.Module, own: dict, seen: Array) -> tuple[Array, dict]:
-        return layer.apply(own, seen), jax.grad(lambda own: jnp.square(layer.apply(own, seen)).sum())(own)
+        return layer.apply(own, seen), jax.grad(
+            lambda own: jnp.square(layer.apply(own, seen)).sum()
+        )(own)
 
     for axes in ((0, 0), (None, 0), (0, None)):
-        own, seen = (jax.tree.map(lambda leaf: leaf[0], each) if axis is None else each for each, axis in zip((parameters, tokens), axes))
+        own, seen = (
+            jax.tree.map(lambda leaf: leaf[0], each) if axis is None else each
+            for each, axis in zip((parameters, tokens), axes)
+        )
         ours, ones = (
-            jax.jit(jax.vmap(jax.vmap(lambda own, seen, layer=layer: of(layer, own, seen)), axes))(own, seen)
+            jax.jit(jax.vmap(jax.vmap(lambda own, seen, layer=layer: of(layer, own, seen)), axes))(
+                own, seen
+            )
             for layer in (Ours(jnp.dtype(jnp.float32)), plain)
         )
-        jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, ones)
+        jax.tree.map(
+            lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, ones
+        )
 
 
 def test_planes_share_a_table_where_that_is_less_work() -> None:
@@ -157,7 +195,9 @@ def test_planes_share_a_table_where_that_is_less_work() -> None:
     assert groups_of((LOCAL[2],), 10**6) == ()
 
 
-@pytest.mark.parametrize(("windows", "groups"), [(19, ((0,), (1,), (3,))), (21, ((0, 1), (3,))), (85, ((0, 1, 3),))])
+@pytest.mark.parametrize(
+    ("windows", "groups"), [(19, ((0,), (1,), (3,))), (21, ((0, 1), (3,))), (85, ((0, 1, 3),))]
+)
 def test_tables_of_few_windows_are_small(windows: int, groups: tuple[tuple[int, ...], ...]) -> None:
     """Planes of 3, 4 and 3 values: 10 rows and three lookups a window, 15 and two, or 36 and one; a row costs 4 lookups."""
     assert groups_of(LOCAL[:4], windows) == groups
@@ -166,5 +206,8 @@ def test_tables_of_few_windows_are_small(windows: int, groups: tuple[tuple[int, 
 def test_the_parameters_are_those_of_a_dense_layer() -> None:
     """Names and shapes: policies that were stored before are read."""
     tokens = draw_windows(0, 2)
-    ours, plain = (jax.eval_shape(layer(jnp.dtype(jnp.float32)).init, jax.random.key(0), tokens) for layer in (Ours, Plain))
+    ours, plain = (
+        jax.eval_shape(layer(jnp.dtype(jnp.float32)).init, jax.random.key(0), tokens)
+        for layer in (Ours, Plain)
+    )
     assert ours == plain

@@ -45,7 +45,9 @@ def test_the_manual_loses_nothing() -> None:
     text = (ROOT / "docs" / "language.md").read_text("utf-8")
     introduction, chapters = split(text)
     assert introduction + "".join(raised(chapter.text, -1) for chapter in chapters) == text
-    assert anchors(introduction).union(*(anchors(chapter.text) for chapter in chapters)) == anchors(text)
+    assert anchors(introduction).union(*(anchors(chapter.text) for chapter in chapters)) == anchors(
+        text
+    )
 
 
 def test_two_headings_with_one_anchor_are_refused() -> None:
@@ -64,8 +66,14 @@ def test_links_lead_to_the_page_that_has_the_anchor() -> None:
     assert "[part](the-first.md#11-part)" in found
     assert "[chapter two](#2-second)" in found
     assert "[elsewhere](https://example.org)" in found and "`[not](gone.md)`" in found
-    assert places().relinked("[x](docs/language.md#11-part)", "README.md", "index.md") == "[x](language/the-first.md#11-part)"
-    assert places().relinked("[x](../language.md)", "docs/interop/rllib.md", "interop/rllib.md") == "[x](../language.md)"
+    assert (
+        places().relinked("[x](docs/language.md#11-part)", "README.md", "index.md")
+        == "[x](language/the-first.md#11-part)"
+    )
+    assert (
+        places().relinked("[x](../language.md)", "docs/interop/rllib.md", "interop/rllib.md")
+        == "[x](../language.md)"
+    )
 
 
 def test_of_pictures_of_other_servers_the_text_stays() -> None:
@@ -78,13 +86,17 @@ def test_of_pictures_of_other_servers_the_text_stays() -> None:
 def test_links_out_of_docs_lead_to_pages_of_files() -> None:
     known = places()
     assert (
-        known.relinked("[x](games/coins.sj) [y](CONTRIBUTING.md)", "README.md", "index.md") == "[x](gallery/coins.md) [y](contributing.md)"
+        known.relinked("[x](games/coins.sj) [y](CONTRIBUTING.md)", "README.md", "index.md")
+        == "[x](gallery/coins.md) [y](contributing.md)"
     )
     assert (
         known.relinked('<img src="CITATION.cff" align="right">', "README.md", "index.md")
         == '<img src="source/CITATION.cff.md" align="right">'
     )
-    assert known.relinked("![x](../CITATION.cff)", "docs/tour.md", "tour.md") == "![x](source/CITATION.cff.md)"
+    assert (
+        known.relinked("![x](../CITATION.cff)", "docs/tour.md", "tour.md")
+        == "![x](source/CITATION.cff.md)"
+    )
     assert known.wanted == {"CITATION.cff"}
     with pytest.raises(DeadLink, match=r"docs/tour.md: link `../gone.txt`"):
         known.relinked("[x](../gone.txt)", "docs/tour.md", "tour.md")

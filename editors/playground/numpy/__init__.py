@@ -14,7 +14,20 @@ from .array import nonzero as _nonzero
 from .dtypes import bool_, dtype, float64, int32, int64, uint8, uint16
 from .float32 import errstate, float32, floating
 
-__all__ = ["bool_", "broadcast_to", "dtype", "errstate", "float32", "float64", "floating", "int32", "int64", "ndarray", "uint8", "uint16"]
+__all__ = [
+    "bool_",
+    "broadcast_to",
+    "dtype",
+    "errstate",
+    "float32",
+    "float64",
+    "floating",
+    "int32",
+    "int64",
+    "ndarray",
+    "uint8",
+    "uint16",
+]
 __version__ = "0"
 
 
@@ -31,10 +44,15 @@ class ufunc:
         return _reduce(self, list(values))
 
 
-less, less_equal, greater, greater_equal = (ufunc(fn, bool_) for fn in (operator.lt, operator.le, operator.gt, operator.ge))
+less, less_equal, greater, greater_equal = (
+    ufunc(fn, bool_) for fn in (operator.lt, operator.le, operator.gt, operator.ge)
+)
 equal, not_equal = ufunc(operator.eq, bool_), ufunc(operator.ne, bool_)
 logical_not = ufunc(operator.not_, bool_)
-logical_and, logical_or = ufunc(lambda a, b: bool(a and b), bool_), ufunc(lambda a, b: bool(a or b), bool_)
+logical_and, logical_or = (
+    ufunc(lambda a, b: bool(a and b), bool_),
+    ufunc(lambda a, b: bool(a or b), bool_),
+)
 isfinite = ufunc(math.isfinite, bool_)
 minimum, maximum = ufunc(min), ufunc(max)
 ceil = ufunc(lambda value: float(math.ceil(value)))
@@ -119,27 +137,43 @@ def broadcast_arrays(*values: Any) -> tuple[ndarray, ...]:
 
 def stack(arrays: Any, axis: int = 0) -> ndarray:
     parts = [as_array(part) for part in arrays]
-    shape, type_ = parts[0].shape, next((p.dtype for p in parts if p.dtype.kind != "b"), parts[0].dtype)
+    shape, type_ = (
+        parts[0].shape,
+        next((p.dtype for p in parts if p.dtype.kind != "b"), parts[0].dtype),
+    )
     axis %= len(shape) + 1
     inner = math.prod(shape[axis:])
-    flat = [v for o in range(math.prod(shape[:axis])) for p in parts for v in p.flat[o * inner : (o + 1) * inner]]
+    flat = [
+        v
+        for o in range(math.prod(shape[:axis]))
+        for p in parts
+        for v in p.flat[o * inner : (o + 1) * inner]
+    ]
     return ndarray([type_.cast(v) for v in flat], (*shape[:axis], len(parts), *shape[axis:]), type_)
 
 
 def meshgrid(*axes: Any, indexing: str) -> tuple[ndarray, ...]:
     assert indexing == "ij"
     shape = tuple(len(axis) for axis in axes)
-    places = [(1,) * number + (-1,) + (1,) * (len(axes) - number - 1) for number in range(len(axes))]
+    places = [
+        (1,) * number + (-1,) + (1,) * (len(axes) - number - 1) for number in range(len(axes))
+    ]
     return tuple(broadcast_to(axis.reshape(place), shape) for axis, place in zip(axes, places))
 
 
-def unique(value: Any, axis: int | None = None, return_counts: bool = False, return_inverse: bool = False) -> Any:
+def unique(
+    value: Any, axis: int | None = None, return_counts: bool = False, return_inverse: bool = False
+) -> Any:
     """Returns the different values in order; with `axis=0` the different rows."""
     given = as_array(value)
     entries = given.flat if axis is None else [tuple(row) for row in given.tolist()]
     found = sorted(set(entries))
     number = {entry: place for place, entry in enumerate(found)}
-    shown = as_array(found) if axis is None else ndarray([v for row in found for v in row], (len(found), *given.shape[1:]), given.dtype)
+    shown = (
+        as_array(found)
+        if axis is None
+        else ndarray([v for row in found for v in row], (len(found), *given.shape[1:]), given.dtype)
+    )
     inverse = ndarray([number[entry] for entry in entries], (len(entries),), int64)
     if return_counts:
         counts = [0] * len(found)

@@ -35,7 +35,11 @@ class ndarray:
     @property
     def T(self) -> "ndarray":
         rows, cols = self.shape
-        return ndarray([self.flat[row * cols + col] for col in range(cols) for row in range(rows)], (cols, rows), self.dtype)
+        return ndarray(
+            [self.flat[row * cols + col] for col in range(cols) for row in range(rows)],
+            (cols, rows),
+            self.dtype,
+        )
 
     def __len__(self) -> int:
         return self.shape[0]
@@ -77,19 +81,30 @@ class ndarray:
         return ndarray(list(self.flat), self.shape, self.dtype)
 
     def reshape(self, *shape: Any) -> "ndarray":
-        wanted = tuple(shape[0]) if len(shape) == 1 and isinstance(shape[0], tuple | list) else shape
+        wanted = (
+            tuple(shape[0]) if len(shape) == 1 and isinstance(shape[0], tuple | list) else shape
+        )
         if -1 in wanted:
             rest = prod(n for n in wanted if n != -1)
             wanted = tuple(self.size // rest if n == -1 else n for n in wanted)
         return ndarray(self.flat, wanted, self.dtype)
 
-    def reduced(self, fn: Callable[[list[Any]], Any], axis: int | None, type_: dtype | None = None) -> Any:
+    def reduced(
+        self, fn: Callable[[list[Any]], Any], axis: int | None, type_: dtype | None = None
+    ) -> Any:
         """Returns `fn` of all elements, or of those along an axis."""
         if axis is None:
             return fn(self.flat)
         axis %= self.ndim
-        outer, length, inner = prod(self.shape[:axis]), self.shape[axis], prod(self.shape[axis + 1 :])
-        found = [fn(self.flat[o * length * inner + i : (o + 1) * length * inner : inner]) for o, i in product(range(outer), range(inner))]
+        outer, length, inner = (
+            prod(self.shape[:axis]),
+            self.shape[axis],
+            prod(self.shape[axis + 1 :]),
+        )
+        found = [
+            fn(self.flat[o * length * inner + i : (o + 1) * length * inner : inner])
+            for o, i in product(range(outer), range(inner))
+        ]
         shape = self.shape[:axis] + self.shape[axis + 1 :]
         return ndarray(found, shape, type_ or self.dtype) if shape else found[0]
 
@@ -136,7 +151,9 @@ class ndarray:
         keys += [slice(None)] * (self.ndim - sum(k is not None for k in keys))
         listed = [k for k in keys if isinstance(k, ndarray)]
         joint = joined_shape([k.shape for k in listed])
-        together = [0] * prod(joint)  # what the listed numbers of all axes come to; they stand where the first of them stands
+        together = [0] * prod(
+            joint
+        )  # what the listed numbers of all axes come to; they stand where the first of them stands
         offset, axis, place, shape, choices = 0, 0, None, [], []
         for k in keys:
             if k is None:
@@ -219,8 +236,12 @@ def _flattened(value: Any) -> tuple[Shape, list[Any]]:
 
 def nonzero(array: ndarray) -> tuple[ndarray, ...]:
     """Returns the numbers of the elements that are not zero, an array for each axis."""
-    found = [at for at, value in zip(product(*map(range, array.shape)), array.flat, strict=True) if value]
-    return tuple(ndarray([at[axis] for at in found], (len(found),), int64) for axis in range(array.ndim))
+    found = [
+        at for at, value in zip(product(*map(range, array.shape)), array.flat, strict=True) if value
+    ]
+    return tuple(
+        ndarray([at[axis] for at in found], (len(found),), int64) for axis in range(array.ndim)
+    )
 
 
 def joined_shape(shapes: list[Shape]) -> Shape:

@@ -36,7 +36,14 @@ float64 = dtype("float64", "f", float)
 real32 = dtype("float32", "f", float32)
 text = dtype("str", "U", str)
 object_ = dtype("object", "O", lambda value: value)
-_BY_CLASS: dict[Any, dtype] = {bool: bool_, int: int64, float: float64, float32: real32, str: text, object: object_}
+_BY_CLASS: dict[Any, dtype] = {
+    bool: bool_,
+    int: int64,
+    float: float64,
+    float32: real32,
+    str: text,
+    object: object_,
+}
 
 
 def dtype_of(asked: Any) -> dtype:

@@ -9,7 +9,9 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
-_FORMAT = struct.Struct("<f")  # without "<", numbers that are too large become an infinity and nobody is told
+_FORMAT = struct.Struct(
+    "<f"
+)  # without "<", numbers that are too large become an infinity and nobody is told
 _PACK, _UNPACK = _FORMAT.pack, _FORMAT.unpack
 _RAISES: dict[str, bool] = {"over": False, "invalid": False}
 _SMALLEST_NORMAL = 2.0**-126
@@ -121,7 +123,11 @@ class float32(floating):
         plain = float.__pos__(self)
         if plain == 0 or not math.isfinite(plain):
             return repr(plain)
-        short = next(text for digits in range(1, 18) if rounded(float(text := f"{plain:.{digits}g}")) == plain)
+        short = next(
+            text
+            for digits in range(1, 18)
+            if rounded(float(text := f"{plain:.{digits}g}")) == plain
+        )
         return repr(float(short)) if abs(plain) < 1e16 else short
 
     def __repr__(self) -> str:

@@ -2,7 +2,20 @@
 
 from typing import Literal
 
-from sjdsl.compiler.ast.expressions import By, Call, Chosen, Domain, Expr, Name, Named, Path, ShapeRef, String, Table, Type
+from sjdsl.compiler.ast.expressions import (
+    By,
+    Call,
+    Chosen,
+    Domain,
+    Expr,
+    Name,
+    Named,
+    Path,
+    ShapeRef,
+    String,
+    Table,
+    Type,
+)
 from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.statements import Block
 

@@ -55,7 +55,9 @@ class CellType(Node):
 
 
 Type = Words | Range | NamedType | CellType
-By = Words | Numbers | Name  # what the entries of a row are told apart by; the name of a sort is `agent`
+By = (
+    Words | Numbers | Name
+)  # what the entries of a row are told apart by; the name of a sort is `agent`
 
 
 # ---- expressions
@@ -177,7 +179,23 @@ class Within(Node):
     high: Expr | None
 
 
-Expr = Int | Decimal | Nobody | Path | Call | Count | Quantified | Total | Extreme | Case | Unary | Binary | Chose | Standing | Within
+Expr = (
+    Int
+    | Decimal
+    | Nobody
+    | Path
+    | Call
+    | Count
+    | Quantified
+    | Total
+    | Extreme
+    | Case
+    | Unary
+    | Binary
+    | Chose
+    | Standing
+    | Within
+)
 
 
 class Table(Node):

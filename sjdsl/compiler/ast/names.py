@@ -13,7 +13,9 @@ from sjdsl.compiler.diagnostics.tree import children, walk
 Space = Literal[
     "game", "name", "word", "field", "action", "argument", "shape", "phase", "metric", "variant", "policy", "scenario", "checks", "local"
 ]  # fmt: skip
-Owners = frozenset[str] | None  # what a value can be, as far as dots are concerned: `agent`, kinds, sorts of movers; None: not known
+Owners = (
+    frozenset[str] | None
+)  # what a value can be, as far as dots are concerned: `agent`, kinds, sorts of movers; None: not known
 AGENT: Owners = frozenset({"agent"})
 SPACES: dict[type[Node], Space] = {
     ast.Game: "game", ast.Constant: "name", ast.Kind: "name", ast.Group: "name", ast.Movers: "name", ast.Define: "name", ast.Field: "name",
@@ -103,17 +105,25 @@ class Names:
 
     def knows(self, symbol: Symbol) -> bool:
         """Returns whether the games declare something, and not the language."""
-        return symbol in self.nodes or symbol.space == "local" or (symbol.space == "word" and symbol.name in self.words)
+        return (
+            symbol in self.nodes
+            or symbol.space == "local"
+            or (symbol.space == "word" and symbol.name in self.words)
+        )
 
     def called(self, name: str, spaces: Iterable[Space]) -> set[Symbol]:
         """Returns what has a name in some of the name spaces, of whomever it is."""
         word = {Symbol("word", name)} if name in self.words and "word" in spaces else set()
-        return word | {symbol for symbol in self.nodes if symbol.name == name and symbol.space in spaces}
+        return word | {
+            symbol for symbol in self.nodes if symbol.name == name and symbol.space in spaces
+        }
 
     def sort(self, symbol: Symbol) -> str:
         """Returns what something of the shared name space is, as messages call it."""
         node = self.nodes[symbol]
-        return SORTS.get(type(node)) or ("size" if isinstance(node, ast.Constant) and node.is_size else "parameter")
+        return SORTS.get(type(node)) or (
+            "size" if isinstance(node, ast.Constant) and node.is_size else "parameter"
+        )
 
     def owners(self, name: str) -> Owners:
         """Returns what members of a domain are: of `agent`, a kind, a group, a sort of movers."""
@@ -129,7 +139,11 @@ class Names:
 
     def fields(self, owners: Owners) -> list[Symbol]:
         """Returns the fields that can follow a dot; behind an owner that is not known, those of all."""
-        return [symbol for symbol in self.nodes if symbol.space == "field" and (owners is None or symbol.owner in owners)]
+        return [
+            symbol
+            for symbol in self.nodes
+            if symbol.space == "field" and (owners is None or symbol.owner in owners)
+        ]
 
     def held(self, symbol: Symbol) -> Owners:
         """Returns what a field holds, as far as dots are concerned."""
@@ -148,7 +162,9 @@ def names_of(files: Iterable[ast.File]) -> Names:
     for file in files:
         for symbol, node in declarations(file):
             found.nodes.setdefault(symbol, node)
-        found.words |= {name.text for node in walk(file) if isinstance(node, ast.Words) for name in node.names}
+        found.words |= {
+            name.text for node in walk(file) if isinstance(node, ast.Words) for name in node.names
+        }
     return found
 
 
@@ -159,7 +175,9 @@ USES: dict[type[Node], tuple[Space, ...]] = {
 }  # fmt: skip
 
 
-def occurrences(file: ast.File, names: Names, resolved: Mapping[Span, set[Symbol]]) -> list[Occurrence]:
+def occurrences(
+    file: ast.File, names: Names, resolved: Mapping[Span, set[Symbol]]
+) -> list[Occurrence]:
     """Returns every name of a file that stands for something declared in the game, in the order of the text.
 
     Elaboration doesn't reach everything: not text beside a mistake, a define that nobody uses, a game that cannot be put together.
@@ -169,13 +187,20 @@ def occurrences(file: ast.File, names: Names, resolved: Mapping[Span, set[Symbol
       names: what the game declares, with its bases.
       resolved: what elaboration found names to stand for, in this game, in its variants, and perhaps in games that stand on it.
     """
-    found = {node.name.span: Occurrence(node.name.span, (symbol,), True) for symbol, node in declarations(file)}  # type: ignore[attr-defined]
-    bound = {symbol for symbols in resolved.values() for symbol in symbols if symbol.space == "local"}
+    found = {
+        node.name.span: Occurrence(node.name.span, (symbol,), True)
+        for symbol, node in declarations(file)
+    }  # type: ignore[attr-defined]
+    bound = {
+        symbol for symbols in resolved.values() for symbol in symbols if symbol.space == "local"
+    }
     for node in walk(file):
         match node:
             case ast.Words():
                 for word in node.names:
-                    if word.span not in resolved:  # `draw colour from { red, green }` and `in { red, green }` are uses
+                    if (
+                        word.span not in resolved
+                    ):  # `draw colour from { red, green }` and `in { red, green }` are uses
                         found[word.span] = Occurrence(word.span, (Symbol("word", word.text),), True)
             case ast.Name(span=span) if local_symbol(node) in bound:
                 found[span] = Occurrence(span, (local_symbol(node),), True)

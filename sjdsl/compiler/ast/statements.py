@@ -166,4 +166,23 @@ class End(Node):
     """`end`"""
 
 
-Stmt = Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End
+Stmt = (
+    Let
+    | Draw
+    | Each
+    | Pick
+    | First
+    | Match
+    | When
+    | Chance
+    | Set
+    | Add
+    | Give
+    | Tally
+    | Send
+    | Shift
+    | Remove
+    | Move
+    | Mark
+    | End
+)

@@ -21,16 +21,24 @@ def check_state_names(game: ir.Game, problems: Problems) -> None:
     seen: dict[str, str] = dict.fromkeys(STATE, "the language")
     for attribute, node in state_names(game):
         if attribute in seen and node.origin is not None:
-            problem = f"the compiled state would have `{attribute}` twice (also of {seen[attribute]})"
+            problem = (
+                f"the compiled state would have `{attribute}` twice (also of {seen[attribute]})"
+            )
             name = getattr(node, "label", "") or getattr(node, "name", attribute)
-            problems.add(errors.BadName(node.origin, name=name, what="the name of this", problem=problem))
-        seen.setdefault(attribute, f"line {node.origin.line}" if node.origin else "another declaration")
+            problems.add(
+                errors.BadName(node.origin, name=name, what="the name of this", problem=problem)
+            )
+        seen.setdefault(
+            attribute, f"line {node.origin.line}" if node.origin else "another declaration"
+        )
 
 
 def check_timers(game: ir.Game, composition: Composition, problems: Problems) -> None:
     """Reports a missing, doubled or needless `tick`, and timers set on both sides of it."""
     timers = [field for field in all_fields(game) if field.timer]
-    away = [body_sort(n.who) for n in ir.walk(game) if isinstance(n, ir.Send) and n.after is not None]
+    away = [
+        body_sort(n.who) for n in ir.walk(game) if isinstance(n, ir.Send) and n.after is not None
+    ]
     ticks = [place for place, turn in enumerate(game.schedule) if isinstance(turn, ir.Tick)]
     assert composition.schedule is not None
     span = composition.schedule.span
@@ -42,7 +50,10 @@ def check_timers(game: ir.Game, composition: Composition, problems: Problems) ->
         problems.add(errors.TickTwice(game.schedule[ticks[1]].origin or span))
     if len(ticks) == 1:
         for timer in timers:
-            before, after = (_starts_of(part, timer) for part in (game.schedule[: ticks[0]], game.schedule[ticks[0] + 1 :]))
+            before, after = (
+                _starts_of(part, timer)
+                for part in (game.schedule[: ticks[0]], game.schedule[ticks[0] + 1 :])
+            )
             if before and after:
                 problems.add(errors.TimerBothSides(before[0].origin or timer.span, name=timer.name))
 
@@ -50,18 +61,32 @@ def check_timers(game: ir.Game, composition: Composition, problems: Problems) ->
 def _starts_of(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
     """Returns the statements that set a timer to something that can be above 0."""
     sets = [node for turn in turns for node in ir.walk(turn) if isinstance(node, ir.Set)]
-    return [s for s in sets if isinstance(s.target, ir.FieldRead) and can_be(s.target, timer) and s.value.type.high > 0]
+    return [
+        s
+        for s in sets
+        if isinstance(s.target, ir.FieldRead) and can_be(s.target, timer) and s.value.type.high > 0
+    ]
 
 
-def check_unused(game: ir.Game, static: Static, composition: Composition, problems: Problems) -> None:
+def check_unused(
+    game: ir.Game, static: Static, composition: Composition, problems: Problems
+) -> None:
     """Warns of all that is declared and makes no difference; assumes a game without errors."""
     _check_names(game, composition, static, problems)
     _check_actions(game, composition, problems)
-    counted = {n.event for phase in phases_of(game) for n in ir.walk(phase) if isinstance(n, ir.Tally)}
+    counted = {
+        n.event for phase in phases_of(game) for n in ir.walk(phase) if isinstance(n, ir.Tally)
+    }
     for name, event in static.events.items():
         if name not in counted:
             level = static.event_levels.get(name)
-            key = "" if level is None else "[agent]" if level.sort == "agent" else f"[{level.names[0]}]"
+            key = (
+                ""
+                if level is None
+                else "[agent]"
+                if level.sort == "agent"
+                else f"[{level.names[0]}]"
+            )
             problems.add(errors.NeverCounted(event.name.span, name=name, path=f"{name}{key}"))
 
 
@@ -72,7 +97,11 @@ def _check_actions(game: ir.Game, composition: Composition, problems: Problems) 
     asked |= {n.action for n in nodes if isinstance(n, ir.ChoseWith)}
     moving = any(isinstance(n, ir.Move) and n.course is None for n in nodes)
     assert composition.acts is not None
-    idle = [a.name for a in composition.acts.actions if a.name.text not in asked and a.name.text != "stay"]
+    idle = [
+        a.name
+        for a in composition.acts.actions
+        if a.name.text not in asked and a.name.text != "stay"
+    ]
     for action in idle:
         if action.text not in MOVES:
             problems.add(errors.IdleAction(action.span, name=action.text))
@@ -81,7 +110,9 @@ def _check_actions(game: ir.Game, composition: Composition, problems: Problems) 
         problems.add(errors.IdleSteps(steps[0].span, names=", ".join(f"`{a.text}`" for a in steps)))
 
 
-def _check_names(game: ir.Game, composition: Composition, static: Static, problems: Problems) -> None:
+def _check_names(
+    game: ir.Game, composition: Composition, static: Static, problems: Problems
+) -> None:
     """Warns of kinds not on the map, and of numbers, defines, shapes and fields nobody uses."""
 
     def check_used(symbol: Symbol, span: Span, what: str, name: str, help_: str = "") -> None:
@@ -93,15 +124,40 @@ def _check_names(game: ir.Game, composition: Composition, static: Static, proble
             problems.add(errors.KindAbsent(composition.kinds[kind.name].name.span, name=kind.name))
         for declared in kind.fields:
             if declared.type.kind != "word":
-                check_used(Symbol("field", declared.name, kind.name), declared.span, "the field", f"{kind.name}.{declared.name}")
+                check_used(
+                    Symbol("field", declared.name, kind.name),
+                    declared.span,
+                    "the field",
+                    f"{kind.name}.{declared.name}",
+                )
     for sort in game.movers:
-        check_used(Symbol("name", sort.name), composition.movers[sort.name].name.span, "the sort of movers", sort.name)
+        check_used(
+            Symbol("name", sort.name),
+            composition.movers[sort.name].name.span,
+            "the sort of movers",
+            sort.name,
+        )
         for declared in sort.fields:
             if declared.name != "heading":
-                check_used(Symbol("field", declared.name, sort.name), declared.span, "the field", f"{sort.name}.{declared.name}")
+                check_used(
+                    Symbol("field", declared.name, sort.name),
+                    declared.span,
+                    "the field",
+                    f"{sort.name}.{declared.name}",
+                )
     for name, constant in composition.constants.items():
-        help_ = "a `require` reads it, but no rule does" if Symbol("name", name) in static.required else ""
-        check_used(Symbol("name", name), constant.name.span, "the size" if constant.is_size else "the parameter", name, help_)
+        help_ = (
+            "a `require` reads it, but no rule does"
+            if Symbol("name", name) in static.required
+            else ""
+        )
+        check_used(
+            Symbol("name", name),
+            constant.name.span,
+            "the size" if constant.is_size else "the parameter",
+            name,
+            help_,
+        )
     for name, define in composition.defines.items():
         if define.span.file == composition.file:  # a base has defines for all games built on it
             check_used(Symbol("name", name), define.name.span, "the define", name)

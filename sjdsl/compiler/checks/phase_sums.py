@@ -10,7 +10,14 @@ from math import inf
 from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.checks.value_ranges import Here, Interval, inside, interval_of, visit, visit_children
+from sjdsl.compiler.checks.value_ranges import (
+    Here,
+    Interval,
+    inside,
+    interval_of,
+    visit,
+    visit_children,
+)
 from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.queries import declared_field, lanes_of, most_members, written_field
 from sjdsl.compiler.ir.types import times
@@ -75,7 +82,9 @@ def merged(sums: Iterable[Sums], all_happen: bool = True) -> Sums:
 
 def sums_of(phase: ir.Phase, here: Here) -> Sums:
     """Goes through a phase, and returns what it adds, whatever variable names the owner: two variables can be one agent or cell."""
-    return merged({target._replace(owner=""): own} for target, own in block(phase.body, here).items())
+    return merged(
+        {target._replace(owner=""): own} for target, own in block(phase.body, here).items()
+    )
 
 
 def _often(sums: Sums, number: float, members: tuple[ir.Member | None, ...] = ()) -> Sums:
@@ -121,17 +130,25 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
         case ir.Add(target=target, value=value):
             field = written_field(target)
             visit_children(target, here)  # what names it: what it holds is not read
-            if field.type.kind != "int" or not declared_field(here.played.game, field).capped:  # without `capped` it is proved to fit
+            if (
+                field.type.kind != "int" or not declared_field(here.played.game, field).capped
+            ):  # without `capped` it is proved to fit
                 visit(value, here)
                 return {}
-            return _adding(Target("field", field.held_by.what, field.name, _name(field.owner)), s, interval_of(value, here))
+            return _adding(
+                Target("field", field.held_by.what, field.name, _name(field.owner)),
+                s,
+                interval_of(value, here),
+            )
         case ir.Tally():
             for part in (s.word, s.receiver):
                 if part is not None:
                     visit(part, here)
             each = (1, 1) if s.amount is None else interval_of(s.amount, here)
             return _adding(Target("event", "", s.event, _name(s.receiver)), s, each)
-        case ir.Send() if s.after is not None:  # where it goes is looked up when it comes back: what is known now may not hold then
+        case ir.Send() if (
+            s.after is not None
+        ):  # where it goes is looked up when it comes back: what is known now may not hold then
             visit(s.after, here)
             inside(s.domain, replace(here, known={}))
             return {}
@@ -155,9 +172,16 @@ def _quantified(s: ir.Each | ir.Pick | ir.First, here: Here) -> Sums:
         number = min(number, interval_of(s.number, here)[1])
     if isinstance(s, ir.First):
         assert isinstance(s.domain.restriction, ir.Near)
-        number, members = len(lanes_of(s.domain.restriction, here.played.game)), ()  # two lanes can reach one member
+        number, members = (
+            len(lanes_of(s.domain.restriction, here.played.game)),
+            (),
+        )  # two lanes can reach one member
     sums = _often(block(s.body, inside(s.domain, here)), number, members)
-    return merged([sums, block(s.otherwise, here)], all_happen=False) if isinstance(s, ir.Pick) else sums
+    return (
+        merged([sums, block(s.otherwise, here)], all_happen=False)
+        if isinstance(s, ir.Pick)
+        else sums
+    )
 
 
 def _set(s: ir.Set, here: Here) -> None:

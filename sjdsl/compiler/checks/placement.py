@@ -45,7 +45,11 @@ def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Prob
     for sort, many in sorts.items():
         missing = [i for i in range(many) if not _always_sent(game.start.body, Body(sort, i))]
         if missing:
-            who = f"{sort.name} {missing[0]}" if len(missing) == 1 else f"{sort.plural} {missing[0]} .. {missing[-1]}"
+            who = (
+                f"{sort.name} {missing[0]}"
+                if len(missing) == 1
+                else f"{sort.plural} {missing[0]} .. {missing[-1]}"
+            )
             problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=sort.name))
     bodies = [Body(sort, number) for sort, many in sorts.items() for number in range(many)]
     for phase in phases_of(game):
@@ -64,12 +68,18 @@ def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
         match s:
             case ir.Send():
                 sent = s.after is None and not s.stay and _is_of(s.who, agent)
-            case ir.Each(domain=ir.Domain(on=None, restriction=None)) if _is_of(s.domain.var, agent):
-                sent = (s.domain.where is None or _decide(s.domain.where, agent) is True) and _always_sent(s.body, agent)
+            case ir.Each(domain=ir.Domain(on=None, restriction=None)) if _is_of(
+                s.domain.var, agent
+            ):
+                sent = (
+                    s.domain.where is None or _decide(s.domain.where, agent) is True
+                ) and _always_sent(s.body, agent)
             case ir.When():
                 sent = all(_always_sent(way, agent) for way in _ways(s, agent))
             case ir.Chance():
-                sent = bool(s.otherwise) and all(_always_sent(b, agent) for b in (*(b.body for b in s.branches), s.otherwise))
+                sent = bool(s.otherwise) and all(
+                    _always_sent(b, agent) for b in (*(b.body for b in s.branches), s.otherwise)
+                )
             case _:
                 pass
         if sent:
@@ -103,7 +113,11 @@ def _decide(test: ir.Expr, agent: Body) -> bool | None:
             return None if inner is None else not inner
         case ir.Compare():
             left, right = _number(test.left, agent), _number(test.right, agent)
-            return None if left is None or right is None else compares(test.fn, left, right, is_exact(test))
+            return (
+                None
+                if left is None or right is None
+                else compares(test.fn, left, right, is_exact(test))
+            )
         case ir.Truth():
             return test.value
         case _:
@@ -125,7 +139,9 @@ def _number(e: ir.Expr, agent: Body) -> float | None:
             return None
 
 
-def _without_room(phase: ir.Phase, game: ir.Game, bodies: list[Body], sources: Mapping[str, Source]) -> Iterator[Diagnostic]:
+def _without_room(
+    phase: ir.Phase, game: ir.Game, bodies: list[Body], sources: Mapping[str, Source]
+) -> Iterator[Diagnostic]:
     """Yields what is wrong with the sends of a phase to destinations that may have too few free cells."""
     pools: dict[int, Pool] = {}
     for agent in bodies:
@@ -144,7 +160,9 @@ def _without_room(phase: ir.Phase, game: ir.Game, bodies: list[Body], sources: M
         domain = pool.sends[0].domain
         place, span = domain_text(domain), domain.origin
         if span is not None and span.file in sources:  # as its author wrote it, on one line
-            place = " ".join(re.sub(r"#[^\n]*", "", sources[span.file].text[span.start : span.end]).split())
+            place = " ".join(
+                re.sub(r"#[^\n]*", "", sources[span.file].text[span.start : span.end]).split()
+            )
         if phase is game.start:
             yield from _without_room_at_start(pool, sharing, lacking.span, place, game)
             continue
@@ -155,7 +173,9 @@ def _without_room(phase: ir.Phase, game: ir.Game, bodies: list[Body], sources: M
             yield errors.NoFreeCell(lacking.span, place=place)
         elif cells < needed:
             movers = " or movers" if game.movers else ""
-            yield errors.TooFewFreeCells(lacking.span, place=place, cells=cells, agents=needed, movers=movers)
+            yield errors.TooFewFreeCells(
+                lacking.span, place=place, cells=cells, agents=needed, movers=movers
+            )
 
 
 def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
@@ -186,7 +206,9 @@ def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
 
 
 def _has_quantifier(body: tuple[ir.Stmt, ...]) -> bool:
-    return any(isinstance(n, ir.Each | ir.Pick | ir.First | ir.Match) for s in body for n in ir.walk(s))
+    return any(
+        isinstance(n, ir.Each | ir.Pick | ir.First | ir.Match) for s in body for n in ir.walk(s)
+    )
 
 
 def _when_sends(s: ir.When, agent: Body) -> list[ir.Send]:
@@ -200,24 +222,38 @@ def _when_sends(s: ir.When, agent: Body) -> list[ir.Send]:
     return found + _possible_sends(s.otherwise, agent)
 
 
-def _without_room_at_start(pool: Pool, sharing: list[Pool], span: Span, place: str, game: ir.Game) -> Iterator[Diagnostic]:
+def _without_room_at_start(
+    pool: Pool, sharing: list[Pool], span: Span, place: str, game: ir.Game
+) -> Iterator[Diagnostic]:
     """Agents take cells in the order of their numbers: each needs more cells that fit than others before it may have taken."""
     earlier = {agent: _cells_at_start(p, agent, game)[1] for p in sharing for agent in p.reached}
-    for agent in sorted(pool.reached, key=lambda body: body.number):  # of one sort: each is placed by itself
+    for agent in sorted(
+        pool.reached, key=lambda body: body.number
+    ):  # of one sort: each is placed by itself
         sure, possible = _cells_at_start(pool, agent, game)
-        taken = sum(other != agent and not sure.isdisjoint(cells) for other, cells in earlier.items())
+        taken = sum(
+            other != agent and not sure.isdisjoint(cells) for other, cells in earlier.items()
+        )
         earlier[agent] = earlier.get(agent, set()) | possible
         if len(sure) > taken:
             continue
         everybody, cells = len({*pool.reached, *earlier}), len(sure)
         if any(variables_around(s.domain) for s in pool.sends):
-            yield errors.TooFewForOne(span, place=place, cells=cells, agents=taken, who=f"{agent.sort.name} {agent.number}")
+            yield errors.TooFewForOne(
+                span,
+                place=place,
+                cells=cells,
+                agents=taken,
+                who=f"{agent.sort.name} {agent.number}",
+            )
         elif pool.sends[0].domain.where is None:
             who = "agents and movers" if game.movers else "agents"
             yield errors.TooFewCells(span, kind=place, cells=cells, agents=everybody, who=who)
         else:
             movers = " or movers" if game.movers else ""
-            yield errors.TooFewToStart(span, place=place, cells=cells, agents=everybody, movers=movers)
+            yield errors.TooFewToStart(
+                span, place=place, cells=cells, agents=everybody, movers=movers
+            )
         return
 
 
@@ -226,12 +262,16 @@ def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place],
     sure, possible = set(), set()
     for s in pool.sends:
         known = {s.who.name: agent.number} if isinstance(s.who, ir.Member) else {}
-        by_glyph = s.domain.where is not None and reads_only_fields(s.domain.where, s.domain.var.name)
+        by_glyph = s.domain.where is not None and reads_only_fields(
+            s.domain.where, s.domain.var.name
+        )
         found: dict[Place | str, bool | None] = {}
         for place in places(game, s.domain.var.kinds):
             key = place.glyph if by_glyph else place
             if key not in found:
-                found[key] = s.domain.where is None or holds_at_start(s.domain.where, {**known, s.domain.var.name: place}, game)
+                found[key] = s.domain.where is None or holds_at_start(
+                    s.domain.where, {**known, s.domain.var.name: place}, game
+                )
             if found[key] is not False:
                 possible.add(place)
             if found[key] is True:

@@ -8,7 +8,13 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import conjuncts, facts, is_known
-from sjdsl.compiler.ir.queries import blocks_always, contains, declared_field, num_cells, written_field
+from sjdsl.compiler.ir.queries import (
+    blocks_always,
+    contains,
+    declared_field,
+    num_cells,
+    written_field,
+)
 from sjdsl.compiler.ir.sorts import AGENTS
 
 Walk = ir.Go | ir.Aim
@@ -17,7 +23,12 @@ Walk = ir.Go | ir.Aim
 def check_policies(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Warns of each `seek` and `aim` that cannot work: of the policies of the file, and of those that checks play."""
     there = [kind for kind in game.kinds if num_cells(game, (kind.name,))]
-    closed = [(kind.name, condition) for kind in there for condition in _conditions(kind) if _lasts(condition, game)]
+    closed = [
+        (kind.name, condition)
+        for kind in there
+        for condition in _conditions(kind)
+        if _lasts(condition, game)
+    ]
     for walk in _walks(game):
         if isinstance(walk, ir.Go):
             _check_goal(walk.domain, game, sources, problems)
@@ -25,8 +36,13 @@ def check_policies(game: ir.Game, sources: Mapping[str, Source], problems: Probl
         for kind, condition in closed:
             if not any(kind in names for names in named):
                 when = _written(condition, sources)
-                turns = any(isinstance(node, ir.Attribute) and node.name == "heading" for node in ir.walk(condition))
-                avoided = kind if turns else f"{kind} where {when}"  # after each turn other cells block by heading
+                turns = any(
+                    isinstance(node, ir.Attribute) and node.name == "heading"
+                    for node in ir.walk(condition)
+                )
+                avoided = (
+                    kind if turns else f"{kind} where {when}"
+                )  # after each turn other cells block by heading
                 problems.add(errors.BlindPath(walk.span, kind=kind, when=when, avoided=avoided))
 
 
@@ -39,15 +55,26 @@ def _walks(game: ir.Game) -> Iterator[Walk]:
                 yield ir.Go(domain=played.domain, origin=played.origin)
 
 
-def _check_goal(goal: ir.Domain, game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
+def _check_goal(
+    goal: ir.Domain, game: ir.Game, sources: Mapping[str, Source], problems: Problems
+) -> None:
     """Warns of a goal that agents cannot reach, or have reached wherever they are."""
-    if goal.var.sort == AGENTS and goal.on is None and goal.restriction is None and goal.where is None:
+    if (
+        goal.var.sort == AGENTS
+        and goal.on is None
+        and goal.restriction is None
+        and goal.where is None
+    ):
         problems.add(errors.SeeksItself(goal.span, name=goal.var.name))
     elif goal.var.sort.what == "cell":
         kinds = [kind for kind in game.kinds if kind.name in goal.var.kinds]
         reasons = [_reason(kind, goal, sources) for kind in kinds]
         if None not in reasons:
-            problems.add(errors.SoughtBlocks(goal.span, kind=" and ".join(goal.var.kinds), when=reasons[0] or ""))
+            problems.add(
+                errors.SoughtBlocks(
+                    goal.span, kind=" and ".join(goal.var.kinds), when=reasons[0] or ""
+                )
+            )
 
 
 def _reason(kind: ir.Kind, goal: ir.Domain, sources: Mapping[str, Source]) -> str | None:
@@ -56,14 +83,21 @@ def _reason(kind: ir.Kind, goal: ir.Domain, sources: Mapping[str, Source]) -> st
         return ""
     known = () if goal.where is None else facts(goal.where)
     for condition in _conditions(kind):
-        if all(is_known(part, known) for part in conjuncts(renamed(condition, {kind.name: goal.var.name}))):
+        if all(
+            is_known(part, known)
+            for part in conjuncts(renamed(condition, {kind.name: goal.var.name}))
+        ):
             return f" when {_written(condition, sources)}"
     return None
 
 
 def _conditions(kind: ir.Kind) -> list[ir.Expr]:
     """Returns the conditions under which cells of a kind block agents."""
-    return [block.condition for block in kind.blocks if block.what == "agents" and block.condition is not None]
+    return [
+        block.condition
+        for block in kind.blocks
+        if block.what == "agents" and block.condition is not None
+    ]
 
 
 def _lasts(condition: ir.Expr, game: ir.Game) -> bool:
@@ -75,7 +109,9 @@ def _lasts(condition: ir.Expr, game: ir.Game) -> bool:
     nodes = [node for turn in game.schedule for node in ir.walk(turn)]
     written = [written_field(node.target) for node in nodes if isinstance(node, ir.Set | ir.Add)]
     for read in (node for node in ir.walk(condition) if isinstance(node, ir.FieldRead)):
-        changes = any(field.name == read.name and field.held_by.overlaps(read.held_by) for field in written)
+        changes = any(
+            field.name == read.name and field.held_by.overlaps(read.held_by) for field in written
+        )
         if changes or declared_field(game, read).timer:
             return False
     return True

@@ -25,7 +25,12 @@ class NotKnown(Exception):
 def places(game: ir.Game, kinds: tuple[str, ...]) -> list[Place]:
     """Returns the cells of some kinds, in reading order."""
     glyphs = glyphs_of(game, kinds)
-    return [Place(r, c, glyph) for r, row in enumerate(game.rows) for c, glyph in enumerate(row) if glyph in glyphs]
+    return [
+        Place(r, c, glyph)
+        for r, row in enumerate(game.rows)
+        for c, glyph in enumerate(row)
+        if glyph in glyphs
+    ]
 
 
 def holds_at_start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> bool | None:
@@ -39,8 +44,15 @@ def holds_at_start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) 
 def reads_only_fields(e: ir.Expr, cell: str) -> bool:
     """Returns whether a condition is the same for all cells of one character of the map: it asks for nothing of the cell but its fields."""
     nodes = list(ir.walk(e))
-    owners = [n.owner if isinstance(n, ir.FieldRead) else n.cell for n in nodes if isinstance(n, ir.FieldRead | ir.Unoccupied)]
-    named = [[n for n in found if isinstance(n, ir.Member) and n.name == cell] for found in (nodes, owners)]
+    owners = [
+        n.owner if isinstance(n, ir.FieldRead) else n.cell
+        for n in nodes
+        if isinstance(n, ir.FieldRead | ir.Unoccupied)
+    ]
+    named = [
+        [n for n in found if isinstance(n, ir.Member) and n.name == cell]
+        for found in (nodes, owners)
+    ]
     return len(named[0]) == len(named[1])
 
 
@@ -50,7 +62,11 @@ def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
     def value(part: ir.Expr) -> Any:
         return _value(part, names, game)
 
-    who = names.get(e.owner.name) if isinstance(e, ir.FieldRead | ir.Attribute) and isinstance(e.owner, ir.Member) else None
+    who = (
+        names.get(e.owner.name)
+        if isinstance(e, ir.FieldRead | ir.Attribute) and isinstance(e.owner, ir.Member)
+        else None
+    )
     match e:
         case ir.Number() | ir.Word() | ir.Truth():
             return e.value
@@ -65,8 +81,14 @@ def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
         case ir.FieldRead() if isinstance(who, Place):
             return starts_of(game, next(g for g in game.glyphs if g.glyph == who.glyph))[e.name]
         case ir.FieldRead() if e.owner is None or who is not None:
-            of_agents = movers_named(game, e.held_by.name).fields if e.held_by.what == "mover" else game.agents.fields
-            return next(f.start for f in (game.fields if e.owner is None else of_agents) if f.name == e.name)
+            of_agents = (
+                movers_named(game, e.held_by.name).fields
+                if e.held_by.what == "mover"
+                else game.agents.fields
+            )
+            return next(
+                f.start for f in (game.fields if e.owner is None else of_agents) if f.name == e.name
+            )
         case ir.Attribute(name="row" | "col") if isinstance(who, Place):
             return who.row if e.name == "row" else who.col
         case ir.Attribute(name="index") if isinstance(who, int):
@@ -75,7 +97,9 @@ def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
             return value(e.row)
         case ir.Named() | ir.Narrowed():
             return value(e.value)
-        case ir.Arithmetic() if all(part.type.kind == "int" for part in (e, *e.args)):  # reals are rounded in play
+        case ir.Arithmetic() if all(
+            part.type.kind == "int" for part in (e, *e.args)
+        ):  # reals are rounded in play
             row, values = CALCULATIONS[e.fn], [value(a) for a in e.args]
             if row.divisor is not None and not values[row.divisor]:
                 raise NotKnown
@@ -95,7 +119,9 @@ def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
             return compares(e.fn, value(e.left), value(e.right), is_exact(e))
         case ir.InRange():
             low, number, high = (value(part) for part in (e.low, e.value, e.high))
-            return compares("<=", low, number, is_exact(e)) and compares("<=", number, high, is_exact(e))
+            return compares("<=", low, number, is_exact(e)) and compares(
+                "<=", number, high, is_exact(e)
+            )
         case ir.InWords():
             return value(e.value) in e.words
         case _:

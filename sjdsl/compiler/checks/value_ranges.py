@@ -57,14 +57,18 @@ class Here(Record, eq=False):
             for subject, fn, other in _comparisons(part):
                 limits = limits_of(fn, subject, interval_of(other, here))
                 here = here if limits is None else here.bounded(subject, limits)
-        del self.played.leaving[already:]  # the condition itself is gone through where it is written
+        del self.played.leaving[
+            already:
+        ]  # the condition itself is gone through where it is written
         return here
 
     def bounded(self, e: ir.Expr, limits: Interval) -> "Here":
         """Returns this place, where a number is known to lie in an interval."""
         subject = form(e, memo=self.played.forms)
         low, high = self.known.get(subject, (-inf, inf))
-        return replace(self, known={**self.known, subject: (max(low, limits[0]), min(high, limits[1]))})
+        return replace(
+            self, known={**self.known, subject: (max(low, limits[0]), min(high, limits[1]))}
+        )
 
 
 class Leaving(NamedTuple):
@@ -79,18 +83,27 @@ def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, i
     """Yields what a condition says of whole numbers; beside a real they are rounded, and then it says less."""
     match condition:
         case ir.Compare(fn=fn, left=left, right=right):
-            found: list[tuple[ir.Expr, ir.Comparison, ir.Expr]] = [(left, fn, right), (right, COMPARISONS[fn].mirror, left)]
+            found: list[tuple[ir.Expr, ir.Comparison, ir.Expr]] = [
+                (left, fn, right),
+                (right, COMPARISONS[fn].mirror, left),
+            ]
         case ir.InRange(value=value, low=low, high=high):
             found = [(value, ">=", low), (value, "<=", high)]
         case _:
             found = []
-    yield from ((subject, fn, other) for subject, fn, other in found if subject.type.kind == other.type.kind == "int")
+    yield from (
+        (subject, fn, other)
+        for subject, fn, other in found
+        if subject.type.kind == other.type.kind == "int"
+    )
 
 
 def interval_of(e: ir.Expr, here: Here) -> Interval:
     """Returns the interval of a number, of a row that of all its entries; what leaves int32 in it is added to what was found."""
     low, high = _VALUES.get(type(e), _by_type)(e, here)
-    guarded = here.known.get(form(e, memo=here.played.forms), (-inf, inf)) if here.known else (-inf, inf)
+    guarded = (
+        here.known.get(form(e, memo=here.played.forms), (-inf, inf)) if here.known else (-inf, inf)
+    )
     low, high = max(low, e.type.low, guarded[0]), min(high, e.type.high, guarded[1])
     if e.type.kind == "int" and low <= high and leaves_int32((low, high)):
         here.played.leaving.append(Leaving(e, (low, high), here))
@@ -198,7 +211,10 @@ def _arms(e: ir.Case, here: Here) -> list[Interval]:
         if e.subject.type.kind == "condition":
             inner = here.knowing(e.subject, arm.words == ("yes",))
         elif e.subject.type.kind == "int":
-            inner = here.bounded(e.subject, (-inf if arm.low is None else arm.low, inf if arm.high is None else arm.high))
+            inner = here.bounded(
+                e.subject,
+                (-inf if arm.low is None else arm.low, inf if arm.high is None else arm.high),
+            )
         if e.type.kind in ("int", "real"):
             found.append(interval_of(arm.value, inner))
         else:
@@ -215,12 +231,16 @@ _VALUES: dict[type[ir.Node], Callable[[Any, Here], Interval]] = {
     ir.At: _entry,
     ir.Step: lambda _, here: (0, here.played.steps),
     ir.EventTotal: lambda e, here: (0, here.played.totals.get(e.name, 0)),
-    ir.Arithmetic: lambda e, here: CALCULATIONS[e.fn].interval(*[interval_of(a, here) for a in e.args]),
+    ir.Arithmetic: lambda e, here: CALCULATIONS[e.fn].interval(
+        *[interval_of(a, here) for a in e.args]
+    ),
     ir.Sum: _sum,
     ir.SumRow: _of_row,
     ir.ShiftRow: lambda e, here: _hull([interval_of(e.row, here), interval_of(e.filler, here)]),
     ir.Extreme: _extreme,
     ir.Case: lambda e, here: _hull(_arms(e, here)),
     ir.Named: lambda e, here: interval_of(e.value, here),
-    ir.Before: lambda e, here: interval_of(e.value, replace(here, known={})),  # what is known is known of the state after the step
+    ir.Before: lambda e, here: interval_of(
+        e.value, replace(here, known={})
+    ),  # what is known is known of the state after the step
 }

@@ -11,7 +11,18 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.phase_sums import Sum, Sums, Target, merged, sums_of
-from sjdsl.compiler.checks.value_ranges import HIGHEST, LOWEST, Held, Here, Interval, Leaving, Played, interval_of, leaves_int32, visit
+from sjdsl.compiler.checks.value_ranges import (
+    HIGHEST,
+    LOWEST,
+    Held,
+    Here,
+    Interval,
+    Leaving,
+    Played,
+    interval_of,
+    leaves_int32,
+    visit,
+)
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label
 from sjdsl.compiler.diagnostics.problems import Problems
@@ -20,7 +31,14 @@ from sjdsl.compiler.ir.queries import all_fields, event_named, phases_of
 from sjdsl.compiler.ir.types import times
 
 ROUNDS = 40  # after so many a timer that doubles has left int32, and one that still rises is taken to have no end
-READ = (ir.ParamRef, ir.Local, ir.FieldRead, ir.Step, ir.Count, ir.EventTotal)  # what can be bounded
+READ = (
+    ir.ParamRef,
+    ir.Local,
+    ir.FieldRead,
+    ir.Step,
+    ir.Count,
+    ir.EventTotal,
+)  # what can be bounded
 
 
 def check_whole_numbers(game: ir.Game, problems: Problems) -> None:
@@ -41,21 +59,38 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
         value = played.leaving[0].interval[1] if played.leaving else low
         labels = _values_read(game.episode, played)
         name = "the number of steps of an episode"
-        return [errors.OutOfLimits(game.episode.span, labels=labels, name=name, value=value, low=1, high=HIGHEST)]
+        return [
+            errors.OutOfLimits(
+                game.episode.span, labels=labels, name=name, value=value, low=1, high=HIGHEST
+            )
+        ]
     played.steps = high
     phases = _settled(played)
     events = {target: own for target, own in merged(phases).items() if target.sort == "event"}
-    for target, own in events.items():  # how often it is counted in an episode at most, over all agents
+    for (
+        target,
+        own,
+    ) in events.items():  # how often it is counted in an episode at most, over all agents
         receivers = game.agents.number if event_named(game, target.name).per_agent else 1
         played.totals[target.name] = times(own.high, played.steps * receivers)
     for part in ir.children(game):
-        is_required = isinstance(part, ir.Check) and part.sort == "require"  # decided in Python's numbers, before the game is played
+        is_required = (
+            isinstance(part, ir.Check) and part.sort == "require"
+        )  # decided in Python's numbers, before the game is played
         if not isinstance(part, ir.Phase) and not is_required:
             visit(part, Here(played))
     found: list[Diagnostic] = [_of_number(leaving) for leaving in played.leaving]
-    found += [_of_sum(errors.TalliedBeyondInt32, target, own, own[:2]) for target, own in events.items() if leaves_int32(own[:2])]
+    found += [
+        _of_sum(errors.TalliedBeyondInt32, target, own, own[:2])
+        for target, own in events.items()
+        if leaves_int32(own[:2])
+    ]
     fields = [pair for sums in phases for pair in sums.items() if pair[0].sort == "field"]
-    found += [_of_sum(errors.AddedBeyondInt32, target, own, _in_field(own)) for target, own in fields if leaves_int32(_in_field(own))]
+    found += [
+        _of_sum(errors.AddedBeyondInt32, target, own, _in_field(own))
+        for target, own in fields
+        if leaves_int32(_in_field(own))
+    ]
     return found
 
 
@@ -64,15 +99,25 @@ def _settled(played: Played) -> list[Sums]:
     game, phases = played.game, phases_of(played.game)
     starts: dict[Held, float] = {}  # the largest value that each timer begins with on the map
     for timer in (field for field in all_fields(game) if field.timer):
-        values = [v for glyph in game.glyphs if glyph.kind == timer.held_by.name for name, v in glyph.starts if name == timer.name]
-        starts[timer.held_by.what, timer.name] = max((value for value in values if isinstance(value, int)), default=0)
+        values = [
+            v
+            for glyph in game.glyphs
+            if glyph.kind == timer.held_by.name
+            for name, v in glyph.starts
+            if name == timer.name
+        ]
+        starts[timer.held_by.what, timer.name] = max(
+            (value for value in values if isinstance(value, int)), default=0
+        )
     played.timers, round_ = starts, 0
     while True:
         played.leaving, played.sets, played.growth = [], {}, {}
         sums = [sums_of(phase, Here(played)) for phase in phases]
         rising = {}
         for held, before in played.timers.items():
-            reached = max(starts[held], played.sets.get(held, 0)) + times(played.growth.get(held, 0), played.steps)
+            reached = max(starts[held], played.sets.get(held, 0)) + times(
+                played.growth.get(held, 0), played.steps
+            )
             if reached > before:
                 rising[held] = reached if round_ < ROUNDS else inf
         if not rising or round_ >= played.steps * len(phases):
@@ -92,10 +137,14 @@ def _in_field(added: Sum) -> Interval:
 
 def _of_number(leaving: Leaving) -> Diagnostic:
     value, name = leaving.value, text(leaving.value)
-    name = name[1:-1] if isinstance(value, ir.Arithmetic) and name.startswith("(") else name  # as an author would write it
+    name = (
+        name[1:-1] if isinstance(value, ir.Arithmetic) and name.startswith("(") else name
+    )  # as an author would write it
     labels = _values_read(value, leaving.here.played)
     reached, limit = _beyond(leaving.interval)
-    return errors.BeyondInt32(value.span, labels=labels, name=name, reached=reached, limit=limit, help=_bounded(leaving))
+    return errors.BeyondInt32(
+        value.span, labels=labels, name=name, reached=reached, limit=limit, help=_bounded(leaving)
+    )
 
 
 def _beyond(interval: Interval) -> tuple[float, int]:
@@ -109,7 +158,11 @@ def _bounded(leaving: Leaving) -> str:
     value = leaving.value
     if isinstance(value, ir.FieldRead):  # a timer
         return f"bound what it is set to: `set {text(value)} = min(…, 1000)`"
-    read = {text(node): node for node in ir.walk(value) if isinstance(node, READ) and node.type.kind == "int"}
+    read = {
+        text(node): node
+        for node in ir.walk(value)
+        if isinstance(node, READ) and node.type.kind == "int"
+    }
     for said, node in read.items():
         bound = _bound(node, leaving)
         match node:
@@ -121,7 +174,9 @@ def _bounded(leaving: Leaving) -> str:
                 return f"guard it with `when step <= {bound}`, or let the episode be shorter"
             case _:
                 return f"guard it with `when {said} <= {bound}`, or see to it that `{said}` has a smaller range"
-    return "compute with decimal numbers, which have no such limits: write `1000000.0` for `1000000`"
+    return (
+        "compute with decimal numbers, which have no such limits: write `1000000.0` for `1000000`"
+    )
 
 
 def _bound(node: ir.Expr, leaving: Leaving) -> int | None:
@@ -150,14 +205,25 @@ def boundary(good: int, bad: int, fits: Callable[[int], bool]) -> int:
 def _values_read(e: ir.Expr, played: Played) -> tuple[Label, ...]:
     """Returns where the parameters that a number reads are declared, with their values."""
     named = {n.name for n in ir.walk(e) if isinstance(n, ir.ParamRef)}
-    declared = [p for p in played.game.params if p.name in named and not p.type.by and p.origin is not None]
+    declared = [
+        p for p in played.game.params if p.name in named and not p.type.by and p.origin is not None
+    ]
     return tuple(Label(p.span, f"`{p.name}` is {played.params[p.name]}") for p in declared)
 
 
-def _of_sum(kind: type[errors.AddedBeyondInt32], target: Target, own: Sum, interval: Interval) -> Diagnostic:
+def _of_sum(
+    kind: type[errors.AddedBeyondInt32], target: Target, own: Sum, interval: Interval
+) -> Diagnostic:
     """Reports the statement that takes a sum farthest, and how much of it at a time would not."""
     reached, limit = _beyond(interval)
     room = own.part.most - abs(reached - limit)
     each = int(room // own.part.often) if room > 0 else 0
     help_ = f"it can be {each} at a time at most" if each else ""
-    return kind(own.part.statement.span, name=target.name, reached=reached, limit=limit, often=int(own.part.often), help=help_)
+    return kind(
+        own.part.statement.span,
+        name=target.name,
+        reached=reached,
+        limit=limit,
+        often=int(own.part.often),
+        help=help_,
+    )

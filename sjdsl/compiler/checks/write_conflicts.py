@@ -19,7 +19,13 @@ from sjdsl.compiler.ir.equivalence import Form, form
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import Fact, conjuncts, contradict, facts, narrowed
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import body_sort, cell_under_all, declared_field, phases_of, written_field
+from sjdsl.compiler.ir.queries import (
+    body_sort,
+    cell_under_all,
+    declared_field,
+    phases_of,
+    written_field,
+)
 from sjdsl.compiler.ir.types import integer
 
 
@@ -86,9 +92,17 @@ class Write(Record, eq=False):
         """The known conditions that speak of the target alone, under a name that two writes share."""
         if self.owner is not None and not isinstance(self.owner, ir.Member):
             return ()
-        target = {member.name: f"entry {place}" for place, member in enumerate(self.keys) if member is not None}
+        target = {
+            member.name: f"entry {place}"
+            for place, member in enumerate(self.keys)
+            if member is not None
+        }
         target |= {} if self.owner is None else {self.owner.name: "target"}
-        return tuple(Fact(f.condition, target) for f in self.facts if {v.name for v in free_variables(f.condition)} <= target.keys())
+        return tuple(
+            Fact(f.condition, target)
+            for f in self.facts
+            if {v.name for v in free_variables(f.condition)} <= target.keys()
+        )
 
 
 class Around(Record):
@@ -104,11 +118,20 @@ class Around(Record):
     def knowing(self, known: Iterable[Fact]) -> "Around":
         """Returns this with more that is known; of an agent that chose an action, also that it was not forbidden to."""
         found = tuple(known)
-        return replace(self, facts=(*self.facts, *found, *(new for f in found for new in _not_forbidden(f.condition, self.forbids))))
+        return replace(
+            self,
+            facts=(
+                *self.facts,
+                *found,
+                *(new for f in found for new in _not_forbidden(f.condition, self.forbids)),
+            ),
+        )
 
     def in_branch(self, s: ir.Stmt, way: int) -> "Around":
         """Returns what surrounds the statements of one way through `s`."""
-        return replace(self, branches=(*self.branches, Branch(s, way, all(q.single for q in self.quantifiers))))
+        return replace(
+            self, branches=(*self.branches, Branch(s, way, all(q.single for q in self.quantifiers)))
+        )
 
 
 def check_conflicts(game: ir.Game, problems: Problems) -> None:
@@ -118,17 +141,40 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
         writes = list(_writes(phase.body, around))
         bounded = {write for write in writes if _is_bounded(write, game)}
         for write in writes:
-            if not (write.sort == "add" or write.is_by_lot or write.is_own or not (write.depends - write.own_names)):
+            if not (
+                write.sort == "add"
+                or write.is_by_lot
+                or write.is_own
+                or not (write.depends - write.own_names)
+            ):
                 _report(write, write, phase, problems)
-            elif write in bounded and not write.is_own:  # an `add` that several instances make at once is in range only if capped
+            elif (
+                write in bounded and not write.is_own
+            ):  # an `add` that several instances make at once is in range only if capped
                 assert isinstance(write.statement, ir.Add) and write.statement.origin is not None
                 declared = declared_field(game, written_field(write.statement.target))
-                span, low, high, reached = write.statement.origin, declared.type.low, declared.type.high, "the sum of several adds"
-                problems.add(errors.FieldRange(span, name=_target_text(write), declared=declared.name, low=low, high=high, reached=reached))
+                span, low, high, reached = (
+                    write.statement.origin,
+                    declared.type.low,
+                    declared.type.high,
+                    "the sum of several adds",
+                )
+                problems.add(
+                    errors.FieldRange(
+                        span,
+                        name=_target_text(write),
+                        declared=declared.name,
+                        low=low,
+                        high=high,
+                        reached=reached,
+                    )
+                )
         for a, b in combinations(writes, 2):
             if _same_target(a, b) and not _compatible(a, b, bounded):
                 _report(a, b, phase, problems)
-        move = next((node for s in phase.body for node in ir.walk(s) if isinstance(node, ir.Move)), None)
+        move = next(
+            (node for s in phase.body for node in ir.walk(s) if isinstance(node, ir.Move)), None
+        )
         if move is not None and (len(phase.body) > 1 or phase.body[0] is not move):
             problems.add(errors.MoveAlone(move.span))
 
@@ -146,13 +192,20 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
             case ir.Let():
                 around = replace(around, locals={**around.locals, s.name: _names(s.value, around)})
             case ir.Draw():
-                around = replace(around, locals={**around.locals, s.name: frozenset({f"draw {s.name}"})})
+                around = replace(
+                    around, locals={**around.locals, s.name: frozenset({f"draw {s.name}"})}
+                )
             case ir.Each() | ir.Pick() | ir.First():
                 yield from _quantified(s, around)
             case ir.Match():
-                known = tuple(f for d in (s.left, s.right) if d.where is not None for f in facts(d.where))
+                known = tuple(
+                    f for d in (s.left, s.right) if d.where is not None for f in facts(d.where)
+                )
                 quantifier = Quantifier(s, (*_bound(s.left), *_bound(s.right)), single=False)
-                yield from _writes(s.body, replace(around, quantifiers=(*around.quantifiers, quantifier)).knowing(known))
+                yield from _writes(
+                    s.body,
+                    replace(around, quantifiers=(*around.quantifiers, quantifier)).knowing(known),
+                )
             case ir.When() | ir.Chance():
                 known_here = around
                 for number, branch in enumerate(s.branches):
@@ -164,13 +217,28 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
             case ir.Set() | ir.Add():
                 yield _field_write(s, around)
             case ir.Send():
-                depends = _names(s.domain, around) | (frozenset() if s.after is None else _names(s.after, around))
-                value = ("send", s.pool, None if s.after is None else form(s.after), s.facing, s.stay)
+                depends = _names(s.domain, around) | (
+                    frozenset() if s.after is None else _names(s.after, around)
+                )
+                value = (
+                    "send",
+                    s.pool,
+                    None if s.after is None else form(s.after),
+                    s.facing,
+                    s.stay,
+                )
                 yield from _place_writes(s, value, depends, around)
             case ir.Shift():
                 parts = (s.to, s.steps, s.heading, s.other)
-                depends = frozenset(name for part in parts if part is not None for name in _names(part, around))
-                by: Form = ("shift", s.quarters, s.facing, *(None if part is None else form(part) for part in parts))
+                depends = frozenset(
+                    name for part in parts if part is not None for name in _names(part, around)
+                )
+                by: Form = (
+                    "shift",
+                    s.quarters,
+                    s.facing,
+                    *(None if part is None else form(part) for part in parts),
+                )
                 yield from _place_writes(s, by, depends, around)
             case ir.Remove():
                 yield from _place_writes(s, ("remove",), frozenset(), around)
@@ -178,10 +246,14 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
                 pass
 
 
-def _place_writes(s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around) -> Iterator[Write]:
+def _place_writes(
+    s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around
+) -> Iterator[Write]:
     sort, rest = body_sort(s.who), (around.quantifiers, around.branches, around.facts)
     yield Write("place", Target("place", sort.name), (), s.who, value, depends, s, *rest)
-    if sort.what == "mover" and not isinstance(s, ir.Remove) and s.facing != "same":  # the heading of a mover is a field
+    if (
+        sort.what == "mover" and not isinstance(s, ir.Remove) and s.facing != "same"
+    ):  # the heading of a mover is a field
         yield Write("set", Target("mover", "heading"), sort.names, s.who, value, depends, s, *rest)
 
 
@@ -190,13 +262,22 @@ def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
 
 
 def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Write]:
-    known = () if s.domain.on is None else (Fact(ir.StandsOn(agent=s.domain.var, kinds=s.domain.on.kinds)),)
+    known = (
+        ()
+        if s.domain.on is None
+        else (Fact(ir.StandsOn(agent=s.domain.var, kinds=s.domain.on.kinds)),)
+    )
     known = (*known, *(() if s.domain.where is None else facts(s.domain.where)))
     if isinstance(s, ir.First):
-        single = isinstance(s.domain.restriction, ir.Near) and around.lanes[s.domain.restriction.shape] <= 1
+        single = (
+            isinstance(s.domain.restriction, ir.Near)
+            and around.lanes[s.domain.restriction.shape] <= 1
+        )
     else:
         single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
-    inner = replace(around, quantifiers=(*around.quantifiers, Quantifier(s, _bound(s.domain), single))).knowing(known)
+    inner = replace(
+        around, quantifiers=(*around.quantifiers, Quantifier(s, _bound(s.domain), single))
+    ).knowing(known)
     if isinstance(s, ir.Pick):
         yield from _writes(s.body, replace(inner, branches=around.in_branch(s, 0).branches))
         yield from _writes(s.otherwise, around.in_branch(s, 1))
@@ -223,24 +304,49 @@ def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
     target, entries, keys = s.target, list[str | None](), list[ir.Member | None]()
     depends = _names(s.value, around)
     while isinstance(target, ir.At):
-        entries.insert(0, str(target.key.value) if isinstance(target.key, ir.Word | ir.Number) else None)
+        entries.insert(
+            0, str(target.key.value) if isinstance(target.key, ir.Word | ir.Number) else None
+        )
         keys.insert(0, target.key if isinstance(target.key, ir.Member) else None)
         depends |= frozenset() if isinstance(target.key, ir.Member) else _names(target.key, around)
         target = target.row
     assert isinstance(target, ir.FieldRead)
     sort: Literal["set", "add"] = "set" if isinstance(s, ir.Set) else "add"
-    written, kinds, owner = Target(target.held_by.what, target.name, tuple(entries)), target.held_by.names, target.owner
-    quantifiers = tuple(replace(q, single=q.single or _is_of_one_agent(q, around.facts)) for q in around.quantifiers)
-    return Write(sort, written, kinds, owner, form(s.value), depends, s, quantifiers, around.branches, around.facts, tuple(keys))
+    written, kinds, owner = (
+        Target(target.held_by.what, target.name, tuple(entries)),
+        target.held_by.names,
+        target.owner,
+    )
+    quantifiers = tuple(
+        replace(q, single=q.single or _is_of_one_agent(q, around.facts)) for q in around.quantifiers
+    )
+    return Write(
+        sort,
+        written,
+        kinds,
+        owner,
+        form(s.value),
+        depends,
+        s,
+        quantifiers,
+        around.branches,
+        around.facts,
+        tuple(keys),
+    )
 
 
 def _is_of_one_agent(quantifier: Quantifier, known: tuple[Fact, ...]) -> bool:
     """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
-    if not isinstance(quantifier.statement, ir.Each) or quantifier.statement.domain.var.sort.what == "cell":
+    if (
+        not isinstance(quantifier.statement, ir.Each)
+        or quantifier.statement.domain.var.sort.what == "cell"
+    ):
         return False
     if cell_under_all(quantifier.statement.domain) is not None:
         return True
-    index = ir.Attribute(type=integer(0, float("inf"), "number"), owner=quantifier.statement.domain.var, name="index")
+    index = ir.Attribute(
+        type=integer(0, float("inf"), "number"), owner=quantifier.statement.domain.var, name="index"
+    )
     low, high = narrowed(index, known)
     return low == high
 
@@ -270,7 +376,11 @@ def _is_own(w: Write) -> bool:
         cell = None if domain is None else cell_under_all(domain)
         if cell is not None and not alone:
             names = {cell.name}  # nobody stands on two cells
-        elif isinstance(restriction, ir.Among) and quantifiers and isinstance(quantifiers[-1].statement, ir.Match):
+        elif (
+            isinstance(restriction, ir.Among)
+            and quantifiers
+            and isinstance(quantifiers[-1].statement, ir.Match)
+        ):
             names = {m.name for m in restriction.members}
         elif restriction is None or quantifier.single:
             return alone
@@ -287,18 +397,28 @@ def _owns_entries(w: Write) -> bool:
     for number, quantifier in reversed(list(enumerate(w.quantifiers))):
         if quantifier.single:
             continue
-        if isinstance(quantifier.statement, ir.First) or not any(m.name in names for m in quantifier.binds):
+        if isinstance(quantifier.statement, ir.First) or not any(
+            m.name in names for m in quantifier.binds
+        ):
             return False  # two lanes can reach one member
-        if isinstance(quantifier.statement, ir.Each) and isinstance(quantifier.statement.domain.restriction, ir.Among):
-            if number and isinstance(w.quantifiers[number - 1].statement, ir.Match):  # a side of a pair names the pair
+        if isinstance(quantifier.statement, ir.Each) and isinstance(
+            quantifier.statement.domain.restriction, ir.Among
+        ):
+            if number and isinstance(
+                w.quantifiers[number - 1].statement, ir.Match
+            ):  # a side of a pair names the pair
                 names |= {m.name for m in quantifier.statement.domain.restriction.members}
     return True
 
 
 def _same_target(a: Write, b: Write) -> bool:
-    if (a.target.of, a.target.name) != (b.target.of, b.target.name) or (a.kinds and b.kinds and set(a.kinds).isdisjoint(b.kinds)):
+    if (a.target.of, a.target.name) != (b.target.of, b.target.name) or (
+        a.kinds and b.kinds and set(a.kinds).isdisjoint(b.kinds)
+    ):
         return False
-    return all(x == y or None in (x, y) for x, y in zip(a.target.entries, b.target.entries, strict=False))
+    return all(
+        x == y or None in (x, y) for x, y in zip(a.target.entries, b.target.entries, strict=False)
+    )
 
 
 def _compatible(a: Write, b: Write, bounded: Collection[Write]) -> bool:
@@ -313,7 +433,9 @@ def _compatible(a: Write, b: Write, bounded: Collection[Write]) -> bool:
 
 def _exclusive(a: Write, b: Write) -> bool:
     """Returns whether the two writes can never reach the same target in one phase."""
-    apart = [x for x in a.branches for y in b.branches if x.statement is y.statement and x.way != y.way]
+    apart = [
+        x for x in a.branches for y in b.branches if x.statement is y.statement and x.way != y.way
+    ]
     if any(x.once for x in apart):
         return True
     if a.is_own and b.is_own and ((apart and _shared_quantifier(a, b)) or _two_sides(a, b)):
@@ -324,22 +446,45 @@ def _exclusive(a: Write, b: Write) -> bool:
 def _shared_quantifier(a: Write, b: Write) -> bool:
     """Returns whether both targets are the variable of one and the same quantifier, or entries named by those of the same quantifiers."""
     if any(a.keys) or any(b.keys):
-        alike = [None if m is None else m.name for m in a.keys] == [None if m is None else m.name for m in b.keys]
-        multiplying = ([id(q.statement) for q in w.quantifiers if not q.single] for w in (a, b))  # those that can give several instances
+        alike = [None if m is None else m.name for m in a.keys] == [
+            None if m is None else m.name for m in b.keys
+        ]
+        multiplying = (
+            [id(q.statement) for q in w.quantifiers if not q.single] for w in (a, b)
+        )  # those that can give several instances
         return alike and a.own_names == b.own_names and next(multiplying) == next(multiplying)
     if a.owner is None and b.owner is None:
         return True
-    same = isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name == b.owner.name
-    return same and bool(a.quantifiers) and bool(b.quantifiers) and a.quantifiers[0].statement is b.quantifiers[0].statement
+    same = (
+        isinstance(a.owner, ir.Member)
+        and isinstance(b.owner, ir.Member)
+        and a.owner.name == b.owner.name
+    )
+    return (
+        same
+        and bool(a.quantifiers)
+        and bool(b.quantifiers)
+        and a.quantifiers[0].statement is b.quantifiers[0].statement
+    )
 
 
 def _two_sides(a: Write, b: Write) -> bool:
     """Returns whether the targets are the two sides of one `match`: always different members."""
-    if not (a.quantifiers and b.quantifiers and a.quantifiers[0].statement is b.quantifiers[0].statement):
+    if not (
+        a.quantifiers and b.quantifiers and a.quantifiers[0].statement is b.quantifiers[0].statement
+    ):
         return False
-    if not isinstance(a.quantifiers[0].statement, ir.Match) or len(a.quantifiers) != 1 or len(b.quantifiers) != 1:
+    if (
+        not isinstance(a.quantifiers[0].statement, ir.Match)
+        or len(a.quantifiers) != 1
+        or len(b.quantifiers) != 1
+    ):
         return False
-    return isinstance(a.owner, ir.Member) and isinstance(b.owner, ir.Member) and a.owner.name != b.owner.name
+    return (
+        isinstance(a.owner, ir.Member)
+        and isinstance(b.owner, ir.Member)
+        and a.owner.name != b.owner.name
+    )
 
 
 def _target_text(w: Write) -> str:
@@ -363,7 +508,11 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
             lot = "those who draw lots together write the same: let both set the whole row, or both an entry of it"
         elif a.is_by_lot or b.is_by_lot:
             lot = "write `by lot` behind both, and all who would write it draw lots together"
-        problems.add(errors.WriteConflict(span, labels=labels, name=_target_text(b), owner=owner, phase=phase.label, lot=lot))
+        problems.add(
+            errors.WriteConflict(
+                span, labels=labels, name=_target_text(b), owner=owner, phase=phase.label, lot=lot
+            )
+        )
 
 
 def _is_lasting(node: ir.Node) -> bool:
@@ -371,7 +520,17 @@ def _is_lasting(node: ir.Node) -> bool:
     match node:
         case ir.Attribute():
             return node.name == "index"
-        case ir.Member() | ir.ParamRef() | ir.Number() | ir.Arithmetic() | ir.Compare() | ir.InRange() | ir.Not() | ir.Logic() | ir.Named():
+        case (
+            ir.Member()
+            | ir.ParamRef()
+            | ir.Number()
+            | ir.Arithmetic()
+            | ir.Compare()
+            | ir.InRange()
+            | ir.Not()
+            | ir.Logic()
+            | ir.Named()
+        ):
             return True
         case _:
             return False
@@ -382,5 +541,12 @@ def _not_forbidden(condition: ir.Expr, forbids: Iterable[ir.Forbid]) -> Iterator
     if isinstance(condition, ir.Chose) and isinstance(condition.agent, ir.Member):
         for forbid in forbids:
             if condition.action in forbid.actions and not forbid.names:
-                parts = conjuncts(renamed(forbid.condition, {"agent": condition.agent.name}), holds=False)
-                yield from (fact for part in parts if all(map(_is_lasting, ir.walk(part))) for fact in facts(part))
+                parts = conjuncts(
+                    renamed(forbid.condition, {"agent": condition.agent.name}), holds=False
+                )
+                yield from (
+                    fact
+                    for part in parts
+                    if all(map(_is_lasting, ir.walk(part)))
+                    for fact in facts(part)
+                )

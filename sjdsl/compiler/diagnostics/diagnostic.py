@@ -44,7 +44,9 @@ class Facts(Frozen):
         facts = {name: f.default for name, f in declared.items()} | given | {"span": span}
         wrong = [name for name, value in facts.items() if name not in declared or value is MISSING]
         if wrong:
-            raise TypeError(f"{type(self).__name__} lacks, or does not have, the facts {', '.join(wrong)}")
+            raise TypeError(
+                f"{type(self).__name__} lacks, or does not have, the facts {', '.join(wrong)}"
+            )
         self.__dict__.update(facts)
 
 
@@ -79,7 +81,9 @@ class Diagnostic(Facts):
     fix: Fix | None = None
     help: str = ""
 
-    def __init_subclass__(cls, code: str = "", title: str = "", severity: Severity = "error") -> None:
+    def __init_subclass__(
+        cls, code: str = "", title: str = "", severity: Severity = "error"
+    ) -> None:
         if code:
             cls.code, cls.title, cls.severity = code, title, severity
 
@@ -107,8 +111,17 @@ class Diagnostic(Facts):
         found = []
         if self.fix is not None:
             text = " ".join(self.fix.text.split())
-            found.append(Suggestion(f"write `{text}`" if text else "put a space" if self.fix.text else "delete it", (self.fix,)))
-        found += [Suggestion(f"write `{proposed}`", (Fix(self.span, proposed),)) for proposed in self._proposed(instead) if proposed]
+            found.append(
+                Suggestion(
+                    f"write `{text}`" if text else "put a space" if self.fix.text else "delete it",
+                    (self.fix,),
+                )
+            )
+        found += [
+            Suggestion(f"write `{proposed}`", (Fix(self.span, proposed),))
+            for proposed in self._proposed(instead)
+            if proposed
+        ]
         return tuple(found)
 
     def _proposed(self, template: str) -> list[str]:
@@ -127,7 +140,11 @@ class Diagnostic(Facts):
             parts += [text] if text else []
             if fact is not None:
                 value = attrgetter(fact)(self)
-                shown = either(value) if isinstance(value, tuple) else format(value, "g" if isinstance(value, float) else "")
+                shown = (
+                    either(value)
+                    if isinstance(value, tuple)
+                    else format(value, "g" if isinstance(value, float) else "")
+                )
                 parts.append(f"{shown} {noun}{'s' * (value != 1)}" if noun else shown)
         return parts
 
@@ -142,14 +159,18 @@ class CompileError(Exception):
     """Carries every diagnostic of the phase that failed; `diagnostics` holds errors and warnings in file order."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]):
-        self.diagnostics = tuple(sorted(diagnostics, key=lambda d: (d.span.file, d.span.start, d.code)))
+        self.diagnostics = tuple(
+            sorted(diagnostics, key=lambda d: (d.span.file, d.span.start, d.code))
+        )
         super().__init__(self.diagnostics)
 
     def __str__(self) -> str:
         """Returns each diagnostic in a line, with what to write instead below it."""
         lines = []
         for d in self.diagnostics:
-            lines.append(f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}")
+            lines.append(
+                f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}"
+            )
             lines += [f"  help: {d.hint}"] if d.hint else []
         return "\n".join(lines)
 

@@ -11,7 +11,11 @@ FOLDER = Path(__file__).parent / "explain"
 
 def kinds() -> list[type[Diagnostic]]:
     """Returns every kind of mistake, in the order of the codes."""
-    found = {value for value in vars(errors).values() if isinstance(value, type) and issubclass(value, Diagnostic) and value.code}
+    found = {
+        value
+        for value in vars(errors).values()
+        if isinstance(value, type) and issubclass(value, Diagnostic) and value.code
+    }
     return sorted(found, key=lambda kind: (kind.code, kind.__name__))
 
 
@@ -27,5 +31,7 @@ def explain(code: str) -> str:
     wanted = asked if asked in known else f"SJ{asked.removeprefix('SJ').zfill(3)}"
     if wanted not in known:
         near = nearest(wanted, known)
-        raise ValueError(f"there is no code `{code[:20]}`" + (f"; did you mean {either(near)}?" if near else ""))
+        raise ValueError(
+            f"there is no code `{code[:20]}`" + (f"; did you mean {either(near)}?" if near else "")
+        )
     return (FOLDER / f"{wanted}.md").read_text("utf-8")

@@ -38,12 +38,16 @@ class Record(Frozen):
     def __init_subclass__(cls, eq: bool = True) -> None:
         if not eq:  # each equals itself only
             cls.__eq__, cls.__hash__ = object.__eq__, object.__hash__  # type: ignore[method-assign]
-        cls.__doc__ = cls.__doc__ or cls.__name__  # else each is given its signature as text, slowly
+        cls.__doc__ = (
+            cls.__doc__ or cls.__name__
+        )  # else each is given its signature as text, slowly
         dataclass(init=False, eq=False, repr=False)(cls)
         declared = fields(cls)
         cls._names = tuple(f.name for f in declared)
         cls._defaults = {f.name: f.default for f in declared if f.default is not MISSING}
-        cls._factories = {f.name: f.default_factory for f in declared if f.default_factory is not MISSING}
+        cls._factories = {
+            f.name: f.default_factory for f in declared if f.default_factory is not MISSING
+        }
 
     def __init__(self, *values: Any, **named: Any) -> None:
         names = self._names
@@ -59,5 +63,7 @@ class Record(Frozen):
             given[name] = self._factories[name]()
         twice = values and not named.keys().isdisjoint(names[: len(values)])
         if len(values) > len(names) or twice or given.keys() != set(names):
-            raise TypeError(f"{type(self).__name__} takes {', '.join(names)}; given: {len(values)} values, and by name: {', '.join(named)}")
+            raise TypeError(
+                f"{type(self).__name__} takes {', '.join(names)}; given: {len(values)} values, and by name: {', '.join(named)}"
+            )
         return tuple(given[name] for name in names)

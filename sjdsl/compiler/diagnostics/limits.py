@@ -51,7 +51,11 @@ def too_much(problem: str, limit: int, span: Span, help_: str = "") -> Diagnosti
 
 def check_text(source: Source) -> list[Diagnostic]:
     """Returns why a text cannot be parsed at all: too large, not text, a line too long; empty if it can."""
-    size = len(source.text.encode("utf-8", "surrogatepass")) if len(source.text) <= MAX_BYTES else len(source.text)
+    size = (
+        len(source.text.encode("utf-8", "surrogatepass"))
+        if len(source.text) <= MAX_BYTES
+        else len(source.text)
+    )
     if size > MAX_BYTES:
         return [errors.FileTooLarge(source.span(0, 0), given=size, limit=MAX_BYTES)]
     if "\0" in source.text:
@@ -64,5 +68,9 @@ def check_text(source: Source) -> list[Diagnostic]:
     long = re.search(rf"[^\n]{{{MAX_LINE + 1},}}", source.text)
     if long:
         span = source.span(long.start(), long.start())
-        return [too_much(f"this line has {len(long.group())} characters", MAX_LINE, span, "break the line")]
+        return [
+            too_much(
+                f"this line has {len(long.group())} characters", MAX_LINE, span, "break the line"
+            )
+        ]
     return []

@@ -35,7 +35,9 @@ class Problems:
 
     found: list[Diagnostic] = field(default_factory=list)
     suppressed: tuple[type[Diagnostic], ...] = ()
-    _messages: dict[tuple[type[Diagnostic], Span], set[str]] = field(default_factory=dict, repr=False)  # of those that are found
+    _messages: dict[tuple[type[Diagnostic], Span], set[str]] = field(
+        default_factory=dict, repr=False
+    )  # of those that are found
 
     @property
     def failed(self) -> bool:
@@ -56,13 +58,17 @@ class Problems:
         self.add(new)
         return Poisoned()
 
-    def unknown(self, name: Named, candidates: Iterable[str], what: str, help_: str = "") -> Poisoned:
+    def unknown(
+        self, name: Named, candidates: Iterable[str], what: str, help_: str = ""
+    ) -> Poisoned:
         """Records that a name is none of the candidates; `what` says what they are."""
         known = list(candidates)
         hint, word = slip(name.text, known)
         fix = Fix(name.span, word) if word else None
         near_ = near(name.text, known, what)
-        return self.fail(errors.UnknownName(name.span, name=name.text, help=help_ or hint, fix=fix, near=near_))
+        return self.fail(
+            errors.UnknownName(name.span, name=name.text, help=help_ or hint, fix=fix, near=near_)
+        )
 
     @contextmanager
     def survive(self, broken: set[K] | None = None, key: K | None = None) -> Iterator[None]:

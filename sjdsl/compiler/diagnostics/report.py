@@ -28,11 +28,17 @@ def render(diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source], col
     """Returns the diagnostics as text for a terminal, the number of errors and warnings at its end."""
     parts = [_render_one(d, sources, colour) for d in diagnostics]
     counts = Counter(d.severity for d in diagnostics)
-    counted = [f"{counts[name]} {name}{'s' * (counts[name] > 1)}" for name in ("error", "warning") if name in counts]
+    counted = [
+        f"{counts[name]} {name}{'s' * (counts[name] > 1)}"
+        for name in ("error", "warning")
+        if name in counts
+    ]
     return "\n".join([*parts, ", ".join(counted)]) if parts else ""
 
 
-def to_json(diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None) -> list[dict[str, Any]]:
+def to_json(
+    diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source] | None = None
+) -> list[dict[str, Any]]:
     """Returns the diagnostics as plain data; without its text, a span is taken to end in the line it begins in."""
     return [
         {
@@ -41,7 +47,9 @@ def to_json(diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source] | N
             "message": d.message,
             "hint": d.hint,
             **_place(d.span, sources or {}),
-            "labels": [{"text": label.text, **_place(label.span, sources or {})} for label in d.labels],
+            "labels": [
+                {"text": label.text, **_place(label.span, sources or {})} for label in d.labels
+            ],
             "fix": {"text": d.fix.text, **_place(d.fix.span, sources or {})} if d.fix else None,
         }
         for d in diagnostics
@@ -54,7 +62,13 @@ def _place(span: Span, sources: Mapping[str, Source]) -> dict[str, Any]:
     if span.file in sources:
         end = sources[span.file].span(span.end, span.end)
         line, column = end.line, end.column
-    return {"file": span.file, "line": span.line, "column": span.column, "end_line": line, "end_column": column}
+    return {
+        "file": span.file,
+        "line": span.line,
+        "column": span.column,
+        "end_line": line,
+        "end_column": column,
+    }
 
 
 def _render_one(d: Diagnostic, sources: Mapping[str, Source], colour: bool) -> str:
@@ -79,10 +93,14 @@ def _excerpts(d: Diagnostic, sources: Mapping[str, Source], tint: str) -> list[s
     lines = []
     for file, per_file in marks.items():
         if file != d.span.file:
-            lines.append(f"  {' ' * width}--> {visible(file)}:{per_file[0].line}:{per_file[0].start + 1}")
+            lines.append(
+                f"  {' ' * width}--> {visible(file)}:{per_file[0].line}:{per_file[0].start + 1}"
+            )
         lines += _excerpt(sources[file], per_file, width, tint)
     unseen = [label for label in d.labels if label.span.file not in sources]
-    return lines + [f"  {visible(label.span.file)}:{label.span.line}: {visible(label.text)}" for label in unseen]
+    return lines + [
+        f"  {visible(label.span.file)}:{label.span.line}: {visible(label.text)}" for label in unseen
+    ]
 
 
 def _marks(span: Span, source: Source, sign: str, text: str) -> list[Mark]:
@@ -122,7 +140,11 @@ def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[s
 def _cut(line: str, marks: list[Mark]) -> tuple[str, list[int]]:
     """Returns the line as shown, of a long one the part around the marks, and for each of its characters and its end the column where it is."""
     first, last = min(m.start for m in marks), max(m.end for m in marks)
-    begin = 0 if len(line) <= WIDTH or last <= WIDTH - 2 else max(0, min(first - 20, len(line) - WIDTH + 2))
+    begin = (
+        0
+        if len(line) <= WIDTH or last <= WIDTH - 2
+        else max(0, min(first - 20, len(line) - WIDTH + 2))
+    )
     end = len(line) if len(line) <= WIDTH else begin + WIDTH - 2
     shown, columns = "…" * (begin > 0), [0] * begin
     for character in line[begin:end]:
@@ -134,7 +156,10 @@ def _cut(line: str, marks: list[Mark]) -> tuple[str, list[int]]:
 
 def visible(text: str) -> str:
     """Returns a text with everything unprintable escaped."""
-    return "".join(c if c.isprintable() else f"\\x{ord(c):02x}" if ord(c) < 256 else f"\\u{ord(c):04x}" for c in text)
+    return "".join(
+        c if c.isprintable() else f"\\x{ord(c):02x}" if ord(c) < 256 else f"\\u{ord(c):04x}"
+        for c in text
+    )
 
 
 def _paint(text: str, tint: str, colour: bool) -> str:

@@ -18,12 +18,16 @@ EXTENDS = 'nothing is imported, but a game can change another: `game mine "Mine"
 GOAL = "after `when` comes an action, `when agent.bag > 3 choose stay`; a goal has its condition inside, `seek tree where agent.bag > 3`"
 IN = "after `in` stands a range, `1 .. 3`, or words in braces, `{ red, green }`"
 OWNER = "functions have no owner: `round(x)`, `min(a, b)`, `abs(x)`"
-OWN_FIELDS = "fields are declared in the braces of their owner: `agents 2 { field bag : 0 .. 9 = 0 }`"
+OWN_FIELDS = (
+    "fields are declared in the braces of their owner: `agents 2 { field bag : 0 .. 9 = 0 }`"
+)
 PHASES = "rules stand in phases: `phase start` runs when an episode begins, and those of the schedule in each step"
 POINT = "a number has digits on both sides of its point: `0.5`"
 POWER = "there are no powers, roots or logarithms: write a product, `x * x`, or a table, `case n { 0: 0, 1: 1, 2..: 1.4 }`"
 RANGE = "a range is written `0 .. 5`, and words stand in braces, `{ happy, sad }`"
-ROW = "a list is a row, a value for each word or number: `field tokens by { red, blue } : 0 .. 9 = 0`"
+ROW = (
+    "a list is a row, a value for each word or number: `field tokens by { red, blue } : 0 .. 9 = 0`"
+)
 SCHEDULE = "phases are joined with `->`: `schedule walk -> eat`"
 SIDES = "`disc(2)` means the cells within that distance; a window has four sides, `window ahead 9, behind 1, left 5, right 5`"
 WHERE = "`where` keeps those for which a condition holds: `each agent where agent.bag > 3 { … }`"
@@ -364,5 +368,7 @@ def slip(written: str, known: Collection[str], before: str = "") -> tuple[str, s
 def _patterns(known: Collection[str]) -> Iterator[tuple[str, str]]:
     """Yields the patterns for a place where words among `known` can stand, with their hints."""
     for place, hints in SLIPS.items():
-        if not place or (place in known and (place != "{" or "nobody" not in known)):  # a `{` in place of a value begins a table
+        if not place or (
+            place in known and (place != "{" or "nobody" not in known)
+        ):  # a `{` in place of a value begins a table
             yield from hints.items()

@@ -50,7 +50,11 @@ def rewrite(node: T, rule: Callable[[Any], Any]) -> T:
 
     A rule returns a node, or for a statement a tuple of statements to stand in its place.
     """
-    update = {name: new for name, value in vars(node).items() if (new := _rewritten(value, rule)) is not value}
+    update = {
+        name: new
+        for name, value in vars(node).items()
+        if (new := _rewritten(value, rule)) is not value
+    }
     if update:
         node = copy(node)
         vars(node).update(update)
@@ -67,4 +71,8 @@ def _rewritten(value: Any, rule: Callable[[Any], Any]) -> Any:
     for item in value:
         new = _rewritten(item, rule)
         items.extend(new if isinstance(new, tuple) and _is_node(item.__class__) else (new,))
-    return value if len(items) == len(value) and all(a is b for a, b in zip(items, value, strict=True)) else tuple(items)
+    return (
+        value
+        if len(items) == len(value) and all(a is b for a, b in zip(items, value, strict=True))
+        else tuple(items)
+    )

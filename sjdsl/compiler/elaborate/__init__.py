@@ -16,7 +16,13 @@ from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.agents import build_agents
 from sjdsl.compiler.elaborate.declarations import build_kinds, declare_numbers, declare_world
 from sjdsl.compiler.elaborate.looks import looks
-from sjdsl.compiler.elaborate.metrics_and_checks import check_requires, checks, events, measures, requires
+from sjdsl.compiler.elaborate.metrics_and_checks import (
+    check_requires,
+    checks,
+    events,
+    measures,
+    requires,
+)
 from sjdsl.compiler.elaborate.observations import hidden, observables, window
 from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.possible import know_steps, report_never
@@ -39,7 +45,9 @@ class Overrides(Record):
     placed_by_hand: bool = False
 
 
-def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tuple[ir.Game | None, Static]:
+def elaborate(
+    game: Composition, overrides: Overrides, problems: Problems
+) -> tuple[ir.Game | None, Static]:
     """Returns the typed game, None if a part of it is missing, and its declarations; `problems` gets all that is wrong."""
     static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
     if any(isinstance(problem, errors.WordClash) for problem in problems.found):
@@ -72,7 +80,11 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
         counted = events([p for p in (begin, *turns) if p is not None], scope)
     of_rules, known = set(static.used), set(static.shapes)
     played = policies(game, scope.with_agent("policy"))
-    of_policies = {name for name in static.shapes if name not in known or Symbol("shape", name) in static.used - of_rules}
+    of_policies = {
+        name
+        for name in static.shapes
+        if name not in known or Symbol("shape", name) in static.used - of_rules
+    }
     lineups = scenarios(game, scope)
     report_never(static.never.values(), problems)
     if agents is None or begin is None or episode is None or game.schedule is None:
@@ -111,11 +123,15 @@ def elaborate(game: Composition, overrides: Overrides, problems: Problems) -> tu
     return typed, static
 
 
-def _read_map(game: Composition, static: Static, overrides: Overrides, problems: Problems) -> tuple[str, ...]:
+def _read_map(
+    game: Composition, static: Static, overrides: Overrides, problems: Problems
+) -> tuple[str, ...]:
     glyphs = glyph_table(static, problems)
     static.wraps = game.map is not None and game.map.edges == "joined"
     if game.map is None and overrides.rows is None:
-        problems.add(errors.MissingPart(game.span, what="map", how='`map "maps/name.txt"` or `map { "…" }`'))
+        problems.add(
+            errors.MissingPart(game.span, what="map", how='`map "maps/name.txt"` or `map { "…" }`')
+        )
         return ()
     span = game.map.span if game.map is not None else game.span
     inline = game.map.rows if game.map is not None and overrides.rows is None else ()
@@ -124,7 +140,9 @@ def _read_map(game: Composition, static: Static, overrides: Overrides, problems:
         rows, spans = overrides.rows, overrides.row_spans
     else:
         rows, spans = read_rows(game.map, game.sources[span.file], problems)  # type: ignore[arg-type]
-    if len(problems.found) > before or not check_rows((rows, spans), glyphs, span, problems, inline):
+    if len(problems.found) > before or not check_rows(
+        (rows, spans), glyphs, span, problems, inline
+    ):
         static.cells = dict.fromkeys(static.kinds, 1)
         static.map_rows = static.map_cols = 1
         return ()
@@ -138,7 +156,12 @@ def _episode(game: Composition, scope: Scope) -> ir.Expr:
     if game.episode is None:
         raise scope.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
     steps = scope.number(game.episode.steps, ("steps",), "a number of steps")
-    if any(isinstance(node, ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme) for node in ir.walk(steps)):
+    if any(
+        isinstance(node, ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme)
+        for node in ir.walk(steps)
+    ):
         help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
-        raise scope.fail(errors.NotFixed(game.episode.steps.span, what="the length of an episode", help=help_))
+        raise scope.fail(
+            errors.NotFixed(game.episode.steps.span, what="the length of an episode", help=help_)
+        )
     return steps

@@ -14,7 +14,9 @@ from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, Static
 from sjdsl.compiler.ir.sorts import AGENTS
 
 
-def override_number(game: Composition, overrides: dict[str, object], num_agents: int, problems: Problems) -> None:
+def override_number(
+    game: Composition, overrides: dict[str, object], num_agents: int, problems: Problems
+) -> None:
     """Adds to the sizes a caller gives the one that is the number of agents."""
     number = game.number
     if isinstance(number, ast.Path) and not number.steps and number.name.text in game.constants:
@@ -43,10 +45,16 @@ def declare_agents(game: Composition, scope: Scope) -> None:
             static.agent_fields[name] = one_field(declared, scope, AGENTS)
     span = game.agents_span or game.span
     if game.agents_span is None or game.number is None:
-        problems.add(errors.MissingPart(span, what="number of agents", how="`agents 2 { acts ... moves relative }`"))
+        problems.add(
+            errors.MissingPart(
+                span, what="number of agents", how="`agents 2 { acts ... moves relative }`"
+            )
+        )
     elif game.acts is None:
         static.broken.add(ALL_ACTIONS)
-        problems.add(errors.MissingPart(span, what="actions", how="`acts turn_left, ..., stay` in `agents`"))
+        problems.add(
+            errors.MissingPart(span, what="actions", how="`acts turn_left, ..., stay` in `agents`")
+        )
 
 
 def build_agents(game: Composition, static: Static, problems: Problems) -> ir.Agents | None:
@@ -73,7 +81,15 @@ def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
             for what in blocks.what:
                 if what.text == "agents":
                     help_ = "agents always block each other: no two are on one cell; name the shapes whose lanes end at an agent"
-                    raise scope.fail(errors.WrongSort(what.span, name="agents", what="the agents", wanted="a shape", help=help_))
+                    raise scope.fail(
+                        errors.WrongSort(
+                            what.span,
+                            name="agents",
+                            what="the agents",
+                            wanted="a shape",
+                            help=help_,
+                        )
+                    )
             test = None if blocks.condition is None else scope.condition(blocks.condition)
             if test is not None:
                 check_possible(test, scope)
@@ -81,7 +97,9 @@ def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
     return tuple(found)
 
 
-def blocked(blocks: ast.Blocks, tests: Mapping[ir.Sort, ir.Expr | None], scope: Scope) -> list[ir.Block]:
+def blocked(
+    blocks: ast.Blocks, tests: Mapping[ir.Sort, ir.Expr | None], scope: Scope
+) -> list[ir.Block]:
     """Returns what cells of a kind, or agents, stop: the agents, sorts of movers or shapes by name, where a condition holds.
 
     tests: the condition as it is asked about movers of a sort; as it is asked about agents it is also asked about the others.
@@ -90,12 +108,28 @@ def blocked(blocks: ast.Blocks, tests: Mapping[ir.Sort, ir.Expr | None], scope: 
     for what in blocks.what:
         if {Symbol("shape", what.text), Symbol("name", what.text)} & static.broken:
             continue
-        if what.text != "agents" and what.text not in static.shapes and what.text not in static.movers:
-            scope.problems.unknown(what, ["agents", *static.movers, *static.shapes], "what a cell can block")
+        if (
+            what.text != "agents"
+            and what.text not in static.shapes
+            and what.text not in static.movers
+        ):
+            scope.problems.unknown(
+                what, ["agents", *static.movers, *static.shapes], "what a cell can block"
+            )
             continue
         if what.text != "agents":
             static.refer(what, Symbol("shape" if what.text in static.shapes else "name", what.text))
         if what.text in static.shapes and static.shapes[what.text].see_through:
-            scope.problems.add(errors.NeverHappens(what.span, problem=f"the shape `{what.text}` sees through everything"))
-        found.append(ir.Block(what=what.text, condition=tests.get(ir.Sort("mover", (what.text,)), tests.get(AGENTS)), origin=blocks.span))
+            scope.problems.add(
+                errors.NeverHappens(
+                    what.span, problem=f"the shape `{what.text}` sees through everything"
+                )
+            )
+        found.append(
+            ir.Block(
+                what=what.text,
+                condition=tests.get(ir.Sort("mover", (what.text,)), tests.get(AGENTS)),
+                origin=blocks.span,
+            )
+        )
     return found

@@ -13,40 +13,72 @@ from sjdsl.compiler.ir.implications import compares, narrowed_real
 from sjdsl.compiler.ir.operations import Calculation
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.ranges import apart, range_of
-from sjdsl.compiler.ir.types import INTEGER_UNITS, describe, hull, is_number, join_units, real, without_zero
+from sjdsl.compiler.ir.types import (
+    INTEGER_UNITS,
+    describe,
+    hull,
+    is_number,
+    join_units,
+    real,
+    without_zero,
+)
 
 
-def mismatch(scope: Scope, span: Span, verb: str, left: ir.Type, right: ir.Type, help: str = "") -> Poisoned:
-    return scope.fail(errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help))
+def mismatch(
+    scope: Scope, span: Span, verb: str, left: ir.Type, right: ir.Type, help: str = ""
+) -> Poisoned:
+    return scope.fail(
+        errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help)
+    )
 
 
-def calculation(row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: Sequence[ir.Expr], scope: Scope) -> ir.Expr:
+def calculation(
+    row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: Sequence[ir.Expr], scope: Scope
+) -> ir.Expr:
     """Returns what a row of the table makes of numbers; constants become one."""
     types = [a.type for a in args]
-    alike = all(t.by and t.by == types[0].by and t.kind in ("int", "real") for t in types)  # rows of numbers with the same keys
+    alike = all(
+        t.by and t.by == types[0].by and t.kind in ("int", "real") for t in types
+    )  # rows of numbers with the same keys
     if not (row.rows and alike):
         for tree, type_ in zip(trees, types, strict=True):
             if not is_number(type_):
-                raise mismatch(scope, e.span, row.verb, types[0], types[1]) if row.verb else wrong_type(scope, tree, "a number", type_)
+                raise (
+                    mismatch(scope, e.span, row.verb, types[0], types[1])
+                    if row.verb
+                    else wrong_type(scope, tree, "a number", type_)
+                )
         if row.whole_only and any(t.kind != "int" for t in types):
-            raise mismatch(scope, e.span, row.verb, types[0], types[1], f"`{row.name}` is for whole numbers")
+            raise mismatch(
+                scope, e.span, row.verb, types[0], types[1], f"`{row.name}` is for whole numbers"
+            )
     if row.divisor is not None and divisor_can_be_zero(args[row.divisor], scope):
         raise _zero_divisor(trees[row.divisor].span, args[row.divisor], scope)
     if row.share and _is_share(args[0], args[1]):
-        return ir.Arithmetic(type=real(0.0, 1.0, "fraction"), fn=row.name, args=tuple(args), origin=e.span)
+        return ir.Arithmetic(
+            type=real(0.0, 1.0, "fraction"), fn=row.name, args=tuple(args), origin=e.span
+        )
     if row.unchanged and types[0].kind == "int":
         return args[0]
     type_ = _result(row, e, args, scope)
     if row.apart is not None:
         one, other = row.apart
         a, b, known = args[one], args[other], scope.facts_and_requires
-        compared = any(compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a)))
+        compared = any(
+            compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a))
+        )
         if not apart(a, b, compared):
             problem = errors.RoundedToOne if compared else errors.Crossed
-            raise scope.fail(problem(e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)))
+            raise scope.fail(
+                problem(
+                    e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)
+                )
+            )
     if all(isinstance(a, ir.Number) for a in args):
         value = row.fold(*(a.value for a in args if isinstance(a, ir.Number)))
-        return ir.Number(type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span)
+        return ir.Number(
+            type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span
+        )
     return ir.Arithmetic(type=type_, fn=row.name, args=tuple(args), origin=e.span)
 
 
@@ -58,7 +90,9 @@ def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
     elif not any(isinstance(n, ir.ParamRef) for n in ir.walk(divisor)):
         written = " ".join(scope.static.sources[span.file].text[span.start : span.end].split())
         help_ = f"guard it: `when {written} > 0 {{ … }}`"
-    return scope.fail(errors.ZeroDivisor(span, labels=parameters_read(scope.static, divisor), help=help_))
+    return scope.fail(
+        errors.ZeroDivisor(span, labels=parameters_read(scope.static, divisor), help=help_)
+    )
 
 
 def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope) -> ir.Type:
@@ -67,7 +101,9 @@ def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope
     unit = row.unit(*(t.unit for t in types))
     if unit is None:
         before, *others = types
-        for type_ in others[:-1]:  # the first number whose unit does not mix with those before it is named, beside what these are together
+        for type_ in others[
+            :-1
+        ]:  # the first number whose unit does not mix with those before it is named, beside what these are together
             unit = join_units(before.unit, type_.unit)
             if unit is None:
                 others = [type_]
@@ -83,11 +119,17 @@ def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope
     low, high = row.interval(*ends)
     if row.bounded and max(-low, high) > limits.MAX_VALUE:
         labels = parameters_read(scope.static, *args)
-        raise scope.fail(errors.RoundsTooFar(e.span, labels=labels, name=f"`{row.name}`", limit=limits.MAX_VALUE))
+        raise scope.fail(
+            errors.RoundsTooFar(e.span, labels=labels, name=f"`{row.name}`", limit=limits.MAX_VALUE)
+        )
     is_whole = row.kind == "whole" or (row.kind == "joined" and all(t.kind == "int" for t in types))
-    if not row.keeps_unit and ((not is_whole and unit in INTEGER_UNITS) or (unit == "fraction" and (low < 0 or high > 1))):
+    if not row.keeps_unit and (
+        (not is_whole and unit in INTEGER_UNITS) or (unit == "fraction" and (low < 0 or high > 1))
+    ):
         unit = "number"
-    return ir.Type(kind="int" if is_whole else "real", unit=unit, low=low, high=high, by=types[0].by)
+    return ir.Type(
+        kind="int" if is_whole else "real", unit=unit, low=low, high=high, by=types[0].by
+    )
 
 
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
@@ -101,7 +143,11 @@ def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
     if isinstance(counted, ir.Count) and not can_be_empty(counted.domain, scope):
         return False
     known = scope.facts_and_requires
-    return not (compares(divisor, ">", 0, known) or compares(divisor, ">=", 1, known) or compares(divisor, "!=", 0, known))
+    return not (
+        compares(divisor, ">", 0, known)
+        or compares(divisor, ">=", 1, known)
+        or compares(divisor, "!=", 0, known)
+    )
 
 
 def _is_share(left: ir.Expr, right: ir.Expr) -> bool:
@@ -109,9 +155,16 @@ def _is_share(left: ir.Expr, right: ir.Expr) -> bool:
     if not (isinstance(left, ir.Count) and isinstance(right, ir.Count)):
         return False
     part, whole = left.domain, right.domain
-    if whole.where is not None or whole.restriction is not None or whole.on is not None or part.on is not None:
+    if (
+        whole.where is not None
+        or whole.restriction is not None
+        or whole.on is not None
+        or part.on is not None
+    ):
         return False
-    return part.var.sort.what == whole.var.sort.what and set(part.var.sort.names) <= set(whole.var.sort.names)
+    return part.var.sort.what == whole.var.sort.what and set(part.var.sort.names) <= set(
+        whole.var.sort.names
+    )
 
 
 def compare(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
@@ -137,9 +190,13 @@ def join_types(types: list[ir.Type], scope: Scope, verb: str, tree: ast.Expr) ->
                 raise mismatch(scope, tree.span, verb, joined, other)
             low, high = hull([joined, other])
             kind = "int" if joined.kind == other.kind == "int" else "real"
-            joined = joined.model_copy(update={"kind": kind, "unit": unit, "low": low, "high": high})
+            joined = joined.model_copy(
+                update={"kind": kind, "unit": unit, "low": low, "high": high}
+            )
         elif joined.kind == other.kind == "word":
-            joined = joined.model_copy(update={"words": tuple(dict.fromkeys(joined.words + other.words))})
+            joined = joined.model_copy(
+                update={"words": tuple(dict.fromkeys(joined.words + other.words))}
+            )
         elif joined.kind != other.kind:
             raise mismatch(scope, tree.span, verb, joined, other)
     return joined

@@ -42,7 +42,9 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
             help_ = "numbers stay as they are; what changes is a field, such as `field pot : 0 .. 9 = 0`"
         case _:
             help_ = "only fields can be written"
-    raise scope.fail(errors.WrongType(path.span, wanted="a field", given=describe(target.type), help=help_))
+    raise scope.fail(
+        errors.WrongType(path.span, wanted="a field", given=describe(target.type), help=help_)
+    )
 
 
 def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
@@ -86,13 +88,17 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
             low, high = narrowed(value, scope.facts)
             limit = inf if field.timer else type_.high
             if type_.kind == "int" and (low < type_.low or high > limit):
-                raise _leaves_range(s.value.span, target, low, high, scope, _instead_of_set(s, field, target, scope))
+                raise _leaves_range(
+                    s.value.span, target, low, high, scope, _instead_of_set(s, field, target, scope)
+                )
         case "agent":
             if not as_agent(value):
                 raise wrong_type(scope, s.value, "an agent or nobody", value.type)
         case "cell":
             value = or_nowhere(value)
-            kinds = value.type.kinds if value.type.kind == "cell" else kinds_of_cell(value)  # a row of cells, too
+            kinds = (
+                value.type.kinds if value.type.kind == "cell" else kinds_of_cell(value)
+            )  # a row of cells, too
             if kinds is None or not set(kinds) <= set(type_.kinds):
                 given = value.type if kinds is None else ir.Type(kind="cell", kinds=kinds)
                 raise wrong_type(scope, s.value, f"{describe(type_)} or nowhere", given)
@@ -115,7 +121,9 @@ def _check_number(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope)
         raise wrong_type(scope, tree, describe(target.type), value.type)
     if join_units(target.type.unit, value.type.unit) is None:
         left, right = describe(target.type), describe(value.type)
-        raise scope.fail(errors.UnitMismatch(tree.span, verb="put into one field", left=left, right=right))
+        raise scope.fail(
+            errors.UnitMismatch(tree.span, verb="put into one field", left=left, right=right)
+        )
     if target.type.kind == "int" and value.type.kind != "int":
         raise wrong_type(scope, tree, "a whole number", value.type)
 
@@ -125,7 +133,9 @@ def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scop
     if not field.capped:
         return ""
     match s.value:
-        case ast.Binary(op="+", left=ast.Path() as left, right=right) if text(scope.expression(left)) == text(target):
+        case ast.Binary(op="+", left=ast.Path() as left, right=right) if text(
+            scope.expression(left)
+        ) == text(target):
             added = scope.static.sources[right.span.file].text[right.span.start : right.span.end]
             return f"only `add` stops at the end of a range that is `capped`: write `add {added} to {text(target)}`"
     return "only `add` stops at the end of a range that is `capped`: guard the change with `when`, or bound it with `min` and `max`"
@@ -141,20 +151,43 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
         return ir.Add(target=target, value=value, origin=s.span)
     if target.type.kind not in ("int", "real") or field.timer:
         help_ = "a timer is `set`; it falls at `tick`" if field.timer else ""
-        raise wrong_type(scope, s.target, "a number, a row of numbers or a set of agents", target.type, help_)
+        raise wrong_type(
+            scope, s.target, "a number, a row of numbers or a set of agents", target.type, help_
+        )
     if value.type.by != target.type.by:
         raise wrong_type(scope, s.value, describe(target.type), value.type)
     _check_number(s.value, target, value, scope)
     if (
         target.type.kind == "int" and not field.capped
     ):  # it stays in range by what the guards say, and is the only one that reaches its target
-        low, high = narrowed(target, scope.facts) if is_number(target.type) else (target.type.low, target.type.high)
+        low, high = (
+            narrowed(target, scope.facts)
+            if is_number(target.type)
+            else (target.type.low, target.type.high)
+        )
         low, high = low + value.type.low, high + value.type.high
         if low < target.type.low or high > target.type.high:
             raise _leaves_range(s.span, target, low, high, scope)
     return ir.Add(target=target, value=value, origin=s.span)
 
 
-def _leaves_range(span: Span, target: ir.Expr, low: float, high: float, scope: Scope, help_: str = "") -> Poisoned:
-    name, declared, type_, reached = text(target), declared_name(target), target.type, interval_text(low, high)
-    return scope.fail(errors.FieldRange(span, name=name, declared=declared, low=type_.low, high=type_.high, reached=reached, help=help_))
+def _leaves_range(
+    span: Span, target: ir.Expr, low: float, high: float, scope: Scope, help_: str = ""
+) -> Poisoned:
+    name, declared, type_, reached = (
+        text(target),
+        declared_name(target),
+        target.type,
+        interval_text(low, high),
+    )
+    return scope.fail(
+        errors.FieldRange(
+            span,
+            name=name,
+            declared=declared,
+            low=type_.low,
+            high=type_.high,
+            reached=reached,
+            help=help_,
+        )
+    )

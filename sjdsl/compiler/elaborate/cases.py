@@ -25,7 +25,9 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
         keys = _number_keys(e, subject, scope)
     else:
         wanted = "a whole number, a word or a condition"
-        raise scope.fail(errors.WrongType(e.subject.span, wanted=wanted, given=describe(subject.type)))
+        raise scope.fail(
+            errors.WrongType(e.subject.span, wanted=wanted, given=describe(subject.type))
+        )
 
     def values(arm_and_key: tuple[ast.Arm, Key]) -> list[ir.Arm]:
         arm, key = arm_and_key
@@ -33,7 +35,10 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
         if subject.type.kind == "condition" and len(key) == 1:  # what the arm may rely on
             known = (subject if key[0][2] == ("yes",) else ir.Not(value=subject),)
         value = scope.knowing(known).expression(arm.value)
-        return [ir.Arm(low=low, high=high, words=words, value=value, origin=arm.span) for low, high, words in key]
+        return [
+            ir.Arm(low=low, high=high, words=words, value=value, origin=arm.span)
+            for low, high, words in key
+        ]
 
     made = scope.problems.each(zip(e.arms, keys, strict=True), values)
     if len(made) < len(e.arms):
@@ -49,7 +54,11 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
     rest: ir.Expr | None = None
     for arm in e.arms:
         if arm.word is not None and not scope.static.is_word(arm.word.text):
-            raise scope.fail(errors.WordOutside(arm.word.span, word=arm.word.text, owner="this case", words=(subject.value,)))
+            raise scope.fail(
+                errors.WordOutside(
+                    arm.word.span, word=arm.word.text, owner="this case", words=(subject.value,)
+                )
+            )
         value = scope.expression(arm.value)
         if arm.word is None:
             rest = value
@@ -74,7 +83,11 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
             keys.append([])
             continue
         if arm.word.text not in names:
-            raise scope.fail(errors.WordOutside(arm.word.span, word=arm.word.text, owner="this case", words=names))
+            raise scope.fail(
+                errors.WordOutside(
+                    arm.word.span, word=arm.word.text, owner="this case", words=names
+                )
+            )
         if arm.word.text in seen:
             raise scope.fail(errors.CaseRepeats(arm.word.span, name=arm.word.text))
         seen.add(arm.word.text)
@@ -82,7 +95,9 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
             scope.static.refer(arm.word, Symbol("word", arm.word.text))
         keys.append([(None, None, (arm.word.text,))])
     rest = tuple(n for n in names if n not in seen)
-    _close(e, keys, [(None, None, rest)] if rest else [], errors.CaseLacks(e.span, words=rest), scope)
+    _close(
+        e, keys, [(None, None, rest)] if rest else [], errors.CaseLacks(e.span, words=rest), scope
+    )
     return keys
 
 
@@ -96,7 +111,10 @@ def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
         if arm.low is None:
             keys.append([])
             continue
-        first, last = float(arm.low), inf if arm.open else float(arm.high if arm.high is not None else arm.low)
+        first, last = (
+            float(arm.low),
+            inf if arm.open else float(arm.high if arm.high is not None else arm.low),
+        )
         if last < first or any(first <= b and a <= last for a, b in taken):
             raise scope.fail(errors.CaseOverlaps(arm.span))
         taken.append((first, last))
@@ -112,7 +130,11 @@ def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
     numbers = ""
     if gaps:
         first, last = gaps[0]
-        numbers = f"{first:g}" if first == last else f"{'' if first == -inf else f'{first:g}'}..{'' if last == inf else f'{last:g}'}"
+        numbers = (
+            f"{first:g}"
+            if first == last
+            else f"{'' if first == -inf else f'{first:g}'}..{'' if last == inf else f'{last:g}'}"
+        )
     rest: Key = [(int(a) if a > -inf else None, int(b) if b < inf else None, ()) for a, b in gaps]
     _close(e, keys, rest, errors.CaseLeavesOpen(e.span, numbers=numbers), scope)
     return keys

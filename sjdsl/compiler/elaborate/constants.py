@@ -27,17 +27,27 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
         static.params[name] = ir.Param(name=name, type=type_, value=word, origin=declared.span)
         return
     if declared.is_size and (declared.by is not None or isinstance(declared.value, ast.Table)):
-        raise scope.fail(errors.Unsupported(declared.span, what="a size that is a table", help="a `param` can be one"))
+        raise scope.fail(
+            errors.Unsupported(
+                declared.span, what="a size that is a table", help="a `param` can be one"
+            )
+        )
     low, high = _limits(declared, scope)
     level = None if declared.by is None else level_of(declared.by, scope)
     by, value = _value(declared.value, unit, scope, level)
     if override is not None and declared.is_size:
         value = _overridden(declared, override, scope)
-    outside = [(keys, n) for keys, n in zip(product(*(each.names for each in by)), _flat(value), strict=True) if not low <= n <= high]
+    outside = [
+        (keys, n)
+        for keys, n in zip(product(*(each.names for each in by)), _flat(value), strict=True)
+        if not low <= n <= high
+    ]
     if outside:
         _report_outside(declared, outside, (low, high), level, scope)
         if not isinstance(value, tuple):
-            value = type(value)(min(max(value, low), high))  # reported once: the rest is read with a number that is allowed
+            value = type(value)(
+                min(max(value, low), high)
+            )  # reported once: the rest is read with a number that is allowed
     kind = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
     if declared.is_size:
@@ -58,30 +68,56 @@ def _report_outside(
 
     The comment beside a number may say why its limits are as they are, after its source: `# paper: why`.
     """
-    first, *others = dict.fromkeys(_entry(declared.value, keys, level, scope).span for keys, _ in outside)
+    first, *others = dict.fromkeys(
+        _entry(declared.value, keys, level, scope).span for keys, _ in outside
+    )
     labels = [Label(span, "and this") for span in others]
     reason = ""
     if declared.low is not None:
-        if (declared.low.span.file, declared.low.span.line) != (first.file, first.line):  # the number is a variant's, or an entry's
+        if (declared.low.span.file, declared.low.span.line) != (
+            first.file,
+            first.line,
+        ):  # the number is a variant's, or an entry's
             labels.insert(0, Label(declared.low.span, "its limits are here"))
-        _, _, comment = scope.static.sources[declared.span.file].text[declared.span.end :].partition("\n")[0].partition("#")
+        _, _, comment = (
+            scope.static.sources[declared.span.file]
+            .text[declared.span.end :]
+            .partition("\n")[0]
+            .partition("#")
+        )
         _, _, why = comment.partition(": ")
         reason = f" ({why.strip()})" if why else ""
     name, value, (low, high) = f"`{declared.name.text}`", outside[0][1], between
-    scope.problems.add(errors.OutOfLimits(first, labels=tuple(labels), name=name, value=value, low=low, high=high, reason=reason))
+    scope.problems.add(
+        errors.OutOfLimits(
+            first, labels=tuple(labels), name=name, value=value, low=low, high=high, reason=reason
+        )
+    )
 
 
 def _overridden(declared: ast.Constant, override: object, scope: Scope) -> int | float:
     """Returns the value that a caller gives a size."""
     whole = declared.unit.text in INTEGER_UNITS
-    number = override.item() if hasattr(override, "item") and getattr(override, "shape", None) == () else override
+    number = (
+        override.item()
+        if hasattr(override, "item") and getattr(override, "shape", None) == ()
+        else override
+    )
     if not isinstance(number, bool) and isinstance(number, int | float):
         if isinstance(number, int) and abs(number) > limits.MAX_VALUE:
-            raise scope.fail(limits.too_much(f"`{declared.name.text}` is {number}", limits.MAX_VALUE, declared.span))
+            raise scope.fail(
+                limits.too_much(
+                    f"`{declared.name.text}` is {number}", limits.MAX_VALUE, declared.span
+                )
+            )
         if isfinite(number) and (not whole or number == int(number)):
             return int(number) if whole else float(number)
     wanted = "a whole number" if whole else "a number"
-    raise scope.fail(errors.WrongType(declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)))
+    raise scope.fail(
+        errors.WrongType(
+            declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)
+        )
+    )
 
 
 def _limits(declared: ast.Constant, scope: Scope) -> tuple[float, float]:
@@ -89,21 +125,32 @@ def _limits(declared: ast.Constant, scope: Scope) -> tuple[float, float]:
     low, high = UNIT_LIMITS[unit]
     if declared.low is None or declared.high is None:
         return low, high
-    own_low, own_high = (scope.fixed(e, "the limits of a number") for e in (declared.low, declared.high))
+    own_low, own_high = (
+        scope.fixed(e, "the limits of a number") for e in (declared.low, declared.high)
+    )
     if own_low > own_high or own_low < low or own_high > high:
         name, given = f"the limits of `{declared.name.text}`", f"{own_low:g} .. {own_high:g}"
-        raise scope.fail(errors.OutOfLimits(declared.low.span, name=name, value=given, low=low, high=high))
+        raise scope.fail(
+            errors.OutOfLimits(declared.low.span, name=name, value=given, low=low, high=high)
+        )
     for tree, value in ((declared.low, own_low), (declared.high, own_high)):
         if unit in INTEGER_UNITS and value != int(value):
-            raise scope.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value:g}"))
+            raise scope.fail(
+                errors.WrongType(tree.span, wanted="a whole number", given=f"{value:g}")
+            )
     return own_low, own_high
 
 
-def _value(tree: Tree, unit: str, scope: Scope, level: Level | None = None) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
+def _value(
+    tree: Tree, unit: str, scope: Scope, level: Level | None = None
+) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
     """Returns the levels and the value (nested as the levels) of a number or table. `level`: the first one, where it is declared."""
     if level is not None:
         trees = entries_of(tree, level, scope)
-        made = {id(entry): _value(entry, unit, scope) for entry in {id(entry): entry for entry in trees}.values()}
+        made = {
+            id(entry): _value(entry, unit, scope)
+            for entry in {id(entry): entry for entry in trees}.values()
+        }
         if len({by for by, _ in made.values()}) > 1:
             raise scope.fail(errors.UnequalRows(tree.span))
         return (level, *made[id(trees[0])][0]), tuple(made[id(entry)][1] for entry in trees)
@@ -123,19 +170,38 @@ def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> t
     exact = next((s for s in sets if set(s) == set(names)), None)
     if exact is not None:
         return exact
-    closest = max(sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=())
+    closest = max(
+        sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=()
+    )
     unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
     if unknown is not None and set(names) & set(closest):
-        raise scope.fail(errors.WordOutside(unknown.span, word=unknown.text, owner="this table", words=closest))
+        raise scope.fail(
+            errors.WordOutside(unknown.span, word=unknown.text, owner="this table", words=closest)
+        )
     if unknown is not None:
         meant = near(unknown.text, [w for s in sets for w in s])
-        declare = f"declare one, `field NAME : {{ {', '.join(dict.fromkeys(names))} }} = {names[0]}`"
-        help_ = "" if meant.nearest else f"the words of a table are those of a field, a row (`by`) or an event: {declare}"
-        raise scope.fail(errors.UnknownName(unknown.span, name=unknown.text, near=meant, help=help_))
-    if set(names) < set(closest) and len(closest) - len(names) == 1 and closest[0] not in names and len(names) > 1:
+        declare = (
+            f"declare one, `field NAME : {{ {', '.join(dict.fromkeys(names))} }} = {names[0]}`"
+        )
+        help_ = (
+            ""
+            if meant.nearest
+            else f"the words of a table are those of a field, a row (`by`) or an event: {declare}"
+        )
+        raise scope.fail(
+            errors.UnknownName(unknown.span, name=unknown.text, near=meant, help=help_)
+        )
+    if (
+        set(names) < set(closest)
+        and len(closest) - len(names) == 1
+        and closest[0] not in names
+        and len(names) > 1
+    ):
         return tuple(w for w in closest if w in names)
     missing = tuple(w for w in closest if w not in names)
-    raise scope.fail(errors.TableLacks(table.span, words=missing) if missing else errors.TableGap(table.span))
+    raise scope.fail(
+        errors.TableLacks(table.span, words=missing) if missing else errors.TableGap(table.span)
+    )
 
 
 def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
@@ -146,25 +212,43 @@ def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
     value = built.value
     whole = unit in INTEGER_UNITS
     if not isfinite(value) or (whole and value != int(value)):
-        raise scope.fail(errors.WrongType(tree.span, wanted="a whole number" if whole else "a number", given=f"{value:g}"))
+        raise scope.fail(
+            errors.WrongType(
+                tree.span, wanted="a whole number" if whole else "a number", given=f"{value:g}"
+            )
+        )
     if abs(value) > limits.MAX_VALUE:
-        raise scope.fail(limits.too_much(f"this number is {value:.15g}", limits.MAX_VALUE, tree.span))
-    if built.type.unit not in ("number", unit) and not (unit == "reward" and built.type.unit == "count"):
-        raise scope.fail(errors.UnitMismatch(tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`"))
+        raise scope.fail(
+            limits.too_much(f"this number is {value:.15g}", limits.MAX_VALUE, tree.span)
+        )
+    if built.type.unit not in ("number", unit) and not (
+        unit == "reward" and built.type.unit == "count"
+    ):
+        raise scope.fail(
+            errors.UnitMismatch(
+                tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`"
+            )
+        )
     return int(value) if whole else float(value)
 
 
 def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[str, ...]]:
     """Returns the type and value of a parameter of words: over the table's own words if they serve, else the first set that has them all."""
     if declared.is_size:
-        raise scope.fail(errors.WrongType(declared.span, wanted="a number for a `size`", given="a word"))
+        raise scope.fail(
+            errors.WrongType(declared.span, wanted="a number for a `size`", given="a word")
+        )
     by: tuple[Level, ...] = ()
     entries: list[Tree] = [declared.value]
     if declared.by is not None:
         by = (level_of(declared.by, scope),)
         entries = entries_of(declared.value, by[0], scope)
     elif isinstance(declared.value, ast.Table):
-        by = (Level("word", _declared_words(declared.value, table_words(declared.value, scope), scope)),)
+        by = (
+            Level(
+                "word", _declared_words(declared.value, table_words(declared.value, scope), scope)
+            ),
+        )
         written = {e.key.text: e.value for e in declared.value.entries}
         entries = [written[w] for w in by[0].names]
     known: dict[int, str] = {}

@@ -36,30 +36,55 @@ def with_declaration_labels(found: list[Diagnostic], game: Composition) -> list[
             case errors.NotKnown(near=Near(nearest=(name,))):
                 span, text = named.get(name), f"`{name}` is declared here"
         elsewhere = span is not None and (span.file, span.line) != (d.span.file, d.span.line)
-        labelled.append(replace(d, labels=(Label(span, text),)) if span is not None and elsewhere and not d.labels else d)
+        labelled.append(
+            replace(d, labels=(Label(span, text),))
+            if span is not None and elsewhere and not d.labels
+            else d
+        )
     return labelled
 
 
 def _places(game: Composition) -> tuple[dict[str, Span], dict[str, Span]]:
     """Returns where each name, word and action is declared, and where the words or the range of each field, event and action are."""
-    attributes = [a for kind in game.kinds.values() for a in kind.attributes if isinstance(a, ast.Field | ast.Timer)]
+    attributes = [
+        a
+        for kind in game.kinds.values()
+        for a in kind.attributes
+        if isinstance(a, ast.Field | ast.Timer)
+    ]
     attributes += [*game.agent_fields.values(), *game.fields.values()]
     fields = [a for a in attributes if isinstance(a, ast.Field)]
     actions = () if game.acts is None else game.acts.actions
-    tables = (game.constants, game.kinds, game.groups, game.shapes, game.defines, game.phases, game.metrics)
-    names = [node.name for table in tables for node in table.values()] + [node.name for node in (*attributes, *actions)]
-    names += [name for field in fields if isinstance(field.type, ast.Words) for name in field.type.names]
+    tables = (
+        game.constants,
+        game.kinds,
+        game.groups,
+        game.shapes,
+        game.defines,
+        game.phases,
+        game.metrics,
+    )
+    names = [node.name for table in tables for node in table.values()] + [
+        node.name for node in (*attributes, *actions)
+    ]
+    names += [
+        name for field in fields if isinstance(field.type, ast.Words) for name in field.type.names
+    ]
     ranges = {field.name.text: field.type.span for field in fields}
     for metric in game.metrics.values():
         if isinstance(metric, ast.Event) and metric.by is not None:
-            ranges[metric.name.text] = metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
+            ranges[metric.name.text] = (
+                metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
+            )
     ranges |= {action.name.text: action.span for action in actions if action.arguments}
     return {name.text: name.span for name in reversed(names)}, ranges
 
 
 def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:
     """Returns the places where the parameters are declared that values are made of; none if there are too many."""
-    names = dict.fromkeys(n.name for value in values for n in ir.walk(value) if isinstance(n, ir.ParamRef))
+    names = dict.fromkeys(
+        n.name for value in values for n in ir.walk(value) if isinstance(n, ir.ParamRef)
+    )
     places = {name: static.params[name].origin for name in names}
     labels = tuple(Label(span, f"`{name}`") for name, span in places.items() if span is not None)
     return labels if len(labels) <= MANY else ()

@@ -7,7 +7,14 @@ from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
-from sjdsl.compiler.elaborate.lookup import as_agent, bound_cell, check_free, check_placed, kinds_named, unknown
+from sjdsl.compiler.elaborate.lookup import (
+    as_agent,
+    bound_cell,
+    check_free,
+    check_placed,
+    kinds_named,
+    unknown,
+)
 from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
@@ -36,7 +43,11 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
     if d.on is not None:
         if sort.what == "cell":
             wanted = "an agent (`agent on KIND`)"
-            raise scope.fail(errors.WrongSort(d.kind.span, name=d.kind.text, what="a kind of cell", wanted=wanted))
+            raise scope.fail(
+                errors.WrongSort(
+                    d.kind.span, name=d.kind.text, what="a kind of cell", wanted=wanted
+                )
+            )
         cell = _cell_around(d.on, inner)
         if cell is not None:
             conditions.append(ir.StandsAt(agent=var, cell=cell, origin=d.on.span))
@@ -44,8 +55,14 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
         else:
             under = d.on.bind or d.on.kind
             check_free(under, inner, d.on.bind is not None)
-            on = ir.Member(name=_own_name(under, inner), sort=ir.Sort("cell", kinds_named(d.on.kind, inner)), origin=d.on.span)
-            inner = with_member(d.on.bind, d.on.kind, on, inner).knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
+            on = ir.Member(
+                name=_own_name(under, inner),
+                sort=ir.Sort("cell", kinds_named(d.on.kind, inner)),
+                origin=d.on.span,
+            )
+            inner = with_member(d.on.bind, d.on.kind, on, inner).knowing(
+                [ir.StandsOn(agent=var, kinds=on.kinds)]
+            )
     if d.where is not None:
         conditions.append(inner.condition(d.where))
         if warns:
@@ -63,11 +80,15 @@ def _cell_around(on: ast.On, scope: Scope) -> ir.Member | None:
     if cell is not None and on.bind is not None:
         name = on.kind.text
         help_ = f"`on {name}` means that cell; to bind the cell under the agent, rename the outer one: `{name} as one`"
-        raise scope.fail(errors.NameTaken(on.span, name=name, what="a cell around this statement", help=help_))
+        raise scope.fail(
+            errors.NameTaken(on.span, name=name, what="a cell around this statement", help=help_)
+        )
     return cell
 
 
-def with_member(name: ast.Name | None, kind: ast.Name, var: ir.Member | None, scope: Scope) -> Scope:
+def with_member(
+    name: ast.Name | None, kind: ast.Name, var: ir.Member | None, scope: Scope
+) -> Scope:
     """Returns a scope with the variable of a domain, which has the name of its kind if the text gives it none."""
     return scope.bind(kind.text, var) if name is None else scope.bind_named(name, var)
 
@@ -77,7 +98,9 @@ def _own_name(name: ast.Name, scope: Scope) -> str:
     if not scope.defining:
         return name.text
     around = [v for v in scope.variables.values() if isinstance(v, ir.Node)]
-    unseen = {v.name for e in (*around, *(f.condition for f in scope.facts)) for v in free_variables(e)}
+    unseen = {
+        v.name for e in (*around, *(f.condition for f in scope.facts)) for v in free_variables(e)
+    }
     found = name.text
     while found in unseen:
         found += "_"
@@ -90,19 +113,37 @@ def only_one_who(scope: Scope, who: ir.Expr, instead: str) -> Scope:
     What is known now may not hold any more then.
     """
     seen = who.name if isinstance(who, ir.Member) else ""
-    kept = {n: v for n, v in scope.variables.items() if n == seen or not isinstance(v, ir.Member | ir.Local)}
+    kept = {
+        n: v
+        for n, v in scope.variables.items()
+        if n == seen or not isinstance(v, ir.Member | ir.Local)
+    }
     facts = tuple(f for f in scope.facts if not free_variables(f.condition))
-    return replace(scope, variables=kept, facts=facts, withheld={n: instead for n in scope.variables if n not in kept}, returning=seen)
+    return replace(
+        scope,
+        variables=kept,
+        facts=facts,
+        withheld={n: instead for n in scope.variables if n not in kept},
+        returning=seen,
+    )
 
 
-def _restriction(restriction: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope) -> ir.Restriction:
+def _restriction(
+    restriction: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope
+) -> ir.Restriction:
     match restriction:
         case ast.Near():
             return near(restriction.shape, restriction.anchor, scope)
         case ast.Members():
             members = tuple(_variable(name, scope) for name in restriction.names)
-            if any(m.sort != var.sort and {m.sort.what, var.sort.what} != {"cell"} for m in members):
-                raise scope.fail(errors.WrongType(restriction.span, wanted="variables of the same sort", given="a mixture"))
+            if any(
+                m.sort != var.sort and {m.sort.what, var.sort.what} != {"cell"} for m in members
+            ):
+                raise scope.fail(
+                    errors.WrongType(
+                        restriction.span, wanted="variables of the same sort", given="a mixture"
+                    )
+                )
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
             value = scope.expression(restriction)
@@ -111,7 +152,12 @@ def _restriction(restriction: ast.Near | ast.Path | ast.Members, var: ir.Member,
                     raise scope.fail(errors.NeverOneCell(restriction.span))
                 return ir.InCell(value=value, origin=restriction.span)
             if var.sort.what != "agent" or (value.type.kind != "agents" and not as_agent(value)):
-                raise wrong_type(scope, restriction, "a shape of something, or a field that holds agents or a cell", value.type)
+                raise wrong_type(
+                    scope,
+                    restriction,
+                    "a shape of something, or a field that holds agents or a cell",
+                    value.type,
+                )
             return ir.InAgents(value=value, origin=restriction.span)
 
 
@@ -134,7 +180,9 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
             raise Poisoned
         if isinstance(bound, ir.Member):
             return bound.model_copy(update={"origin": name.span})
-        raise scope.fail(errors.WrongSort(name.span, name=name.text, what="a value", wanted="an agent or a cell"))
+        raise scope.fail(
+            errors.WrongSort(name.span, name=name.text, what="a value", wanted="an agent or a cell")
+        )
     raise unknown(name, scope)
 
 
@@ -166,7 +214,9 @@ def can_be_empty(d: ir.Domain, scope: Scope) -> bool:
             return not any(static.cells.get(kind, 0) for kind in d.var.kinds)
         case None:
             # a domain around has an agent (or such a mover); other parts of a game may speak of one that is away
-            somebody = any(isinstance(v, ir.Member) and v.sort == d.var.sort for v in scope.variables.values())
+            somebody = any(
+                isinstance(v, ir.Member) and v.sort == d.var.sort for v in scope.variables.values()
+            )
             here = somebody and scope.part in ("phase", "start", "metrics", "checks", "policy")
             return static.can_be_away and not here
         case ir.Among():

@@ -28,7 +28,12 @@ from sjdsl.compiler.ir.types import words
 from sjdsl.runtime.actions import HEADINGS
 
 FACINGS = (*HEADINGS, "same")
-TURNED = {"ahead": 0, "right": 1, "back": 2, "left": 3}  # quarter turns to the right from where the agent that is sent looks
+TURNED = {
+    "ahead": 0,
+    "right": 1,
+    "back": 2,
+    "left": 3,
+}  # quarter turns to the right from where the agent that is sent looks
 LATER = "who is sent `after` some ticks finds its cell when it comes back: keep what it needs in a field of its own, set before it is sent"
 
 
@@ -38,7 +43,9 @@ def body(e: ast.Path, scope: Scope) -> ir.Expr:
     if isinstance(built, ir.Member) and built.sort.what == "mover":
         return built
     if not as_agent(built):
-        raise wrong_type(scope, e, "an agent or a mover" if scope.static.movers else "an agent", built.type)
+        raise wrong_type(
+            scope, e, "an agent or a mover" if scope.static.movers else "an agent", built.type
+        )
     check_somebody(built, e.span, scope)
     return built
 
@@ -50,7 +57,11 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
         return built
     if isinstance(built, ir.Member) and built.sort.what == "mover":
         help_ = "a mover earns nothing; keep it in a field of the mover, such as `field fed : 0 .. 9 capped = 0`"
-        raise scope.fail(errors.WrongType(e.span, wanted="an agent or a set of agents", given="a mover", help=help_))
+        raise scope.fail(
+            errors.WrongType(
+                e.span, wanted="an agent or a set of agents", given="a mover", help=help_
+            )
+        )
     if not as_agent(built):
         raise wrong_type(scope, e, "an agent or a set of agents", built.type)
     check_somebody(built, e.span, scope)
@@ -81,17 +92,23 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     name = s.event.name
     event = static.events.get(name.text)
     if event is None:
-        raise scope.fail(errors.NoEvent(name.span, name=name.text, near=near(name.text, static.events)))
+        raise scope.fail(
+            errors.NoEvent(name.span, name=name.text, near=near(name.text, static.events))
+        )
     static.refer(name, Symbol("metric", name.text))
     word = None
     if event.by is not None:
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
-            raise scope.fail(errors.WrongType(s.event.span, wanted=f"`{name.text}[word]`", given="the whole row"))
+            raise scope.fail(
+                errors.WrongType(s.event.span, wanted=f"`{name.text}[word]`", given="the whole row")
+            )
         if name.text not in static.event_levels:
             raise Poisoned
         word = key_of(s.event.steps[0].key, name.text, static.event_levels[name.text], scope)
     elif s.event.steps:
-        raise scope.fail(errors.WrongType(s.event.span, wanted="the event alone", given="an entry of it"))
+        raise scope.fail(
+            errors.WrongType(s.event.span, wanted="the event alone", given="an entry of it")
+        )
     amount = None if s.by is None else scope.number(s.by, ("count",), "a count")
     if s.by is not None and amount is not None and amount.type.low < 0:
         raise scope.fail(errors.Negative(s.by.span, name="what is counted"))
@@ -131,20 +148,31 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         place = f"{place} of {body_sort(who).name}"
     if held is not None and after is None:
         header = use.streams.header(s.span, s.span.end)
-        stream, turned = use.streams.of_statement(header), use.streams.of_statement(f"heading of {header}")
-        return ir.Shift(who=who, to=held, facing=look, stream=stream, heading_stream=turned, origin=s.span)  # type: ignore[arg-type]
+        stream, turned = (
+            use.streams.of_statement(header),
+            use.streams.of_statement(f"heading of {header}"),
+        )
+        return ir.Shift(
+            who=who, to=held, facing=look, stream=stream, heading_stream=turned, origin=s.span
+        )  # type: ignore[arg-type]
     if held is None:
         assert isinstance(s.domain, ast.Domain)
         check_free(s.domain.bind or s.domain.kind, scope, s.domain.bind is not None)
         destination, _ = domain(s.domain, around)
-        if destination.var.sort.what != "cell" or destination.on is not None or destination.restriction is not None:
+        if (
+            destination.var.sort.what != "cell"
+            or destination.on is not None
+            or destination.restriction is not None
+        ):
             wanted = "a kind of cell, perhaps with `where`"
             raise scope.fail(errors.WrongType(s.domain.span, wanted=wanted, given="another domain"))
     else:  # the domain of that one cell
         span, taken = s.domain.span, {v.name for v in free_variables(held)}
         name = next(n for n in ("cell", "cell_", "cell__") if n not in taken)
         var = ir.Member(name=name, sort=ir.Sort("cell", kinds_of_cell(held) or ()), origin=span)
-        destination = ir.Domain(var=var, where=ir.Same(left=var, right=held, origin=span), origin=span)
+        destination = ir.Domain(
+            var=var, where=ir.Same(left=var, right=held, origin=span), origin=span
+        )
     pool = use.pools.setdefault(place, len(use.pools))
     return ir.Send(
         who=who,
@@ -164,12 +192,16 @@ def _cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
     if isinstance(d, ast.Domain):
         static, name = scope.static, d.kind.text
         whole = d.bind is None and d.on is None and d.restriction is None and d.where is None
-        if not whole or not (name in scope.variables or name in static.fields or name in scope.withheld):
+        if not whole or not (
+            name in scope.variables or name in static.fields or name in scope.withheld
+        ):
             return None
         if name in scope.withheld and static.kinds_of(name):
             what, wanted = "a cell of the statements around", "a destination that is known later"
             help_ = f"any cell of the kind is `{name} as other`; {scope.withheld[name]}"
-            raise scope.fail(errors.WrongSort(d.kind.span, name=name, what=what, wanted=wanted, help=help_))
+            raise scope.fail(
+                errors.WrongSort(d.kind.span, name=name, what=what, wanted=wanted, help=help_)
+            )
         d = ast.Path(d.span, d.kind, ())
     cell = scope.expression(d)
     if not kinds_of_cell(cell):
@@ -192,20 +224,35 @@ def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if steps.type.high > limits.MAX_SHIFT:
         far = f"{steps.type.high:g}" if steps.type.high < float("inf") else "any number of"
         help_ = "give the parameters limits, `in a .. b`, or bound it with `min`"
-        raise scope.fail(limits.too_much(f"this can be {far} cells", limits.MAX_SHIFT, s.steps.span, help_))
-    return ir.Shift(who=who, steps=steps, **way, facing=look or "same", stream=stream, origin=s.span)  # type: ignore[arg-type]
+        raise scope.fail(
+            limits.too_much(f"this can be {far} cells", limits.MAX_SHIFT, s.steps.span, help_)
+        )
+    return ir.Shift(
+        who=who, steps=steps, **way, facing=look or "same", stream=stream, origin=s.span
+    )  # type: ignore[arg-type]
 
 
 def _direction(d: ast.Direction, who: ir.Expr, scope: Scope) -> dict[str, Any]:
     """Returns which way, as fields of the statement."""
     if d.how != "along":
         quarters = TURNED["back"] if d.how == "away" else 0
-        return {"other": placed(d.path, scope.expression(d.path), f"{d.how} …", scope), "quarters": quarters}
+        return {
+            "other": placed(d.path, scope.expression(d.path), f"{d.how} …", scope),
+            "quarters": quarters,
+        }
     name = d.path.name.text
     if not d.path.steps and name in TURNED and name not in scope.variables:
-        look: ir.Expr = ir.Attribute(type=words(HEADINGS), owner=who, name="heading", origin=d.path.span)
+        look: ir.Expr = ir.Attribute(
+            type=words(HEADINGS), owner=who, name="heading", origin=d.path.span
+        )
         if isinstance(who, ir.Member) and who.sort.what == "mover":
-            look = ir.FieldRead(type=words(HEADINGS), owner=who, held_by=who.sort, name="heading", origin=d.path.span)
+            look = ir.FieldRead(
+                type=words(HEADINGS),
+                owner=who,
+                held_by=who.sort,
+                name="heading",
+                origin=d.path.span,
+            )
         return {"heading": look, "quarters": TURNED[name]}
     heading = scope.expression(d.path)
     wanted = "a direction: `ahead`, `back`, `left`, `right`, a heading such as `north` or `x.heading`, `away from x` or `toward x`"

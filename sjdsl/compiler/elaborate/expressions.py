@@ -31,9 +31,24 @@ from sjdsl.compiler.elaborate.lookup import (
 )
 from sjdsl.compiler.elaborate.paths import distance, path
 from sjdsl.compiler.elaborate.regrouping import add_regrouped
-from sjdsl.compiler.elaborate.row_functions import beyond_one, lowest, mix, row_of_numbers, shifted, sum_of_row
+from sjdsl.compiler.elaborate.row_functions import (
+    beyond_one,
+    lowest,
+    mix,
+    row_of_numbers,
+    shifted,
+    sum_of_row,
+)
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.operations import COMPARISONS, FUNCTIONS, INFIX, PREFIX, REDUCTIONS, Calculation, Function
+from sjdsl.compiler.ir.operations import (
+    COMPARISONS,
+    FUNCTIONS,
+    INFIX,
+    PREFIX,
+    REDUCTIONS,
+    Calculation,
+    Function,
+)
 from sjdsl.compiler.ir.types import element, integer, is_number, real, times
 
 WHERE_BEFORE_STANDS = "`before` stands in `always` and `once` of `checks`, not inside another; a rule keeps what it needs later in a field"
@@ -114,7 +129,11 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
             is_wrong = True
             scope = scope.unsure()
             continue
-        args.extend(condition.args if isinstance(condition, ir.Logic) and condition.fn == e.op else [condition])
+        args.extend(
+            condition.args
+            if isinstance(condition, ir.Logic) and condition.fn == e.op
+            else [condition]
+        )
         scope = scope.knowing([condition if e.op == "and" else ir.Not(value=condition)])
     if is_wrong:
         raise Poisoned
@@ -142,8 +161,15 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
         check_known_word(e.right, left, left.type.words, scope)
     right = scope.expression(e.right)
     if left.type.by or right.type.by:
-        raise wrong_type(scope, e.left if left.type.by else e.right, "a single value", left.type if left.type.by else right.type)
-    if isinstance(left, ir.Word) and isinstance(right, ir.Word):  # one of them is what a phase is used with
+        raise wrong_type(
+            scope,
+            e.left if left.type.by else e.right,
+            "a single value",
+            left.type if left.type.by else right.type,
+        )
+    if isinstance(left, ir.Word) and isinstance(
+        right, ir.Word
+    ):  # one of them is what a phase is used with
         return ir.Truth(value=left.value == right.value, origin=e.span)
     kinds = {left.type.kind, right.type.kind}
     if kinds == {"agents", "agent"} and isinstance(right, ir.Nobody):
@@ -151,7 +177,12 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
     if "cell" in kinds:
         left, right = or_nowhere(left), or_nowhere(right)
     cells = [kinds_of_cell(x) for x in (left, right)]
-    movers = isinstance(left, ir.Member) and isinstance(right, ir.Member) and left.sort.what == "mover" and left.sort == right.sort
+    movers = (
+        isinstance(left, ir.Member)
+        and isinstance(right, ir.Member)
+        and left.sort.what == "mover"
+        and left.sort == right.sort
+    )
     if kinds == {"word"}:
         for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
             if isinstance(literal, ir.Word):
@@ -164,7 +195,11 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
     elif not (movers or (as_agent(left) and as_agent(right))):
         if isinstance(left, ir.Member) and left.sort.what == "mover":
             raise wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
-        single = left.type.kind in ("word", "agent", "agents", "cell") or as_agent(left) or cells[0] is not None
+        single = (
+            left.type.kind in ("word", "agent", "agents", "cell")
+            or as_agent(left)
+            or cells[0] is not None
+        )
         tree, wrong = (e.right, right) if single else (e.left, left)
         help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
         raise wrong_type(scope, tree, "a word, an agent or a cell", wrong.type, help_)
@@ -176,7 +211,9 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
         raise not_named(agent, e.agent, scope)
     bound = scope.variables.get(e.action.name.text)
-    name = bound if isinstance(bound, str) else e.action.name.text  # what a phase's parameter stands for
+    name = (
+        bound if isinstance(bound, str) else e.action.name.text
+    )  # what a phase's parameter stands for
     actions.check_in_step(f"{agent.name} chose {name}", e.span, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} chose {name}", scope)
@@ -189,7 +226,11 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
     if isinstance(e.who, ast.Nobody):
         if cell is None:
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
-            raise scope.fail(errors.WrongSort(e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"))
+            raise scope.fail(
+                errors.WrongSort(
+                    e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"
+                )
+            )
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
     if not (isinstance(agent, ir.Member) and agent.sort.what != "cell"):
@@ -217,7 +258,9 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
         if value.type.kind != "word":
             raise wrong_type(scope, e.value, "a word", value.type)
         names = tuple(n.text for n in e.container.names)
-        if isinstance(value, ir.Word) and all(map(scope.static.is_word, names)):  # what a phase is used with
+        if isinstance(value, ir.Word) and all(
+            map(scope.static.is_word, names)
+        ):  # what a phase is used with
             return ir.Truth(value=value.value in names, origin=e.span)
         for name in e.container.names:
             check_words((name.text,), value.type.words, name.span, value, scope)
@@ -247,23 +290,41 @@ def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
     if e.word == "all":
         if domain_.where is None:
             help_ = f"write what holds for all of them: `all({written(domain_, scope)} where …)`"
-            raise scope.fail(errors.WrongType(e.span, wanted="a condition after `where`", given="`all` without one", help=help_))
+            raise scope.fail(
+                errors.WrongType(
+                    e.span,
+                    wanted="a condition after `where`",
+                    given="`all` without one",
+                    help=help_,
+                )
+            )
         domain_ = replace(domain_, where=ast.Unary(domain_.where.span, "not", domain_.where))
-    members, none = count(domain_, e.span, scope, warns=e.word == "any"), ir.Number(type=integer(0, 0, "number"), value=0)
+    members, none = (
+        count(domain_, e.span, scope, warns=e.word == "any"),
+        ir.Number(type=integer(0, 0, "number"), value=0),
+    )
     return ir.Compare(fn=">" if e.word == "any" else "==", left=members, right=none, origin=e.span)
 
 
 def total(e: ast.Total, scope: Scope) -> ir.Expr:
     """`sum(row)` and `sum(e over D)`."""
     if e.domain is None:
-        return sum_of_row(row_of_numbers(e.value, scope, help_="write `sum(e over D)` to add over a domain"), e.span)
+        return sum_of_row(
+            row_of_numbers(e.value, scope, help_="write `sum(e over D)` to add over a domain"),
+            e.span,
+        )
     built, inner = domain(e.domain, scope)
     value = inner.expression(e.value)
     if not is_number(value.type):
         raise wrong_type(scope, e.value, "a number", value.type)
     most = most_members(built, scope)
     low, high = times(min(value.type.low, 0), most), times(max(value.type.high, 0), most)
-    return ir.Sum(type=beyond_one(value.type.model_copy(update={"low": low, "high": high})), value=value, domain=built, origin=e.span)
+    return ir.Sum(
+        type=beyond_one(value.type.model_copy(update={"low": low, "high": high})),
+        value=value,
+        domain=built,
+        origin=e.span,
+    )
 
 
 def call(e: ast.Call, scope: Scope) -> ir.Expr:
@@ -274,14 +335,18 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
         return use_define(e.name, e.arguments, scope)
     if row is None:
         found = [row.name for row in FUNCTIONS.values() if scope.part == "checks" or not row.checks]
-        raise scope.problems.unknown(e.name, [*found, *scope.static.defines], "the functions and defines")
+        raise scope.problems.unknown(
+            e.name, [*found, *scope.static.defines], "the functions and defines"
+        )
     if row.reduces is not None and len(e.arguments) == 1:
         values = row_of_numbers(e.arguments[0], scope, "a row of numbers, or several numbers")
         return ir.SumRow(type=element(values.type), row=values, fn=name, origin=e.span)  # type: ignore[arg-type]
     if not row.least <= len(e.arguments) <= row.most:
         wanted = f"{row.least} arguments" if row.least != 1 else "1 argument"
         wanted = wanted if row.most == row.least else f"{row.least} or more arguments"
-        raise scope.fail(errors.WrongArguments(e.span, name=name, wanted=wanted, given=len(e.arguments)))
+        raise scope.fail(
+            errors.WrongArguments(e.span, name=name, wanted=wanted, given=len(e.arguments))
+        )
     return BUILDERS[row.builds](row, e, scope)
 
 
@@ -294,9 +359,20 @@ def calculated(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     table = scope.expression(e.arguments[0])
     if scope.part != "checks":
-        raise scope.fail(errors.WrongSort(e.name.span, name=e.name.text, what="a class of games", wanted="a value"))
-    if not isinstance(table, ir.ParamRef) or len(table.type.by) != 2 or len(table.type.by[0]) != 2 or table.type.by[0] != table.type.by[1]:
-        raise wrong_type(scope, e.arguments[0], "a table of two words by the same two words", table.type)
+        raise scope.fail(
+            errors.WrongSort(
+                e.name.span, name=e.name.text, what="a class of games", wanted="a value"
+            )
+        )
+    if (
+        not isinstance(table, ir.ParamRef)
+        or len(table.type.by) != 2
+        or len(table.type.by[0]) != 2
+        or table.type.by[0] != table.type.by[1]
+    ):
+        raise wrong_type(
+            scope, e.arguments[0], "a table of two words by the same two words", table.type
+        )
     return ir.MatrixClass(name=row.name, table=table, origin=e.span)
 
 
@@ -312,10 +388,14 @@ def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
         if tree is not None and part is not None and not is_number(part.type):
             raise wrong_type(scope, tree, "a number", part.type)
     if otherwise is None and can_be_empty(built, scope):
-        raise scope.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written(e.domain, scope)))
+        raise scope.fail(
+            errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written(e.domain, scope))
+        )
     types = [value.type] if otherwise is None else [value.type, otherwise.type]
     type_ = join_types(types, scope, "compare", e)
-    return ir.Extreme(type=type_, fn=e.name.text, value=value, domain=built, otherwise=otherwise, origin=e.span)  # type: ignore[arg-type]
+    return ir.Extreme(
+        type=type_, fn=e.name.text, value=value, domain=built, otherwise=otherwise, origin=e.span
+    )  # type: ignore[arg-type]
 
 
 def written(d: ast.Domain, scope: Scope) -> str:
@@ -327,9 +407,17 @@ def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `before(e)`; what is known of the state now, and who has a place now, says nothing of that state."""
     if not scope.about_steps:
         given = "`before`, which is about a step"
-        raise scope.fail(errors.WrongType(e.span, wanted="a value of one state", given=given, help=WHERE_BEFORE_STANDS))
+        raise scope.fail(
+            errors.WrongType(
+                e.span, wanted="a value of one state", given=given, help=WHERE_BEFORE_STANDS
+            )
+        )
     (value,) = e.arguments
-    bodies = {v.name for v in scope.variables.values() if isinstance(v, ir.Member) and v.sort.what != "cell"}
+    bodies = {
+        v.name
+        for v in scope.variables.values()
+        if isinstance(v, ir.Member) and v.sort.what != "cell"
+    }
     elsewhere = frozenset(bodies if scope.static.can_be_away else ())
     inner = replace(scope, about_steps=False, facts=(), elsewhere=elsewhere).expression(value)
     if inner.type.kind in ("member", "mix"):

@@ -7,7 +7,13 @@ from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate.keys import level_of
-from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, check_known_word, check_words, interval_text
+from sjdsl.compiler.elaborate.lookup import (
+    AGENT_ATTRIBUTES,
+    CELL_ATTRIBUTES,
+    check_known_word,
+    check_words,
+    interval_text,
+)
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.types import describe, join_units, words
 
@@ -16,26 +22,43 @@ FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "cell of KIND", "r
 REAL_FIELD = "a field of real numbers is `field {name} : reward = 0`"
 
 
-def fields_of(attributes: tuple[object, ...], scope: Scope, held_by: ir.Sort) -> dict[str, ir.VarField]:
+def fields_of(
+    attributes: tuple[object, ...], scope: Scope, held_by: ir.Sort
+) -> dict[str, ir.VarField]:
     """Returns the fields and timers among the attributes of a kind of cell, or of movers, by name."""
     made: dict[str, ir.VarField] = {}
     for attribute in attributes:
         if isinstance(attribute, ast.Field | ast.Timer):
             if attribute.name.text in made:
-                scope.problems.add(errors.WrittenTwice(attribute.name.span, what=f"the field `{attribute.name.text}`"))
+                scope.problems.add(
+                    errors.WrittenTwice(
+                        attribute.name.span, what=f"the field `{attribute.name.text}`"
+                    )
+                )
                 continue
-            with scope.problems.survive(scope.static.broken, Symbol("field", attribute.name.text, held_by.name)):
+            with scope.problems.survive(
+                scope.static.broken, Symbol("field", attribute.name.text, held_by.name)
+            ):
                 made[attribute.name.text] = one_field(attribute, scope, held_by)
     return made
 
 
 def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -> ir.VarField:
     """Returns one field with its type and starting value."""
-    taken = {"agent": AGENT_ATTRIBUTES, "mover": AGENT_ATTRIBUTES, "cell": CELL_ATTRIBUTES, "world": ()}[held_by.what]
+    taken = {
+        "agent": AGENT_ATTRIBUTES,
+        "mover": AGENT_ATTRIBUTES,
+        "cell": CELL_ATTRIBUTES,
+        "world": (),
+    }[held_by.what]
     if declared.name.text in taken:
-        what = {"agent": "a field of the agents", "mover": "a field of movers"}.get(held_by.what, "a field of a kind")
+        what = {"agent": "a field of the agents", "mover": "a field of movers"}.get(
+            held_by.what, "a field of a kind"
+        )
         problem = f"every {held_by.what} has it already"
-        scope.problems.add(errors.BadName(declared.name.span, name=declared.name.text, what=what, problem=problem))
+        scope.problems.add(
+            errors.BadName(declared.name.span, name=declared.name.text, what=what, problem=problem)
+        )
     name, span = declared.name.text, declared.span
     if isinstance(declared, ast.Timer):
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
@@ -45,9 +68,13 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     if declared.by is not None:
         type_ = type_.model_copy(update={"by": (level_of(declared.by, scope),)})
     capped = isinstance(declared.type, ast.Range) and declared.type.capped
-    if isinstance(declared.type, ast.Range) and any(isinstance(node, ast.Path) for node in walk(declared.type)):
+    if isinstance(declared.type, ast.Range) and any(
+        isinstance(node, ast.Path) for node in walk(declared.type)
+    ):
         scope.static.sized.add(field_symbol(name, held_by.name))
-    return ir.VarField(name=name, held_by=held_by, type=type_, capped=capped, start=start, origin=span)
+    return ir.VarField(
+        name=name, held_by=held_by, type=type_, capped=capped, start=start, origin=span
+    )
 
 
 def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
@@ -70,7 +97,9 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
             return ir.Type(kind="real", unit="reward")
         case ast.NamedType(name=ast.Name(text=sort)) if sort in static.mover_sorts:
             help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {sort}`"
-            raise scope.fail(errors.Unsupported(declared.span, what="a field that holds a mover", help=help_))
+            raise scope.fail(
+                errors.Unsupported(declared.span, what="a field that holds a mover", help=help_)
+            )
         case ast.NamedType():
             raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields")
 
@@ -82,10 +111,17 @@ def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
         problem = f"an end of this range is {max(low, high, key=abs):.15g}"
         raise scope.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
     if low != int(low) or high != int(high) or low > high:
-        wanted, help_ = "a range of whole numbers, the smaller first", "" if low > high else REAL_FIELD.format(name="NAME")
-        raise scope.fail(errors.WrongType(declared.span, wanted=wanted, given="another one", help=help_))
+        wanted, help_ = (
+            "a range of whole numbers, the smaller first",
+            "" if low > high else REAL_FIELD.format(name="NAME"),
+        )
+        raise scope.fail(
+            errors.WrongType(declared.span, wanted=wanted, given="another one", help=help_)
+        )
     unit = join_units(*units)
-    return ir.Type(kind="int", unit="count" if unit in (None, "number") else unit, low=low, high=high)
+    return ir.Type(
+        kind="int", unit="count" if unit in (None, "number") else unit, low=low, high=high
+    )
 
 
 def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | float | str | None:
@@ -96,7 +132,9 @@ def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | floa
         if type_.unit == "reward":
             return 0.0
         what = f"starting value for `{declared.name.text}`"
-        raise scope.fail(errors.MissingPart(declared.span, what=what, how="`= value` after its type"))
+        raise scope.fail(
+            errors.MissingPart(declared.span, what=what, how="`= value` after its type")
+        )
     return starting(declared.start, declared.name.text, type_, scope)
 
 
@@ -115,14 +153,32 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
         case ir.Number() if type_.kind in ("int", "real"):
             if type_.kind == "int" and value.value != int(value.value):
                 help_ = REAL_FIELD.format(name=name)
-                raise scope.fail(errors.WrongType(tree.span, wanted="a whole number", given=f"{value.value:g}", help=help_))
+                raise scope.fail(
+                    errors.WrongType(
+                        tree.span, wanted="a whole number", given=f"{value.value:g}", help=help_
+                    )
+                )
             if type_.kind == "int" and not type_.low <= value.value <= type_.high:
                 reached = interval_text(value.type.low, value.type.high)
                 help_ = "begin with a number of the range, or widen the range"
-                found = errors.FieldRange(tree.span, name=name, declared=name, low=type_.low, high=type_.high, reached=reached, help=help_)
+                found = errors.FieldRange(
+                    tree.span,
+                    name=name,
+                    declared=name,
+                    low=type_.low,
+                    high=type_.high,
+                    reached=reached,
+                    help=help_,
+                )
                 raise scope.fail(found)
             return int(value.value) if type_.kind == "int" else float(value.value)
         case _:
             nobody = {"agent": "nobody", "agents": "nobody", "cell": "nowhere"}.get(type_.kind)
-            help_ = "" if nobody is None else f"leave the starting value out: the field begins as `{nobody}`"
-            raise wrong_type(scope, tree, f"a starting value ({describe(type_)})", value.type, help_)
+            help_ = (
+                ""
+                if nobody is None
+                else f"leave the starting value out: the field begins as `{nobody}`"
+            )
+            raise wrong_type(
+                scope, tree, f"a starting value ({describe(type_)})", value.type, help_
+            )

@@ -10,7 +10,14 @@ from collections.abc import Iterator
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_somebody, check_words, interval_text, not_a_word
+from sjdsl.compiler.elaborate.lookup import (
+    as_agent,
+    check_known_word,
+    check_somebody,
+    check_words,
+    interval_text,
+    not_a_word,
+)
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.sorts import Level, level_of_agents, level_of_numbers
@@ -29,10 +36,17 @@ def level_of(by: ast.By, scope: Scope) -> Level:
         case ast.Numbers():
             low, high = (scope.fixed(e, "the entries of a row") for e in (by.low, by.high))
             if low != int(low) or high != int(high) or low > high:
-                wanted, given = "a range of whole numbers, the smaller first", f"{low:g} .. {high:g}"
+                wanted, given = (
+                    "a range of whole numbers, the smaller first",
+                    f"{low:g} .. {high:g}",
+                )
                 raise scope.fail(errors.WrongType(by.span, wanted=wanted, given=given))
             if high - low >= limits.MAX_WORDS:
-                raise scope.fail(errors.Unsupported(by.span, what=f"a row of more than {limits.MAX_WORDS} entries"))
+                raise scope.fail(
+                    errors.Unsupported(
+                        by.span, what=f"a row of more than {limits.MAX_WORDS} entries"
+                    )
+                )
             return level_of_numbers(int(low), int(high))
         case ast.Name(text="agent"):
             return level_of_agents(scope.static.num_agents)
@@ -47,7 +61,11 @@ def level_of(by: ast.By, scope: Scope) -> Level:
 
 def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir.Expr:
     """Returns the key of an entry of a row (given as an expression, or by its name), of the sort that the row is by."""
-    wanted = {"word": "a word", "agent": "an agent", "number": f"a number from {level.names[0]} to {level.names[-1]}"}[level.sort]
+    wanted = {
+        "word": "a word",
+        "agent": "an agent",
+        "number": f"a number from {level.names[0]} to {level.names[-1]}",
+    }[level.sort]
     if level.sort == "word":
         check_known_word(tree, row, level.names, scope)
     key = narrow_word(scope.expression(tree), scope.facts)
@@ -65,8 +83,14 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
         case "agent":
             if isinstance(key, ir.Nobody) or not as_agent(key):
                 given = "nobody" if isinstance(key, ir.Nobody) else describe(key.type)
-                help_ = "rules name agents by variables, not by their numbers: `each agent as b`" if isinstance(key, ir.Number) else ""
-                raise scope.fail(errors.WrongType(tree.span, wanted=wanted, given=given, help=help_))
+                help_ = (
+                    "rules name agents by variables, not by their numbers: `each agent as b`"
+                    if isinstance(key, ir.Number)
+                    else ""
+                )
+                raise scope.fail(
+                    errors.WrongType(tree.span, wanted=wanted, given=given, help=help_)
+                )
             check_somebody(key, tree.span, scope)
         case "number":
             if key.type.kind != "int":
@@ -74,8 +98,14 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
             low, high = narrowed(key, scope.facts_and_requires)
             if low < level.first or high > level.first + len(level) - 1:
                 given = f"a number that can be {interval_text(low, high)}"
-                help_ = "" if isinstance(key, ir.Number) else "guard it with `when` or `where`, or bound it with `min` and `max`"
-                raise scope.fail(errors.WrongType(tree.span, wanted=wanted, given=given, help=help_))
+                help_ = (
+                    ""
+                    if isinstance(key, ir.Number)
+                    else "guard it with `when` or `where`, or bound it with `min` and `max`"
+                )
+                raise scope.fail(
+                    errors.WrongType(tree.span, wanted=wanted, given=given, help=help_)
+                )
     return key
 
 
@@ -88,7 +118,9 @@ def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
     """
 
     def is_key(text: str) -> bool:  # right or wrong
-        return text == OTHERWISE or (text in level.names if level.sort == "word" else text[0].isdigit())
+        return text == OTHERWISE or (
+            text in level.names if level.sort == "word" else text[0].isdigit()
+        )
 
     if not isinstance(tree, ast.Table) or not any(is_key(entry.key.text) for entry in tree.entries):
         return [tree] * len(level)
@@ -109,7 +141,10 @@ def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
     lacking = tuple(name for place, name in enumerate(level.names) if place not in found)
     if rest is None and lacking:
         raise scope.fail(errors.TableLacks(tree.span, words=lacking))
-    return [found[place] if place in found or rest is None else rest.value for place in range(len(level))]
+    return [
+        found[place] if place in found or rest is None else rest.value
+        for place in range(len(level))
+    ]
 
 
 def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
@@ -127,9 +162,13 @@ def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
     last = first + len(level) - 1 if text.endswith("..") else ends[-1]
     if level.sort == "agent" and ends[0] <= ends[-1]:  # a table fits variants with fewer agents
         if last >= len(level) and scope.static.own_number:
-            scope.problems.add(errors.NeverHappens(entry.key.span, problem=f"the agents are 0 .. {len(level) - 1}"))
+            scope.problems.add(
+                errors.NeverHappens(entry.key.span, problem=f"the agents are 0 .. {len(level) - 1}")
+            )
         last = min(last, len(level) - 1)
     elif not first <= ends[0] <= last < first + len(level):
         known = (f"{first} .. {first + len(level) - 1}",)
-        raise scope.fail(errors.WordOutside(entry.key.span, word=text, owner="this table", words=known))
+        raise scope.fail(
+            errors.WordOutside(entry.key.span, word=text, owner="this table", words=known)
+        )
     yield from range(ends[0] - first, last - first + 1)

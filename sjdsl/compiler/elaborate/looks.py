@@ -17,7 +17,20 @@ from sjdsl.near_names import nearest
 
 HEXADECIMAL = re.compile("#[0-9a-fA-F]{6}")
 SPRITES = (
-    *("tree", "apple", "water", "mushroom", "ore", "gem", "coin", "wall", "floor", "animal", "raft", "pot"),
+    *(
+        "tree",
+        "apple",
+        "water",
+        "mushroom",
+        "ore",
+        "gem",
+        "coin",
+        "wall",
+        "floor",
+        "animal",
+        "raft",
+        "pot",
+    ),
     *("bush", "banana", "flag", "boat", "cart", "crate", "cube", "door", "block", "table", "plate"),
 )
 
@@ -46,7 +59,12 @@ READABLE = (  # what the condition of a look may be made of: a picture is drawn 
 def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Look, ...]:
     """Returns the looks in the order of the file, those of one kind together; what only they read still counts as unused."""
     written = (look for alike in game.looks.values() for look in alike)
-    return tuple(problems.each(written, lambda look: _look(look, Scope(replace(static, used=set()), problems, part="look"))))
+    return tuple(
+        problems.each(
+            written,
+            lambda look: _look(look, Scope(replace(static, used=set()), problems, part="look")),
+        )
+    )
 
 
 def _look(look: ast.Look, scope: Scope) -> ir.Look:
@@ -57,19 +75,31 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
         raise scope.fail(errors.UnknownName(look.what.span, name=name, near=meant))
     if name != "agent":
         static.refer(look.what, Symbol("name", name))
-    what: Literal["agent", "cell", "mover"] = "agent" if name == "agent" else "mover" if name in static.movers else "cell"
+    what: Literal["agent", "cell", "mover"] = (
+        "agent" if name == "agent" else "mover" if name in static.movers else "cell"
+    )
     test = None
     if look.where is not None:
         inner = scope.bind(name, ir.Member(name=name, sort=ir.Sort(what, kinds)))
         test = inner.condition(look.where)
         check_possible(test, inner)
         for node in ir.walk(test):
-            field_of_other = isinstance(node, ir.FieldRead) and not isinstance(node.owner, ir.Member)
-            between_cells = isinstance(node, ir.At) and not isinstance(node.key, ir.Word | ir.Number)
-            if ir.is_expression(node) and (not isinstance(node, READABLE) or field_of_other or between_cells):
+            field_of_other = isinstance(node, ir.FieldRead) and not isinstance(
+                node.owner, ir.Member
+            )
+            between_cells = isinstance(node, ir.At) and not isinstance(
+                node.key, ir.Word | ir.Number
+            )
+            if ir.is_expression(node) and (
+                not isinstance(node, READABLE) or field_of_other or between_cells
+            ):
                 raise scope.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))
-    body, badge = (None if paint is None else _paint(paint, scope) for paint in (look.body, look.badge))
-    return ir.Look(what=what, name=name, kinds=kinds, condition=test, body=body, badge=badge, origin=look.span)
+    body, badge = (
+        None if paint is None else _paint(paint, scope) for paint in (look.body, look.badge)
+    )
+    return ir.Look(
+        what=what, name=name, kinds=kinds, condition=test, body=body, badge=badge, origin=look.span
+    )
 
 
 def _paint(paint: ast.Paint, scope: Scope) -> ir.Paint:
@@ -77,12 +107,20 @@ def _paint(paint: ast.Paint, scope: Scope) -> ir.Paint:
     chosen: dict[str, str] = {}
     for word in paint.words:
         sort = "sprite" if isinstance(word, ast.Name) and word.text in SPRITES else "colour"
-        is_colour = word.text in COLOURS if isinstance(word, ast.Name) else HEXADECIMAL.fullmatch(word.text)
+        is_colour = (
+            word.text in COLOURS if isinstance(word, ast.Name) else HEXADECIMAL.fullmatch(word.text)
+        )
         if sort == "colour" and not is_colour:
             known = (*SPRITES, *COLOURS)
-            meant = (word.text,) if word.text in known else nearest(word.text, known)  # a name in quotes is no colour
+            meant = (
+                (word.text,) if word.text in known else nearest(word.text, known)
+            )  # a name in quotes is no colour
             sprites, colours = ", ".join(SPRITES), ", ".join(COLOURS)
-            raise scope.fail(errors.NoPaint(word.span, name=word.text, nearest=meant, sprites=sprites, colours=colours))
+            raise scope.fail(
+                errors.NoPaint(
+                    word.span, name=word.text, nearest=meant, sprites=sprites, colours=colours
+                )
+            )
         if sort in chosen:
             raise scope.fail(errors.WrittenTwice(word.span, what=f"a {sort} of one look"))
         chosen[sort] = word.text

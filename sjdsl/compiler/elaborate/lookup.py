@@ -30,8 +30,14 @@ def as_agent(e: ir.Expr) -> bool:
 def not_named(given: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
     """Reports something that isn't an agent with a name of its own; if a field holds it, with how to name it."""
     held = as_agent(given) and not isinstance(given, ir.Member)
-    help_, described = (f"name it: `each agent as x in {text(given)}`", "an agent that a field holds") if held else ("", "")
-    return wrong_type(scope, e, "an agent that a statement around has named", given.type, help_, described)
+    help_, described = (
+        (f"name it: `each agent as x in {text(given)}`", "an agent that a field holds")
+        if held
+        else ("", "")
+    )
+    return wrong_type(
+        scope, e, "an agent that a statement around has named", given.type, help_, described
+    )
 
 
 def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
@@ -48,13 +54,17 @@ def or_nowhere(e: ir.Expr) -> ir.Expr:
 
 def check_somewhere(cell: ir.Expr, span: Span, scope: Scope) -> None:
     """Reports a cell that a field holds, if it can be nowhere, as far as the guards around tell."""
-    if not isinstance(cell, ir.Member) and not is_known(ir.Not(value=ir.Same(left=cell, right=ir.Nowhere())), scope.facts):
+    if not isinstance(cell, ir.Member) and not is_known(
+        ir.Not(value=ir.Same(left=cell, right=ir.Nowhere())), scope.facts
+    ):
         raise scope.fail(errors.CanBeNowhere(span, path=text(cell)))
 
 
 def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:
     """Reports an agent that a field holds, if it can be nobody, as far as the guards around tell."""
-    if not isinstance(agent, ir.Member | ir.ArgumentOf) and not is_known(ir.Not(value=ir.Same(left=agent, right=ir.Nobody())), scope.facts):
+    if not isinstance(agent, ir.Member | ir.ArgumentOf) and not is_known(
+        ir.Not(value=ir.Same(left=agent, right=ir.Nobody())), scope.facts
+    ):
         raise scope.fail(errors.CanBeNobody(span, path=text(agent)))
 
 
@@ -101,7 +111,9 @@ def bound_cell(name: ast.Name, scope: Scope) -> ir.Member | None:
         raise Poisoned
     if not (isinstance(bound, ir.Member) and bound.sort.what == "cell"):
         wanted = "a kind, a group, or a cell of a statement around"
-        raise scope.fail(errors.WrongSort(name.span, name=name.text, what="not a cell", wanted=wanted))
+        raise scope.fail(
+            errors.WrongSort(name.span, name=name.text, what="not a cell", wanted=wanted)
+        )
     return bound.model_copy(update={"origin": name.span})
 
 
@@ -128,13 +140,24 @@ def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
         raise scope.fail(errors.NameTaken(name.span, name=name.text, what=what))
 
 
-def check_known_word(tree: ast.Expr | ast.Table, owner: ir.Expr | str, words: Iterable[str], scope: Scope) -> None:
+def check_known_word(
+    tree: ast.Expr | ast.Table, owner: ir.Expr | str, words: Iterable[str], scope: Scope
+) -> None:
     """Reports a name that means nothing here in the place of a word, with the words there are."""
     static = scope.static
-    if not isinstance(tree, ast.Path) or tree.steps or tree.name.text in scope.variables or static.is_word(tree.name.text):
+    if (
+        not isinstance(tree, ast.Path)
+        or tree.steps
+        or tree.name.text in scope.variables
+        or static.is_word(tree.name.text)
+    ):
         return
     name = tree.name.text
-    if name not in static.names() and Symbol("name", name) not in static.broken and name not in static.events:
+    if (
+        name not in static.names()
+        and Symbol("name", name) not in static.broken
+        and name not in static.events
+    ):
         raise not_a_word(tree.span, name, owner, words, scope.sure())
 
 
@@ -155,13 +178,23 @@ def read_beside(tree: ast.Expr, scope: Scope) -> None:
                 scope.problems.add(problem)
 
 
-def not_a_word(span: Span, word: str, owner: ir.Expr | str, words: Iterable[str], scope: Scope) -> Poisoned:
+def not_a_word(
+    span: Span, word: str, owner: ir.Expr | str, words: Iterable[str], scope: Scope
+) -> Poisoned:
     """Reports a word that is none of those of `owner`: of a value, or of a field or event given by its name."""
-    name, declared = (owner, owner) if isinstance(owner, str) else (text(owner), declared_name(owner))
-    return scope.fail(errors.WordOutside(span, word=word, owner=f"`{name}`", declared=declared, words=tuple(words)))
+    name, declared = (
+        (owner, owner) if isinstance(owner, str) else (text(owner), declared_name(owner))
+    )
+    return scope.fail(
+        errors.WordOutside(
+            span, word=word, owner=f"`{name}`", declared=declared, words=tuple(words)
+        )
+    )
 
 
-def check_words(words: Iterable[str], known: Sequence[str], span: Span, owner: ir.Expr | str, scope: Scope) -> None:
+def check_words(
+    words: Iterable[str], known: Sequence[str], span: Span, owner: ir.Expr | str, scope: Scope
+) -> None:
     """Reports the first of some words that is none of those of `owner`."""
     for word in words:
         if word not in known:
@@ -185,32 +218,61 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     if Symbol("name", name.text) in static.broken:
         return Poisoned()
     if name.text in scope.withheld:
-        what, wanted = "a variable of the statements around", "the agent that is sent, or something of the world"
-        return scope.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]))
+        what, wanted = (
+            "a variable of the statements around",
+            "the agent that is sent, or something of the world",
+        )
+        return scope.fail(
+            errors.WrongSort(
+                name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]
+            )
+        )
     if static.kinds_of(name.text) or name.text == "agent" or name.text in static.movers:
-        what = "the agents" if name.text == "agent" else "a kind of cell" if name.text in static.kinds else "a group of kinds"
+        what = (
+            "the agents"
+            if name.text == "agent"
+            else "a kind of cell"
+            if name.text in static.kinds
+            else "a group of kinds"
+        )
         what = "a sort of movers" if name.text in static.movers else what
         wanted, help_ = f"a variable of a statement around (`each {name.text} …`)", ""
         if scope.defining:
             wanted = "a parameter"
             define, value = scope.defining[-1], static.defines[scope.defining[-1]].value.span
-            body = re.sub(rf"\b{name.text}\b", "who", static.sources[value.file].text[value.start : value.end])
+            body = re.sub(
+                rf"\b{name.text}\b", "who", static.sources[value.file].text[value.start : value.end]
+            )
             rewritten = f"`define {define}(who) = {' '.join(body.split())}`"
             help_ = f"a define sees its parameters alone: write {rewritten}, and use it as `{define}({name.text})`"
         elif scope.part in ("metrics", "checks"):
             help_ = f"of all there are `count({name.text} where …)` and `sum(… over {name.text})`"
         elif name.text != "agent" and "agent" in scope.variables:
             help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
-        return scope.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=help_))
+        return scope.fail(
+            errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=help_)
+        )
     for what, table, help_ in (
-        ("an event", static.events, "events are read in `checks`; what a rule reads is kept in a field"),
-        ("an action", static.action_names, f"`agent chose {name.text}` asks whether an agent chose it"),
+        (
+            "an event",
+            static.events,
+            "events are read in `checks`; what a rule reads is kept in a field",
+        ),
+        (
+            "an action",
+            static.action_names,
+            f"`agent chose {name.text}` asks whether an agent chose it",
+        ),
         ("a shape", static.shapes, f"`count(KIND in {name.text} of agent)` counts what is in it"),
     ):
         if name.text in table:
-            return scope.fail(errors.WrongSort(name.span, name=name.text, what=what, wanted="a value", help=help_))
+            return scope.fail(
+                errors.WrongSort(name.span, name=name.text, what=what, wanted="a value", help=help_)
+            )
     meant = nearest(name.text, static.names() | set(scope.variables))
-    values = sorted({*scope.variables, *static.sizes, *static.params, *static.fields, *static.defines, "step"})
+    values = sorted(
+        {*scope.variables, *static.sizes, *static.params, *static.fields, *static.defines, "step"}
+    )
     listed = near(name.text, values if len(values) > 1 else (), "the values known here").listed
     help_, word = slip(name.text, values)
     fix = Fix(name.span, word) if word else None
@@ -218,16 +280,27 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     owners += [kind for kind, fields in static.kinds.items() if name.text in fields]
     owners += [sort for sort in static.movers if name.text in static.mover_fields(sort)]
     if owners and not meant:
-        help_ = help_ or f"a field is written with its owner: {' or '.join(f'`{owner}.{name.text}`' for owner in owners[:3])}"
-    return scope.fail(errors.UnknownName(name.span, name=name.text, near=Near(meant, listed), help=help_, fix=fix))
+        help_ = (
+            help_
+            or f"a field is written with its owner: {' or '.join(f'`{owner}.{name.text}`' for owner in owners[:3])}"
+        )
+    return scope.fail(
+        errors.UnknownName(name.span, name=name.text, near=Near(meant, listed), help=help_, fix=fix)
+    )
 
 
-def no_field(name: ast.Name, owner: str, fields: Iterable[str], problems: Problems, help_: str = "") -> Poisoned:
+def no_field(
+    name: ast.Name, owner: str, fields: Iterable[str], problems: Problems, help_: str = ""
+) -> Poisoned:
     """Reports a field that `owner` does not have."""
     known = list(fields)
     hint, word = slip(name.text, known)
     fix, meant = Fix(name.span, word) if word else None, near(name.text, known, "the fields")
-    return problems.fail(errors.NoField(name.span, owner=owner, name=name.text, help=help_ or hint, fix=fix, near=meant))
+    return problems.fail(
+        errors.NoField(
+            name.span, owner=owner, name=name.text, help=help_ or hint, fix=fix, near=meant
+        )
+    )
 
 
 def interval_text(low: float, high: float) -> str:
@@ -239,7 +312,11 @@ def interval_text(low: float, high: float) -> str:
 def check_arguments(name: str, span: Span, given: int, wanted: int, scope: Scope) -> None:
     """Reports arguments that are not as many as wanted."""
     if given != wanted:
-        raise scope.fail(errors.WrongArguments(span, name=name, wanted=f"{wanted} argument{'s' * (wanted != 1)}", given=given))
+        raise scope.fail(
+            errors.WrongArguments(
+                span, name=name, wanted=f"{wanted} argument{'s' * (wanted != 1)}", given=given
+            )
+        )
 
 
 def use_define(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:
@@ -254,13 +331,28 @@ def use_define(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) ->
     if too_many or len(scope.defining) >= limits.MAX_DEFINES_DEEP:
         what, limit = "defines that use one another", limits.MAX_DEFINES_DEEP
         if too_many:
-            what, limit = "uses of defines, once those inside them are written out", limits.MAX_EXPANSIONS
+            what, limit = (
+                "uses of defines, once those inside them are written out",
+                limits.MAX_EXPANSIONS,
+            )
         if not any(isinstance(d, errors.TooMuch) for d in scope.problems.found):
-            scope.problems.add(limits.too_much(f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"))
+            scope.problems.add(
+                limits.too_much(
+                    f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"
+                )
+            )
         raise Poisoned
-    variables: dict[str, ir.Expr | str | None] = dict(zip((p.text for p in define.parameters), scope.expressions(arguments), strict=True))
+    variables: dict[str, ir.Expr | str | None] = dict(
+        zip((p.text for p in define.parameters), scope.expressions(arguments), strict=True)
+    )
     named = {p.text: local_symbol(p) for p in define.parameters}
     never = None if scope.part == "checks" else scope.static.never_in(f"define {name.text}")
-    inner = scope.but(variables=variables, locals=named, defining=(*scope.defining, name.text), withheld={}, never=never)
+    inner = scope.but(
+        variables=variables,
+        locals=named,
+        defining=(*scope.defining, name.text),
+        withheld={},
+        never=never,
+    )
     value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)

@@ -31,12 +31,23 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     def requirement(check: ast.Require) -> ir.Expr:
         test = _required(check, scope)
         for node in ir.walk(test):
-            if isinstance(node, ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member):
-                raise scope.fail(errors.NotFixed(node.origin or check.span, what="what a `require` reads", help=REQUIRES))
+            if isinstance(
+                node,
+                ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member,
+            ):
+                raise scope.fail(
+                    errors.NotFixed(
+                        node.origin or check.span, what="what a `require` reads", help=REQUIRES
+                    )
+                )
         return test
 
     written = chain.from_iterable(game.checks.values())
-    return tuple(scope.problems.each((check for check in written if isinstance(check, ast.Require)), requirement))
+    return tuple(
+        scope.problems.each(
+            (check for check in written if isinstance(check, ast.Require)), requirement
+        )
+    )
 
 
 def _required(check: ast.Require, scope: Scope) -> ir.Expr:
@@ -57,7 +68,12 @@ def _with_map_counts(test: ir.Expr, static: Static) -> ir.Expr:
         if found is None or not isinstance(node, ir.Count):
             return node
         number = ir.Number(type=integer(found, found), value=found, origin=node.origin)
-        return ir.Named(type=number.type, name=f"count({domain_text(node.domain)})", value=number, origin=node.origin)
+        return ir.Named(
+            type=number.type,
+            name=f"count({domain_text(node.domain)})",
+            value=number,
+            origin=node.origin,
+        )
 
     result: ir.Expr = rewrite(test, counted)
     return result
@@ -68,7 +84,11 @@ def _members_at_start(d: ir.Domain, static: Static) -> int | None:
     if d.on is not None or d.restriction is not None:
         return None
     if d.var.sort.what != "cell":
-        everybody = static.num_agents if d.var.sort.what == "agent" else static.movers[d.var.sort.name].number
+        everybody = (
+            static.num_agents
+            if d.var.sort.what == "agent"
+            else static.movers[d.var.sort.name].number
+        )
         return everybody if d.where is None else None
     if d.where is not None and not _is_about_fields(d.where, d.var):
         return None
@@ -76,7 +96,9 @@ def _members_at_start(d: ir.Domain, static: Static) -> int | None:
         raise Poisoned
 
     def is_member(meaning: ir.GlyphMeaning) -> bool:
-        starts = {name: field.start for name, field in static.kinds[meaning.kind].items()} | dict(meaning.starts)
+        starts = {name: field.start for name, field in static.kinds[meaning.kind].items()} | dict(
+            meaning.starts
+        )
 
         def at_start(node: ir.Node) -> ir.Node:
             if not isinstance(node, ir.FieldRead):
@@ -84,21 +106,41 @@ def _members_at_start(d: ir.Domain, static: Static) -> int | None:
             value = starts[node.name]
             if value is None:
                 return ir.Nobody()
-            return ir.Word(type=node.type, value=value) if isinstance(value, str) else ir.Number(type=node.type, value=value)
+            return (
+                ir.Word(type=node.type, value=value)
+                if isinstance(value, str)
+                else ir.Number(type=node.type, value=value)
+            )
 
         return d.where is None or holds(rewrite(d.where, at_start), {})
 
-    meanings = {meaning.glyph: is_member(meaning) for _, meaning in static.glyphs if meaning.kind in d.var.kinds}
+    meanings = {
+        meaning.glyph: is_member(meaning)
+        for _, meaning in static.glyphs
+        if meaning.kind in d.var.kinds
+    }
     return sum(meanings.get(glyph, False) for row in static.rows for glyph in row)
 
 
 def _is_about_fields(test: ir.Expr, cell: ir.Member) -> bool:
     """Returns whether a condition compares fields of the cell with words and numbers, and reads nothing else."""
-    values = ir.Number | ir.Truth | ir.Word | ir.Nobody | ir.Named | ir.Arithmetic | ir.FieldRead | ir.Member
+    values = (
+        ir.Number
+        | ir.Truth
+        | ir.Word
+        | ir.Nobody
+        | ir.Named
+        | ir.Arithmetic
+        | ir.FieldRead
+        | ir.Member
+    )
     tests = ir.Compare | ir.InRange | ir.InWords | ir.Same | ir.Not | ir.Logic
     plain = all(isinstance(n, values | tests) for n in ir.walk(test))
     reads = [n for n in ir.walk(test) if isinstance(n, ir.FieldRead)]
-    simple = all(isinstance(n.owner, ir.Member) and n.owner.name == cell.name and not n.type.by for n in reads)
+    simple = all(
+        isinstance(n.owner, ir.Member) and n.owner.name == cell.name and not n.type.by
+        for n in reads
+    )
     return plain and simple and sum(isinstance(n, ir.Member) for n in ir.walk(test)) == len(reads)
 
 
@@ -108,9 +150,17 @@ def check_requires(game: Composition, scope: Scope) -> None:
     for test in scope.static.requires:
         if not holds(test, values):
             read = sorted({n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)})
-            shown = ", ".join(f"{n} is {values[n]}" for n in read if not isinstance(values[n], tuple))
+            shown = ", ".join(
+                f"{n} is {values[n]}" for n in read if not isinstance(values[n], tuple)
+            )
             problem = text(test) + (f" ({shown})" if shown else "")
-            scope.problems.add(errors.RequireFalse(test.origin or game.span, labels=parameters_read(scope.static, test), problem=problem))
+            scope.problems.add(
+                errors.RequireFalse(
+                    test.origin or game.span,
+                    labels=parameters_read(scope.static, test),
+                    problem=problem,
+                )
+            )
 
 
 def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
@@ -124,7 +174,9 @@ def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
             what = f"event `{event.name.text}` counted with and without `for`, so it"
             raise scope.fail(errors.WrittenTwice(event.span, what=what))
         by = scope.static.event_levels.get(event.name.text)
-        found.append(ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span))
+        found.append(
+            ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span)
+        )
     return tuple(found)
 
 
@@ -135,14 +187,24 @@ def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
         value = scope.expression(metric.value)
         if not is_number(value.type):
             raise wrong_type(scope, metric.value, "a number", value.type)
-        return ir.Measure(name=metric.name.text, mean=metric.is_mean, value=value, origin=metric.span)
+        return ir.Measure(
+            name=metric.name.text, mean=metric.is_mean, value=value, origin=metric.span
+        )
 
-    return tuple(scope.problems.each((metric for metric in game.metrics.values() if isinstance(metric, ast.Measure)), measure))
+    return tuple(
+        scope.problems.each(
+            (metric for metric in game.metrics.values() if isinstance(metric, ast.Measure)), measure
+        )
+    )
 
 
 def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
     """Returns the checks of a game, their expressions typed."""
-    return tuple(scope.problems.each(chain.from_iterable(game.checks.values()), lambda check: _check(check, game, scope)))
+    return tuple(
+        scope.problems.each(
+            chain.from_iterable(game.checks.values()), lambda check: _check(check, game, scope)
+        )
+    )
 
 
 def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
@@ -151,14 +213,18 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
         case ast.Require():
             return ir.Check(sort="require", values=(_required(check, scope),), origin=check.span)
         case ast.Always():
-            return ir.Check(sort="always", values=(steps.condition(check.condition),), origin=check.span)
+            return ir.Check(
+                sort="always", values=(steps.condition(check.condition),), origin=check.span
+            )
         case ast.Once():
             values = (steps.condition(check.trigger), steps.condition(check.condition))
             return ir.Check(sort="once", values=values, origin=check.span)
         case ast.Conserved():
             value = scope.expression(check.value)
             if value.type.by or value.type.kind not in ("int", "real", "word", "condition"):
-                raise wrong_type(scope, check.value, "one value (a number, a word, a condition)", value.type)
+                raise wrong_type(
+                    scope, check.value, "one value (a number, a word, a condition)", value.type
+                )
             return ir.Check(sort="conserved", values=(value,), origin=check.span)
         case ast.Monotone():
             return _monotone(check, scope)
@@ -172,7 +238,13 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
         case ast.Expect():
             test = scope.condition(check.condition)
             policies = tuple(_policy(p, game, scope) for p in check.policies)
-            return ir.Check(sort="expect", values=(test,), policies=policies, episodes=check.episodes, origin=check.span)
+            return ir.Check(
+                sort="expect",
+                values=(test,),
+                policies=policies,
+                episodes=check.episodes,
+                origin=check.span,
+            )
 
 
 def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
@@ -180,10 +252,16 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
     for name in (check.value, check.argument):
         if name.text not in scope.static.defines:
             meant = near(name.text, scope.static.defines, "the defines")
-            raise scope.fail(errors.WrongSort(name.span, name=name.text, what="no define", wanted="a define", near=meant))
+            raise scope.fail(
+                errors.WrongSort(
+                    name.span, name=name.text, what="no define", wanted="a define", near=meant
+                )
+            )
         values.append(use_define(name, (), scope))
         if not is_number(values[-1].type):
-            raise scope.fail(errors.WrongType(name.span, wanted="a number", given=describe(values[-1].type)))
+            raise scope.fail(
+                errors.WrongType(name.span, wanted="a number", given=describe(values[-1].type))
+            )
     if check.direction.text not in ("falling", "rising"):
         raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
     words = (check.direction.text, check.value.text, check.argument.text)
@@ -199,6 +277,12 @@ def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
         scope.static.refer(policy.name, Symbol("policy", name))
         return ir.Policy(name="scripted", scripted=name, origin=policy.span)
     if name not in ("random", "never") or (name == "never") != bool(policy.actions):
-        raise scope.problems.unknown(policy.name, ("random", "never(ACTION)", "seek KIND", *game.policies), "the policies")
-    actions = tuple(number for action in policy.actions for number in action_numbers(ast.Chosen(action.span, action, None), scope))
+        raise scope.problems.unknown(
+            policy.name, ("random", "never(ACTION)", "seek KIND", *game.policies), "the policies"
+        )
+    actions = tuple(
+        number
+        for action in policy.actions
+        for number in action_numbers(ast.Chosen(action.span, action, None), scope)
+    )
     return ir.Policy(name=name, actions=actions, origin=policy.span)  # type: ignore[arg-type]

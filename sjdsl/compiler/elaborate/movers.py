@@ -23,23 +23,50 @@ def declare_movers(game: Composition, scope: Scope) -> None:
         name = declared.name.text
         with scope.problems.survive(static.broken, Symbol("name", name)):
             sort = ir.Sort("mover", (name,))
-            heading = ir.VarField(name="heading", held_by=sort, type=words(HEADINGS), start="north", origin=declared.name.span)
+            heading = ir.VarField(
+                name="heading",
+                held_by=sort,
+                type=words(HEADINGS),
+                start="north",
+                origin=declared.name.span,
+            )
             fields = {"heading": heading} | fields_of(declared.attributes, scope, sort)
             problem, glyph = check_glyph(declared.glyph.text), declared.glyph.text
-            taken = {meaning.glyph: meaning.kind for _, meaning in static.glyphs} | {m.glyph: other for other, m in static.movers.items()}
+            taken = {meaning.glyph: meaning.kind for _, meaning in static.glyphs} | {
+                m.glyph: other for other, m in static.movers.items()
+            }
             if problem or glyph in POSES:
-                problem, shown = problem or "agents are drawn with it", glyph.encode("unicode_escape").decode()
-                scope.problems.add(errors.BadGlyph(declared.glyph.span, glyph=shown, problem=problem))
+                problem, shown = (
+                    problem or "agents are drawn with it",
+                    glyph.encode("unicode_escape").decode(),
+                )
+                scope.problems.add(
+                    errors.BadGlyph(declared.glyph.span, glyph=shown, problem=problem)
+                )
             elif glyph in taken:
-                scope.problems.add(errors.GlyphTwice(declared.glyph.span, glyph=glyph, first=taken[glyph], second=name))
+                scope.problems.add(
+                    errors.GlyphTwice(
+                        declared.glyph.span, glyph=glyph, first=taken[glyph], second=name
+                    )
+                )
             what = f"the number of movers `{name}`"
             number = scope.whole(declared.number, what, what, 1, limits.MAX_MOVERS)
-            static.movers[name] = ir.Movers(name=name, number=number, glyph=glyph, fields=tuple(fields.values()), origin=declared.span)
+            static.movers[name] = ir.Movers(
+                name=name,
+                number=number,
+                glyph=glyph,
+                fields=tuple(fields.values()),
+                origin=declared.span,
+            )
 
 
 def check_heading(heading: ir.Expr, tree: ast.Expr, wanted: str, scope: Scope) -> None:
     """Reports a value that isn't a heading. `wanted`: what the message asks for."""
-    if heading.type.kind != "word" or heading.type.by or not set(heading.type.words) <= set(HEADINGS):
+    if (
+        heading.type.kind != "word"
+        or heading.type.by
+        or not set(heading.type.words) <= set(HEADINGS)
+    ):
         raise wrong_type(scope, tree, wanted, heading.type)
 
 
@@ -49,18 +76,26 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     name, var = s.domain.kind.text, members.var
     if var.sort.what == "cell":
         wanted = "`agent`, or a sort of movers" if scope.static.movers else "`agent`"
-        raise scope.fail(errors.WrongSort(s.domain.kind.span, name=name, what="a kind of cell", wanted=wanted))
+        raise scope.fail(
+            errors.WrongSort(s.domain.kind.span, name=name, what="a kind of cell", wanted=wanted)
+        )
     text = use.streams.header(s.span, s.span.end)
     course = None
     if var.sort.what == "agent" and s.course is not None:
         help_ = "which way agents go, they choose: write `move each agent`"
-        raise scope.fail(errors.WrongType(s.course.span, wanted="no way to go", given="one", help=help_))
+        raise scope.fail(
+            errors.WrongType(s.course.span, wanted="no way to go", given="one", help=help_)
+        )
     if var.sort.what == "mover":
         if s.course is None:
             help_ = f"write `move each {name} ahead`, or `at random`, `along h`, `toward D`, `away from D`"
-            raise scope.fail(errors.WrongType(s.span, wanted="the way that movers go", given="none", help=help_))
+            raise scope.fail(
+                errors.WrongType(s.span, wanted="the way that movers go", given="none", help=help_)
+            )
         course = _course(s.course, var, inner, use.streams.of_statement(f"{text}\nwhich way"))
-    return ir.Move(domain=members, course=course, stream=use.streams.of_statement(text), origin=s.span)
+    return ir.Move(
+        domain=members, course=course, stream=use.streams.of_statement(text), origin=s.span
+    )
 
 
 def _course(c: ast.Course, var: ir.Member, scope: Scope, stream: int) -> ir.Wander | ir.Along:
@@ -70,15 +105,21 @@ def _course(c: ast.Course, var: ir.Member, scope: Scope, stream: int) -> ir.Wand
     match c:
         case ast.Toward() | ast.AwayFrom():
             away = isinstance(c, ast.AwayFrom)
-            return ir.Wander(goal=one(c.domain), away=away, avoided=one(c.avoided), stream=stream, origin=c.span)
+            return ir.Wander(
+                goal=one(c.domain), away=away, avoided=one(c.avoided), stream=stream, origin=c.span
+            )
         case ast.AtRandom():
             return ir.Wander(avoided=one(c.avoided), stream=stream, origin=c.span)
         case ast.Ahead():
-            own = ir.FieldRead(type=words(HEADINGS), owner=var, held_by=var.sort, name="heading", origin=c.span)
+            own = ir.FieldRead(
+                type=words(HEADINGS), owner=var, held_by=var.sort, name="heading", origin=c.span
+            )
             return ir.Along(heading=own, origin=c.span)
         case ast.Along():
             heading = narrow_word(scope.expression(c.heading), scope.facts)
-            check_heading(heading, c.heading, "a heading (`north`, `east`, `south` or `west`)", scope)
+            check_heading(
+                heading, c.heading, "a heading (`north`, `east`, `south` or `west`)", scope
+            )
             return ir.Along(heading=heading, origin=c.span)
         case _:
             assert_never(c)

@@ -22,15 +22,29 @@ from sjdsl.runtime.actions import HEADINGS
 
 What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
 Key = tuple[What, str, str]  # what, kind, field
-SIDES = {"ahead": 9, "behind": 1, "left": 5, "right": 5}  # how far an agent sees unless the game says otherwise
-RELATIVE = ("same heading", "turned right", "opposite", "turned left")  # how the heading of a mover is seen
+SIDES = {
+    "ahead": 9,
+    "behind": 1,
+    "left": 5,
+    "right": 5,
+}  # how far an agent sees unless the game says otherwise
+RELATIVE = (
+    "same heading",
+    "turned right",
+    "opposite",
+    "turned left",
+)  # how the heading of a mover is seen
 WHOSE = ("nobody", "self", "other")  # how an agent that a field holds is seen
 OWNERS: dict[str, What] = {
     "agent": "own",
     "other": "other",
     "everyone": "everyone",
 }  # how a path to a field of agents begins -> what is seen
-WHO = {"agent": "the observer itself", "other": "the other agents", "everyone": "all agents"}  # these, as messages call them
+WHO = {
+    "agent": "the observer itself",
+    "other": "the other agents",
+    "everyone": "all agents",
+}  # these, as messages call them
 PLANES = ("marks", "content")
 FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide content on agents`"
 
@@ -65,8 +79,12 @@ def window(game: Composition, scope: Scope) -> ir.Window:
 
     views = scope.problems.each((w for w in game.windows if w.condition is not None), view)
     if views:
-        views.append(ir.View(**usual, condition=None, origin=plain.span if plain is not None else origin))
-    farthest = {side: max(usual[side], *(getattr(view, side) for view in views), 0) for side in SIDES}
+        views.append(
+            ir.View(**usual, condition=None, origin=plain.span if plain is not None else origin)
+        )
+    farthest = {
+        side: max(usual[side], *(getattr(view, side) for view in views), 0) for side in SIDES
+    }
     return ir.Window(**farthest, views=tuple(views), origin=origin)
 
 
@@ -80,24 +98,32 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
             scope.problems.unknown(name, tuple(SIDES), "the sides of a window")
             continue
         with scope.problems.survive():
-            sides[name.text] = scope.whole(value, "the window", f"the window {name.text}", 0, limits.MAX_WINDOW)
+            sides[name.text] = scope.whole(
+                value, "the window", f"the window {name.text}", 0, limits.MAX_WINDOW
+            )
     return sides
 
 
 # ---- what is seen
 
 
-def observables(game: Composition, rules: Sequence[ir.Node], scope: Scope) -> tuple[ir.Observable, ...]:
+def observables(
+    game: Composition, rules: Sequence[ir.Node], scope: Scope
+) -> tuple[ir.Observable, ...]:
     """Returns what is seen: word fields of cells unless hidden, others' headings, and all that is shown. `rules`: those of a step."""
     static = scope.static
     seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
         for f in fields.values():
             if f.type.kind == "word" and not f.type.by:
-                seen["cell", kind, f.name] = ir.Observable(what="cell", kind=kind, field=f.name, type=f.type, origin=f.origin)
+                seen["cell", kind, f.name] = ir.Observable(
+                    what="cell", kind=kind, field=f.name, type=f.type, origin=f.origin
+                )
     seen["heading", "", ""] = ir.Observable(what="heading", type=words(HEADINGS))
     for sort, movers in static.movers.items():
-        seen["mover", sort, ""] = ir.Observable(what="mover", kind=sort, type=words((sort,)), origin=movers.origin)
+        seen["mover", sort, ""] = ir.Observable(
+            what="mover", kind=sort, type=words((sort,)), origin=movers.origin
+        )
     shown: set[Key] = set()
     lost: set[str] = set()  # kinds of which something is shown or hidden that has a mistake
     for observable in game.observables.values():
@@ -111,15 +137,33 @@ def observables(game: Composition, rules: Sequence[ir.Node], scope: Scope) -> tu
             lost -= kinds
     _leave_looks_alone(seen, lost, game, rules, scope)
     order = ("cell", "heading", "other", "mover", "everyone", "own", "world")
-    return tuple(entry for what in order for key, s in seen.items() if key[0] == what for entry in _entries(s))
+    return tuple(
+        entry
+        for what in order
+        for key, s in seen.items()
+        if key[0] == what
+        for entry in _entries(s)
+    )
 
 
-def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Composition, rules: Sequence[ir.Node], scope: Scope) -> None:
+def _leave_looks_alone(
+    seen: dict[Key, ir.Observable],
+    lost: set[str],
+    game: Composition,
+    rules: Sequence[ir.Node],
+    scope: Scope,
+) -> None:
     """Leaves of a kind that is shown as a whole nothing else; its labels are words of their own, or kinds without anything more to see."""
     whole = {kind for what, kind, field in seen if what == "cell" and not field}
     for observable in game.observables.values():
-        kind = next((k for k in scope.static.kinds_of(observable.what.name.text) or () if k in whole), "")
-        if kind and observable.what.steps and not (isinstance(observable, ast.Hide) and observable.condition is None):
+        kind = next(
+            (k for k in scope.static.kinds_of(observable.what.name.text) or () if k in whole), ""
+        )
+        if (
+            kind
+            and observable.what.steps
+            and not (isinstance(observable, ast.Hide) and observable.condition is None)
+        ):
             what = f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)"
             scope.problems.add(errors.WrittenTwice(observable.span, what=what))
     for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
@@ -127,14 +171,20 @@ def _leave_looks_alone(seen: dict[Key, ir.Observable], lost: set[str], game: Com
         labels = seen["cell", key[1], ""].labels
         is_disguise = all(label.condition is None for label in labels)
         if not is_disguise and not _read(hidden_field, labels) and _read(hidden_field, rules):
-            scope.problems.add(errors.HiddenField(seen["cell", key[1], ""].span, kind=key[1], name=key[2]))
-    detailed = {kind: field for what, kind, field in seen if what == "cell" and field and kind not in lost}
+            scope.problems.add(
+                errors.HiddenField(seen["cell", key[1], ""].span, kind=key[1], name=key[2])
+            )
+    detailed = {
+        kind: field for what, kind, field in seen if what == "cell" and field and kind not in lost
+    }
     for kind in whole:
         for label in seen["cell", kind, ""].labels:
             if label.name in detailed:
                 given = f"a kind whose cells look different: its `{detailed[label.name]}` is seen"
                 help_ = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
-                scope.problems.add(errors.WrongType(label.span, wanted="one look", given=given, help=help_))
+                scope.problems.add(
+                    errors.WrongType(label.span, wanted="one look", given=given, help=help_)
+                )
 
 
 def _read(field: ir.Observable, parts: Sequence[ir.Node]) -> bool:
@@ -150,7 +200,10 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
     one = element(observable.type)
     if observable.labels and observable.type.by[0].sort != "word":
         return [observable.model_copy(update={"type": one})]
-    return [observable.model_copy(update={"type": one, "word": entry}) for entry in observable.type.by[0].entries]
+    return [
+        observable.model_copy(update={"type": one, "word": entry})
+        for entry in observable.type.by[0].entries
+    ]
 
 
 def observer_scope(what: str, kind: str, named: str, scope: Scope) -> Scope:
@@ -178,10 +231,16 @@ def check_places(what: str, test: ir.Expr | None, known: Iterable[Fact], scope: 
     everyone = ir.Member(name="everyone", sort=AGENTS)
     away = ir.Attribute(type=ir.CONDITION, owner=everyone, name="away")
     first = test.args[0] if isinstance(test, ir.Logic) and test.fn == "and" else None
-    sure = (*known, *(facts(first) if first is not None and not any(map(_asks_place, ir.walk(first))) else ()))
+    sure = (
+        *known,
+        *(facts(first) if first is not None and not any(map(_asks_place, ir.walk(first))) else ()),
+    )
     if asked is not None and not is_known(ir.Not(value=away), sure):
         gone = "`as { gone where everyone.away, near where distance(agent, everyone) < 3, far }`"
-        what, help_ = "the place of an agent of `everyone`, who may be away", f"ask that first: {gone}, or `not everyone.away and …`"
+        what, help_ = (
+            "the place of an agent of `everyone`, who may be away",
+            f"ask that first: {gone}, or `not everyone.away and …`",
+        )
         raise scope.fail(errors.Unsupported(asked.origin or test.span, what=what, help=help_))
 
 
@@ -190,7 +249,10 @@ def _asks_place(node: ir.Node) -> bool:
         case ir.Attribute(owner=ir.Member(name="everyone"), name="row" | "col"):
             return True
         case ir.Distance():
-            return any(isinstance(place, ir.Member) and place.name == "everyone" for place in (node.left, node.right))
+            return any(
+                isinstance(place, ir.Member) and place.name == "everyone"
+                for place in (node.left, node.right)
+            )
         case _:
             return False
 
@@ -216,7 +278,9 @@ def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
         static.refer(path.name, Symbol("name", head))
     if head in static.movers:
         return [Seen(("mover", head, ""))]
-    if kinds is not None and (head in static.kinds or (isinstance(observable, ast.Show) and observable.labels)):
+    if kinds is not None and (
+        head in static.kinds or (isinstance(observable, ast.Show) and observable.labels)
+    ):
         return [Seen(("cell", kind, "")) for kind in kinds]
     if isinstance(observable, ast.Show) and (head == "step" or head in static.defines):
         return [_computed(path, scope)]
@@ -231,7 +295,9 @@ def _whole_row(path: ast.Path, head: str, static: Static) -> str:
     members = tuple(step for step in path.steps if isinstance(step, ast.Member))
     help_ = f"a row can only be shown as a whole: `show {path_text(replace(path, steps=members))}`"
     if head in static.fields:
-        help_ += f"; to show one entry, give it a name: `define entry = {path_text(path)}`, `show entry`"
+        help_ += (
+            f"; to show one entry, give it a name: `define entry = {path_text(path)}`, `show entry`"
+        )
     return help_
 
 
@@ -242,8 +308,16 @@ def _computed(path: ast.Path, scope: Scope) -> Seen:
     if value.type.by or value.type.kind in ("member", "mix"):
         raise wrong_type(observer, path, "a single value", value.type)
     low, high = narrowed(value, observer.facts)
-    type_ = words(("no", "yes")) if value.type.kind == "condition" else value.type.model_copy(update={"low": low, "high": high})
-    return Seen(("world", "", name), ir.VarField(name=name, held_by=ir.Sort("world"), type=type_), value=value)
+    type_ = (
+        words(("no", "yes"))
+        if value.type.kind == "condition"
+        else value.type.model_copy(update={"low": low, "high": high})
+    )
+    return Seen(
+        ("world", "", name),
+        ir.VarField(name=name, held_by=ir.Sort("world"), type=type_),
+        value=value,
+    )
 
 
 def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
@@ -261,15 +335,22 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     if any(Symbol("field", name.text, each) in static.broken for each in owners):
         raise Poisoned
     if head == "other" and name.text == "heading":
-        what, wanted = "always seen, as the observer sees it", "a field of theirs, `index`, `row`, `col` or `moved`"
-        raise scope.fail(errors.WrongSort(name.span, name="other.heading", what=what, wanted=wanted))
+        what, wanted = (
+            "always seen, as the observer sees it",
+            "a field of theirs, `index`, `row`, `col` or `moved`",
+        )
+        raise scope.fail(
+            errors.WrongSort(name.span, name="other.heading", what=what, wanted=wanted)
+        )
     if head in OWNERS:
         if name.text in static.agent_fields:
             static.refer(name, Symbol("field", name.text, "agent"))
         field = static.agent_fields.get(name.text) or _attribute(head, name, scope)
         return [Seen((OWNERS[head], "", name.text), field)]
     if kinds is None:
-        raise scope.problems.unknown(owner, [*OWNERS, *static.kinds, *static.groups], "what has fields")
+        raise scope.problems.unknown(
+            owner, [*OWNERS, *static.kinds, *static.groups], "what has fields"
+        )
     static.refer(owner, Symbol("name", head))
     for kind in kinds:
         if name.text not in static.kinds[kind]:
@@ -286,38 +367,73 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
 def _attribute(head: str, name: ast.Name, scope: Scope) -> ir.VarField:
     """Returns what every agent has of itself, as if it were a field; conditions are the words `no` and `yes`."""
     if name.text not in AGENT_ATTRIBUTES:
-        raise no_field(name, "an agent", [*scope.static.agent_fields, *AGENT_ATTRIBUTES], scope.problems)
+        raise no_field(
+            name, "an agent", [*scope.static.agent_fields, *AGENT_ATTRIBUTES], scope.problems
+        )
     if name.text == "away" and head != "everyone":
         help_ = "an agent that is away sees nothing, and is not seen; `show everyone.away` tells all who is away"
         what, wanted = "the same whenever it is seen", "something that can change"
-        raise scope.fail(errors.WrongSort(name.span, name=f"{head}.{name.text}", what=what, wanted=wanted, help=help_))
+        raise scope.fail(
+            errors.WrongSort(
+                name.span, name=f"{head}.{name.text}", what=what, wanted=wanted, help=help_
+            )
+        )
     type_ = attribute_types(scope.static)[name.text]
-    return ir.VarField(name=name.text, held_by=AGENTS, type=words(("no", "yes")) if type_.kind == "condition" else type_)
+    return ir.VarField(
+        name=name.text,
+        held_by=AGENTS,
+        type=words(("no", "yes")) if type_.kind == "condition" else type_,
+    )
 
 
 def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
     """Reports `show NAME` where the world has no such field, with what agents and cells have that can be shown."""
-    static, name, verb = scope.static, observable.what.name, "show" if isinstance(observable, ast.Show) else "hide"
+    static, name, verb = (
+        scope.static,
+        observable.what.name,
+        "show" if isinstance(observable, ast.Show) else "hide",
+    )
     if name.text in WHO:
         fields = [f"`{verb} {name.text}.{field}`" for field in static.agent_fields]
         help_ = "agents are always seen; fields of theirs can be shown, if the game declares some"
         if fields:
             help_ = f"say which field: {' or '.join(fields[:3])}"
-        return scope.fail(errors.WrongSort(name.span, name=name.text, what=WHO[name.text], wanted="a field", help=help_))
+        return scope.fail(
+            errors.WrongSort(
+                name.span, name=name.text, what=WHO[name.text], wanted="a field", help=help_
+            )
+        )
     if name.text in static.groups:
         help_ = _fields_of_a_kind(static.groups[name.text][0], verb, static)
-        return scope.fail(errors.WrongSort(name.span, name=name.text, what="a group of kinds", wanted="a field", help=help_))
+        return scope.fail(
+            errors.WrongSort(
+                name.span, name=name.text, what="a group of kinds", wanted="a field", help=help_
+            )
+        )
     owners = ["agent", "other"] * (name.text in static.agent_fields)
     owners += [kind for kind, fields in static.kinds.items() if name.text in fields]
-    help_ = f"a field is written with its owner: {' or '.join(f'`{verb} {o}.{name.text}`' for o in owners)}" if owners else ""
+    help_ = (
+        f"a field is written with its owner: {' or '.join(f'`{verb} {o}.{name.text}`' for o in owners)}"
+        if owners
+        else ""
+    )
     values = ["step", *static.defines] if isinstance(observable, ast.Show) else []
-    known = "the fields of the world, the defines, and what has fields," if values else "the fields of the world, and what has fields,"
-    return scope.problems.unknown(name, [*static.fields, *values, *WHO, *static.kinds], known, help_)
+    known = (
+        "the fields of the world, the defines, and what has fields,"
+        if values
+        else "the fields of the world, and what has fields,"
+    )
+    return scope.problems.unknown(
+        name, [*static.fields, *values, *WHO, *static.kinds], known, help_
+    )
 
 
 def _fields_of_a_kind(kind: str, verb: str, static: Static) -> str:
     """Returns what can be shown or hidden of cells of a kind."""
-    fields = {kind: [f.name for f in own.values() if f.type.kind == "word"] for kind, own in static.kinds.items()}
+    fields = {
+        kind: [f.name for f in own.values() if f.type.kind == "word"]
+        for kind, own in static.kinds.items()
+    }
     plain = next((name for name, words in fields.items() if name != kind and not words), "outside")
     one = f"write which field, `{verb} {kind}.{fields[kind][0]}`; " if fields[kind] else ""
     return f"{one}`show {kind} as {{ {plain} }}` makes its cells look like `{plain}`"
@@ -360,11 +476,21 @@ def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.
         _check_plain(show, what, type_, scope)
     if what == "mover" and name == "heading":
         type_ = words(RELATIVE)
-    observable = ir.Observable(what=what, kind=kind, field=name, type=type_, value=found.value, labels=labels, origin=show.span)
+    observable = ir.Observable(
+        what=what,
+        kind=kind,
+        field=name,
+        type=type_,
+        value=found.value,
+        labels=labels,
+        origin=show.span,
+    )
     if condition is None:
         return observable
     if what == "cell":
-        return observable.model_copy(update={"hidden_when": ir.Not(value=condition, origin=show.span)})
+        return observable.model_copy(
+            update={"hidden_when": ir.Not(value=condition, origin=show.span)}
+        )
     return observable.model_copy(update={"shown_when": condition})
 
 
@@ -374,8 +500,14 @@ def _agent_labels(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
     called = kind or next((n for n, w in OWNERS.items() if w == what), "")
     owner = None if what == "world" else ir.Member(name=called, sort=field.held_by)
     held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, name=name)
-    tests = (ir.Same(left=held, right=ir.Nobody()), ir.Same(left=held, right=ir.Member(name="agent", sort=AGENTS)), None)
-    return tuple(ir.Label(name=label, condition=test) for label, test in zip(WHOSE, tests, strict=True))
+    tests = (
+        ir.Same(left=held, right=ir.Nobody()),
+        ir.Same(left=held, right=ir.Member(name="agent", sort=AGENTS)),
+        None,
+    )
+    return tuple(
+        ir.Label(name=label, condition=test) for label, test in zip(WHOSE, tests, strict=True)
+    )
 
 
 def _check_plain(show: ast.Show, what: What, type_: ir.Type, scope: Scope) -> None:
@@ -390,11 +522,18 @@ def _check_plain(show: ast.Show, what: What, type_: ir.Type, scope: Scope) -> No
     help_, fix, problem = f"write `{shown}`", Fix(show.span, shown), ""
     if type_.kind in ("agent", "agents"):
         given = "a field that holds agents, whose numbers mean nothing to an observer"
-        raise scope.fail(errors.WrongType(show.span, wanted="a field with labels", given=given, help=help_, fix=fix))
+        raise scope.fail(
+            errors.WrongType(
+                show.span, wanted="a field with labels", given=given, help=help_, fix=fix
+            )
+        )
     if type_.kind == "cell":
         problem = "showing a field that holds a cell without labels"
     elif type_.kind == "real" or (type_.kind == "int" and type_.low < 0):
-        problem, help_ = "showing a number that is not a count from 0 to 255", f"show it with labels, `{shown}`"
+        problem, help_ = (
+            "showing a number that is not a count from 0 to 255",
+            f"show it with labels, `{shown}`",
+        )
     elif what == "cell" and type_.kind != "word":
         problem = "showing a number of a cell without labels"
     if problem:
@@ -406,7 +545,11 @@ def _look(show: ast.Show, kind: str, scope: Scope) -> ir.Observable:
     if not show.labels or show.condition is not None:
         given = "a condition for the whole kind" if show.labels else "a kind without it"
         help_ = _fields_of_a_kind(kind, "show", scope.static)
-        raise scope.fail(errors.WrongType(show.span, wanted=f"what cells of `{kind}` look like", given=given, help=help_))
+        raise scope.fail(
+            errors.WrongType(
+                show.span, wanted=f"what cells of `{kind}` look like", given=given, help=help_
+            )
+        )
     labels = _labels(show, "cell", observer_scope("cell", kind, show.what.name.text, scope))
     names = tuple(dict.fromkeys(label.name for label in labels))
     return ir.Observable(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
@@ -421,7 +564,9 @@ def _labels(show: ast.Show, what: What, scope: Scope) -> tuple[ir.Label, ...]:
         if not last and label.where is None:
             raise scope.fail(errors.LabelUnconditional(label.span, name=name))
         test = None if label.where is None else scope.condition(label.where)
-        before = scope.knowing(ir.Not(value=other.condition) for other in found if other.condition is not None)
+        before = scope.knowing(
+            ir.Not(value=other.condition) for other in found if other.condition is not None
+        )
         check_places(what, test, before.facts, scope)
         if test is not None:
             check_possible(test, before)
@@ -437,7 +582,14 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
         what, kind, name = found.key
         if what == "cell" and not name:
             help_ = _fields_of_a_kind(kind, "hide", scope.static)
-            raise scope.fail(errors.WrongType(hide.what.span, wanted="something that is seen of cells", given="a kind", help=help_))
+            raise scope.fail(
+                errors.WrongType(
+                    hide.what.span,
+                    wanted="something that is seen of cells",
+                    given="a kind",
+                    help=help_,
+                )
+            )
         if hide.condition is None:
             seen.pop(found.key, None)
             continue
@@ -457,7 +609,9 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
 def _is_of_a_plane(hide: ast.Hide, static: Static) -> bool:
     """Returns whether a `hide` is about marks or content, and not about a field."""
     name = hide.what.name.text
-    return hide.on is not None or (not hide.what.steps and name in PLANES and name not in static.fields)
+    return hide.on is not None or (
+        not hide.what.steps and name in PLANES and name not in static.fields
+    )
 
 
 def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
@@ -465,29 +619,54 @@ def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
 
     observe { hide marks on river }   ->   Hidden(what="marks", on="cells", name="river", kinds=("water", "channel"))
     """
-    written = (o for o in game.observables.values() if isinstance(o, ast.Hide) and _is_of_a_plane(o, scope.static))
+    written = (
+        o
+        for o in game.observables.values()
+        if isinstance(o, ast.Hide) and _is_of_a_plane(o, scope.static)
+    )
     return tuple(scope.problems.each(written, lambda hide: _hidden(hide, scope)))
 
 
 def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
     what, on, static = hide.what.name.text, hide.on, scope.static
     if hide.what.steps or what not in PLANES:
-        raise scope.fail(errors.WrongType(hide.what.span, wanted="`marks` or `content`", given="something else", help=f"write {FORMS}"))
+        raise scope.fail(
+            errors.WrongType(
+                hide.what.span,
+                wanted="`marks` or `content`",
+                given="something else",
+                help=f"write {FORMS}",
+            )
+        )
     if what == "content" and (on is None or on.text != "agents"):
         help_ = "write `hide content on agents`; `show gate as { floor }` makes cells of one kind look like those of another"
-        raise scope.fail(errors.WrongType(hide.span, wanted="`on agents`", given="content of other cells", help=help_))
+        raise scope.fail(
+            errors.WrongType(
+                hide.span, wanted="`on agents`", given="content of other cells", help=help_
+            )
+        )
     if on is None or on.text == "agents":
         if hide.condition is not None:
             given = "a condition without a kind of cells"
-            raise scope.fail(errors.WrongType(hide.span, wanted="`on KIND` before `when`", given=given, help=f"write {FORMS}"))
+            raise scope.fail(
+                errors.WrongType(
+                    hide.span, wanted="`on KIND` before `when`", given=given, help=f"write {FORMS}"
+                )
+            )
         return ir.Hidden(what=what, on="map" if on is None else "agents", origin=hide.span)  # type: ignore[arg-type]
     kinds = static.kinds_of(on.text)
     if kinds is None:
-        raise scope.fail(errors.UnknownName(on.span, name=on.text, near=near(on.text, [*static.kinds, *static.groups, "agents"])))
+        raise scope.fail(
+            errors.UnknownName(
+                on.span, name=on.text, near=near(on.text, [*static.kinds, *static.groups, "agents"])
+            )
+        )
     static.refer(on, Symbol("name", on.text))
     cell = ir.Member(name=on.text, sort=ir.Sort("cell", kinds))
     test, observer = None, scope.with_agent("observe").bind(on.text, cell)
     if hide.condition is not None:
         test = observer.condition(hide.condition)
         check_possible(test, observer)
-    return ir.Hidden(what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span)
+    return ir.Hidden(
+        what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span
+    )

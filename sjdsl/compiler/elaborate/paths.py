@@ -42,7 +42,9 @@ def path(e: ast.Path, scope: Scope) -> ir.Expr:
             value, used = argument_read(value, steps, scope)
         else:
             value = member(value, step.name, scope)
-        value = value.model_copy(update={"origin": replace(e.span, end=steps[used - 1].span.end)})  # of the path up to here
+        value = value.model_copy(
+            update={"origin": replace(e.span, end=steps[used - 1].span.end)}
+        )  # of the path up to here
         steps = steps[used:]
     return value
 
@@ -56,13 +58,19 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         if bound is None:
             raise Poisoned
         if isinstance(bound, str):
-            raise scope.fail(errors.WrongSort(e.name.span, name=name, what=f"the action `{bound}`", wanted="a value"))
+            raise scope.fail(
+                errors.WrongSort(
+                    e.name.span, name=name, what=f"the action `{bound}`", wanted="a value"
+                )
+            )
         return bound.model_copy(update={"origin": e.span})
     if name == "step":
         return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
     if name in static.sizes:
         static.use(e.name, Symbol("name", name))
-        return ir.Number(type=static.sizes[name].type, value=static.sizes[name].value, origin=e.span)  # type: ignore[arg-type]
+        return ir.Number(
+            type=static.sizes[name].type, value=static.sizes[name].value, origin=e.span
+        )  # type: ignore[arg-type]
     if name in static.params:
         static.use(e.name, Symbol("name", name))
         return ir.ParamRef(type=static.params[name].type, name=name, origin=e.span)
@@ -70,7 +78,13 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         return use_define(e.name, (), scope)
     if name in static.fields:
         static.use(e.name, Symbol("name", name))
-        return ir.FieldRead(type=static.fields[name].type, owner=None, held_by=ir.Sort("world"), name=name, origin=e.span)
+        return ir.FieldRead(
+            type=static.fields[name].type,
+            owner=None,
+            held_by=ir.Sort("world"),
+            name=name,
+            origin=e.span,
+        )
     if scope.events_readable and name in static.events:
         static.refer(e.name, Symbol("metric", name))
         type_ = integer(0, float("inf"), "count")
@@ -91,7 +105,11 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         return cell_member(owner, name, scope)
     static, types = scope.static, attribute_types(scope.static)
     if isinstance(owner, ir.Member) and owner.sort.what == "mover":  # its heading is a field
-        held_by, fields, called = owner.sort, static.mover_fields(owner.sort.name), f"a mover `{owner.sort.name}`"
+        held_by, fields, called = (
+            owner.sort,
+            static.mover_fields(owner.sort.name),
+            f"a mover `{owner.sort.name}`",
+        )
         types["index"] = integer(0, static.movers[owner.sort.name].number - 1, "number")
         known: tuple[str, ...] = MOVER_ATTRIBUTES
     elif as_agent(owner):
@@ -99,10 +117,20 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         held_by, fields, called = AGENTS, static.agent_fields, "an agent"
         known = AGENT_ATTRIBUTES
     else:
-        raise scope.fail(errors.WrongType(name.span, wanted="an agent or a cell before the point", given=describe(owner.type)))
+        raise scope.fail(
+            errors.WrongType(
+                name.span, wanted="an agent or a cell before the point", given=describe(owner.type)
+            )
+        )
     if name.text in fields:
         static.use(name, Symbol("field", name.text, held_by.name))
-        return ir.FieldRead(type=fields[name.text].type, owner=owner, held_by=held_by, name=name.text, origin=name.span)
+        return ir.FieldRead(
+            type=fields[name.text].type,
+            owner=owner,
+            held_by=held_by,
+            name=name.text,
+            origin=name.span,
+        )
     if name.text in ("row", "col"):
         if not isinstance(owner, ir.Member):
             raise _perhaps_away(owner, name.span, "row or column", f"x.{name.text}", scope)
@@ -136,9 +164,14 @@ def distance(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `distance(a, b)` between two agents or cells that domains around have named."""
     question = f"distance({', '.join(tree.name.text if isinstance(tree, ast.Path) else '…' for tree in e.arguments)})"
     values = scope.expressions(e.arguments)
-    left, right = (placed(tree, value, question, scope) for tree, value in zip(e.arguments, values, strict=True))
+    left, right = (
+        placed(tree, value, question, scope)
+        for tree, value in zip(e.arguments, values, strict=True)
+    )
     rows, cols = scope.static.map_rows, scope.static.map_cols
-    farthest = rows // 2 + cols // 2 if scope.static.wraps else max(rows + cols - 2, 0)  # steps between two cells
+    farthest = (
+        rows // 2 + cols // 2 if scope.static.wraps else max(rows + cols - 2, 0)
+    )  # steps between two cells
     return ir.Distance(type=integer(0, farthest, "cells"), left=left, right=right, origin=e.span)
 
 
@@ -147,7 +180,9 @@ def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Ex
     if place.type.kind == "cell" and not place.type.by:
         check_somewhere(place, tree.span, scope)
         return place
-    if isinstance(place, ir.Nobody) or not (isinstance(place, ir.Member) or place.type.kind == "agent"):
+    if isinstance(place, ir.Nobody) or not (
+        isinstance(place, ir.Member) or place.type.kind == "agent"
+    ):
         given = "nobody" if isinstance(place, ir.Nobody) else describe(place.type)
         raise scope.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
     if not isinstance(place, ir.Member):
@@ -162,7 +197,9 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     check_somewhere(owner, name.span, scope)
     kinds = kinds_of_cell(owner) or ()
     if name.text in CELL_ATTRIBUTES:
-        type_ = integer(0, max((static.map_rows if name.text == "row" else static.map_cols) - 1, 0), "cells")
+        type_ = integer(
+            0, max((static.map_rows if name.text == "row" else static.map_cols) - 1, 0), "cells"
+        )
         return ir.Attribute(type=type_, owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     found = []
     for kind in kinds:
@@ -175,25 +212,49 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         found.append(fields[name.text])
         static.use(name, Symbol("field", name.text, kind))
     if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
-        raise scope.fail(errors.NoField(name.span, owner="the group: its kinds disagree on the type, so it", name=name.text))
-    return ir.FieldRead(type=found[0].type, owner=owner, held_by=ir.Sort("cell", kinds), name=name.text, origin=name.span)
+        raise scope.fail(
+            errors.NoField(
+                name.span, owner="the group: its kinds disagree on the type, so it", name=name.text
+            )
+        )
+    return ir.FieldRead(
+        type=found[0].type,
+        owner=owner,
+        held_by=ir.Sort("cell", kinds),
+        name=name.text,
+        origin=name.span,
+    )
 
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     """Returns `row[key]`, the key of the sort that the row is by, or a mix over its entries."""
     if not row.type.by:
-        raise scope.fail(errors.WrongType(step.span, wanted="a row or table before `[`", given=describe(row.type)))
+        raise scope.fail(
+            errors.WrongType(
+                step.span, wanted="a row or table before `[`", given=describe(row.type)
+            )
+        )
     level = row.type.by[0]
     key = key_of(step.key, row, level, scope)
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
-            raise scope.fail(errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type)))
-        return row.model_copy(update={"word": level.keys[level.place_of(key.value)], "type": element(row.type)})  # type: ignore[arg-type]
+            raise scope.fail(
+                errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type))
+            )
+        return row.model_copy(
+            update={"word": level.keys[level.place_of(key.value)], "type": element(row.type)}
+        )  # type: ignore[arg-type]
     type_ = element(row.type)
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):
-            raise scope.fail(errors.WrongType(step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix"))
-        type_ = type_.model_copy(update={"kind": "real", "unit": type_.unit if type_.unit == "reward" else "number"})
+            raise scope.fail(
+                errors.WrongType(
+                    step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix"
+                )
+            )
+        type_ = type_.model_copy(
+            update={"kind": "real", "unit": type_.unit if type_.unit == "reward" else "number"}
+        )
         if row.type.unit in ("probability", "fraction"):
             type_ = type_.model_copy(update={"unit": row.type.unit})
     return ir.At(type=type_, row=row, key=key, origin=step.span)

@@ -27,27 +27,37 @@ def policies(game: Composition, scope: Scope) -> tuple[ir.ScriptedPolicy, ...]:
     def scripted(policy: ast.ScriptedPolicy) -> ir.ScriptedPolicy:
         name = policy.name
         if name.text in (*WITHOUT_RULES, *OF_EXPECT):
-            raise scope.fail(errors.NameTaken(name.span, name=name.text, what="a policy of the language"))
+            raise scope.fail(
+                errors.NameTaken(name.span, name=name.text, what="a policy of the language")
+            )
         title = "" if policy.title is None else policy.title.text
-        return ir.ScriptedPolicy(name=name.text, title=title, rules=_rules(policy.rules, scope), origin=name.span)
+        return ir.ScriptedPolicy(
+            name=name.text, title=title, rules=_rules(policy.rules, scope), origin=name.span
+        )
 
     return tuple(scope.problems.each(game.policies.values(), scripted))
 
 
-def _rules(written: Sequence[ast.Act | ast.Go | ast.Aim], scope: Scope) -> tuple[ir.PolicyRule, ...]:
+def _rules(
+    written: Sequence[ast.Act | ast.Go | ast.Aim], scope: Scope
+) -> tuple[ir.PolicyRule, ...]:
     """Each rule is read where no `when` above it holds; one that is never reached is warned of."""
     found: list[ir.PolicyRule] = []
     certain = ""  # why the rule above always applies, empty if it may not
     for rule in written:
         if certain:
-            scope.problems.add(errors.NeverHappens(rule.span, problem=f"the rule above always applies ({certain})"))
+            scope.problems.add(
+                errors.NeverHappens(rule.span, problem=f"the rule above always applies ({certain})")
+            )
             certain = ""
         made = _rule(rule, scope)
         found.append(made)
         if isinstance(made, ir.Act):
             check_possible(made.condition, scope)
             otherwise = ir.Not(value=made.condition)
-            certain = next((why for part in conjuncts(otherwise) if (why := why_impossible(part, scope))), "")
+            certain = next(
+                (why for part in conjuncts(otherwise) if (why := why_impossible(part, scope))), ""
+            )
             scope = scope.knowing([otherwise])
     return tuple(found)
 
@@ -63,7 +73,15 @@ def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
     if isinstance(rule, ast.Go):
         return ir.Go(domain=sought, avoided=avoided, origin=rule.span)
     action, chosen, given = _taken(rule.action, scope)
-    return ir.Aim(shape=shape, domain=sought, avoided=avoided, action=action, chosen=chosen, given=given, origin=rule.span)
+    return ir.Aim(
+        shape=shape,
+        domain=sought,
+        avoided=avoided,
+        action=action,
+        chosen=chosen,
+        given=given,
+        origin=rule.span,
+    )
 
 
 def _taken(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given, ...]]:
@@ -84,9 +102,15 @@ def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
 
     def one(scenario: ast.Scenario) -> ir.Scenario:
         slots = tuple(_slots(part, game, scope) for part in scenario.slots)
-        name, span, total = scenario.name.text, scenario.name.span, sum(part.number for part in slots)
+        name, span, total = (
+            scenario.name.text,
+            scenario.name.span,
+            sum(part.number for part in slots),
+        )
         if own_number and (total != static.num_agents or any(part.number < 0 for part in slots)):
-            raise scope.fail(errors.SlotsUnfilled(span, name=name, given=total, agents=static.num_agents))
+            raise scope.fail(
+                errors.SlotsUnfilled(span, name=name, given=total, agents=static.num_agents)
+            )
         if not any(not part.policy and (part.number or not own_number) for part in slots):
             raise scope.fail(errors.NoFocalSlot(span, name=name))
         title = "" if scenario.title is None else scenario.title.text
@@ -98,7 +122,11 @@ def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
 def _slots(part: ast.Slots, game: Composition, scope: Scope) -> ir.Slots:
     number = scope.fixed(part.number, "a number of slots")
     if number != int(number):
-        raise scope.fail(errors.WrongType(part.number.span, wanted="a whole number of slots", given=f"{number:g}"))
+        raise scope.fail(
+            errors.WrongType(
+                part.number.span, wanted="a whole number of slots", given=f"{number:g}"
+            )
+        )
     number = int(number)
     if part.policy is None:
         return ir.Slots(number=number, origin=part.span)

@@ -22,7 +22,11 @@ STEP = ir.Step(type=integer(0, float("inf"), "steps"))
 
 def know_steps(episode: ir.Expr, static: Static) -> None:
     """Keeps which numbers `step` can be: in the rules fewer than an episode has, in an observation up to that many."""
-    static.of_rules = () if _can_be_chosen(episode, static) else facts(ir.Compare(fn="<", left=STEP, right=episode))
+    static.of_rules = (
+        ()
+        if _can_be_chosen(episode, static)
+        else facts(ir.Compare(fn="<", left=STEP, right=episode))
+    )
     static.of_observed = facts(ir.Compare(fn="<=", left=STEP, right=episode))
 
 
@@ -60,7 +64,11 @@ def why_impossible(part: ir.Expr, scope: Scope) -> str:
     if clash is not None:
         return f"`{as_written(clash.condition, scope)}` holds here"
     if fact.claim.words is not None and fact.claim.subject is not None:
-        known = [f.claim.words for f in scope.facts if f.claim.words is not None and f.subject == fact.subject]
+        known = [
+            f.claim.words
+            for f in scope.facts
+            if f.claim.words is not None and f.subject == fact.subject
+        ]
         words = fact.claim.words.intersection(*known)
         return "" if words else f"no word is left for `{as_written(fact.claim.subject, scope)}`"
     match part:
@@ -68,7 +76,9 @@ def why_impossible(part: ir.Expr, scope: Scope) -> str:
             return _why_not(fn, left, right, is_exact(part), scope)
         case ir.InRange(value=value, low=low, high=high):
             exact = is_exact(part)
-            return _why_not(">=", value, low, exact, scope) or _why_not("<=", value, high, exact, scope)
+            return _why_not(">=", value, low, exact, scope) or _why_not(
+                "<=", value, high, exact, scope
+            )
         case ir.Not(value=ir.Same(left=left, right=right)) if form(left) == form(right):
             return "both sides are the same"
         case _:
@@ -128,7 +138,9 @@ def _reach(number: ir.Expr, scope: Scope) -> Interval:
 
 def _as_float32(e: ir.Expr, low: float, high: float) -> tuple[float, float]:
     """Returns the interval of an exact number as that of a float32; what is computed is rounded more than once."""
-    low_slack, high_slack = (0.0, 0.0) if range_of(e).given else (SLACK * max(1.0, abs(end)) for end in (low, high))
+    low_slack, high_slack = (
+        (0.0, 0.0) if range_of(e).given else (SLACK * max(1.0, abs(end)) for end in (low, high))
+    )
     return ends(low - low_slack, high + high_slack)
 
 
@@ -136,7 +148,9 @@ def _can_be_chosen(number: ir.Expr, static: Static) -> bool:
     """Returns whether a size or another map gives a number other limits: rules are written for all of them."""
     for node in ir.walk(number):
         match node:
-            case ir.Number() if node.type.unit != "number":  # literals have no other unit, sizes have no literal's
+            case ir.Number() if (
+                node.type.unit != "number"
+            ):  # literals have no other unit, sizes have no literal's
                 return True
             case ir.FieldRead():
                 owners = node.held_by.names or (node.held_by.name,)

@@ -13,7 +13,14 @@ from sjdsl.compiler.elaborate.scope import Scope
 def add_regrouped(e: ast.Binary, scope: Scope) -> None:
     """Adds to the message about units inside a product how to write the product, if a quotient taken first helps."""
     found = scope.problems.found
-    at = next((i for i, d in enumerate(found) if isinstance(d, errors.UnitMismatch) and _is_inside(d, e) and not d.help), None)
+    at = next(
+        (
+            i
+            for i, d in enumerate(found)
+            if isinstance(d, errors.UnitMismatch) and _is_inside(d, e) and not d.help
+        ),
+        None,
+    )
     if at is None:
         return
     suggested = next((tree for tree in _regrouped(e) if _has_units(tree, scope)), None)
@@ -22,7 +29,11 @@ def add_regrouped(e: ast.Binary, scope: Scope) -> None:
 
 
 def _is_inside(mismatch: errors.UnitMismatch, e: ast.Binary) -> bool:
-    return mismatch.span.file == e.span.file and e.span.start <= mismatch.span.start and mismatch.span.end <= e.span.end
+    return (
+        mismatch.span.file == e.span.file
+        and e.span.start <= mismatch.span.start
+        and mismatch.span.end <= e.span.end
+    )
 
 
 def _regrouped(e: ast.Binary) -> Iterator[ast.Binary]:
@@ -67,7 +78,9 @@ def _written(e: ast.Expr, scope: Scope) -> str:
     """Returns a product as its author would write it: the parts as they are, the quotient in brackets."""
     if isinstance(e, ast.Binary) and e.op in ("*", "/"):
         right = _written(e.right, scope)
-        return f"{_written(e.left, scope)} {e.op} " + (f"({right})" if isinstance(e.right, ast.Binary | ast.Unary) else right)
+        return f"{_written(e.left, scope)} {e.op} " + (
+            f"({right})" if isinstance(e.right, ast.Binary | ast.Unary) else right
+        )
     text = scope.static.sources[e.span.file].text[e.span.start : e.span.end]
     words = " ".join(text.split())
     return f"({words})" if isinstance(e, ast.Binary) else words

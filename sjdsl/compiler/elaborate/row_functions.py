@@ -3,7 +3,13 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.lookup import as_agent, check_known_word, check_words, kinds_of_cell, or_nowhere
+from sjdsl.compiler.elaborate.lookup import (
+    as_agent,
+    check_known_word,
+    check_words,
+    kinds_of_cell,
+    or_nowhere,
+)
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
 from sjdsl.compiler.ir.operations import Function
@@ -13,7 +19,9 @@ from sjdsl.compiler.ir.types import describe, element, hull, integer, is_number,
 NO_ORDER = "agents have no order: ask for one with `where`"
 
 
-def row_of_numbers(tree: ast.Expr, scope: Scope, wanted: str = "a row of numbers", help_: str = "") -> ir.Expr:
+def row_of_numbers(
+    tree: ast.Expr, scope: Scope, wanted: str = "a row of numbers", help_: str = ""
+) -> ir.Expr:
     """Returns a row of numbers, or says that `wanted` is wanted."""
     row = scope.expression(tree)
     if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
@@ -24,7 +32,9 @@ def row_of_numbers(tree: ast.Expr, scope: Scope, wanted: str = "a row of numbers
 def sum_of_row(row: ir.Expr, origin: Span | None = None) -> ir.SumRow:
     """Returns the sum of all entries."""
     n = len(row.type.by[0])
-    type_ = row.type.model_copy(update={"by": (), "low": row.type.low * n, "high": row.type.high * n})
+    type_ = row.type.model_copy(
+        update={"by": (), "low": row.type.low * n, "high": row.type.high * n}
+    )
     return ir.SumRow(type=beyond_one(type_), row=row, origin=origin)
 
 
@@ -41,7 +51,11 @@ def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     level = row.type.by[0]
     if level.sort == "agent":
         raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
-    type_ = words(level.names) if level.sort == "word" else integer(level.first, level.first + len(level) - 1)
+    type_ = (
+        words(level.names)
+        if level.sort == "word"
+        else integer(level.first, level.first + len(level) - 1)
+    )
     return ir.Lowest(type=type_, row=row, last=function.last, origin=e.span)
 
 
@@ -65,12 +79,22 @@ def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
         raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
     by = scope.fixed(e.arguments[1], "by how many places a row is shifted")
     if by != int(by):
-        raise scope.fail(errors.WrongType(e.arguments[1].span, wanted="a whole number of places", given=f"{by:g}"))
+        raise scope.fail(
+            errors.WrongType(
+                e.arguments[1].span, wanted="a whole number of places", given=f"{by:g}"
+            )
+        )
     filler = _filler(e.arguments[2], row, scope)
     type_ = row.type
     if is_number(element(type_)):
         low, high = hull([type_, filler.type])
-        type_ = type_.model_copy(update={"low": low, "high": high, "kind": "real" if "real" in (type_.kind, filler.type.kind) else "int"})
+        type_ = type_.model_copy(
+            update={
+                "low": low,
+                "high": high,
+                "kind": "real" if "real" in (type_.kind, filler.type.kind) else "int",
+            }
+        )
     return ir.ShiftRow(type=type_, row=row, by=int(by), filler=filler, origin=e.span)
 
 
@@ -88,12 +112,15 @@ def _filler(tree: ast.Expr, row: ir.Expr, scope: Scope) -> ir.Expr:
         "real": is_number(filler.type),
         "word": filler.type.kind == "word" and not filler.type.by,
         "agent": as_agent(filler) and not filler.type.by,
-        "agents": isinstance(filler, ir.Nobody) or (filler.type.kind == "agents" and not filler.type.by),
+        "agents": isinstance(filler, ir.Nobody)
+        or (filler.type.kind == "agents" and not filler.type.by),
     }
     if not fits[one.kind]:
         raise wrong_type(scope, tree, describe(one), filler.type)
     check_words(filler.type.words, one.words, tree.span, row, scope)
     if is_number(one) and join_units(one.unit, filler.type.unit) is None:
         left, right = describe(one), describe(filler.type)
-        raise scope.fail(errors.UnitMismatch(tree.span, verb="put into one row", left=left, right=right))
+        raise scope.fail(
+            errors.UnitMismatch(tree.span, verb="put into one row", left=left, right=right)
+        )
     return filler

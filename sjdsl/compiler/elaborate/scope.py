@@ -18,7 +18,9 @@ from sjdsl.compiler.ir.implications import Fact, facts
 from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.types import describe, is_number
 
-Part = Literal["phase", "start", "blocks", "forbid", "observe", "metrics", "checks", "look", "policy"]
+Part = Literal[
+    "phase", "start", "blocks", "forbid", "observe", "metrics", "checks", "look", "policy"
+]
 ALL_ACTIONS = Symbol("action", "", "agent")
 
 
@@ -37,20 +39,26 @@ class Static:
     kinds: dict[str, dict[str, ir.VarField]] = field(default_factory=dict)  # the fields of each
     glyphs: list[tuple[Span, ir.GlyphMeaning]] = field(default_factory=list)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    cell_types: dict[str, tuple[str, ...]] = field(default_factory=dict)  # what `cell of NAME` can be, known before any field is
+    cell_types: dict[str, tuple[str, ...]] = field(
+        default_factory=dict
+    )  # what `cell of NAME` can be, known before any field is
     fields: dict[str, ir.VarField] = field(default_factory=dict)
     agent_fields: dict[str, ir.VarField] = field(default_factory=dict)
     movers: dict[str, ir.Movers] = field(default_factory=dict)
     mover_sorts: tuple[str, ...] = ()
     actions: tuple[str, ...] = ()
-    action_names: list[str] = field(default_factory=list)  # as declared: `vote`, where the actions are `vote(0)`, `vote(1)`, …
+    action_names: list[str] = field(
+        default_factory=list
+    )  # as declared: `vote`, where the actions are `vote(0)`, `vote(1)`, …
     with_arguments: dict[str, ir.ActionWithArguments] = field(default_factory=dict)
     broken_actions: set[str] = field(default_factory=set)
     shapes: dict[str, ir.Shape] = field(default_factory=dict)
     defines: dict[str, ast.Define] = field(default_factory=dict)
     word_sets: list[tuple[str, ...]] = field(default_factory=list)
     events: dict[str, ast.Event] = field(default_factory=dict)
-    event_levels: dict[str, Level] = field(default_factory=dict)  # what those are counted by that have entries
+    event_levels: dict[str, Level] = field(
+        default_factory=dict
+    )  # what those are counted by that have entries
     cells: dict[str, int] = field(default_factory=dict)
     num_agents: int = 1
     own_number: bool = True  # whether that is the file's, and not a caller's
@@ -58,24 +66,35 @@ class Static:
     map_rows: int = 0
     map_cols: int = 0
     wraps: bool = False
-    references: list[tuple[Span, Symbol]] = field(default_factory=list)  # the names that were resolved, and what each stands for
+    references: list[tuple[Span, Symbol]] = field(
+        default_factory=list
+    )  # the names that were resolved, and what each stands for
     used: set[Symbol] = field(default_factory=set)
-    required: set[Symbol] = field(default_factory=set)  # numbers that a `require` reads, which does not use them
-    broken: set[Symbol] = field(default_factory=set)  # declared, but wrong: reported once, where it is declared
+    required: set[Symbol] = field(
+        default_factory=set
+    )  # numbers that a `require` reads, which does not use them
+    broken: set[Symbol] = field(
+        default_factory=set
+    )  # declared, but wrong: reported once, where it is declared
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
     required_facts: tuple[Fact, ...] = ()  # what they say
     sized: set[Symbol] = field(default_factory=set)  # fields whose range is made of sizes
     of_observed: tuple[Fact, ...] = ()  # of every state that is observed
     of_rules: tuple[Fact, ...] = ()  # of every state that rules read
-    never: dict[str, list[list[errors.NeverHappens]]] = field(default_factory=dict)  # by phase and define: what each use can't make happen
+    never: dict[str, list[list[errors.NeverHappens]]] = field(
+        default_factory=dict
+    )  # by phase and define: what each use can't make happen
     phases: tuple[ast.Phase, ...] = ()
 
     @cached_property
     def can_be_away(self) -> bool:
         """Whether a phase sends agents away for some ticks, or removes them."""
         nodes = (node for phase in self.phases for node in walk(phase))
-        return any(isinstance(node, ast.Remove) or (isinstance(node, ast.Send) and node.after is not None) for node in nodes)
+        return any(
+            isinstance(node, ast.Remove) or (isinstance(node, ast.Send) and node.after is not None)
+            for node in nodes
+        )
 
     def refer(self, name: ast.Name, declared: Symbol) -> None:
         """Records what a name of the text stands for."""
@@ -114,7 +133,17 @@ class Static:
 
     def names(self) -> set[str]:
         """Returns every name an expression may start with."""
-        named = {*self.sizes, *self.params, *self.fields, *self.defines, *self.kinds, *self.groups, *self.movers, "step", "agent"}
+        named = {
+            *self.sizes,
+            *self.params,
+            *self.fields,
+            *self.defines,
+            *self.kinds,
+            *self.groups,
+            *self.movers,
+            "step",
+            "agent",
+        }
         return named | {w for words in self.word_sets for w in words}
 
 
@@ -197,12 +226,19 @@ class Scope(Record):
 
     def bind(self, name: str, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which has the name of its kind."""
-        known = {n: s for n, s in self.locals.items() if n != name} if name in self.locals else self.locals
+        known = (
+            {n: s for n, s in self.locals.items() if n != name}
+            if name in self.locals
+            else self.locals
+        )
         return self.but(variables={**self.variables, name: value}, locals=known)
 
     def bind_named(self, name: ast.Name, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which the text names here."""
-        return self.but(variables={**self.variables, name.text: value}, locals={**self.locals, name.text: local_symbol(name)})
+        return self.but(
+            variables={**self.variables, name.text: value},
+            locals={**self.locals, name.text: local_symbol(name)},
+        )
 
     def refer(self, name: ast.Name) -> None:
         """Records which variable a name stands for; one that has the name of its kind stands for the kind."""
@@ -214,7 +250,9 @@ class Scope(Record):
 
     def knowing(self, conditions: "Iterable[ir.Expr]") -> "Scope":
         """Returns this scope in which the conditions are known to hold."""
-        return self.but(facts=(*self.facts, *(f for condition in conditions for f in facts(condition))))
+        return self.but(
+            facts=(*self.facts, *(f for condition in conditions for f in facts(condition)))
+        )
 
     @property
     def facts_and_requires(self) -> tuple[Fact, ...]:
@@ -231,13 +269,25 @@ class Scope(Record):
 
     def with_agent(self, part: Part) -> "Scope":
         """Returns a scope of another part of the game, in which `agent` stands for any one of them."""
-        return Scope(self.static, self.problems, part=part).bind("agent", ir.Member(name="agent", sort=AGENTS))
+        return Scope(self.static, self.problems, part=part).bind(
+            "agent", ir.Member(name="agent", sort=AGENTS)
+        )
 
 
-def wrong_type(scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "", described: str = "") -> Poisoned:
+def wrong_type(
+    scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "", described: str = ""
+) -> Poisoned:
     """Reports that something else is wanted in the place of `e`. `described`: what it is instead, if its type doesn't say that well."""
-    bound = scope.variables.get(e.name.text) if isinstance(e, ast.Path) and given.kind == "member" else None
+    bound = (
+        scope.variables.get(e.name.text)
+        if isinstance(e, ast.Path) and given.kind == "member"
+        else None
+    )
     described = described or describe(given)
     if isinstance(bound, ir.Member):
-        described = {"agent": "an agent", "cell": "a cell", "mover": f"a mover `{bound.sort.name}`"}[bound.sort.what]
+        described = {
+            "agent": "an agent",
+            "cell": "a cell",
+            "mover": f"a mover `{bound.sort.name}`",
+        }[bound.sort.what]
     return scope.fail(errors.WrongType(e.span, wanted=wanted, given=described, help=help))

@@ -9,8 +9,16 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.scope import Scope
 
 Offset = tuple[int, int]
-BUILT_IN = {"line": ("n",), "fan": ("length", "radius"), "disc": ("r",), "diamond": ("r",), "square": ("r",)}
-SEE_THROUGH: dict[str, Callable[[int, int, int], bool]] = {  # whether a cell so far ahead and to the right is within r
+BUILT_IN = {
+    "line": ("n",),
+    "fan": ("length", "radius"),
+    "disc": ("r",),
+    "diamond": ("r",),
+    "square": ("r",),
+}
+SEE_THROUGH: dict[
+    str, Callable[[int, int, int], bool]
+] = {  # whether a cell so far ahead and to the right is within r
     "disc": lambda ahead, right, r: ahead * ahead + right * right <= r * r,
     "diamond": lambda ahead, right, r: abs(ahead) + abs(right) <= r,
     "square": lambda *_: True,
@@ -20,7 +28,9 @@ SEE_THROUGH: dict[str, Callable[[int, int, int], bool]] = {  # whether a cell so
 def declared(shape: ast.Shape, scope: Scope) -> ir.Shape:
     """Returns a named shape."""
     if shape.call is not None:
-        built = built_in(ast.ShapeRef(shape.call.span, shape.call.name, shape.call.arguments), scope)
+        built = built_in(
+            ast.ShapeRef(shape.call.span, shape.call.name, shape.call.arguments), scope
+        )
         return built.model_copy(update={"name": shape.name.text, "origin": shape.span})
     rows = [row.text for row in shape.rows]
     problem = _picture_problem(rows)
@@ -28,13 +38,24 @@ def declared(shape: ast.Shape, scope: Scope) -> ir.Shape:
         raise scope.fail(errors.BadPicture(shape.span, problem=problem))
     anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
     anchor_col = rows[anchor_row].index("^")
-    cells = {(anchor_row - r, c - anchor_col) for r, row in enumerate(rows) for c, glyph in enumerate(row) if glyph == "x"}
+    cells = {
+        (anchor_row - r, c - anchor_col)
+        for r, row in enumerate(rows)
+        for c, glyph in enumerate(row)
+        if glyph == "x"
+    }
     lanes = []
     for right in sorted({c for _, c in cells}):  # a column is a lane, ahead and behind
         ahead = sorted(a for a, c in cells if c == right and a >= 0)
         behind = sorted((a for a, c in cells if c == right and a < 0), reverse=True)
         lanes += [tuple((a, right) for a in lane) for lane in (ahead, behind) if lane]
-    return ir.Shape(name=shape.name.text, lanes=tuple(lanes), see_through=False, directed=True, origin=shape.span)
+    return ir.Shape(
+        name=shape.name.text,
+        lanes=tuple(lanes),
+        see_through=False,
+        directed=True,
+        origin=shape.span,
+    )
 
 
 def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
@@ -63,7 +84,11 @@ def _picture_problem(rows: list[str]) -> str:
         return "the rows of this picture have different lengths"
     if not cells:
         return "this picture has no cell `x`"
-    return f"this picture has more than {limits.MAX_SHAPE_CELLS} cells" if cells > limits.MAX_SHAPE_CELLS else ""
+    return (
+        f"this picture has more than {limits.MAX_SHAPE_CELLS} cells"
+        if cells > limits.MAX_SHAPE_CELLS
+        else ""
+    )
 
 
 def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
@@ -72,23 +97,45 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if name not in BUILT_IN:
         raise scope.problems.unknown(ref.name, [*BUILT_IN, *scope.static.shapes], "the shapes")
     centre = False
-    if name in SEE_THROUGH and len(arguments) == 2 and isinstance(arguments[1], ast.Path) and arguments[1].name.text == "centre":
+    if (
+        name in SEE_THROUGH
+        and len(arguments) == 2
+        and isinstance(arguments[1], ast.Path)
+        and arguments[1].name.text == "centre"
+    ):
         arguments, centre = arguments[:1], True
     if len(arguments) != len(BUILT_IN[name]):
         wanted = f"{len(BUILT_IN[name])} number{'s' * (len(BUILT_IN[name]) > 1)} ({', '.join(BUILT_IN[name])})"
         help_ = f"`{name}(r, centre)` includes the middle" if name in SEE_THROUGH else ""
-        raise scope.fail(errors.WrongArguments(ref.span, name=name, wanted=wanted, given=len(arguments), help=help_))
+        raise scope.fail(
+            errors.WrongArguments(
+                ref.span, name=name, wanted=wanted, given=len(arguments), help=help_
+            )
+        )
     numbers = [scope.whole(a, "a shape", "the reach of a shape", 1, 64) for a in arguments]
     label = f"{name}({', '.join(map(str, numbers))}{', centre' if centre else ''})"
     see_through, r = name in SEE_THROUGH, numbers[0]
     if see_through:
-        around = ((a, c) for a in range(r, -r - 1, -1) for c in range(-r, r + 1) if centre or (a, c) != (0, 0))
-        lanes: tuple[tuple[Offset, ...], ...] = (tuple(cell for cell in around if SEE_THROUGH[name](*cell, r)),)
+        around = (
+            (a, c)
+            for a in range(r, -r - 1, -1)
+            for c in range(-r, r + 1)
+            if centre or (a, c) != (0, 0)
+        )
+        lanes: tuple[tuple[Offset, ...], ...] = (
+            tuple(cell for cell in around if SEE_THROUGH[name](*cell, r)),
+        )
     else:
         lanes = _directed(name, numbers)
     if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
-        raise scope.fail(errors.Unsupported(ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"))
-    return ir.Shape(name=label, lanes=lanes, see_through=see_through, directed=not see_through, origin=ref.span)
+        raise scope.fail(
+            errors.Unsupported(
+                ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"
+            )
+        )
+    return ir.Shape(
+        name=label, lanes=lanes, see_through=see_through, directed=not see_through, origin=ref.span
+    )
 
 
 def _directed(name: str, numbers: list[int]) -> tuple[tuple[Offset, ...], ...]:

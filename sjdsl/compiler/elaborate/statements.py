@@ -46,7 +46,9 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
             value = narrow_word(scope.expression(s.value), scope.facts)
             check_free(s.name, scope, chosen=True)
             if isinstance(value, ir.Member):
-                raise wrong_type(scope, s.value, "a value", value.type, "the variable has a name already")
+                raise wrong_type(
+                    scope, s.value, "a value", value.type, "the variable has a name already"
+                )
             local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
             inner = scope.bind_named(s.name, local)
             if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
@@ -101,16 +103,23 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
         case ast.Words():
             _check_declared(s.source.names, scope)
             names = tuple(n.text for n in s.source.names)
-            statement = ir.Draw(name=name, type=words(names), words=names, stream=stream, origin=s.span)
+            statement = ir.Draw(
+                name=name, type=words(names), words=names, stream=stream, origin=s.span
+            )
         case ast.Table():
             statement = _weighted(s, s.source, scope, stream)
         case _:
             assert s.high is not None
             low, high = scope.expressions((s.source, s.high))
             if "real" not in (low.type.kind, high.type.kind):
-                low, high = (scope.number(e, ("count", "steps", "cells"), "a whole number") for e in (s.source, s.high))
+                low, high = (
+                    scope.number(e, ("count", "steps", "cells"), "a whole number")
+                    for e in (s.source, s.high)
+                )
             type_ = _draw_range(s, low, high, scope)
-            statement = ir.Draw(name=name, type=type_, low=low, high=high, stream=stream, origin=s.span)
+            statement = ir.Draw(
+                name=name, type=type_, low=low, high=high, stream=stream, origin=s.span
+            )
     local = ir.Local(type=statement.type, name=name, origin=s.name.span)
     return statement, scope.bind_named(s.name, local)
 
@@ -120,11 +129,17 @@ def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:
     for name in names:
         if not name.text.isidentifier():
             help_ = "one `draw` has words alone, `{ red: 0.5, blue: 0.5 }`, or whole numbers alone, each for itself, `{ 1: 0.5, 3: 0.5 }`"
-            raise scope.fail(errors.WrongType(name.span, wanted="a word", given=f"`{name.text}`", help=help_))
+            raise scope.fail(
+                errors.WrongType(name.span, wanted="a word", given=f"`{name.text}`", help=help_)
+            )
         if not scope.static.is_word(name.text):
             meant = near(name.text, [w for ws in scope.static.word_sets for w in ws])
             declare = f"declare some, `field NAME : {{ {', '.join(n.text for n in names)} }} = {names[0].text}`"
-            how = "" if meant.nearest else f"the words of a `draw` are those of a field, a row (`by`) or an event: {declare}"
+            how = (
+                ""
+                if meant.nearest
+                else f"the words of a `draw` are those of a field, a row (`by`) or an event: {declare}"
+            )
             raise scope.fail(errors.UnknownName(name.span, name=name.text, near=meant, help=how))
         scope.static.refer(name, Symbol("word", name.text))
 
@@ -139,20 +154,41 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
     """Returns the type of a number drawn between two others."""
     unit = low.type.unit if low.type.unit != "number" else high.type.unit
     if "number" not in (low.type.unit, high.type.unit) and low.type.unit != high.type.unit:
-        raise scope.fail(errors.UnitMismatch(s.span, verb="draw between", left=low.type.unit, right=high.type.unit))
+        raise scope.fail(
+            errors.UnitMismatch(
+                s.span, verb="draw between", left=low.type.unit, right=high.type.unit
+            )
+        )
     known = scope.facts_and_requires
-    if low.type.high > high.type.low and not (compares(high, ">=", low, known) or compares(high, ">", low, known)):
-        raise scope.fail(errors.Crossed(s.span, labels=parameters_read(scope.static, low, high), low=text(low), high=text(high)))
+    if low.type.high > high.type.low and not (
+        compares(high, ">=", low, known) or compares(high, ">", low, known)
+    ):
+        raise scope.fail(
+            errors.Crossed(
+                s.span,
+                labels=parameters_read(scope.static, low, high),
+                low=text(low),
+                high=text(high),
+            )
+        )
     if "real" in (low.type.kind, high.type.kind):
         for tree, bound in ((s.source, low), (s.high, high)):
             if not is_number(bound.type):
                 raise wrong_type(scope, tree, "a number", bound.type)  # type: ignore[arg-type]
         joined = join_units(low.type.unit, high.type.unit)
-        return real(low.type.low, high.type.high, "number" if joined in (None, *INTEGER_UNITS) else joined)
+        return real(
+            low.type.low, high.type.high, "number" if joined in (None, *INTEGER_UNITS) else joined
+        )
     most = high.type.high - low.type.low + 1
     if most > limits.MAX_DRAWN:
-        problem = f"this draw is from {f'{most:g}' if most < float('inf') else 'endlessly many'} numbers"
-        raise scope.fail(limits.too_much(problem, limits.MAX_DRAWN, s.span, "give the parameters limits, `in a .. b`"))
+        problem = (
+            f"this draw is from {f'{most:g}' if most < float('inf') else 'endlessly many'} numbers"
+        )
+        raise scope.fail(
+            limits.too_much(
+                problem, limits.MAX_DRAWN, s.span, "give the parameters limits, `in a .. b`"
+            )
+        )
     return integer(low.type.low, high.type.high, unit)
 
 
@@ -160,7 +196,9 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
     keys = tuple(e.key for e in table.entries)
     are_numbers = all(key.text.isdigit() for key in keys)
     if are_numbers:
-        _check_different(tuple(ast.Name(key.span, str(int(key.text))) for key in keys), "number", scope)
+        _check_different(
+            tuple(ast.Name(key.span, str(int(key.text))) for key in keys), "number", scope
+        )
     else:
         _check_declared(keys, scope)
     weights = []
@@ -181,14 +219,30 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
         sum_ = weights[0]
         for weight in weights[1:]:
             sum_ = ir.Arithmetic(type=one.type, fn="+", args=(sum_, weight))
-        if form(weights[-1]) != form(rest) and not compares(sum_, "==", one, scope.facts_and_requires):
+        if form(weights[-1]) != form(rest) and not compares(
+            sum_, "==", one, scope.facts_and_requires
+        ):
             raise scope.fail(errors.Weights(table.span, total="something known only when it runs"))
     if are_numbers:
         numbers = tuple(int(key.text) for key in keys)
         type_ = integer(min(numbers), max(numbers), "number")
-        return ir.Draw(name=s.name.text, type=type_, numbers=numbers, weights=tuple(weights), stream=stream, origin=s.span)
+        return ir.Draw(
+            name=s.name.text,
+            type=type_,
+            numbers=numbers,
+            weights=tuple(weights),
+            stream=stream,
+            origin=s.span,
+        )
     names = tuple(key.text for key in keys)
-    return ir.Draw(name=s.name.text, type=words(names), words=names, weights=tuple(weights), stream=stream, origin=s.span)
+    return ir.Draw(
+        name=s.name.text,
+        type=words(names),
+        words=names,
+        weights=tuple(weights),
+        stream=stream,
+        origin=s.span,
+    )
 
 
 def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
@@ -205,7 +259,13 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
         raise Poisoned
     stream = use.streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(built.restriction, ir.Near):
-        raise scope.fail(errors.WrongType(s.domain.span, wanted="`in SHAPE of x` after `first`", given="a domain without a shape"))
+        raise scope.fail(
+            errors.WrongType(
+                s.domain.span,
+                wanted="`in SHAPE of x` after `first`",
+                given="a domain without a shape",
+            )
+        )
     body = inside(s.block, header, inner, use)
     match s:
         case ast.Each():
@@ -216,7 +276,15 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
             assert how_many is not None
             otherwise = () if s.otherwise is None else other_branch(s.otherwise, header, scope, use)
             most = int(min(max(how_many.type.high, 0), limits.MAX_DRAWN))
-            return ir.Pick(number=how_many, most=most, domain=built, body=body, otherwise=otherwise, stream=stream, origin=s.span)
+            return ir.Pick(
+                number=how_many,
+                most=most,
+                domain=built,
+                body=body,
+                otherwise=otherwise,
+                stream=stream,
+                origin=s.span,
+            )
 
 
 def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
@@ -225,7 +293,9 @@ def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
         return domain(d, scope)
     except Poisoned:
         kinds = [d.kind.text] + ([] if d.on is None else [d.on.kind.text])
-        if not all(k == "agent" or k in scope.static.movers or scope.static.kinds_of(k) for k in kinds):
+        if not all(
+            k == "agent" or k in scope.static.movers or scope.static.kinds_of(k) for k in kinds
+        ):
             raise  # a misspelt kind would make every use of its variable one more mistake
         if d.where is not None:
             scope = scope.unsure()
@@ -307,5 +377,9 @@ def probability(e: ast.Expr, scope: Scope) -> ir.Expr:
     p = scope.number(e, ("probability",), "a probability")
     low, high = narrowed(p, scope.facts_and_requires)
     if high > 1 + 1e-9 or low < -1e-9:
-        raise scope.fail(errors.ProbabilityRange(e.span, labels=parameters_read(scope.static, p), low=low, high=high))
+        raise scope.fail(
+            errors.ProbabilityRange(
+                e.span, labels=parameters_read(scope.static, p), low=low, high=high
+            )
+        )
     return p

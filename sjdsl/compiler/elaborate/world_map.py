@@ -20,7 +20,9 @@ from sjdsl.near_names import nearest
 MAX_MAP_BYTES = 4 * limits.MAX_MAP_CELLS
 POSES = "^>v<"  # how agents are drawn, by their heading
 TOO_MANY_CELLS = f"it has more than {limits.MAX_MAP_CELLS} cells"
-Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map in a file of its own: each row, and where it stands there
+Rows = tuple[
+    tuple[str, ...], tuple[Span, ...]
+]  # of a map in a file of its own: each row, and where it stands there
 
 
 def read_rows(map_: ast.Map, source: Source, problems: Problems) -> Rows:
@@ -37,8 +39,14 @@ def read_rows(map_: ast.Map, source: Source, problems: Problems) -> Rows:
         return _parse_rows(over.encode("utf-8", "replace"), name_here, span, problems)
     if path.exists():
         return parse_file(path, name_here, span, problems)
-    meant = nearest(path.name, [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else [])
-    problems.add(errors.NoFile(span, name=name, near=Near(tuple(str(Path(name).with_name(one)) for one in meant))))
+    meant = nearest(
+        path.name, [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else []
+    )
+    problems.add(
+        errors.NoFile(
+            span, name=name, near=Near(tuple(str(Path(name).with_name(one)) for one in meant))
+        )
+    )
     return (), ()
 
 
@@ -50,7 +58,11 @@ def parse_file(path: Path, name: str, span: Span, problems: Problems) -> Rows:
     try:
         data = read_bytes(path, MAX_MAP_BYTES)
     except OSError as error:
-        problem = TOO_MANY_CELLS if error.errno == errno.EFBIG else f"it cannot be read: {(error.strerror or 'unknown').lower()}"
+        problem = (
+            TOO_MANY_CELLS
+            if error.errno == errno.EFBIG
+            else f"it cannot be read: {(error.strerror or 'unknown').lower()}"
+        )
         problems.add(errors.MapFile(span, name=name, problem=problem))
         return (), ()
     return _parse_rows(data, name, span, problems)
@@ -92,7 +104,11 @@ def check_glyph(glyph: str) -> str:
 
 
 def check_rows(
-    given: Rows, glyphs: dict[str, ir.GlyphMeaning], span: Span, problems: Problems, inline: tuple[ast.String, ...] = ()
+    given: Rows,
+    glyphs: dict[str, ir.GlyphMeaning],
+    span: Span,
+    problems: Problems,
+    inline: tuple[ast.String, ...] = (),
 ) -> bool:
     """Reports ragged rows, unknown glyphs and maps beyond the limits; returns whether the map is sound.
 
@@ -112,7 +128,14 @@ def check_rows(
         return False
     for number, row in enumerate(rows):
         if len(row) != wanted:
-            problems.add(errors.RaggedMap(_place(inline, spans, number, None, span), row=number, length=len(row), wanted=wanted))
+            problems.add(
+                errors.RaggedMap(
+                    _place(inline, spans, number, None, span),
+                    row=number,
+                    length=len(row),
+                    wanted=wanted,
+                )
+            )
             sound = False
     unknown: dict[str, tuple[int, int]] = {}
     for number, row in enumerate(rows):
@@ -120,23 +143,41 @@ def check_rows(
             if glyph not in glyphs:
                 unknown.setdefault(glyph, (number, column))
     # the place of the one glyph that is declared and nowhere on the map: perhaps it is the one that is misspelt
-    absent = [m for m in glyphs.values() if m.origin is not None and not any(m.glyph in row for row in rows)]
-    labels = tuple(Label(m.span, f"`{m.glyph}` is nowhere on the map") for m in absent if len(absent) == 1)
+    absent = [
+        m
+        for m in glyphs.values()
+        if m.origin is not None and not any(m.glyph in row for row in rows)
+    ]
+    labels = tuple(
+        Label(m.span, f"`{m.glyph}` is nowhere on the map") for m in absent if len(absent) == 1
+    )
     for glyph, (number, column) in list(unknown.items())[:20]:
         other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
         shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
         place = _place(inline, spans, number, column, span)
-        problems.add(errors.UnknownGlyph(place, labels=labels, glyph=shown, row=number, column=column, other_case=other_case))
+        problems.add(
+            errors.UnknownGlyph(
+                place, labels=labels, glyph=shown, row=number, column=column, other_case=other_case
+            )
+        )
     return sound and not unknown
 
 
-def _place(inline: tuple[ast.String, ...], spans: tuple[Span, ...], row: int, column: int | None, span: Span) -> Span:
+def _place(
+    inline: tuple[ast.String, ...],
+    spans: tuple[Span, ...],
+    row: int,
+    column: int | None,
+    span: Span,
+) -> Span:
     """Returns the span of a row, or of one glyph of it, in the map's own file or in the game's text."""
     if row < len(spans):
         whole, before = spans[row], 0
     elif row < len(inline):
         whole, before = inline[row].span, 1  # a quote
-        if whole.end - whole.start != len(inline[row].text) + 2:  # something is escaped: characters do not stand where they seem to
+        if (
+            whole.end - whole.start != len(inline[row].text) + 2
+        ):  # something is escaped: characters do not stand where they seem to
             return whole
     else:
         return span
@@ -163,7 +204,11 @@ def glyph_table(static: Static, problems: Problems) -> dict[str, ir.GlyphMeaning
             first = table[meaning.glyph].kind
             there = table[meaning.glyph].origin
             labels = (Label(there, f"of `{first}` here"),) if there is not None else ()
-            problems.add(errors.GlyphTwice(span, labels=labels, glyph=meaning.glyph, first=first, second=meaning.kind))
+            problems.add(
+                errors.GlyphTwice(
+                    span, labels=labels, glyph=meaning.glyph, first=first, second=meaning.kind
+                )
+            )
         else:
             table[meaning.glyph] = meaning
             if meaning.glyph in POSES:

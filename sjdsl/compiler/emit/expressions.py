@@ -14,7 +14,11 @@ from sjdsl.compiler.program import expressions as array
 COMPARISON, UNARY, ATOM = 0, 6, 7
 PYTHON_PRECEDENCE = {
     **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), COMPARISON),
-    **{op: strength for strength, ops in enumerate(("| ^", "&", "<< >>", "+ -", "* / // %"), 1) for op in ops.split()},
+    **{
+        op: strength
+        for strength, ops in enumerate(("| ^", "&", "<< >>", "+ -", "* / // %"), 1)
+        for op in ops.split()
+    },
 }
 BITWISE = {"|", "^", "&", "<<", ">>"}
 
@@ -59,7 +63,9 @@ def flat(piece: "Piece | Bracketed") -> str:
         case Chain():
             return "".join(map(flat, piece.pieces))
         case Operation():
-            return flat(piece.first) + "".join(f" {op} {flat(operand)}" for op, operand in piece.rest)
+            return flat(piece.first) + "".join(
+                f" {op} {flat(operand)}" for op, operand in piece.rest
+            )
 
 
 def pieces(node: array.Expression | array.Slice) -> Piece:
@@ -72,7 +78,9 @@ def pieces(node: array.Expression | array.Slice) -> Piece:
                 return node.name or quoted(str(node.value))
             return "..." if node.value is ... else repr(node.value)
         case array.Slice():
-            start, stop = ("" if part is None else flat(pieces(part)) for part in (node.start, node.stop))
+            start, stop = (
+                "" if part is None else flat(pieces(part)) for part in (node.start, node.stop)
+            )
             return f"{start}:{stop}"
         case array.Unary():
             return _after(node.op, _operand(node.operand, UNARY))
@@ -80,9 +88,25 @@ def pieces(node: array.Expression | array.Slice) -> Piece:
             return _operation(node)
         case array.Sequence(items=items, is_list=is_list):
             inner = tuple(map(pieces, items))
-            return Chain((Bracketed("[", inner, "]") if is_list else Bracketed("(", inner, ")", comma=len(items) == 1),))
+            return Chain(
+                (
+                    Bracketed("[", inner, "]")
+                    if is_list
+                    else Bracketed("(", inner, ")", comma=len(items) == 1),
+                )
+            )
         case array.Mapping():
-            return Chain((Bracketed("{", tuple(_after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries), "}"),))
+            return Chain(
+                (
+                    Bracketed(
+                        "{",
+                        tuple(
+                            _after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries
+                        ),
+                        "}",
+                    ),
+                )
+            )
         case array.Lambda():
             return _after(f"lambda {', '.join(node.parameters)}: ", pieces(node.body))
         case array.Attribute():
@@ -91,21 +115,35 @@ def pieces(node: array.Expression | array.Slice) -> Piece:
             return Chain((*_base(node.value), Bracketed("[", tuple(map(pieces, node.keys)), "]")))
         case array.Call():
             named = tuple(_after(f"{name}=", pieces(value)) for name, value in node.keywords)
-            return Chain((*_base(node.function), Bracketed("(", (*map(pieces, node.arguments), *named), ")")))
+            return Chain(
+                (*_base(node.function), Bracketed("(", (*map(pieces, node.arguments), *named), ")"))
+            )
         case array.Where():
             return pieces(array.call("jnp.where", node.condition, node.then, node.otherwise))
         case array.Cast():
-            return pieces(array.Call(array.Attribute(node.value, "astype"), (array.DTYPES[node.dtype],)))
+            return pieces(
+                array.Call(array.Attribute(node.value, "astype"), (array.DTYPES[node.dtype],))
+            )
         case array.Reduce():
-            axes = {} if node.axes is None else {"axis": array.constant(node.axes[0] if len(node.axes) == 1 else node.axes)}
+            axes = (
+                {}
+                if node.axes is None
+                else {"axis": array.constant(node.axes[0] if len(node.axes) == 1 else node.axes)}
+            )
             return pieces(array.call(f"jnp.{node.fn}", node.value, **axes, **_dtype(node.dtype)))
         case array.Broadcast():
             return pieces(array.call("jnp.broadcast_to", node.value, array.Sequence(node.shape)))
         case array.Arange():
             return pieces(array.call("jnp.arange", node.size, **_dtype(node.dtype)))
         case array.Update():
-            at = array.Attribute(array.Index(array.Attribute(node.target, "at"), node.keys), node.fn)
-            return pieces(array.Call(at, (node.value,), (("mode", array.Literal("drop")),) if node.drop else ()))
+            at = array.Attribute(
+                array.Index(array.Attribute(node.target, "at"), node.keys), node.fn
+            )
+            return pieces(
+                array.Call(
+                    at, (node.value,), (("mode", array.Literal("drop")),) if node.drop else ()
+                )
+            )
         case _:
             assert_never(node)
 
@@ -116,7 +154,9 @@ def _dtype(dtype: array.DType | None) -> dict[str, array.Expression]:
 
 def _base(node: array.Expression) -> list["str | Bracketed"]:
     """Returns what a trailer follows, in brackets unless it binds as tightly."""
-    if _strength(node) < ATOM or (isinstance(node, array.Literal) and not isinstance(node.value, str) and not node.name):
+    if _strength(node) < ATOM or (
+        isinstance(node, array.Literal) and not isinstance(node.value, str) and not node.name
+    ):
         return [Bracketed("(", (pieces(node),), ")")]
     found = pieces(node)
     return list(found.pieces) if isinstance(found, Chain) else [flat(found)]
@@ -142,7 +182,11 @@ def _strength(node: array.Expression) -> int:
 def _operand(node: array.Expression, least: int) -> Piece:
     """Returns an operand, in brackets if it binds less than it must."""
     mixes_bits = least == COMPARISON + 1 and isinstance(node, array.Binary) and node.op in BITWISE
-    return Chain((Bracketed("(", (pieces(node),), ")"),)) if _strength(node) < least or mixes_bits else pieces(node)
+    return (
+        Chain((Bracketed("(", (pieces(node),), ")"),))
+        if _strength(node) < least or mixes_bits
+        else pieces(node)
+    )
 
 
 def _operation(node: array.Binary) -> Operation:
@@ -151,7 +195,11 @@ def _operation(node: array.Binary) -> Operation:
     inner = UNARY if node.op in BITWISE else strength + 1
     right = _operand(node.right, inner)
     left = node.left
-    if isinstance(left, array.Binary) and strength != COMPARISON and PYTHON_PRECEDENCE[left.op] == strength:
+    if (
+        isinstance(left, array.Binary)
+        and strength != COMPARISON
+        and PYTHON_PRECEDENCE[left.op] == strength
+    ):
         if left.op == node.op or node.op not in BITWISE:
             before = _operation(left)
             return Operation(before.first, (*before.rest, (node.op, right)))

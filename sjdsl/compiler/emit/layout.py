@@ -62,7 +62,9 @@ def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
 def _items(bracket: Bracketed, indent: int) -> str:
     """Returns what stands in brackets on lines of its own: one for all if it fits, else one for each."""
     together = ", ".join(map(flat, bracket.items)) + "," * bracket.comma
-    rows = bracket.open == "{" or any(isinstance(item, Chain) and isinstance(item.pieces[0], Bracketed) for item in bracket.items)
+    rows = bracket.open == "{" or any(
+        isinstance(item, Chain) and isinstance(item.pieces[0], Bracketed) for item in bracket.items
+    )
     if indent + len(together) <= WIDTH and not rows:
         return " " * indent + together
     comma = "," if len(bracket.items) > 1 or bracket.comma else ""

@@ -19,7 +19,11 @@ def listing(program: Program) -> Iterator[str]:
         yield f"number {number.name} = {number.value}  # {number.comment}".removesuffix("  # ")
     for constant in program.constants:
         yield f"constant {constant.name} = {text(constant.value)}  # {constant.comment}"
-    for label, fields in (("state", program.state), ("param", program.params), ("outcome", program.outcome)):
+    for label, fields in (
+        ("state", program.state),
+        ("param", program.params),
+        ("outcome", program.outcome),
+    ):
         for field in fields:
             yield f"{label} {field.name} : {field.dtype}{field.shape}  # {field.comment}"
     for function in program.functions:

@@ -13,7 +13,9 @@ ENVIRONMENT = "env"  # of which the environment at the end of the file is one
 
 def standalone(program: Program) -> str:
     """Returns the file."""
-    called = {module.removeprefix(f"{RUNTIME}."): names for module, names in kernels(program).items()}
+    called = {
+        module.removeprefix(f"{RUNTIME}."): names for module, names in kernels(program).items()
+    }
     return template("standalone.py.j2").render(
         docstring=docstring(program),
         kernels=[(name, _kernel(name)[0]) for name in _in_order((*called, ENVIRONMENT))],
@@ -29,8 +31,13 @@ def _kernel(name: str) -> tuple[list[str], list[str]]:
     lines, called = text.splitlines(), list[str]()
     for node in reversed(ast.parse(text).body):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(RUNTIME):
-            scope, names = (node.module or "").removeprefix(RUNTIME).removeprefix("."), [alias.name for alias in node.names]
-            lines[node.lineno - 1 : node.end_lineno] = [f"{one} = _{scope}.{one}" if scope else f"{one} = _{one}" for one in names]
+            scope, names = (
+                (node.module or "").removeprefix(RUNTIME).removeprefix("."),
+                [alias.name for alias in node.names],
+            )
+            lines[node.lineno - 1 : node.end_lineno] = [
+                f"{one} = _{scope}.{one}" if scope else f"{one} = _{one}" for one in names
+            ]
             called = [*([scope] if scope else names), *called]
     return [f"    {line}".rstrip() for line in lines], called
 

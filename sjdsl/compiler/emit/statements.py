@@ -13,8 +13,12 @@ from sjdsl.compiler.program.expressions import Assign, Expression, Return, State
 
 def function_lines(function: Function) -> list[str]:
     """Returns the lines of a function."""
-    parameters = Bracketed("(", tuple(f"{name}: {type_}" for name, type_ in function.parameters), ")")
-    head = layout(Chain((f"def {function.name}", parameters)), 0, 0, len(f" -> {function.returns}:"))
+    parameters = Bracketed(
+        "(", tuple(f"{name}: {type_}" for name, type_ in function.parameters), ")"
+    )
+    head = layout(
+        Chain((f"def {function.name}", parameters)), 0, 0, len(f" -> {function.returns}:")
+    )
     lines = f"{head} -> {function.returns}:".split("\n") + _docstring(function.doc)
     last_comment = ""
     for statement in function.body:
@@ -58,7 +62,9 @@ def constant_lines(name: str, value: Expression, comment: str) -> list[str]:
 
 def comment_lines(comment: str, indent: int = 0) -> list[str]:
     """Returns a comment on lines of its own."""
-    return textwrap.wrap(comment, WIDTH, initial_indent=" " * indent + "# ", subsequent_indent=" " * indent + "# ")
+    return textwrap.wrap(
+        comment, WIDTH, initial_indent=" " * indent + "# ", subsequent_indent=" " * indent + "# "
+    )
 
 
 def origin(span: Span | None) -> str:
@@ -68,11 +74,18 @@ def origin(span: Span | None) -> str:
 
 def _docstring(doc: str) -> list[str]:
     """Returns the lines of a docstring: those of the text, and what is too long for one on the next, farther in."""
-    spaces, lines = " " * INDENT, [remark(line.replace('"', "'")) for line in doc.splitlines() or [""]]
+    spaces, lines = (
+        " " * INDENT,
+        [remark(line.replace('"', "'")) for line in doc.splitlines() or [""]],
+    )
     if len(lines) == 1 and len(lines[0]) + INDENT + 6 <= WIDTH:
         return [f'{spaces}"""{lines[0]}"""']
     found: list[str] = []
     for line in lines:
         inner = " " * (len(line) - len(line.lstrip()) + INDENT)
         found += textwrap.wrap(line, WIDTH - INDENT - 3, subsequent_indent=inner) or [""]
-    return [f'{spaces}"""{found[0]}', *((spaces + line).rstrip() for line in found[1:]), f'{spaces}"""']
+    return [
+        f'{spaces}"""{found[0]}',
+        *((spaces + line).rstrip() for line in found[1:]),
+        f'{spaces}"""',
+    ]

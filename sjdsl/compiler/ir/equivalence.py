@@ -29,8 +29,12 @@ from sjdsl.compiler.ir.expressions import (
 from sjdsl.compiler.ir.node import Node
 
 Form = tuple[Any, ...]
-Names = Mapping[str, object]  # what stands for some variables: of bound ones, how many are bound around them
-Memo = dict[int, tuple[Node, Form]]  # by the `id` of an expression; with it, so that no other gets that `id`
+Names = Mapping[
+    str, object
+]  # what stands for some variables: of bound ones, how many are bound around them
+Memo = dict[
+    int, tuple[Node, Form]
+]  # by the `id` of an expression; with it, so that no other gets that `id`
 NONE: Names = {}
 
 
@@ -64,7 +68,13 @@ def _form(e: Node, names: Names, memo: Memo | None) -> Form:
             return ("sum", domain, form(e.value, inner))
         case Extreme():
             domain, inner = _domain(e.domain, names)
-            return (e.fn, e.type.kind, domain, form(e.value, inner), _form_of_part(e.otherwise, names, memo))
+            return (
+                e.fn,
+                e.type.kind,
+                domain,
+                form(e.value, inner),
+                _form_of_part(e.otherwise, names, memo),
+            )
         case _:
             parts = (_form_of_part(getattr(e, name), names, memo) for name in _compared(type(e)))
             return (type(e), is_exact(e), *parts)
@@ -87,7 +97,9 @@ def is_exact(e: Node) -> bool:
 def _form_of_part(value: object, names: Names, memo: Memo | None) -> object:
     if isinstance(value, Node):
         return form(value, names, memo)
-    return tuple(_form_of_part(v, names, memo) for v in value) if isinstance(value, tuple) else value
+    return (
+        tuple(_form_of_part(v, names, memo) for v in value) if isinstance(value, tuple) else value
+    )
 
 
 def _domain(d: Domain, names: Names) -> tuple[Form, Names]:

@@ -38,16 +38,24 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
             return REDUCTIONS[e.fn].fold(_value(e.row, params))
         case ir.Lowest():
             level, row = e.row.type.by[0], _value(e.row, params)
-            place = ([place for place, entry in enumerate(row) if entry > 0] or range(len(row)))[-1 if e.last else 0]
+            place = ([place for place, entry in enumerate(row) if entry > 0] or range(len(row)))[
+                -1 if e.last else 0
+            ]
             return level.names[place] if e.type.kind == "word" else level.first + place
         case ir.Mix():
             row = _value(e.row, params)
             return tuple(entry / sum(row) for entry in row)
         case ir.ShiftRow():
             row, filler = _value(e.row, params), _value(e.filler, params)
-            return tuple(row[place - e.by] if 0 <= place - e.by < len(row) else filler for place in range(len(row)))
+            return tuple(
+                row[place - e.by] if 0 <= place - e.by < len(row) else filler
+                for place in range(len(row))
+            )
         case ir.Case():
-            return _value(next(arm.value for arm in e.arms if _applies(arm, _value(e.subject, params))), params)
+            return _value(
+                next(arm.value for arm in e.arms if _applies(arm, _value(e.subject, params))),
+                params,
+            )
         case ir.Arithmetic():
             return _entry_by_entry(_fold(e), *(_value(a, params) for a in e.args))
         case ir.Compare():
@@ -56,7 +64,9 @@ def _value(e: ir.Expr, params: Mapping[str, Any]) -> Any:
         case ir.InRange():
             low, value, high = (_value(part, params) for part in (e.low, e.value, e.high))
             exact, tolerance = is_exact(e), _tolerance(e.low, e.value, e.high)
-            return compares("<=", low, value, exact, tolerance) and compares("<=", value, high, exact, tolerance)
+            return compares("<=", low, value, exact, tolerance) and compares(
+                "<=", value, high, exact, tolerance
+            )
         case ir.InWords():
             return _value(e.value, params) in e.words
         case ir.Same():

@@ -2,7 +2,16 @@
 
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeGuard
 
-from sjdsl.compiler.ir.node import AGENT, CELL, CONDITION, INSTANCE, Expression, Node, RestrictionNode, Type
+from sjdsl.compiler.ir.node import (
+    AGENT,
+    CELL,
+    CONDITION,
+    INSTANCE,
+    Expression,
+    Node,
+    RestrictionNode,
+    Type,
+)
 from sjdsl.compiler.ir.sorts import Sort
 
 # Pydantic checks that a child is *some* expression; with the closed union each schema would hold all others: half a second at import.

@@ -20,14 +20,27 @@ def free_variables(e: ir.Node) -> list[Variable]:
 
 def variables_around(domain: ir.Domain) -> list[Variable]:
     """Returns the variables of the statements around that a domain of cells names in its `where`."""
-    return [] if domain.where is None else [v for v in free_variables(domain.where) if v.name != domain.var.name]
+    return (
+        []
+        if domain.where is None
+        else [v for v in free_variables(domain.where) if v.name != domain.var.name]
+    )
 
 
 def _free(node: ir.Node, bound: frozenset[str]) -> Iterator[Variable]:
     if isinstance(node, ir.Count | ir.Sum | ir.Extreme):
-        domain, value, otherwise = node.domain, getattr(node, "value", None), getattr(node, "otherwise", None)
+        domain, value, otherwise = (
+            node.domain,
+            getattr(node, "value", None),
+            getattr(node, "otherwise", None),
+        )
         inner = bound | {m.name for m in (domain.var, domain.on) if m is not None}
-        for part, around in ((domain.restriction, bound), (domain.where, inner), (value, inner), (otherwise, bound)):
+        for part, around in (
+            (domain.restriction, bound),
+            (domain.where, inner),
+            (value, inner),
+            (otherwise, bound),
+        ):
             if part is not None:
                 yield from _free(part, around)
     elif isinstance(node, Variable):
@@ -42,6 +55,10 @@ def renamed(node: N, names: dict[str, str]) -> N:
     """Returns a part of the rules with variables called differently."""
 
     def rename(inner: Any) -> Any:
-        return inner.model_copy(update={"name": names[inner.name]}) if isinstance(inner, Variable) and inner.name in names else inner
+        return (
+            inner.model_copy(update={"name": names[inner.name]})
+            if isinstance(inner, Variable) and inner.name in names
+            else inner
+        )
 
     return rewrite(node, rename)

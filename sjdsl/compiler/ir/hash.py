@@ -119,7 +119,21 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Aim: "aim shape domain avoided action given",
 }
 RULES = (
-    *("name", "params", "episode", "kinds", "rows", "edges", "glyphs", "fields", "agents", "movers", "shapes", "start", "schedule"),
+    *(
+        "name",
+        "params",
+        "episode",
+        "kinds",
+        "rows",
+        "edges",
+        "glyphs",
+        "fields",
+        "agents",
+        "movers",
+        "shapes",
+        "start",
+        "schedule",
+    ),
     *("window", "observables", "hidden", "events", "measures"),
 )
 
@@ -150,17 +164,25 @@ def printed_digest(game: ir.Game) -> str:
 
 def _rules(game: ir.Game) -> dict[str, Any]:
     required = tuple(check for check in game.checks if check.sort == "require")
-    return {"requires": _hashable(required), **{name: _hashable(getattr(game, name)) for name in RULES}}
+    return {
+        "requires": _hashable(required),
+        **{name: _hashable(getattr(game, name)) for name in RULES},
+    }
 
 
 def _hashable(value: object) -> Any:
     match value:
-        case ir.Named() | ir.Narrowed():  # what a define or a guard has made of an expression says nothing more
+        case (
+            ir.Named() | ir.Narrowed()
+        ):  # what a define or a guard has made of an expression says nothing more
             return _hashable(value.value)
         case ir.Node() | ir.Type():
             tag, fields = _hashed_form(type(value))
             said = ((name, attrgetter(field)(value), default) for name, field, default in fields)
-            return [tag, {name: _hashable(found) for name, found, default in said if found != default}]
+            return [
+                tag,
+                {name: _hashable(found) for name, found, default in said if found != default},
+            ]
         case ir.Entry():
             return value.name
         case ir.Level():

@@ -16,7 +16,9 @@ from sjdsl.compiler.ir.range_arithmetic import ends
 from sjdsl.compiler.ir.ranges import are_numbers, range_of
 
 STEP = 2.0**-23  # from a float32 to the next one, relative; at most
-LOOSE = 2 * TOLERANCE  # by how much a real may pass the number that a `require` compares it with, relative
+LOOSE = (
+    2 * TOLERANCE
+)  # by how much a real may pass the number that a `require` compares it with, relative
 
 
 def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
@@ -79,7 +81,10 @@ class Fact(Record, eq=False):
         excluded = list(conjuncts(self.condition, holds=False))
         if len(excluded) != 1:
             return ()
-        return tuple(_directed(condition, self.names) for condition in (excluded[0], without_nan(excluded[0])))
+        return tuple(
+            _directed(condition, self.names)
+            for condition in (excluded[0], without_nan(excluded[0]))
+        )
 
     @cached_property
     def subject(self) -> Form | None:
@@ -101,7 +106,11 @@ class Fact(Record, eq=False):
 
 def facts(condition: ir.Expr, holds: bool = True) -> tuple[Fact, ...]:
     """Returns what is known if a condition holds (or, with `holds` False, if it does not)."""
-    return tuple(Fact(known) for part in conjuncts(condition, holds) for known in (part, *_arguments_known(part)))
+    return tuple(
+        Fact(known)
+        for part in conjuncts(condition, holds)
+        for known in (part, *_arguments_known(part))
+    )
 
 
 def _arguments_known(condition: ir.Expr) -> Iterator[ir.Expr]:
@@ -110,7 +119,13 @@ def _arguments_known(condition: ir.Expr) -> Iterator[ir.Expr]:
         return
     yield condition.model_copy(update={"given": ()})
     for number, given in enumerate(condition.given):
-        argument = ir.ArgumentOf(type=given.type, agent=condition.agent, action=condition.action, number=number, name=given.name)
+        argument = ir.ArgumentOf(
+            type=given.type,
+            agent=condition.agent,
+            action=condition.action,
+            number=number,
+            name=given.name,
+        )
         if given.type.kind == "int":
             yield ir.Compare(fn="==", left=argument, right=given.value)
         elif given.type.kind == "word":
@@ -123,7 +138,9 @@ def is_known(condition: ir.Expr, known: Iterable[Fact]) -> bool:
     return any(wanted in (f.form, f.form_without_nan) for f in known)
 
 
-def compares(left: ir.Expr, fn: ir.Comparison, right: ir.Expr | float, known: Iterable[Fact]) -> bool:
+def compares(
+    left: ir.Expr, fn: ir.Comparison, right: ir.Expr | float, known: Iterable[Fact]
+) -> bool:
     """Returns whether a comparison is one of the facts."""
     right = right if isinstance(right, ir.Node) else ir.Number(type=left.type, value=right)
     return is_known(ir.Compare(fn=fn, left=left, right=right), known)
@@ -131,7 +148,11 @@ def compares(left: ir.Expr, fn: ir.Comparison, right: ir.Expr | float, known: It
 
 def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
     if isinstance(condition, ir.Compare) and condition.fn in ("<", "<="):
-        mirrored = {"fn": COMPARISONS[condition.fn].mirror, "left": condition.right, "right": condition.left}
+        mirrored = {
+            "fn": COMPARISONS[condition.fn].mirror,
+            "left": condition.right,
+            "right": condition.left,
+        }
         condition = condition.model_copy(update=mirrored)
     return form(condition, names)
 
@@ -149,11 +170,18 @@ def contradict(a: Fact, b: Fact) -> bool:
             return True
         case ir.ChoseWith() as one, ir.ChoseWith() as other:
             written = [(x.value, y.value) for x, y in zip(one.given, other.given, strict=False)]
-            plain = [(x.value, y.value) for x, y in written if isinstance(x, ir.Number | ir.Word) and isinstance(y, type(x))]
+            plain = [
+                (x.value, y.value)
+                for x, y in written
+                if isinstance(x, ir.Number | ir.Word) and isinstance(y, type(x))
+            ]
             return one.action != other.action or any(x != y for x, y in plain)
         case ir.StandsOn() as here, ir.StandsOn() as there:
             return not set(here.kinds) & set(there.kinds)
-        case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (ir.Not(value=ir.StandsOn() as there), ir.StandsOn() as here):
+        case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (
+            ir.Not(value=ir.StandsOn() as there),
+            ir.StandsOn() as here,
+        ):
             return set(here.kinds) <= set(there.kinds)
     mine, theirs = a.claim, b.claim
     if mine.interval is not None and theirs.interval is not None:
@@ -189,18 +217,29 @@ class Claim(NamedTuple):
 def _claim(condition: ir.Expr) -> Claim:
     exact = is_exact(without_nan(condition))
     match without_nan(condition):
-        case ir.Chose(agent=agent) | ir.ChoseWith(agent=agent) | ir.StandsOn(agent=agent) | ir.Not(value=ir.StandsOn(agent=agent)):
+        case (
+            ir.Chose(agent=agent)
+            | ir.ChoseWith(agent=agent)
+            | ir.StandsOn(agent=agent)
+            | ir.Not(value=ir.StandsOn(agent=agent))
+        ):
             return Claim(agent)
         case ir.Not(value=inner):
             words, subject = _words_named(inner)
-            return Claim() if subject is None else Claim(subject, words=frozenset(subject.type.words) - words)
+            return (
+                Claim()
+                if subject is None
+                else Claim(subject, words=frozenset(subject.type.words) - words)
+            )
         case ir.InRange(value=subject, low=ir.Number(value=low), high=ir.Number(value=high)):
             return Claim(subject, limits_of("==", subject, (low, high), exact))
         case ir.Compare(fn=fn, left=subject, right=ir.Number(value=value)):
             return Claim(subject, limits_of(fn, subject, (value, value), exact))
         case ir.Compare(fn=fn, left=ir.Number(value=value), right=subject):
             return Claim(subject, limits_of(COMPARISONS[fn].mirror, subject, (value, value), exact))
-        case ir.Compare(fn="<" | "<=" | ">" | ">=" as fn, left=subject, right=right) if right.type.kind == "int":
+        case ir.Compare(fn="<" | "<=" | ">" | ">=" as fn, left=subject, right=right) if (
+            right.type.kind == "int"
+        ):
             return Claim(subject, reach=limits_of(fn, subject, (right.type.low, right.type.high)))
         case _:
             words, subject = _words_named(condition)
@@ -217,7 +256,10 @@ def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
             if any(x is None or form(x) != form(subjects[0]) for x in subjects):
                 return frozenset(), None
             return frozenset().union(*sets), subjects[0]
-        case ir.Same(left=subject, right=ir.Word(value=value)) | ir.Same(left=ir.Word(value=value), right=subject):
+        case (
+            ir.Same(left=subject, right=ir.Word(value=value))
+            | ir.Same(left=ir.Word(value=value), right=subject)
+        ):
             words = frozenset({value})
         case ir.InWords(value=subject):
             words = frozenset(condition.words)
@@ -297,7 +339,9 @@ def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
     return _narrowed(e, known, {}, {}) if known else (e.type.low, e.type.high)
 
 
-def _narrowed(e: ir.Expr, known: Sequence[Fact], forms: Memo, sums: dict[int, Linear]) -> tuple[float, float]:
+def _narrowed(
+    e: ir.Expr, known: Sequence[Fact], forms: Memo, sums: dict[int, Linear]
+) -> tuple[float, float]:
     """`forms`, `sums`: of the parts of an expression, by their `id`, each computed once."""
     low, high = e.type.low, e.type.high
     if isinstance(e, ir.Arithmetic) and not e.type.by:
@@ -308,6 +352,10 @@ def _narrowed(e: ir.Expr, known: Sequence[Fact], forms: Memo, sums: dict[int, Li
     claimed = _claimed(form(e, memo=forms), known)
     low, high = max(low, claimed[0]), min(high, claimed[1])
     if isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
-        usable = (f for f in known if e.type.kind == "real" or f.is_exact)  # others round what they compare
-        return narrowed_sum(linear(e, sums), (low, high), (sum_ for f in usable for sum_ in f.not_negative))
+        usable = (
+            f for f in known if e.type.kind == "real" or f.is_exact
+        )  # others round what they compare
+        return narrowed_sum(
+            linear(e, sums), (low, high), (sum_ for f in usable for sum_ in f.not_negative)
+        )
     return low, high

@@ -30,7 +30,11 @@ class Linear(Record, eq=False):
         factors = dict(self.factors)
         for part, times_ in other.factors.items():
             factors[part] = factors.get(part, Fraction(0)) + factor * times_
-        return Linear(self.number + factor * other.number, {p: f for p, f in factors.items() if f}, self.parts | other.parts)
+        return Linear(
+            self.number + factor * other.number,
+            {p: f for p, f in factors.items() if f},
+            self.parts | other.parts,
+        )
 
     @cached_property
     def interval(self) -> Interval:
@@ -73,7 +77,9 @@ def narrowed_sum(mine: Linear, interval: Interval, known: Iterable[Linear]) -> I
     for fact in known:
         for part in mine.factors.keys() & fact.factors.keys():
             factor = mine.factors[part] / fact.factors[part]
-            rest = mine.plus(fact, -factor).interval  # e is this and `factor` times the fact, which is at least 0
+            rest = mine.plus(
+                fact, -factor
+            ).interval  # e is this and `factor` times the fact, which is at least 0
             if factor > 0:
                 low = max(low, rest[0])
             else:
@@ -84,7 +90,9 @@ def narrowed_sum(mine: Linear, interval: Interval, known: Iterable[Linear]) -> I
 def not_negative(condition: ir.Expr) -> Iterator[Linear]:
     """Yields what is at least 0 if a condition holds, of sums of several parts; of fewer, their intervals say as much."""
     match condition:
-        case ir.Compare(fn=fn, left=left, right=right) if fn != "!=" and not (left.type.by or right.type.by):
+        case ir.Compare(fn=fn, left=left, right=right) if fn != "!=" and not (
+            left.type.by or right.type.by
+        ):
             apart = linear(left).plus(linear(right), -1)
             whole = left.type.kind == right.type.kind == "int"
             if len(apart.factors) < 2:

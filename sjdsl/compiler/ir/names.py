@@ -26,7 +26,9 @@ _KERNELS = {
     "torus": "cells_on joined_edges shorter_way",
     "egocentric_windows": "fill look_fields look_number paint planes_of windows",
 }
-KERNELS = {f"sjdsl.runtime.{module}": tuple(names.split()) for module, names in _KERNELS.items()}  # what generated code may call
+KERNELS = {
+    f"sjdsl.runtime.{module}": tuple(names.split()) for module, names in _KERNELS.items()
+}  # what generated code may call
 RESERVED = {
     "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step", "observe", "measures", "tick", "allowed",
     "allowed_actions", "episode_length", "initial_state", "no_outcome", "default_params",
@@ -34,7 +36,13 @@ RESERVED = {
     *(name for names in KERNELS.values() for name in names),
 }  # fmt: skip
 STATE = ("step", "position", "heading", "moved", "away", "away_pool", "away_facing")
-POSE = ("position", "moved", "away", "away_pool", "away_facing")  # what State has of each mover beside its fields
+POSE = (
+    "position",
+    "moved",
+    "away",
+    "away_pool",
+    "away_facing",
+)  # what State has of each mover beside its fields
 _IDENTIFIER = re.compile(r"[a-z_][a-z0-9_]*")
 _TAKEN = {"replace"}  # a method of flax.struct dataclasses
 
@@ -83,6 +91,8 @@ def attribute_of(name: str, sort: ir.Sort) -> str:
 
 def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
     """Returns every attribute of State that comes from a name of the game, with its declaration."""
-    fields: list[tuple[str, ir.Node]] = [(attribute_name(field), field) for field in all_fields(game)]
+    fields: list[tuple[str, ir.Node]] = [
+        (attribute_name(field), field) for field in all_fields(game)
+    ]
     fields += [(attribute_of(name, movers.sort), movers) for movers in game.movers for name in POSE]
     return fields + [(f"mark_{phase.name}", phase) for phase in marking_phases(game)]

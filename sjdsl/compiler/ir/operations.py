@@ -54,7 +54,9 @@ class Function(Record):
     """What authors write as a name with brackets behind it."""
 
     name: str
-    uses: tuple[tuple[str, str], ...]  # each way to write it, and what that gives: for the cheat sheet and editors
+    uses: tuple[
+        tuple[str, str], ...
+    ]  # each way to write it, and what that gives: for the cheat sheet and editors
     builds: type[ir.Node]  # the class of its node in the IR
     least: int = 1  # number of arguments
     most: int = 1
@@ -89,19 +91,29 @@ class Calculation(Function):
     bounded: bool = False  # the argument must be known to stay within the limits of numbers
 
     # the type of its result
-    unit: Callable[..., ir.Unit | None] = _joined  # from the units of its arguments; None if they do not mix
+    unit: Callable[..., ir.Unit | None] = (
+        _joined  # from the units of its arguments; None if they do not mix
+    )
     keeps_unit: bool = False  # also where the result leaves the limits of that unit; otherwise it becomes a bare number there
-    kind: Literal["joined", "whole", "real"] = "joined"  # joined: whole if all arguments are; whole: the result of `array` becomes int32
+    kind: Literal["joined", "whole", "real"] = (
+        "joined"  # joined: whole if all arguments are; whole: the result of `array` becomes int32
+    )
     unchanged: bool = False  # a whole argument is the result itself
     share: bool = False  # `count(some of them) / count(them)` is a fraction
 
     # its value
     fold: Callable[..., float]  # for Python's numbers
-    interval: Callable[..., Interval]  # all that it can be, from the interval of each argument; as exact numbers
+    interval: Callable[
+        ..., Interval
+    ]  # all that it can be, from the interval of each argument; as exact numbers
     factors: tuple[int, ...] = ()  # it is the sum of its arguments, each times one of these
     slope: SlopeRule
-    rounding: Callable[[Range, Range], Rounding] | None = None  # of two reals in float32; None: the result is exact
-    range: Callable[[Sequence[Range]], Range] | None = None  # all that it can be in float32; None: as `interval` and `rounding` say
+    rounding: Callable[[Range, Range], Rounding] | None = (
+        None  # of two reals in float32; None: the result is exact
+    )
+    range: Callable[[Sequence[Range]], Range] | None = (
+        None  # all that it can be in float32; None: as `interval` and `rounding` say
+    )
 
     # its code
     array: str  # an operator of Python, or a function of arrays; one of two arrays is applied to one argument after another
@@ -117,7 +129,9 @@ class PayoffClass(Function):
     """
 
     _: KW_ONLY
-    holds: Callable[[float, float, float, float], bool]  # for the payoffs R, S, T and P of the row player
+    holds: Callable[
+        [float, float, float, float], bool
+    ]  # for the payoffs R, S, T and P of the row player
 
 
 class Comparison(Record):
@@ -138,14 +152,19 @@ def _product(a: Interval, b: Interval) -> Interval:
 
 
 def _quotient(a: Interval, b: Interval) -> Interval:
-    if min(b) <= 0 <= max(b):  # the ends are the wrong way round where conditions contradict each other
+    if (
+        min(b) <= 0 <= max(b)
+    ):  # the ends are the wrong way round where conditions contradict each other
         return -inf, inf
     corners = [x / y if abs(y) != inf else 0.0 for x in a for y in b]
     return min(corners), max(corners)
 
 
 def _whole_quotient(a: Interval, b: Interval) -> Interval:
-    divisors = [y for y in (b[0], -1, 1, b[1]) if y and b[0] <= y <= b[1]] or [-1, 1]  # where it is 0, nothing is divided
+    divisors = [y for y in (b[0], -1, 1, b[1]) if y and b[0] <= y <= b[1]] or [
+        -1,
+        1,
+    ]  # where it is 0, nothing is divided
     corners = [_rounded_down(x, y) for x in a for y in divisors]
     return min(corners), max(corners)
 
@@ -159,7 +178,10 @@ def _rounded_down(x: float, y: float) -> float:
 
 def _nearest_whole(a: Interval) -> Interval:
     """Returns the interval of the whole numbers nearest to reals, which float32 arithmetic may pass by a little."""
-    low, high = (end if abs(end) == inf else round(end + slack * max(1.0, abs(end))) for end, slack in zip(a, (-SLACK, SLACK), strict=True))
+    low, high = (
+        end if abs(end) == inf else round(end + slack * max(1.0, abs(end)))
+        for end, slack in zip(a, (-SLACK, SLACK), strict=True)
+    )
     return low, high
 
 
@@ -201,20 +223,32 @@ def _ramp_slope(parts: Sequence[Moving], below: Callable[[int, int], bool]) -> S
 
 def _quotient_rounding(a: Range, b: Range) -> Rounding:
     least = min(abs(b.low), abs(b.high))
-    return Rounding(times(a.terms / least, max(1.0, b.terms / least)), True, once=False)  # XLA may multiply by 1 / b
+    return Rounding(
+        times(a.terms / least, max(1.0, b.terms / least)), True, once=False
+    )  # XLA may multiply by 1 / b
 
 
 def _ramp_range(parts: Sequence[Range]) -> Range:
     value, zero, one = map(real, parts)
-    exact = parts[1].given and parts[2].given and differ_as_reals(*parts[1:])  # as a guard or a `require` says
+    exact = (
+        parts[1].given and parts[2].given and differ_as_reals(*parts[1:])
+    )  # as a guard or a `require` says
     differ = disjoint(*parts[1:]) or exact
-    sound = value.sound and zero.sound and one.sound and differ and zero.largest + one.largest <= FLOAT32
+    sound = (
+        value.sound
+        and zero.sound
+        and one.sound
+        and differ
+        and zero.largest + one.largest <= FLOAT32
+    )
     return Range(0.0, 1.0, terms=1.0, given=False, sound=sound)
 
 
 def _operator(sign: str, gives: str, **columns: Any) -> Calculation:
     """Returns the row of an operator between two numbers that is the same in arrays."""
-    return Calculation(name=sign, uses=((f"a {sign} b", gives),), least=2, most=2, sign=sign, array=sign, **columns)
+    return Calculation(
+        name=sign, uses=((f"a {sign} b", gives),), least=2, most=2, sign=sign, array=sign, **columns
+    )
 
 
 # ---- the table
@@ -223,7 +257,10 @@ OPERATIONS: tuple[Function, ...] = (
     Function("count", (("count(D)", "how many members a domain has"),), ir.Count, word=True),
     Function(
         "sum",
-        (("sum(e over D)", "the sum of e over a domain"), ("sum(row)", "the sum of a row's entries")),
+        (
+            ("sum(e over D)", "the sum of e over a domain"),
+            ("sum(row)", "the sum of a row's entries"),
+        ),
         ir.Sum,
         word=True,
         reduces=Reduction(sum, True, "sum", 0, "total"),
@@ -262,7 +299,12 @@ OPERATIONS: tuple[Function, ...] = (
     ),
     Calculation(
         name="ramp",
-        uses=(("ramp(x, zero_at, one_at)", "0 at zero_at, 1 at one_at, straight between, 0 and 1 beyond"),),
+        uses=(
+            (
+                "ramp(x, zero_at, one_at)",
+                "0 at zero_at, 1 at one_at, straight between, 0 and 1 beyond",
+            ),
+        ),
         least=3,
         most=3,
         apart=(1, 2),
@@ -277,7 +319,12 @@ OPERATIONS: tuple[Function, ...] = (
     ),
     Function(
         "distance",
-        (("distance(a, b)", "steps along rows and columns, whatever stands between; where the map wraps, the shorter way round"),),
+        (
+            (
+                "distance(a, b)",
+                "steps along rows and columns, whatever stands between; where the map wraps, the shorter way round",
+            ),
+        ),
         ir.Distance,
         least=2,
         most=2,
@@ -285,7 +332,12 @@ OPERATIONS: tuple[Function, ...] = (
     ),
     Function(
         "shift",
-        (("shift(row, n, x)", "the row with each entry moved n places on, x in the n places that this empties"),),
+        (
+            (
+                "shift(row, n, x)",
+                "the row with each entry moved n places on, x in the n places that this empties",
+            ),
+        ),
         ir.ShiftRow,
         least=3,
         most=3,
@@ -329,10 +381,24 @@ OPERATIONS: tuple[Function, ...] = (
         slope=lambda parts, _: _scaled(*parts[0]),
         array="jnp.abs",
     ),
-    Function("lowest", (("lowest(row)", "the first word of the row whose entry is above 0"),), ir.Lowest),
-    Function("highest", (("highest(row)", "the last word of the row whose entry is above 0"),), ir.Lowest, last=True),
     Function(
-        "mix", (("mix(row)", "as a table's index: payoff[mix(a.bag)] is the mean of the payoffs, weighted with the row's entries"),), ir.Mix
+        "lowest", (("lowest(row)", "the first word of the row whose entry is above 0"),), ir.Lowest
+    ),
+    Function(
+        "highest",
+        (("highest(row)", "the last word of the row whose entry is above 0"),),
+        ir.Lowest,
+        last=True,
+    ),
+    Function(
+        "mix",
+        (
+            (
+                "mix(row)",
+                "as a table's index: payoff[mix(a.bag)] is the mean of the payoffs, weighted with the row's entries",
+            ),
+        ),
+        ir.Mix,
     ),
     PayoffClass(
         name="prisoners_dilemma",
@@ -383,7 +449,9 @@ OPERATIONS: tuple[Function, ...] = (
         interval=lambda a, b: (a[0] + b[0], a[1] + b[1]),
         factors=(1, 1),
         slope=lambda parts, _: _together([p.slope for p in parts]),
-        rounding=lambda a, b: Rounding(a.terms + b.terms, (a.low >= 0 and b.low >= 0) or (a.high <= 0 and b.high <= 0)),
+        rounding=lambda a, b: Rounding(
+            a.terms + b.terms, (a.low >= 0 and b.low >= 0) or (a.high <= 0 and b.high <= 0)
+        ),
     ),
     _operator(
         "-",
@@ -394,7 +462,9 @@ OPERATIONS: tuple[Function, ...] = (
         interval=lambda a, b: (a[0] - b[1], a[1] - b[0]),
         factors=(1, -1),
         slope=lambda parts, _: _together([parts[0].slope, OPPOSITE[parts[1].slope]]),
-        rounding=lambda a, b: Rounding(a.terms + b.terms, (a.low >= 0 and b.high <= 0) or (a.high <= 0 and b.low >= 0)),
+        rounding=lambda a, b: Rounding(
+            a.terms + b.terms, (a.low >= 0 and b.high <= 0) or (a.high <= 0 and b.low >= 0)
+        ),
     ),
     _operator(
         "*",
@@ -403,7 +473,9 @@ OPERATIONS: tuple[Function, ...] = (
         unit=times_unit,
         fold=operator.mul,
         interval=_product,
-        slope=lambda parts, _: _together([_scaled(parts[0].slope, parts[1].range), _scaled(parts[1].slope, parts[0].range)]),
+        slope=lambda parts, _: _together(
+            [_scaled(parts[0].slope, parts[1].range), _scaled(parts[1].slope, parts[0].range)]
+        ),
         rounding=lambda a, b: Rounding(times(a.terms, b.terms), True),
     ),
     _operator(

@@ -9,7 +9,11 @@ from sjdsl.compiler.ir.operations import CALCULATIONS
 
 def number_text(value: float) -> str:
     """Returns the shortest text that reads back as the same number; integers without a point."""
-    return str(int(value)) if isinstance(value, int) or (value == int(value) and abs(value) < 1e15) else repr(float(value))
+    return (
+        str(int(value))
+        if isinstance(value, int) or (value == int(value) and abs(value) < 1e15)
+        else repr(float(value))
+    )
 
 
 def expression(e: ir.Expr) -> str:
@@ -39,7 +43,9 @@ def expression(e: ir.Expr) -> str:
             row, args = CALCULATIONS[e.fn], [expression(a) for a in e.args]
             if not row.sign:
                 return f"{row.name}({', '.join(args)})"
-            return f"({row.sign}{args[0]})" if len(args) == 1 else f"({args[0]} {row.sign} {args[1]})"
+            return (
+                f"({row.sign}{args[0]})" if len(args) == 1 else f"({args[0]} {row.sign} {args[1]})"
+            )
         case ir.Compare():
             return f"({expression(e.left)} {e.fn} {expression(e.right)})"
         case ir.Same():
@@ -140,7 +146,11 @@ def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[s
         case ir.Domain():
             yield f"{pad}{label}: {domain(value)}{_at(value, positions)}"
         case ir.Node():
-            yield f"{pad}{label}" if isinstance(value, ir.Game) else f"{pad}{label}: {type(value).__name__.lower()}{_at(value, positions)}"
+            yield (
+                f"{pad}{label}"
+                if isinstance(value, ir.Game)
+                else f"{pad}{label}: {type(value).__name__.lower()}{_at(value, positions)}"
+            )
             for name in type(value).model_fields:
                 if name != "origin":
                     yield from _lines(getattr(value, name), name, depth + 1, positions)
@@ -177,4 +187,8 @@ def _type(type_: ir.Type) -> str:
 
 
 def _at(node: ir.Node, positions: bool) -> str:
-    return f"  @{node.origin.file}:{node.origin.line}:{node.origin.column}" if positions and node.origin else ""
+    return (
+        f"  @{node.origin.file}:{node.origin.line}:{node.origin.column}"
+        if positions and node.origin
+        else ""
+    )

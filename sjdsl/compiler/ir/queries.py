@@ -22,7 +22,17 @@ from sjdsl.compiler.ir.expressions import (
     Shape,
     StandsAt,
 )
-from sjdsl.compiler.ir.game import ActionWithArguments, Event, Game, GlyphMeaning, Kind, Movers, Observable, Phase, VarField
+from sjdsl.compiler.ir.game import (
+    ActionWithArguments,
+    Event,
+    Game,
+    GlyphMeaning,
+    Kind,
+    Movers,
+    Observable,
+    Phase,
+    VarField,
+)
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
 from sjdsl.compiler.ir.statements import Remove, Send
@@ -38,7 +48,12 @@ def contains(node: Node, *sorts: type[Node]) -> bool:
 
 def is_quantified(e: Node) -> bool:
     """Returns whether an expression is written `any(D)` or `all(D)`, which are comparisons of counts."""
-    return isinstance(e, Compare) and isinstance(e.left, Count) and e.left.origin is not None and e.left.origin == e.origin
+    return (
+        isinstance(e, Compare)
+        and isinstance(e.left, Count)
+        and e.left.origin is not None
+        and e.left.origin == e.origin
+    )
 
 
 def title_of(game: Game) -> str:
@@ -50,7 +65,12 @@ def title_of(game: Game) -> str:
 def all_fields(game: Game) -> tuple[VarField, ...]:
     """Returns every declared variable: those of cells, kind by kind, then those of agents, of movers, sort by sort, and of the world."""
     of_cells = (field for kind in game.kinds for field in kind.fields)
-    return (*of_cells, *game.agents.fields, *(field for sort in game.movers for field in sort.fields), *game.fields)
+    return (
+        *of_cells,
+        *game.agents.fields,
+        *(field for sort in game.movers for field in sort.fields),
+        *game.fields,
+    )
 
 
 def declared_field(game: Game, read: FieldRead, kind: str | None = None) -> VarField:
@@ -73,7 +93,14 @@ def written_field(target: Expr) -> FieldRead:
     return target
 
 
-ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")  # what every agent has of itself: no field has such a name
+ATTRIBUTES = (
+    "index",
+    "heading",
+    "moved",
+    "away",
+    "row",
+    "col",
+)  # what every agent has of itself: no field has such a name
 
 
 def shows_attribute(observable: Observable) -> bool:
@@ -83,7 +110,9 @@ def shows_attribute(observable: Observable) -> bool:
 
 def shown_field(game: Game, observable: Observable) -> VarField:
     """Returns the declaration of the variable that an observation shows."""
-    return next(f for f in all_fields(game) if (f.held_by, f.name) == (observable.sort, observable.field))
+    return next(
+        f for f in all_fields(game) if (f.held_by, f.name) == (observable.sort, observable.field)
+    )
 
 
 def kind_named(game: Game, name: str) -> Kind:
@@ -108,7 +137,11 @@ def action_named(game: Game, name: str) -> ActionWithArguments:
 
 def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:
     """Returns what is counted of an event, each with the name it is reported by: `("red", "eaten[red]")`, or `(None, "eaten")`."""
-    return ((None, event.name),) if event.by is None else tuple((key, f"{event.name}[{key}]") for key in event.by.keys)
+    return (
+        ((None, event.name),)
+        if event.by is None
+        else tuple((key, f"{event.name}[{key}]") for key in event.by.keys)
+    )
 
 
 def phases_of(game: Game) -> tuple[Phase, ...]:
@@ -133,7 +166,9 @@ def glyphs_of(game: Game, kinds: tuple[str, ...]) -> str:
 
 def starts_of(game: Game, meaning: GlyphMeaning) -> dict[str, Start]:
     """Returns the value at the start of each variable of the cells that a character stands for."""
-    return {field.name: field.start for field in kind_named(game, meaning.kind).fields} | dict(meaning.starts)
+    return {field.name: field.start for field in kind_named(game, meaning.kind).fields} | dict(
+        meaning.starts
+    )
 
 
 def blocks_always(kind: Kind, what: str = "agents") -> bool:
@@ -153,7 +188,11 @@ def body_sort(who: Expr) -> Sort:
 
 def can_be_away(game: Game, sort: Sort = AGENTS) -> bool:
     """Returns whether an agent, or a mover of a sort, can be off the map: sent away for some ticks, or removed."""
-    leaving = (node for node in walk(game) if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None))
+    leaving = (
+        node
+        for node in walk(game)
+        if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None)
+    )
     return any(body_sort(node.who) == sort for node in leaving)
 
 
@@ -203,8 +242,16 @@ def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> i
 
 def cell_under_all(domain: Domain) -> Member | None:
     """Returns the cell around on which each member stands, as in `agent on gate` inside `each gate`: so there is one member at most."""
-    parts = domain.where.args if isinstance(domain.where, Logic) and domain.where.fn == "and" else (domain.where,)
-    cells = [part.cell for part in parts if isinstance(part, StandsAt) and part.agent.name == domain.var.name]
+    parts = (
+        domain.where.args
+        if isinstance(domain.where, Logic) and domain.where.fn == "and"
+        else (domain.where,)
+    )
+    cells = [
+        part.cell
+        for part in parts
+        if isinstance(part, StandsAt) and part.agent.name == domain.var.name
+    ]
     return next((cell for cell in cells if domain.on is None or cell.name != domain.on.name), None)
 
 
@@ -216,4 +263,6 @@ def num_cells(game: Game, kinds: tuple[str, ...]) -> int:
 
 def lanes_of(near: Near, game: Game) -> Lanes:
     """Returns the lanes of the shape in which members are looked for; policies have shapes of their own."""
-    return next(shape.lanes for shape in (*game.shapes, *game.policy_shapes) if shape.name == near.shape)
+    return next(
+        shape.lanes for shape in (*game.shapes, *game.policy_shapes) if shape.name == near.shape
+    )

@@ -69,7 +69,11 @@ def nearest(x: float) -> float:
 
 
 def anything(whole: bool) -> Range:
-    return Range(*INT32, whole=True, terms=-INT32[0]) if whole else Range(-inf, inf, terms=inf, sound=False)
+    return (
+        Range(*INT32, whole=True, terms=-INT32[0])
+        if whole
+        else Range(-inf, inf, terms=inf, sound=False)
+    )
 
 
 def given(type_: Type) -> Range:
@@ -84,7 +88,11 @@ def whole(low: float, high: float, *parts: Range) -> Range:
     """Returns the range of a whole number; one that can leave int32 can be anything there, as it wraps."""
     inside = INT32[0] <= low and high <= INT32[1]
     literal, sound = all(p.literal for p in parts), all(p.sound for p in parts)
-    return Range(low, high, whole=True, terms=max(abs(low), abs(high)), literal=literal, sound=sound) if inside else anything(True)
+    return (
+        Range(low, high, whole=True, terms=max(abs(low), abs(high)), literal=literal, sound=sound)
+        if inside
+        else anything(True)
+    )
 
 
 def rounded(r: Range, often: float = 1) -> Range:

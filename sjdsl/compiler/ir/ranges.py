@@ -25,7 +25,17 @@ from sjdsl.compiler.ir.range_arithmetic import (
 from sjdsl.compiler.ir.types import without_zero
 
 Limits = Callable[[ir.Expr], tuple[float, float]]
-_GIVEN = (ir.ParamRef, ir.FieldRead, ir.Attribute, ir.Distance, ir.Step, ir.Count, ir.Lowest, ir.Local, ir.ArgumentOf)
+_GIVEN = (
+    ir.ParamRef,
+    ir.FieldRead,
+    ir.Attribute,
+    ir.Distance,
+    ir.Step,
+    ir.Count,
+    ir.Lowest,
+    ir.Local,
+    ir.ArgumentOf,
+)
 
 
 def no_limits(_: ir.Expr) -> tuple[float, float]:
@@ -47,12 +57,22 @@ def range_of(e: ir.Expr, limits: Limits = no_limits) -> Range:
 def _range(e: ir.Expr, limits: Limits) -> Range:
     match e:
         case ir.Number():
-            return replace(given(ir.Type(kind=e.type.kind, low=e.value, high=e.value)), literal=True)
+            return replace(
+                given(ir.Type(kind=e.type.kind, low=e.value, high=e.value)), literal=True
+            )
         case ir.ParamRef() if e.type.kind == "real":
-            return given(ir.Type(kind="real", low=max(e.type.low, -MAX_VALUE), high=min(e.type.high, MAX_VALUE)))
-        case ir.FieldRead() | ir.Local() if e.type.kind == "real":  # added to or computed, so that it may have left float32
+            return given(
+                ir.Type(
+                    kind="real", low=max(e.type.low, -MAX_VALUE), high=min(e.type.high, MAX_VALUE)
+                )
+            )
+        case ir.FieldRead() | ir.Local() if (
+            e.type.kind == "real"
+        ):  # added to or computed, so that it may have left float32
             return replace(given(e.type), sound=False)
-        case ir.Count(domain=ir.Domain(var=ir.Member(sort=ir.Sort(what="cell")), restriction=None, where=None)):
+        case ir.Count(
+            domain=ir.Domain(var=ir.Member(sort=ir.Sort(what="cell")), restriction=None, where=None)
+        ):
             return given(e.type.model_copy(update={"low": e.type.high}))
         case ir.Named() | ir.Narrowed():
             return range_of(e.value, limits)
@@ -74,7 +94,9 @@ def _range(e: ir.Expr, limits: Limits) -> Range:
         case ir.ShiftRow():
             return _union((range_of(e.row, limits), range_of(e.filler, limits)), e.type)
         case ir.Extreme():
-            return _union([range_of(part) for part in (e.value, e.otherwise) if part is not None], e.type)
+            return _union(
+                [range_of(part) for part in (e.value, e.otherwise) if part is not None], e.type
+            )
         case ir.Case():
             return _union([range_of(arm.value, limits) for arm in e.arms], e.type)
         case _ if isinstance(e, _GIVEN):
@@ -113,8 +135,13 @@ def _union(parts: Iterable[Range], type_: ir.Type) -> Range:
 
 def _exact(low: float, high: float, parts: Sequence[Range]) -> Range:
     """Returns the range of a number that is one of some, or the negative of one: nothing is rounded."""
-    steady, given_, sound, literal = (all(flags) for flags in zip(*((p.steady, p.given, p.sound, p.literal) for p in parts), strict=True))
-    return Range(low, high, parts[0].whole, max(p.terms for p in parts), steady, given_, sound, literal)
+    steady, given_, sound, literal = (
+        all(flags)
+        for flags in zip(*((p.steady, p.given, p.sound, p.literal) for p in parts), strict=True)
+    )
+    return Range(
+        low, high, parts[0].whole, max(p.terms for p in parts), steady, given_, sound, literal
+    )
 
 
 def _calculated(e: ir.Arithmetic, limits: Limits) -> Range:
@@ -123,7 +150,9 @@ def _calculated(e: ir.Arithmetic, limits: Limits) -> Range:
     parts = [range_of(a, limits) for a in e.args]
     if row.range is not None:
         return row.range(parts)
-    if row.share and e.type.unit == "fraction" and all(isinstance(a, ir.Count) for a in e.args):  # of all, some
+    if (
+        row.share and e.type.unit == "fraction" and all(isinstance(a, ir.Count) for a in e.args)
+    ):  # of all, some
         return Range(0.0, 1.0, terms=1.0, given=False)
     parts = parts if is_whole else [real(p) for p in parts]
     if row.divisor is not None:
@@ -136,7 +165,9 @@ def _calculated(e: ir.Arithmetic, limits: Limits) -> Range:
     if row.rounding is not None:
         return _of_reals(row, low, high, *parts)
     exact = _exact(low, high, parts)
-    return exact if row.factors else replace(exact, terms=min(exact.terms, exact.largest))  # no sum any more
+    return (
+        exact if row.factors else replace(exact, terms=min(exact.terms, exact.largest))
+    )  # no sum any more
 
 
 def _not_zero(divisor: Range, type_: ir.Type) -> Range:
@@ -156,7 +187,14 @@ def _of_reals(row: Calculation, low: float, high: float, a: Range, b: Range) -> 
     if isnan(low) or isnan(high):  # the sum of infinite ends
         return anything(False)
     literal = a.literal and b.literal
-    r = Range(low, high, terms=terms, steady=steady and a.steady and b.steady, sound=a.sound and b.sound and finite, literal=literal)
+    r = Range(
+        low,
+        high,
+        terms=terms,
+        steady=steady and a.steady and b.steady,
+        sound=a.sound and b.sound and finite,
+        literal=literal,
+    )
     if not (once and a.given and b.given and not literal) or max(abs(low), abs(high)) > FLOAT32:
         return rounded(r)
     low, high = ends(low, high)

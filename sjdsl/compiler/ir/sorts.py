@@ -26,7 +26,9 @@ class Sort(Record):
 
     def overlaps(self, other: "Sort") -> bool:
         """Returns whether a thing can be of both sorts."""
-        return self.what == other.what and (self.names == other.names or not set(self.names).isdisjoint(other.names))
+        return self.what == other.what and (
+            self.names == other.names or not set(self.names).isdisjoint(other.names)
+        )
 
 
 AGENTS = Sort("agent")

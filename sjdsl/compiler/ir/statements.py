@@ -6,9 +6,7 @@ from sjdsl.compiler.ir.expressions import Domain, Expr, Member
 from sjdsl.compiler.ir.node import INSTANCE, CourseNode, Node, Statement, Type
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
-    Stmt: TypeAlias = (
-        "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End"
-    )
+    Stmt: TypeAlias = "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End"
     Course: TypeAlias = "Wander | Along"
 else:
     Stmt = Annotated[Statement, INSTANCE]

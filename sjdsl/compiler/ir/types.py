@@ -48,13 +48,22 @@ def describe(type_: ir.Type) -> str:
         return f"a row of {entries} by {type_.by[0]}"
     match type_.kind:
         case "word":
-            return f"a word of {{ {', '.join(type_.words)} }}" if len(type_.words) > 1 else f"the word `{type_.words[0]}`"
+            return (
+                f"a word of {{ {', '.join(type_.words)} }}"
+                if len(type_.words) > 1
+                else f"the word `{type_.words[0]}`"
+            )
         case "int" | "real":
             plural = "counts" if type_.unit == "count" else type_.unit
             return f"a number of {plural}" if type_.unit in INTEGER_UNITS else f"a {type_.unit}"
         case "cell" if type_.kinds:
             return f"a cell of {' or '.join(type_.kinds)}"
-    kinds = {"condition": "a condition", "agent": "an agent", "agents": "a set of agents", "mix": "a mix of words"}
+    kinds = {
+        "condition": "a condition",
+        "agent": "an agent",
+        "agents": "a set of agents",
+        "mix": "a mix of words",
+    }
     return {**kinds, "cell": "a cell", "member": "an agent or a cell"}[type_.kind]
 
 

@@ -6,11 +6,31 @@ from math import isinf
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.operations import REDUCTIONS
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, iota, literal, reduce, select, spread, union
+from sjdsl.compiler.lower.axes import (
+    TRUE,
+    Axis,
+    Value,
+    as_dtype,
+    iota,
+    literal,
+    reduce,
+    select,
+    spread,
+    union,
+)
 from sjdsl.compiler.lower.domains import enter, is_empty, neighbours_constant, shape_name, whole_set
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import DType, Lambda, Literal, Name, Unary, call, constant, path
+from sjdsl.compiler.program.expressions import (
+    DType,
+    Lambda,
+    Literal,
+    Name,
+    Unary,
+    call,
+    constant,
+    path,
+)
 
 MOST = 32  # cells of a shape: each is a few lines of the program that XLA compiles
 _PLAIN = (
@@ -22,10 +42,21 @@ _PLAIN = (
 def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w: Writer) -> bool:
     """Returns whether a domain is the cells of a small shape around each cell, and what is asked about them is plain."""
     d = e.domain
-    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell" or len(d.var.kinds) != 1 or w.parameters or e.type.kind != "int":
+    if (
+        not isinstance(d.restriction, ir.Near)
+        or d.var.sort.what != "cell"
+        or len(d.var.kinds) != 1
+        or w.parameters
+        or e.type.kind != "int"
+    ):
         return False
     anchor = scope.variables[d.restriction.anchor.name]
-    if not isinstance(anchor, CellVar) or anchor.painted is not None or len(scope.axes) != 1 or anchor.site.axes != scope.axes:
+    if (
+        not isinstance(anchor, CellVar)
+        or anchor.painted is not None
+        or len(scope.axes) != 1
+        or anchor.site.axes != scope.axes
+    ):
         return False
     if anchor.axis is None and scope.axes[0].size < state_reads.MANY:
         return False
@@ -33,11 +64,21 @@ def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope,
     nodes = [n for x in asked for n in ir.walk(x)]
     if not all(isinstance(n, _PLAIN) for n in nodes if isinstance(n, ir.Expression)):
         return False
-    fields = any(isinstance(n, ir.FieldRead) and isinstance(n.owner, ir.Member) and n.owner.name == d.var.name for n in nodes)
+    fields = any(
+        isinstance(n, ir.FieldRead)
+        and isinstance(n.owner, ir.Member)
+        and n.owner.name == d.var.name
+        for n in nodes
+    )
     return fields and sum(map(len, w.module.shape(d.restriction.shape).lanes)) <= MOST
 
 
-def over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w: Writer, otherwise: Value | None = None) -> Value:
+def over_neighbours(
+    e: ir.Count | ir.Sum | ir.Extreme,
+    scope: IterationScope,
+    w: Writer,
+    otherwise: Value | None = None,
+) -> Value:
     """Returns a count, a sum or an extreme over the cells around each cell. `otherwise`: what stands for no cell."""
     d = e.domain
     assert isinstance(d.restriction, ir.Near)
@@ -48,7 +89,11 @@ def over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w:
     number = Name(w.names.fresh(d.var.name))
     site = Value(number, "i32", (axis,))
     w.parameters[number] = number
-    inner = scope.always().binding(**{d.var.name: CellVar(site, d.var.kinds, beside=True)}).when(state_reads.is_site(site, d.var.kinds, w))
+    inner = (
+        scope.always()
+        .binding(**{d.var.name: CellVar(site, d.var.kinds, beside=True)})
+        .when(state_reads.is_site(site, d.var.kinds, w))
+    )
     if d.where is not None:
         inner = inner.when(w.value(d.where, inner.always()))
     fold = "sum" if isinstance(e, ir.Count | ir.Sum) else REDUCTIONS[e.fn].array
@@ -58,11 +103,21 @@ def over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w:
         nothing = literal(0, "i32") if otherwise is None else otherwise
         value = select(inner.mask, as_dtype(w.value(e.value, inner.always()), "i32"), nothing)
     _, *given = w.parameters.items()
-    body = Lambda((number.identifier, *(name.identifier for _, name in given)), spread(value, (axis,)))
-    w.names.taken.difference_update(name.identifier for name in w.parameters.values())  # they mean nothing outside
+    body = Lambda(
+        (number.identifier, *(name.identifier for _, name in given)), spread(value, (axis,))
+    )
+    w.names.taken.difference_update(
+        name.identifier for name in w.parameters.values()
+    )  # they mean nothing outside
     w.parameters.clear()
     some = {} if anchor.axis is not None else {"around": anchor.site.node}
-    return Value(call("over_neighbours", Literal(fold), table, body, *(stored for stored, _ in given), **some), "i32", (axis,))
+    return Value(
+        call(
+            "over_neighbours", Literal(fold), table, body, *(stored for stored, _ in given), **some
+        ),
+        "i32",
+        (axis,),
+    )
 
 
 LARGEST = 2**31 - 1  # of the whole numbers of the language
@@ -77,7 +132,10 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
         if quick is not None:
             return quick
     if is_over_neighbours(e, scope, w):
-        return w.keep(f"num_{e.domain.var.name}" if isinstance(e, ir.Count) else "total", over_neighbours(e, scope, w))
+        return w.keep(
+            f"num_{e.domain.var.name}" if isinstance(e, ir.Count) else "total",
+            over_neighbours(e, scope, w),
+        )
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
     if isinstance(e, ir.Count):
@@ -102,11 +160,17 @@ def _exact_sum(values: Value, over: tuple[Axis, ...]) -> Value:
 def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
     """Returns the least or greatest value over a domain, with the axes of the surroundings it depends on."""
     dtype: DType = "i32" if e.type.kind == "int" else "f32"
-    otherwise = None if e.otherwise is None else as_dtype(w.value(e.otherwise, scope.always()), dtype)
+    otherwise = (
+        None if e.otherwise is None else as_dtype(w.value(e.otherwise, scope.always()), dtype)
+    )
     if is_empty(e.domain, w):
         assert otherwise is not None
         return otherwise
-    if e.otherwise is not None and otherwise == _nothing(e, otherwise, dtype) and is_over_neighbours(e, scope, w):
+    if (
+        e.otherwise is not None
+        and otherwise == _nothing(e, otherwise, dtype)
+        and is_over_neighbours(e, scope, w)
+    ):
         return w.keep(REDUCTIONS[e.fn].kept, over_neighbours(e, scope, w, otherwise))
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
@@ -115,7 +179,9 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
         nothing = _nothing(e, otherwise, dtype)
         if mask != TRUE and otherwise not in (None, nothing):
             mask = w.keep("member", mask)  # for it is read twice
-        value = w.keep(REDUCTIONS[e.fn].kept, reduce(REDUCTIONS[e.fn].array, select(mask, value, nothing), new))
+        value = w.keep(
+            REDUCTIONS[e.fn].kept, reduce(REDUCTIONS[e.fn].array, select(mask, value, nothing), new)
+        )
         if nothing == otherwise:
             return value
     if otherwise is None or mask == TRUE:
@@ -130,7 +196,11 @@ def _nothing(e: ir.Extreme, otherwise: Value | None, dtype: DType) -> Value:
         infinity = path("jnp.inf")
         return Value(infinity if least else Unary("-", infinity), "f32")
     last = e.value.type.high if least else e.value.type.low
-    if otherwise is not None and otherwise.literal and (otherwise.number >= last if least else otherwise.number <= last):
+    if (
+        otherwise is not None
+        and otherwise.literal
+        and (otherwise.number >= last if least else otherwise.number <= last)
+    ):
         return otherwise
     bound = LARGEST if least else -LARGEST - 1
     return literal(bound if isinf(last) else int(last), "i32")
@@ -153,7 +223,9 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.axis is None or anchor.painted is not None:
         return None
-    if d.where is not None and any(isinstance(n, ir.Member | ir.Local) and n.name != d.var.name for n in ir.walk(d.where)):
+    if d.where is not None and any(
+        isinstance(n, ir.Member | ir.Local) and n.name != d.var.name for n in ir.walk(d.where)
+    ):
         return None
     shape = w.module.shape(d.restriction.shape)
     masks = w.module.layout.near_table(anchor.kinds, shape, d.var.kinds)
@@ -161,6 +233,8 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     constant = w.module.constant(name, masks, f"neighbours of each cell in {shape.name}, as bits")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
     other = CellVar(iota(axis), d.var.kinds, axis)
-    member = TRUE if d.where is None else w.value(d.where, scope.always().binding(**{d.var.name: other}))
+    member = (
+        TRUE if d.where is None else w.value(d.where, scope.always().binding(**{d.var.name: other}))
+    )
     vector = member.node if axis in member.axes else spread(member, (axis,))
     return w.keep("near", Value(call("count_near", vector, constant), "i32", (anchor.axis,)))

@@ -20,16 +20,26 @@ def allowed_actions(module: Module) -> Function:
     w = Writer(module)
     agents = module.game.agents
     axes = (w.axis("agent", module.agents), w.axis("action", len(agents.actions)))
-    everything = array.call("jnp.ones", array.Sequence((module.agents, NUM_ACTIONS)), array.Name("bool"))
+    everything = array.call(
+        "jnp.ones", array.Sequence((module.agents, NUM_ACTIONS)), array.Name("bool")
+    )
     allowed: array.Expression = everything
     for forbid in agents.forbids:
         w.origin = forbid.origin
         test = w.keep("forbidden", w.value(forbid.condition, _scope(forbid, axes, w)))
         closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
-        name = module.constant("forbids", array.constant(closes), "actions a `forbid` is about", "bool")
-        closed = w.bind("closed", array.Binary("&", aligned(test, axes), array.Index(name, (array.NEW_AXIS,))))
+        name = module.constant(
+            "forbids", array.constant(closes), "actions a `forbid` is about", "bool"
+        )
+        closed = w.bind(
+            "closed", array.Binary("&", aligned(test, axes), array.Index(name, (array.NEW_AXIS,)))
+        )
         first = allowed == everything and axes[0] in test.axes
-        allowed = array.Unary("~", closed) if first else array.Binary("&", allowed, array.Unary("~", closed))
+        allowed = (
+            array.Unary("~", closed)
+            if first
+            else array.Binary("&", allowed, array.Unary("~", closed))
+        )
     w.origin = None
     w.give_back(allowed)
     doc = "Returns which actions each agent may take: `[N, A]` bool."
@@ -47,7 +57,10 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
         rest //= argument.count
         if not name:
             continue
-        at = [(a - action.first) // rest % argument.count if a in action.numbers else 0 for a in range(axes[1].size)]
+        at = [
+            (a - action.first) // rest % argument.count if a in action.numbers else 0
+            for a in range(axes[1].size)
+        ]
         comment = f"the argument `{name}` of each action that is {action.name}(..), 0 of others"
         table = w.module.constant(f"{action.name}_{name}", array.constant(at), comment, "i32")
         value = argument_value(argument, Value(table, "i32", (axes[1],)))

@@ -31,7 +31,14 @@ from sjdsl.compiler.program.expressions import (
     scalar,
 )
 
-_OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "//": operator.floordiv, "%": operator.mod}
+_OPERATIONS = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "//": operator.floordiv,
+    "%": operator.mod,
+}
 _OPPOSITES = {"==": "!=", "!=": "=="}
 
 
@@ -97,7 +104,9 @@ def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression
     lacking = max(0, levels - value.levels)
     if (value.axes == axes and not lacking) or not (value.axes or value.levels):
         return value.node
-    return indexed(value.node, (*(ALL if a in value.axes else NEW_AXIS for a in axes), *[NEW_AXIS] * lacking))
+    return indexed(
+        value.node, (*(ALL if a in value.axes else NEW_AXIS for a in axes), *[NEW_AXIS] * lacking)
+    )
 
 
 def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expression:
@@ -108,13 +117,19 @@ def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expressio
         outer = tuple(ALL for _ in node.keys) + keys[1:] if keys[0] == REST else keys
         if all(key in (ALL, NEW_AXIS) for key in outer) and outer.count(ALL) == len(node.keys):
             inner = iter(node.keys)
-            return Index(node.value, tuple(next(inner) if key == ALL else NEW_AXIS for key in outer))
+            return Index(
+                node.value, tuple(next(inner) if key == ALL else NEW_AXIS for key in outer)
+            )
     return Index(node, keys)
 
 
 def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
     """Returns a value spelt out over exactly these axes; a scalar over no axes stays one."""
-    return value.node if value.axes == axes else Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
+    return (
+        value.node
+        if value.axes == axes
+        else Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
+    )
 
 
 def taken(value: Value, key: Expression, levels: int = 0) -> Value:
@@ -128,7 +143,11 @@ def as_dtype(value: Value, dtype: DType) -> Value:
         return value
     if isinstance(value.node, Literal):
         return literal(value.number, dtype, value.node.name)
-    if isinstance(value.node, Cast) and value.node.source in ("u8", "bool") and (value.dtype, dtype) == ("i32", "f32"):
+    if (
+        isinstance(value.node, Cast)
+        and value.node.source in ("u8", "bool")
+        and (value.dtype, dtype) == ("i32", "f32")
+    ):
         return replace(value, node=Cast(value.node.value, dtype, value.node.source), dtype=dtype)
     return replace(value, node=Cast(value.node, dtype, value.dtype), dtype=dtype)
 
@@ -137,7 +156,12 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     """Returns `a op b`; of two literals a literal, and nothing for what changes nothing."""
     if a.literal and b.literal and op in COMPARISONS:
         return literal(COMPARISONS[op].holds(a.number, b.number), "bool")
-    if a.literal and b.literal and op in _OPERATIONS and not (op in ("/", "//", "%") and not b.number):
+    if (
+        a.literal
+        and b.literal
+        and op in _OPERATIONS
+        and not (op in ("/", "//", "%") and not b.number)
+    ):
         number = float32 if dtype == "f32" else int
         return literal(number(_OPERATIONS[op](number(a.number), number(b.number))), dtype)
     if op in COMPARISONS:
@@ -168,7 +192,9 @@ def _as_kept(value: Value, other: Value) -> Value:
     match value.node, other.node:
         case Cast(value=Attribute() as word, dtype="u8", source="i32"), Literal():
             return replace(value, node=word, dtype="i32")
-        case Cast(value=byte, dtype="i32", source="u8"), Literal(value=int(number)) if 0 <= number <= 255:
+        case Cast(value=byte, dtype="i32", source="u8"), Literal(value=int(number)) if (
+            0 <= number <= 255
+        ):
             return replace(value, node=byte, dtype="u8")
         case Cast(value=byte, dtype="i32", source="u8"), Cast(dtype="i32", source="u8"):
             return replace(value, node=byte, dtype="u8")
@@ -181,7 +207,12 @@ def _is_neutral(op: str, value: Value) -> bool:
     if not value.literal:
         return False
     neutral = {"+": 0, "-": 0, "*": 1, "<<": 0, ">>": 0, "|": 0}.get(op)
-    return neutral is not None and value.number == neutral and value.dtype != "bool" and (value.dtype != "f32" or op == "*")
+    return (
+        neutral is not None
+        and value.number == neutral
+        and value.dtype != "bool"
+        and (value.dtype != "f32" or op == "*")
+    )
 
 
 def both(*conditions: Value) -> Value:
@@ -229,26 +260,38 @@ def select(condition: Value, a: Value, b: Value) -> Value:
     dtype = b.dtype if a.literal else a.dtype
     test, then, otherwise = (aligned(x, axes, levels) for x in (condition, a, b))
     if a.literal and b.literal and dtype != "bool":
-        if dtype != "f32" and (a.number, b.number) == (1, 0):  # 1 where it holds: the condition as a number
+        if dtype != "f32" and (a.number, b.number) == (
+            1,
+            0,
+        ):  # 1 where it holds: the condition as a number
             return Value(Cast(test, dtype), dtype, axes, levels)
         then, otherwise = scalar(then, dtype), scalar(otherwise, dtype)
     return Value(Where(test, then, otherwise), dtype, axes, levels)
 
 
-def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: tuple[Axis, ...]) -> Value:
+def reduce(
+    fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: tuple[Axis, ...]
+) -> Value:
     """Returns `any`, `all`, `sum`, `min` or `max` over axes; a value without an axis is the same all along it (`sum` multiplies)."""
     gone = tuple(a for a in over if a in value.axes)
     times = prod(a.size for a in over if a not in value.axes)
     if value.literal:
         number = as_dtype(value, "i32" if value.dtype == "bool" else value.dtype)
-        return binary("*", number, literal(times, number.dtype), number.dtype) if fn == "sum" else value
+        return (
+            binary("*", number, literal(times, number.dtype), number.dtype)
+            if fn == "sum"
+            else value
+        )
     result = value
     if gone:
         where = tuple(value.axes.index(a) for a in gone)
         everything = len(where) == len(value.axes) and not value.levels
         dtype: DType = "i32" if fn == "sum" and value.dtype == "bool" else value.dtype
         node = Reduce(
-            fn, summed(value.node, dtype) if fn == "sum" else value.node, None if everything else where, dtype if fn == "sum" else None
+            fn,
+            summed(value.node, dtype) if fn == "sum" else value.node,
+            None if everything else where,
+            dtype if fn == "sum" else None,
         )
         result = Value(node, dtype, tuple(a for a in value.axes if a not in gone), value.levels)
     if fn != "sum":

@@ -13,7 +13,11 @@ def action_of(agent: ir.Expr, scope: IterationScope) -> Value:
     """Returns the number of the action an agent takes in this step."""
     assert isinstance(agent, ir.Member), agent
     who, actions = scope.variables[agent.name], array.Name("actions")
-    return Value(actions if who.axis is not None else array.Index(actions, (who.number.node,)), "i32", who.number.axes)
+    return Value(
+        actions if who.axis is not None else array.Index(actions, (who.number.node,)),
+        "i32",
+        who.number.axes,
+    )
 
 
 def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
@@ -30,7 +34,9 @@ def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
     return both(binary(">=", taken, first, "bool"), binary("<=", taken, last, "bool"))
 
 
-def action_number(action: ir.ActionWithArguments, given: tuple[ir.Given, ...], scope: IterationScope, w: Writer) -> tuple[Value, Value]:
+def action_number(
+    action: ir.ActionWithArguments, given: tuple[ir.Given, ...], scope: IterationScope, w: Writer
+) -> tuple[Value, Value]:
     """Returns the number of an action with these arguments, and whether there is one."""
     offset, possible = literal(0, "i32"), TRUE
     for asked, argument in zip(given, action.arguments, strict=True):
@@ -42,7 +48,9 @@ def action_number(action: ir.ActionWithArguments, given: tuple[ir.Given, ...], s
     return binary("+", offset, Value(w.module.first_action(action), "i32"), "i32"), possible
 
 
-def _place(asked: ir.Given, argument: ir.ActionArgument, scope: IterationScope, w: Writer) -> tuple[Value, Value]:
+def _place(
+    asked: ir.Given, argument: ir.ActionArgument, scope: IterationScope, w: Writer
+) -> tuple[Value, Value]:
     """Returns which of the values of an argument is asked for, and whether it is one of them."""
     value, type_ = w.value(asked.value, scope), asked.value.type
     match argument.type.kind:
@@ -55,7 +63,9 @@ def _place(asked: ir.Given, argument: ir.ActionArgument, scope: IterationScope, 
             low, high = argument.type.low, argument.type.high
             value = as_dtype(value, "i32")
             tests = [] if type_.low >= low else [binary(">=", value, literal(low, "i32"), "bool")]
-            tests += [] if type_.high <= high else [binary("<=", value, literal(high, "i32"), "bool")]
+            tests += (
+                [] if type_.high <= high else [binary("<=", value, literal(high, "i32"), "bool")]
+            )
             return binary("-", value, literal(low, "i32"), "i32"), both(*tests)
         case _:
             return as_dtype(value, "i32"), TRUE
@@ -64,7 +74,9 @@ def _place(asked: ir.Given, argument: ir.ActionArgument, scope: IterationScope, 
 def argument_of(e: ir.ArgumentOf, scope: IterationScope, w: Writer) -> Value:
     """Returns an argument of the action an agent chose; of another action's number some value of the argument, which no rule looks at."""
     action = action_named(w.module.game, e.action)
-    offset = binary("-", action_of(e.agent, scope), Value(w.module.first_action(action), "i32"), "i32")
+    offset = binary(
+        "-", action_of(e.agent, scope), Value(w.module.first_action(action), "i32"), "i32"
+    )
     for argument in reversed(action.arguments[e.number + 1 :]):
         offset = binary("//", offset, literal(argument.count, "i32"), "i32")
     argument = action.arguments[e.number]
@@ -76,4 +88,8 @@ def argument_value(argument: ir.ActionArgument, at: Value) -> Value:
     """Returns a value of an argument, from which of them it is."""
     if argument.type.kind == "word":
         return as_dtype(at, "u8")
-    return binary("+", at, literal(argument.type.low, "i32"), "i32") if argument.type.kind == "int" else at
+    return (
+        binary("+", at, literal(argument.type.low, "i32"), "i32")
+        if argument.type.kind == "int"
+        else at
+    )

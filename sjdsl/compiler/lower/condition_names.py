@@ -73,7 +73,9 @@ def domain_name(d: ir.Domain, game: ir.Game) -> str:
 def value_name(e: ir.Expr) -> str:
     """Returns a name for a value; nothing if it has no short one."""
     match e:
-        case ir.Member() | ir.Local() | ir.ParamRef() | ir.Named() | ir.FieldRead() | ir.Attribute():
+        case (
+            ir.Member() | ir.Local() | ir.ParamRef() | ir.Named() | ir.FieldRead() | ir.Attribute()
+        ):
             return _fitting(e.name)
         case ir.Word():
             return _fitting(e.value)
@@ -94,7 +96,11 @@ def value_name(e: ir.Expr) -> str:
 def _fitting(*parts: str) -> str:
     """Returns parts of a name together; nothing if one is missing, or it would be no identifier or too long a one."""
     name = "_".join(parts).lower()
-    return name if all(parts) and len(name) <= LONGEST and re.fullmatch(r"[a-z][a-z0-9_]*", name) else ""
+    return (
+        name
+        if all(parts) and len(name) <= LONGEST and re.fullmatch(r"[a-z][a-z0-9_]*", name)
+        else ""
+    )
 
 
 def _joined(word: str, names: list[str]) -> str:

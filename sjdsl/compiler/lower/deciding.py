@@ -19,7 +19,9 @@ class Deciding(Record):
 
     def has_field(self, field: ir.FieldRead | ir.VarField) -> bool:
         """Returns whether a field that is declared, read or written decides."""
-        return any(name == field.name and sort.overlaps(field.held_by) for sort, name in self.fields)
+        return any(
+            name == field.name and sort.overlaps(field.held_by) for sort, name in self.fields
+        )
 
 
 def deciding(game: ir.Game) -> Deciding:
@@ -29,7 +31,12 @@ def deciding(game: ir.Game) -> Deciding:
     statements = [node for node in nodes if isinstance(node, ir.Set | ir.Add | ir.Let | ir.Draw)]
     found = _read_by(root for node in nodes for root in _roots(node))
     while True:
-        more = _read_by(source for statement in statements if _is_read(statement, found) for source in _sources(statement))
+        more = _read_by(
+            source
+            for statement in statements
+            if _is_read(statement, found)
+            for source in _sources(statement)
+        )
         joined = Deciding(found.fields | more.fields, found.variables | more.variables)
         if joined == found:
             return found
@@ -56,8 +63,14 @@ def _roots(node: ir.Node) -> Iterator[ir.Expr]:
 def _read_by(expressions: Iterable[ir.Expr]) -> Deciding:
     """Returns the reals that expressions read."""
     nodes = [node for expression in expressions for node in ir.walk(expression)]
-    fields = ((node.held_by, node.name) for node in nodes if isinstance(node, ir.FieldRead) and node.type.kind == "real")
-    variables = (node.name for node in nodes if isinstance(node, ir.Local) and node.type.kind == "real")
+    fields = (
+        (node.held_by, node.name)
+        for node in nodes
+        if isinstance(node, ir.FieldRead) and node.type.kind == "real"
+    )
+    variables = (
+        node.name for node in nodes if isinstance(node, ir.Local) and node.type.kind == "real"
+    )
     return Deciding(frozenset(fields), frozenset(variables))
 
 

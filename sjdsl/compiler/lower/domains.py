@@ -6,7 +6,19 @@ from itertools import combinations
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, binary, both, indexed, invert, iota, literal, spread, union
+from sjdsl.compiler.lower.axes import (
+    TRUE,
+    Axis,
+    Value,
+    binary,
+    both,
+    indexed,
+    invert,
+    iota,
+    literal,
+    spread,
+    union,
+)
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -51,24 +63,43 @@ def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
 
 def is_empty(d: ir.Domain, w: Writer) -> bool:
     """Returns whether nobody can ever be a member, because the map has no cell of a kind; tables of such cells have no entries."""
-    kinds = ([d.var.kinds] if d.var.sort.what == "cell" else []) + ([d.on.kinds] if d.on is not None else [])
+    kinds = ([d.var.kinds] if d.var.sort.what == "cell" else []) + (
+        [d.on.kinds] if d.on is not None else []
+    )
     return not all(map(w.module.layout.num_cells, kinds))
 
 
 def in_set(members: Value, axis: Axis) -> Value:
     """Returns which agents, along an axis, are in a set that is kept as bits, of a large one in several words."""
     assert all(axis.order > a.order for a in members.axes)
-    return Value(call("unpack" if members.levels else "from_bits", members.node, axis.extent), "bool", (*members.axes, axis))
+    return Value(
+        call("unpack" if members.levels else "from_bits", members.node, axis.extent),
+        "bool",
+        (*members.axes, axis),
+    )
 
 
 def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
     """Returns the set that a domain is, as bits, if it is nothing but a set of agents none of whom can be away."""
-    if not isinstance(d.restriction, ir.InAgents) or d.restriction.value.type.kind != "agents" or d.on or d.where or w.module.can_be_away():
+    if (
+        not isinstance(d.restriction, ir.InAgents)
+        or d.restriction.value.type.kind != "agents"
+        or d.on
+        or d.where
+        or w.module.can_be_away()
+    ):
         return None
     return w.value(d.restriction.value, scope.always())
 
 
-def extended(scope: IterationScope, axis: Axis | None, d: ir.Domain, variable: Variable, digit: Value, radix: Literal) -> IterationScope:
+def extended(
+    scope: IterationScope,
+    axis: Axis | None,
+    d: ir.Domain,
+    variable: Variable,
+    digit: Value,
+    radix: Literal,
+) -> IterationScope:
     """Returns the scope with one more quantifier around it."""
     return replace(
         scope.binding(**{d.var.name: variable}),
@@ -79,14 +110,21 @@ def extended(scope: IterationScope, axis: Axis | None, d: ir.Domain, variable: V
 
 def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     n = w.module.extent(d.var.sort)
-    if isinstance(d.restriction, ir.InAgents) and d.restriction.value.type.kind in ("agent", "member"):
+    if isinstance(d.restriction, ir.InAgents) and d.restriction.value.type.kind in (
+        "agent",
+        "member",
+    ):
         index = w.keep(d.var.name, w.value(d.restriction.value, scope))
         variable = AgentVar(index)
         inner = extended(scope, None, d, variable, index, n)
-        return inner.when(binary(">=", index, literal(0, "i32"), "bool")).when(state_reads.present(variable, w))
+        return inner.when(binary(">=", index, literal(0, "i32"), "bool")).when(
+            state_reads.present(variable, w)
+        )
     axis = w.axis(d.var.name, n)
     variable = AgentVar(iota(axis), axis, d.var.sort)
-    inner = extended(scope, axis, d, variable, variable.index, n).when(state_reads.present(variable, w))
+    inner = extended(scope, axis, d, variable, variable.index, n).when(
+        state_reads.present(variable, w)
+    )
     match d.restriction:
         case ir.Near():
             return inner.when(agents_in(d.restriction, variable, inner, w))
@@ -102,9 +140,19 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     indices = [number_in(d, scope.variables[m.name], w) for m in among.members]
     axes = union(*(i.axes for i in indices))
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
-    index = w.keep(d.var.name, Value(call("jnp.stack", parts, axis=Literal(len(axes))), "i32", (*axes, axis)))
-    variable = CellVar(index, d.var.kinds) if d.var.sort.what == "cell" else AgentVar(index, sort=d.var.sort)
-    there = state_reads.is_site(index, d.var.kinds, w) if isinstance(variable, CellVar) else state_reads.present(variable, w)
+    index = w.keep(
+        d.var.name, Value(call("jnp.stack", parts, axis=Literal(len(axes))), "i32", (*axes, axis))
+    )
+    variable = (
+        CellVar(index, d.var.kinds)
+        if d.var.sort.what == "cell"
+        else AgentVar(index, sort=d.var.sort)
+    )
+    there = (
+        state_reads.is_site(index, d.var.kinds, w)
+        if isinstance(variable, CellVar)
+        else state_reads.present(variable, w)
+    )
     inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort)).when(there)
     for earlier, later in sorted(combinations(range(len(indices)), 2), key=lambda pair: pair[::-1]):
         is_later = binary("==", iota(axis), literal(later, "i32"), "bool")
@@ -125,7 +173,9 @@ def number_in(d: ir.Domain, member: Variable, w: Writer) -> Value:
 def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     if isinstance(d.restriction, ir.Near):
         site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
-        return extended(scope, axis, d, CellVar(site, d.var.kinds), iota(axis), axis.extent).when(ok)
+        return extended(scope, axis, d, CellVar(site, d.var.kinds), iota(axis), axis.extent).when(
+            ok
+        )
     if isinstance(d.restriction, ir.InCell):
         held = state_reads.held_cell(d.restriction.value, d.var.kinds, scope, w)
         inner = extended(scope, None, d, held, held.site, w.module.num_cells(d.var.kinds))
@@ -135,7 +185,9 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     return extended(scope, axis, d, variable, variable.site, axis.extent)
 
 
-def sites_in(near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Writer, name: str) -> tuple[Value, Axis, Value]:
+def sites_in(
+    near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Writer, name: str
+) -> tuple[Value, Axis, Value]:
     """Returns the numbers (among `kinds`) of a shape's cells around an anchor, their axis, and which are there."""
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
@@ -147,8 +199,14 @@ def sites_in(near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Wr
         site = Value(node, "i32", (*anchor.site.axes, axis))
         return site, axis, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
-    site = w.keep(f"{near.shape.split('(')[0]}_{'_'.join(kinds)}", state_reads.site_at(swept.cells, kinds, w))
-    return site, swept.axis, both(state_reads.is_site(site, kinds, w), swept.ok if has_inner_blocks(shape, w) else TRUE)
+    site = w.keep(
+        f"{near.shape.split('(')[0]}_{'_'.join(kinds)}", state_reads.site_at(swept.cells, kinds, w)
+    )
+    return (
+        site,
+        swept.axis,
+        both(state_reads.is_site(site, kinds, w), swept.ok if has_inner_blocks(shape, w) else TRUE),
+    )
 
 
 def neighbours_constant(near: ir.Near, anchor: CellVar, kinds: tuple[str, ...], w: Writer) -> Name:
@@ -156,19 +214,30 @@ def neighbours_constant(near: ir.Near, anchor: CellVar, kinds: tuple[str, ...], 
     shape = w.module.shape(near.shape)
     table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
     label = f"{near.shape.split('(')[0]}_{'_'.join(kinds)}"
-    return w.module.constant(label, table, f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none")
+    return w.module.constant(
+        label,
+        table,
+        f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none",
+    )
 
 
 def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
     """Whether some cell of the map ends a lane of the shape; off the map there is nothing to be shielded."""
     if shape.see_through or not any(len(lane) > 1 for lane in shape.lanes):
         return False
-    return _by_state(shape, w) or w.module.layout.count(w.module.layout.blocking_glyphs(shape.name)) > 0
+    return (
+        _by_state(shape, w)
+        or w.module.layout.count(w.module.layout.blocking_glyphs(shape.name)) > 0
+    )
 
 
 def _by_state(shape: ir.Shape, w: Writer) -> bool:
     """Whether the state decides where a lane of the shape ends: a condition on cells, or agents in the way."""
-    cells = any(b.what == shape.name and b.condition is not None for k in w.module.game.kinds for b in k.blocks)
+    cells = any(
+        b.what == shape.name and b.condition is not None
+        for k in w.module.game.kinds
+        for b in k.blocks
+    )
     return cells or any(b.what == shape.name for b in w.module.game.agents.blocks)
 
 
@@ -183,9 +252,15 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     shape = w.module.shape(near.shape)
     offsets = w.module.layout.offsets_table(shape)
     ident = shape_name(near.shape)
-    name = w.module.constant(f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading")
-    if (ident, anchor) not in w.shape_axes:  # one axis a shape and anchor, so that cells found twice are the same array
-        size = w.module.number(f"num_{ident}_cells", sum(map(len, shape.lanes)), "cells of the shape")
+    name = w.module.constant(
+        f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading"
+    )
+    if (
+        (ident, anchor) not in w.shape_axes
+    ):  # one axis a shape and anchor, so that cells found twice are the same array
+        size = w.module.number(
+            f"num_{ident}_cells", sum(map(len, shape.lanes)), "cells of the shape"
+        )
         w.shape_axes[ident, anchor] = w.axis(ident, size)
     axis = w.shape_axes[ident, anchor]
     if isinstance(anchor, AgentVar):
@@ -193,13 +268,19 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     else:  # a cell has no heading, and the shapes around cells have no direction
         at, facing = state_reads.cell(anchor, w), literal(0, "i32")
     step = Value(
-        Index(name, (Literal(0) if shape.see_through else facing.node,)), "i32", (axis,) if shape.see_through else (*at.axes, axis)
+        Index(name, (Literal(0) if shape.see_through else facing.node,)),
+        "i32",
+        (axis,) if shape.see_through else (*at.axes, axis),
     )
     cells = w.keep(f"{ident}_cells", _plus(at, step, axis, w))
     ok = _reached(shape, ident, at, facing, cells, axis, w)
-    if any(a.order >= axis.order for a in scope.axes):  # the same shape of the same agent once more inside itself, or in a later statement
+    if any(
+        a.order >= axis.order for a in scope.axes
+    ):  # the same shape of the same agent once more inside itself, or in a later statement
         other = replace(w.axis(ident, axis.size), constant=axis.constant)
-        cells, ok = (replace(v, axes=tuple(other if a == axis else a for a in v.axes)) for v in (cells, ok))
+        cells, ok = (
+            replace(v, axes=tuple(other if a == axis else a for a in v.axes)) for v in (cells, ok)
+        )
         axis = other
     return Swept(cells, axis, ok)
 
@@ -212,9 +293,13 @@ def _plus(at: Value, step: Value, axis: Axis, w: Writer) -> Value:
     return state_reads.on_map(Value(Binary("+", lead, tail), "i32", axes), w)
 
 
-def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value, axis: Axis, w: Writer) -> Value:
+def _reached(
+    shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value, axis: Axis, w: Writer
+) -> Value:
     """Returns which of the cells are on the map and not behind a cell that blocks the shape."""
-    inside = w.module.constant("inside", w.module.layout.inside_table, "cells of the map in the frame")
+    inside = w.module.constant(
+        "inside", w.module.layout.inside_table, "cells of the map in the frame"
+    )
     on_map = Value(Index(inside, (cells.node,)), "bool", cells.axes)
     if not has_inner_blocks(shape, w):
         return on_map
@@ -226,15 +311,24 @@ def _reached(shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value
     dtype: DType = "u8" if axis.size <= 8 else "u32"
     comment = f"cells of {shape.name} not behind what blocks it: bits by cell and heading"
     table = w.module.constant(f"{ident}_reach", w.module.layout.reach_table(shape), comment)
-    entry = binary("+", binary("*", at, literal(4, "i32"), "i32"), replace(facing, axes=at.axes), "i32")
+    entry = binary(
+        "+", binary("*", at, literal(4, "i32"), "i32"), replace(facing, axes=at.axes), "i32"
+    )
     bits = w.keep(f"{ident}_bits", Value(Index(table, (entry.node,)), dtype, at.axes))
-    return w.keep(f"{ident}_reached", Value(call("from_bits", bits.node, axis.extent), "bool", (*at.axes, axis)))
+    return w.keep(
+        f"{ident}_reached",
+        Value(call("from_bits", bits.node, axis.extent), "bool", (*at.axes, axis)),
+    )
 
 
 def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
     """Lanes that may end at cells whose state decides: walked cell by cell."""
     layout = w.module.layout
-    fixed = w.module.constant(f"blocks_{shape.name}", layout.blocking_table(shape.name), f"cells that always block {shape.name}")
+    fixed = w.module.constant(
+        f"blocks_{shape.name}",
+        layout.blocking_table(shape.name),
+        f"cells that always block {shape.name}",
+    )
     blocked = Value(Index(fixed, (cells.node,)), "bool", cells.axes)
     for condition, kind in conditional_blocks(shape.name, w):
         blocked = binary("|", blocked, blocked_by(condition, kind, cells, w), "bool")
@@ -243,7 +337,9 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
             blocked = binary("|", blocked, _agents_block(block, cells, w), "bool")
     blocked = w.keep(f"{shape.name}_blocked", blocked)
     starts = constant([at == 0 for lane in shape.lanes for at in range(len(lane))])
-    first = w.module.constant(f"{shape.name}_starts", starts, f"first cells of the lanes of {shape.name}", "bool")
+    first = w.module.constant(
+        f"{shape.name}_starts", starts, f"first cells of the lanes of {shape.name}", "bool"
+    )
     return Value(call("reached", blocked.node, on_map.node, first), "bool", cells.axes)
 
 
@@ -253,7 +349,9 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
     if block.condition is not None:
         axis = w.axis("blocker", w.module.agents)
         scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
-        stops = Index(spread(w.value(block.condition, scope), (axis,)), (*(NEW_AXIS for _ in cells.axes), ALL))
+        stops = Index(
+            spread(w.value(block.condition, scope), (axis,)), (*(NEW_AXIS for _ in cells.axes), ALL)
+        )
         standing = Binary("&", standing, stops)
     return Value(Reduce("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
@@ -261,15 +359,28 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
 def conditional_blocks(what: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
     """Returns what blocks agents, a sort of movers or a shape under conditions, each with the kind of the cells."""
     kinds = [kind for kind in w.module.game.kinds if w.module.layout.num_cells((kind.name,))]
-    return [(block, kind) for kind in kinds for block in kind.blocks if block.what == what and block.condition is not None]
+    return [
+        (block, kind)
+        for kind in kinds
+        for block in kind.blocks
+        if block.what == what and block.condition is not None
+    ]
 
 
-def blocked_by(block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: AgentVar | None = None) -> Value:
+def blocked_by(
+    block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: AgentVar | None = None
+) -> Value:
     """Returns which of the cells are of a kind and block, by the state of the snapshot."""
     site = state_reads.site_at(cells, (kind.name,), w)
-    if agent is None and any(isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(block)):
+    if agent is None and any(
+        isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(block)
+    ):
         what = "a shape blocked by a condition on the agent"
-        raise NotSupported(what, block.origin, "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone")
+        raise NotSupported(
+            what,
+            block.origin,
+            "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone",
+        )
     variables: dict[str, Variable] = {kind.name: CellVar(site, (kind.name,))}
     if agent is not None:
         variables[agent.sort.name] = agent
@@ -285,9 +396,14 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
     assert variable.axis is not None
     if isinstance(anchor, CellVar):
         around = Index(w.module.layout.offsets_table(shape), (Literal(0),))
-        offsets = w.module.constant(f"{shape.name.split('(')[0]}_around", around, f"cells of {shape.name}")
+        offsets = w.module.constant(
+            f"{shape.name.split('(')[0]}_around", around, f"cells of {shape.name}"
+        )
         axis = w.axis("around", sum(map(len, shape.lanes)))
-        cells, ok = _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis, w), TRUE
+        cells, ok = (
+            _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis, w),
+            TRUE,
+        )
     else:
         swept = sweep(near, scope, w)
         cells, ok = swept.cells, swept.ok if has_inner_blocks(shape, w) else TRUE
@@ -295,7 +411,10 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
     here = stand_on(cells, state_reads.position(variable, w).node)
     if ok != TRUE:
         here = Binary("&", here, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
-    return w.keep(f"in_{shape_name(near.shape)}", Value(Reduce("any", here, (len(cells.axes) - 1,)), "bool", axes))
+    return w.keep(
+        f"in_{shape_name(near.shape)}",
+        Value(Reduce("any", here, (len(cells.axes) - 1,)), "bool", axes),
+    )
 
 
 def stand_on(cells: Value, position: Expression) -> Expression:

@@ -3,12 +3,33 @@
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, invert, iota, literal, union
+from sjdsl.compiler.lower.axes import (
+    Axis,
+    Value,
+    aligned,
+    as_dtype,
+    binary,
+    invert,
+    iota,
+    literal,
+    union,
+)
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.expressions import operand, real
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Arange, Cast, Expression, Index, Literal, Name, as_array, call, constant, scalar
+from sjdsl.compiler.program.expressions import (
+    Arange,
+    Cast,
+    Expression,
+    Index,
+    Literal,
+    Name,
+    as_array,
+    call,
+    constant,
+    scalar,
+)
 
 KEY = Name("key")
 
@@ -18,7 +39,9 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
     digits = scope.digits if extra is None else (*scope.digits, (iota(extra), extra.extent))
     if need_no_state(digits):
         axes = tuple(digit.axes[0] for digit, _ in digits)
-        return Value(call("random_bits", KEY, w.stream(stream), *(a.extent for a in axes)), "u32", axes)
+        return Value(
+            call("random_bits", KEY, w.stream(stream), *(a.extent for a in axes)), "u32", axes
+        )
     number = literal(0, "i32")
     for digit, radix in digits:
         number = binary("+", binary("*", number, Value(radix, "i32"), "i32"), digit, "i32")
@@ -26,7 +49,14 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
         "random_bits_at",
         KEY,
         w.stream(stream),
-        w.keep("instance", Value(as_array(number.node, "u32") if number.literal else Cast(number.node, "u32"), "u32", number.axes)).node,
+        w.keep(
+            "instance",
+            Value(
+                as_array(number.node, "u32") if number.literal else Cast(number.node, "u32"),
+                "u32",
+                number.axes,
+            ),
+        ).node,
     )
     return w.keep("word", Value(bits, "u32", number.axes))
 
@@ -34,7 +64,9 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
 def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
     """Whether random bits depend on the key alone: each digit of the index simply counts along its axis."""
     return all(
-        isinstance(digit.node, Arange) and len(digit.axes) == 1 and (place == 0 or digit.axes[0].size == radix.value)
+        isinstance(digit.node, Arange)
+        and len(digit.axes) == 1
+        and (place == 0 or digit.axes[0].size == radix.value)
         for place, (digit, radix) in enumerate(digits)
     )
 
@@ -52,7 +84,9 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
             with w.deciding():
                 p = operand(branch.test, _probability(branch.test, scope, w), w)
             axes = union(before.axes, p.axes)
-            limit = Value(call("next_threshold", aligned(before, axes), _array(p, axes)), "u32", axes)
+            limit = Value(
+                call("next_threshold", aligned(before, axes), _array(p, axes)), "u32", axes
+            )
         if len(s.branches) > 1:
             limit = w.keep(_named(branch, "limit"), limit)
         hit = binary("<", word, limit, "bool")
@@ -92,7 +126,10 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     """Returns a drawn number or word."""
     word = random_bits(s.stream, scope, w)
     if s.words and not s.weights:
-        return w.keep(s.name, Value(Cast(call("below", word.node, Literal(len(s.words))), "u8"), "u8", word.axes))
+        return w.keep(
+            s.name,
+            Value(Cast(call("below", word.node, Literal(len(s.words))), "u8"), "u8", word.axes),
+        )
     if s.weights:
         return w.keep(s.name, _weighted(s, word, scope, w))
     assert s.low is not None and s.high is not None
@@ -105,7 +142,9 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     return w.keep(s.name, binary("+", drawn, low, "i32"))
 
 
-def _between(s: ir.Draw, low: ir.Expr, high: ir.Expr, word: Value, scope: IterationScope, w: Writer) -> Value:
+def _between(
+    s: ir.Draw, low: ir.Expr, high: ir.Expr, word: Value, scope: IterationScope, w: Writer
+) -> Value:
     """Returns a real drawn between two others."""
     with w.deciding(s.name in w.module.deciding.variables):
         start, end = (operand(x, real(x, scope.always(), w), w) for x in (low, high))
@@ -128,7 +167,9 @@ def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Valu
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
         result = binary("+", result, as_dtype(binary(">=", shifted, limit, "bool"), "i32"), "i32")
     if s.numbers:
-        table = w.module.constant(f"{s.name}_values", constant(list(s.numbers)), f"what `{s.name}` is drawn from", "i32")
+        table = w.module.constant(
+            f"{s.name}_values", constant(list(s.numbers)), f"what `{s.name}` is drawn from", "i32"
+        )
         return replace(result, node=Index(table, (result.node,)))
     return as_dtype(result, "u8")
 

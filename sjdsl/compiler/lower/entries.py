@@ -7,7 +7,17 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import Level
-from sjdsl.compiler.lower.axes import Axis, Value, aligned, as_dtype, binary, literal, select, taken, union
+from sjdsl.compiler.lower.axes import (
+    Axis,
+    Value,
+    aligned,
+    as_dtype,
+    binary,
+    literal,
+    select,
+    taken,
+    union,
+)
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
@@ -32,7 +42,11 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
         return Value(words_last(found), row.dtype, axes, 1)
     if row.levels != 1:
         instead = "write one of the words out with `case`"
-        raise NotSupported("a table of several levels by words that differ from member to member", e.origin, instead)
+        raise NotSupported(
+            "a table of several levels by words that differ from member to member",
+            e.origin,
+            instead,
+        )
     return Value(array.call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
 
 
@@ -60,21 +74,31 @@ def unrolled(row: Value, along: Axis) -> Value:
     """Returns a row as what it holds along an axis, one entry for each place."""
     axes = union(row.axes, (along,))
     place, first = axes.index(along), len(row.axes)
-    node = row.node if place == first else array.call("jnp.moveaxis", row.node, array.Literal(first), array.Literal(place))
+    node = (
+        row.node
+        if place == first
+        else array.call("jnp.moveaxis", row.node, array.Literal(first), array.Literal(place))
+    )
     return replace(row, node=node, axes=axes, levels=row.levels - 1)
 
 
 def rolled(node: array.Expression, axes: tuple[Axis, ...], along: Axis) -> array.Expression:
     """Returns an array over axes with one of them last: what `unrolled` was given."""
     place, last = axes.index(along), len(axes) - 1
-    return node if place == last else array.call("jnp.moveaxis", node, array.Literal(place), array.Literal(last))
+    return (
+        node
+        if place == last
+        else array.call("jnp.moveaxis", node, array.Literal(place), array.Literal(last))
+    )
 
 
 def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a row lined up with axes, its levels last."""
     if row.axes == axes:
         return row.node
-    return array.Index(row.node, tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes))
+    return array.Index(
+        row.node, tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes)
+    )
 
 
 def words_first(sets: array.Expression) -> array.Expression:
@@ -91,7 +115,9 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
     axes = union(row.axes, shares.axes)
     left = aligned_row(shares, axes)
     if row.levels > 1:
-        left = array.Index(left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)))
+        left = array.Index(
+            left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1))
+        )
     products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
     place = len(axes)
     if w.exact:
@@ -102,7 +128,13 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
     return w.keep("expected" if row.levels == 1 else "expected_row", expected)
 
 
-def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: Writer, declared: ir.VarField | None = None) -> Value:
+def to_words(
+    value: Value,
+    given: tuple[str, ...],
+    wanted: tuple[str, ...],
+    w: Writer,
+    declared: ir.VarField | None = None,
+) -> Value:
     """Returns a word of the set `given`, renumbered for the set `wanted`; ABSENT where that lacks it.
 
     Args:
@@ -114,10 +146,18 @@ def to_words(value: Value, given: tuple[str, ...], wanted: tuple[str, ...], w: W
         word = given[int(value.number)]
         return w.module.word(word, wanted, declared) if word in wanted else literal(ABSENT, "u8")
     numbers = [wanted.index(x) if x in wanted else ABSENT for x in given]
-    shift = numbers[-1] - (len(numbers) - 1)  # uint8 wraps around, so a shift may also lead to ABSENT
+    shift = numbers[-1] - (
+        len(numbers) - 1
+    )  # uint8 wraps around, so a shift may also lead to ABSENT
     if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
         return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
-    if len(numbers) > 4 and numbers[1:] == [(shift + i) % 256 for i in range(1, len(numbers))]:  # all but the first
+    if len(numbers) > 4 and numbers[1:] == [
+        (shift + i) % 256 for i in range(1, len(numbers))
+    ]:  # all but the first
         others = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
-        return select(binary("==", value, literal(0, "u8"), "bool"), literal(numbers[0], "u8"), others)
-    return replace(value, node=array.Index(array.as_array(array.constant([*numbers]), "u8"), (value.node,)))
+        return select(
+            binary("==", value, literal(0, "u8"), "bool"), literal(numbers[0], "u8"), others
+        )
+    return replace(
+        value, node=array.Index(array.as_array(array.constant([*numbers]), "u8"), (value.node,))
+    )

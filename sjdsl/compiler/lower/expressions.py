@@ -34,7 +34,12 @@ from sjdsl.compiler.program import expressions as array
 
 LARGE = 8  # nodes of a defined condition from which on it keeps its name
 ARMS = 4  # of one nested selection
-VALUE_DTYPES: dict[str, array.DType] = {"int": "i32", "real": "f32", "word": "u8", "condition": "bool"}
+VALUE_DTYPES: dict[str, array.DType] = {
+    "int": "i32",
+    "real": "f32",
+    "word": "u8",
+    "condition": "bool",
+}
 
 
 def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -51,7 +56,12 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Nowhere():
             return state_reads.no_cell(w)
         case ir.ParamRef():
-            return Value(array.path(f"params.{param_attribute(e.name)}"), VALUE_DTYPES[e.type.kind], (), len(e.type.by))
+            return Value(
+                array.path(f"params.{param_attribute(e.name)}"),
+                VALUE_DTYPES[e.type.kind],
+                (),
+                len(e.type.by),
+            )
         case ir.Member():
             return scope.variables[e.name].number
         case ir.Local():
@@ -82,15 +92,30 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             container, value = lower(e.container, scope, w), lower(e.value, scope, w)
             if container.levels:
                 axes = union(container.axes, value.axes)
-                return Value(array.call("has_member", aligned_row(container, axes), aligned(value, axes)), "bool", axes)
+                return Value(
+                    array.call("has_member", aligned_row(container, axes), aligned(value, axes)),
+                    "bool",
+                    axes,
+                )
             bit = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
-            return binary("!=", binary("&", bit, literal(1, "u32"), "u32"), literal(0, "u32"), "bool")
+            return binary(
+                "!=", binary("&", bit, literal(1, "u32"), "u32"), literal(0, "u32"), "bool"
+            )
         case ir.IsEmpty():
             container = lower(e.container, scope, w)
             empty = binary("==", container, literal(0, "u32"), "bool")
-            return replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0) if container.levels else empty
+            return (
+                replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0)
+                if container.levels
+                else empty
+            )
         case ir.Chose():
-            return binary("==", chosen.action_of(e.agent, scope), Value(w.module.action(e.action), "i32"), "bool")
+            return binary(
+                "==",
+                chosen.action_of(e.agent, scope),
+                Value(w.module.action(e.action), "i32"),
+                "bool",
+            )
         case ir.Unoccupied():
             cell = owner(e.cell, scope, w)
             assert isinstance(cell, CellVar)
@@ -115,23 +140,44 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.SumRow():
             row, reduction = lower(e.row, scope, w), REDUCTIONS[e.fn]
             if reduction.adds and w.exact and row.dtype == "f32":
-                return replace(row, node=array.call("exact_sum", row.node, array.Literal(len(row.axes))), levels=0)
+                return replace(
+                    row,
+                    node=array.call("exact_sum", row.node, array.Literal(len(row.axes))),
+                    levels=0,
+                )
             node = summed(row.node, row.dtype) if reduction.adds else row.node
-            return replace(row, node=array.Reduce(reduction.array, node, (-1,), row.dtype if reduction.adds else None), levels=0)
+            return replace(
+                row,
+                node=array.Reduce(
+                    reduction.array, node, (-1,), row.dtype if reduction.adds else None
+                ),
+                levels=0,
+            )
         case ir.Lowest():
             with w.deciding():
                 row = lower(e.row, scope, w)
-            return replace(row, node=array.call("highest" if e.last else "lowest", row.node), dtype="u8", levels=0)
+            return replace(
+                row,
+                node=array.call("highest" if e.last else "lowest", row.node),
+                dtype="u8",
+                levels=0,
+            )
         case ir.Mix():
             row = lower(e.row, scope, w)
-            return Value(array.call("exact_mix" if w.exact else "mix", row.node), "f32", row.axes, 1)
+            return Value(
+                array.call("exact_mix" if w.exact else "mix", row.node), "f32", row.axes, 1
+            )
         case ir.ShiftRow():
             return shift(e, scope, w)
         case ir.Case():
             return case(e, scope, w)
         case ir.Named():  # short conditions are written out, all else is kept under its name for all who read it
             value = lower(e.value, scope, w)
-            return value if value.dtype == "bool" and len(list(walk(value.node))) < LARGE else w.keep(e.name, value)
+            return (
+                value
+                if value.dtype == "bool" and len(list(walk(value.node))) < LARGE
+                else w.keep(e.name, value)
+            )
         case ir.Narrowed():
             return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
         case ir.Before():  # of the state before the step, which a function of checks is given beside the state
@@ -161,14 +207,18 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
         case "cell":
             filler = state_reads.kept_cell(e.filler, scope, w)
         case "int" | "real":
-            row, filler = (as_dtype(part, "i32" if e.type.kind == "int" else "f32") for part in (row, filler))
+            row, filler = (
+                as_dtype(part, "i32" if e.type.kind == "int" else "f32") for part in (row, filler)
+            )
         case _:
             pass
     axes = union(row.axes, filler.axes)
     fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
     if row.levels > 1:  # of large sets
         fill = fill if filler.literal else words_first(fill)
-        moved = words_last(array.call("shifted", words_first(aligned_row(row, axes)), array.Literal(e.by), fill))
+        moved = words_last(
+            array.call("shifted", words_first(aligned_row(row, axes)), array.Literal(e.by), fill)
+        )
     else:
         moved = array.call("shifted", aligned_row(row, axes), array.Literal(e.by), fill)
     return replace(row, node=moved, axes=axes)
@@ -183,7 +233,11 @@ def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
     """Returns the variable whose field is read: one in scope, or the agent an expression gives."""
     if isinstance(e, ir.Member):
         return scope.variables[e.name]
-    return state_reads.held_cell(e, e.type.kinds, scope, w) if e.type.kind == "cell" else AgentVar(w.value(e, scope))
+    return (
+        state_reads.held_cell(e, e.type.kinds, scope, w)
+        if e.type.kind == "cell"
+        else AgentVar(w.value(e, scope))
+    )
 
 
 def agent(e: ir.Expr, scope: IterationScope, w: Writer) -> AgentVar:
@@ -210,7 +264,9 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     who = owner(e.owner, scope, w)
     if e.name in ("row", "col"):
         placed = _in_frame(who, e.name, w)
-        return replace(placed, node=array.Binary("-", placed.node, array.Literal(w.module.layout.pad, "PAD")))
+        return replace(
+            placed, node=array.Binary("-", placed.node, array.Literal(w.module.layout.pad, "PAD"))
+        )
     assert isinstance(who, AgentVar)
     match e.name:
         case "index":
@@ -229,19 +285,31 @@ def _in_frame(who: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
     """Returns the row or column of an agent or a cell in the frame around the map."""
     at = state_reads.position(who, w) if isinstance(who, AgentVar) else state_reads.cell(who, w)
     cols = w.module.number("frame_cols", w.module.layout.cols)
-    return w.keep(side, Value(array.Binary("//" if side == "row" else "%", at.node, cols), "i32", at.axes))
+    return w.keep(
+        side, Value(array.Binary("//" if side == "row" else "%", at.node, cols), "i32", at.axes)
+    )
 
 
 def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
     """Returns the steps between two agents or cells, once for all who ask in this function."""
     a, b = owner(e.left, scope, w), owner(e.right, scope, w)
     for one, other in ((a, b), (b, a)):
-        if isinstance(one, CellVar) and one.seen and isinstance(other, AgentVar) and other.axis == one.seen[0]:
+        if (
+            isinstance(one, CellVar)
+            and one.seen
+            and isinstance(other, AgentVar)
+            and other.axis == one.seen[0]
+        ):
             return state_reads.seen_steps(w, *one.seen)
-    sides = [binary("-", _in_frame(a, side, w), _in_frame(b, side, w), "i32") for side in ("row", "col")]
+    sides = [
+        binary("-", _in_frame(a, side, w), _in_frame(b, side, w), "i32") for side in ("row", "col")
+    ]
     if w.module.layout.wraps:
         lengths = (w.module.layout.height, w.module.layout.width)
-        sides = [replace(x, node=array.call("shorter_way", x.node, array.Literal(n))) for x, n in zip(sides, lengths, strict=True)]
+        sides = [
+            replace(x, node=array.call("shorter_way", x.node, array.Literal(n)))
+            for x, n in zip(sides, lengths, strict=True)
+        ]
     rows, cols = (replace(side, node=array.call("jnp.abs", side.node)) for side in sides)
     return w.keep("distance", binary("+", rows, cols, "i32"))
 
@@ -250,14 +318,18 @@ def stands_at(e: ir.StandsAt, scope: IterationScope, w: Writer) -> Value:
     """Returns whether an agent or a mover is on a cell. Who is away is on cell 0 of the frame, which is beside the map."""
     cell = owner(e.cell, scope, w)
     assert isinstance(cell, CellVar)
-    return binary("==", state_reads.position(agent(e.agent, scope, w), w), state_reads.cell(cell, w), "bool")
+    return binary(
+        "==", state_reads.position(agent(e.agent, scope, w), w), state_reads.cell(cell, w), "bool"
+    )
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     """Returns a number calculated from others: int32 or float32, the others all of one of the two."""
     row = CALCULATIONS[e.fn]
     dtype: array.DType = "i32" if e.type.kind == "int" else "f32"
-    of: array.DType = "i32" if dtype == "i32" and all(a.type.kind == "int" for a in e.args) else "f32"
+    of: array.DType = (
+        "i32" if dtype == "i32" and all(a.type.kind == "int" for a in e.args) else "f32"
+    )
     with w.deciding(row.kind == "whole"):
         args = [as_dtype(lower(a, scope, w), of) for a in e.args]
     exact = w.exact and of == "f32" and not all(a.literal for a in args)
@@ -268,9 +340,15 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     if not row.array[0].isalpha():
         if len(args) == 2:
             return binary(row.array, args[0], args[1], dtype)
-        return replace(args[0], node=array.Unary(row.array, args[0].node)) if not args[0].literal else literal(row.fold(args[0].number), of)
+        return (
+            replace(args[0], node=array.Unary(row.array, args[0].node))
+            if not args[0].literal
+            else literal(row.fold(args[0].number), of)
+        )
     if all(a.literal for a in args) and row.rounding is None:
-        return literal(row.fold(*(float32(a.number) if of != dtype else a.number for a in args)), dtype)
+        return literal(
+            row.fold(*(float32(a.number) if of != dtype else a.number for a in args)), dtype
+        )
     if row.least == row.most:
         return as_dtype(_called(row.array, args, of), dtype)
     return reduce(lambda one, other: _called(row.array, [one, other], dtype), args)
@@ -303,7 +381,12 @@ def _called(function: str, args: list[Value], dtype: array.DType) -> Value:
 def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
     """Returns whether two cells, agents or words are the same."""
     if is_cell(e.left):
-        return binary("==", state_reads.kept_cell(e.left, scope, w), state_reads.kept_cell(e.right, scope, w), "bool")
+        return binary(
+            "==",
+            state_reads.kept_cell(e.left, scope, w),
+            state_reads.kept_cell(e.right, scope, w),
+            "bool",
+        )
     left, right = lower(e.left, scope, w), lower(e.right, scope, w)
     if e.left.type.kind == "word":
         a, b = e.left.type.words, e.right.type.words
@@ -327,7 +410,9 @@ def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer)
 def _is_one_of(value: Value, words: tuple[str, ...], what: ir.Expr, w: Writer) -> Value:
     """Returns whether a word is one of some."""
     declared = declared_by(what, w)
-    return either([binary("==", value, w.module.word(x, what.type.words, declared), "bool") for x in words])
+    return either(
+        [binary("==", value, w.module.word(x, what.type.words, declared), "bool") for x in words]
+    )
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:

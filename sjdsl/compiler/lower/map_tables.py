@@ -79,17 +79,29 @@ class Layout:
 
     def numbers_table(self, group: tuple[str, ...], kind: str) -> Expression:
         """The number of each cell of a group among the cells of one kind; past the end if it is none, and once more at the end."""
-        return call("numbers_among", MAP[0], Literal(self.glyphs(group)), Literal(self.glyphs((kind,))))
+        return call(
+            "numbers_among", MAP[0], Literal(self.glyphs(group)), Literal(self.glyphs((kind,)))
+        )
 
-    def starts_table(self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str) -> Expression:
+    def starts_table(
+        self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str
+    ) -> Expression:
         """The starting values of a kind's field, cell by cell."""
-        values = {g.glyph: encode[dict(g.starts).get(field.name, field.start)] for g in self.game.glyphs if g.kind == kind}
+        values = {
+            g.glyph: encode[dict(g.starts).get(field.name, field.start)]
+            for g in self.game.glyphs
+            if g.kind == kind
+        }
         return call("values_of", MAP[0], constant(values), Literal(dtype))
 
     def starts(self, kind: str, field: ir.VarField) -> set[object]:
         """Returns the starting values that a kind's field has on this map."""
         used = {g for row in self.game.rows for g in row}
-        return {dict(g.starts).get(field.name, field.start) for g in self.game.glyphs if g.kind == kind and g.glyph in used}
+        return {
+            dict(g.starts).get(field.name, field.start)
+            for g in self.game.glyphs
+            if g.kind == kind and g.glyph in used
+        }
 
     def base_table(self, looks: dict[str, int]) -> Expression:
         """The frame painted with one number a kind."""
@@ -103,7 +115,11 @@ class Layout:
     @property
     def steps_table(self) -> Expression:
         """The steps from an observer to each cell of its window."""
-        return call("view_steps_around", MAP[0], *self._view) if self.wraps else call("view_steps", *self._view)
+        return (
+            call("view_steps_around", MAP[0], *self._view)
+            if self.wraps
+            else call("view_steps", *self._view)
+        )
 
     def view_cells_table(self, view: ir.View) -> Expression:
         """Which cells of what an observation covers are in a window."""
@@ -117,7 +133,9 @@ class Layout:
     def shows_cells_twice(self) -> bool:
         """Whether a window can go round the map and show the observer's own cell once more."""
         view = self.game.window
-        return self.wraps and max(view.ahead, view.behind, view.left, view.right) >= min(self.height, self.width)
+        return self.wraps and max(view.ahead, view.behind, view.left, view.right) >= min(
+            self.height, self.width
+        )
 
     @property
     def own_cells_table(self) -> Expression:
@@ -135,7 +153,9 @@ class Layout:
 
     def blocking_glyphs(self, what: str) -> str:
         """Returns the glyphs of cells that always block agents, or a shape's lanes."""
-        return self.glyphs(tuple(kind.name for kind in self.game.kinds if blocks_always(kind, what)))
+        return self.glyphs(
+            tuple(kind.name for kind in self.game.kinds if blocks_always(kind, what))
+        )
 
     def blocking_table(self, what: str) -> Expression:
         return call("blocking", *MAP, Literal(self.blocking_glyphs(what)))
@@ -146,7 +166,12 @@ class Layout:
 
     def offsets_table(self, shape: ir.Shape) -> Expression:
         """What to add to a cell for each heading and each cell of a shape, which are numbered lane by lane."""
-        return call("shape_offsets", *MAP, constant(tuple(cell for lane in shape.lanes for cell in lane)), **self._edges)
+        return call(
+            "shape_offsets",
+            *MAP,
+            constant(tuple(cell for lane in shape.lanes for cell in lane)),
+            **self._edges,
+        )
 
     def reach_table(self, shape: ir.Shape) -> Expression:
         """Which cells of the shape are on the map and not behind what always blocks it: bits by cell and heading."""
@@ -154,11 +179,23 @@ class Layout:
         glyphs = Literal(self.blocking_glyphs(shape.name))
         return call("lane_reach", *MAP, self.offsets_table(shape), lanes, glyphs, **self._edges)
 
-    def neighbours_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Expression:
+    def neighbours_table(
+        self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]
+    ) -> Expression:
         """For each cell of the kinds, the numbers (among `others`) of the cells of the shape; past the end: none."""
-        numbers = Index(self.site_table(others), (self.edges_table,)) if self.wraps else self.site_table(others)
+        numbers = (
+            Index(self.site_table(others), (self.edges_table,))
+            if self.wraps
+            else self.site_table(others)
+        )
         return call("neighbours", self.cells_table(kinds), numbers, self.offsets_table(shape))
 
-    def near_table(self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]) -> Expression:
+    def near_table(
+        self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]
+    ) -> Expression:
         """The neighbours of each cell as bits."""
-        return call("near_masks", self.neighbours_table(kinds, shape, others), Literal(self.num_cells(others)))
+        return call(
+            "near_masks",
+            self.neighbours_table(kinds, shape, others),
+            Literal(self.num_cells(others)),
+        )

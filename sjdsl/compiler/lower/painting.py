@@ -28,7 +28,11 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     contents = max(look.raw + look.raw_values for look in looks(game))
     wanted: list[tuple[str, int, ir.Phase | None]] = [("content", _bits(contents), None)]
     wanted.append(("agent", _bits(game.agents.number + 1) if by_id else 3, None))
-    wanted += [(sort.name, _bits(1 + shown_movers(sort, game)), None) for sort in game.movers if shown_movers(sort, game)]
+    wanted += [
+        (sort.name, _bits(1 + shown_movers(sort, game)), None)
+        for sort in game.movers
+        if shown_movers(sort, game)
+    ]
     wanted += [(f"mark_{phase.name}", 1, phase) for phase in seen_marks(game)]
     found: list[Part] = []
     used = [0]
@@ -45,7 +49,9 @@ def shown_movers(sort: ir.Movers, game: ir.Game) -> int:
     """Returns how many movers of a sort are told apart: 1 if only their presence is seen, 0 if nothing is."""
     shown = [s for s in game.observables if s.what == "mover" and s.kind == sort.name]
     conditions = [c for s in shown for c in (s.hidden_when, s.shown_when) if c is not None]
-    asked = any(isinstance(n, ir.Member) and n.sort.what == "mover" for c in conditions for n in ir.walk(c))
+    asked = any(
+        isinstance(n, ir.Member) and n.sort.what == "mover" for c in conditions for n in ir.walk(c)
+    )
     return sort.number if asked or any(s.field for s in shown) else min(len(shown), 1)
 
 
@@ -55,7 +61,11 @@ def _bits(values: int) -> int:
 
 def shift_of(part: Part, w: Writer) -> Value:
     """Returns the place of a part's lowest bit."""
-    return literal(0, "u8") if not part.shift else Value(w.module.number(f"{part.name}_shift", part.shift), "u8")
+    return (
+        literal(0, "u8")
+        if not part.shift
+        else Value(w.module.number(f"{part.name}_shift", part.shift), "u8")
+    )
 
 
 def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
@@ -64,8 +74,13 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     content = next(p for p in parts if p.name == "content")
     base = layout.base_table({look.kind.name: look.raw << content.shift for look in looks(game)})
     name = w.module.constant("base", base, "looks of the cells of the frame, fields aside")
-    empty = call("jnp.zeros", w.module.number("frame_cells", layout.rows * layout.cols), path("jnp.uint8"))
-    planes = [w.bind(f"plane_{plane}", name if plane == content.plane else empty) for plane in range(1 + max(p.plane for p in parts))]
+    empty = call(
+        "jnp.zeros", w.module.number("frame_cells", layout.rows * layout.cols), path("jnp.uint8")
+    )
+    planes = [
+        w.bind(f"plane_{plane}", name if plane == content.plane else empty)
+        for plane in range(1 + max(p.plane for p in parts))
+    ]
     for look in looks(game):
         if not look.painted or not layout.num_cells((look.kind.name,)):
             continue
@@ -74,14 +89,26 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
         values = []
         for field, _ in look.painted:
             stored = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
-            values.append(binary("+", stored, literal(1, "i32"), "i32") if field.type.kind == "agent" else stored)  # one up, 0 is nobody
-        value = binary("<<", look_number(first_look(look, w), tuple(size for _, size in look.painted), values), shift_of(content, w), "u8")
+            values.append(
+                binary("+", stored, literal(1, "i32"), "i32")
+                if field.type.kind == "agent"
+                else stored
+            )  # one up, 0 is nobody
+        value = binary(
+            "<<",
+            look_number(first_look(look, w), tuple(size for _, size in look.painted), values),
+            shift_of(content, w),
+            "u8",
+        )
         w.set(planes[content.plane], call("fill", planes[content.plane], cells, value.node))
     for part in parts:
         if part.marks is not None:
             w.origin = part.marks.origin
             bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
-            w.set(planes[part.plane], call("paint", planes[part.plane], path(f"state.{part.name}"), bit))
+            w.set(
+                planes[part.plane],
+                call("paint", planes[part.plane], path(f"state.{part.name}"), bit),
+            )
     for sort in body_sorts(game):
         place = next((p for p in parts if p.name == sort.name), None)
         if place is None:  # nothing is seen of these movers
@@ -95,7 +122,10 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
         else:
             shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
         shifted = binary("<<", shown, shift_of(place, w), "u8")
-        w.set(planes[place.plane], call("paint", planes[place.plane], state_reads.positions(w, sort), shifted.node))
+        w.set(
+            planes[place.plane],
+            call("paint", planes[place.plane], state_reads.positions(w, sort), shifted.node),
+        )
     return planes
 
 
@@ -109,5 +139,7 @@ def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Va
     if len(values) == 1:
         return binary("+", as_dtype(values[0], "u8"), first, "u8")
     axes = union(*(value.axes for value in values))
-    nodes = [scalar(value.node, "u8") if value.literal else aligned(value, axes) for value in values]
+    nodes = [
+        scalar(value.node, "u8") if value.literal else aligned(value, axes) for value in values
+    ]
     return Value(call("look_number", first.node, constant(sizes), *nodes), "u8", axes)

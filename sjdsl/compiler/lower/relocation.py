@@ -40,7 +40,11 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     who = agent(e, scope, w)
     if who.axis is not None:
         hit = reduce("any", scope.mask, tuple(a for a in scope.axes if a != who.axis))
-        return hit if hit.axes else Value(array.call("jnp.full", w.module.extent(who.sort), hit.node), "bool")
+        return (
+            hit
+            if hit.axes
+            else Value(array.call("jnp.full", w.module.extent(who.sort), hit.node), "bool")
+        )
     extent = w.module.extent(who.sort)
     at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
     nobody = array.call("jnp.zeros", extent, array.DTYPES["bool"])
@@ -62,8 +66,14 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
         return array.Update(zeros, (places,), "set", spread(value, axes), drop=True)
     over = tuple(a for a in value.axes if a != who.axis)
     if over:
-        value = reduce("max", select(scope.mask, value, literal(0, "i32")), tuple(a for a in scope.axes if a != who.axis))
-    return value.node if value.axes else array.call("jnp.full", w.module.extent(who.sort), value.node)
+        value = reduce(
+            "max",
+            select(scope.mask, value, literal(0, "i32")),
+            tuple(a for a in scope.axes if a != who.axis),
+        )
+    return (
+        value.node if value.axes else array.call("jnp.full", w.module.extent(who.sort), value.node)
+    )
 
 
 class _Ahead(Record):
@@ -96,8 +106,16 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
         heading, there = _heading(s, who, at, scope, w)
         strides = array.constant([r * w.module.layout.cols + c for r, c in DIRECTIONS])
         stride = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
-        ahead = _Ahead(at, heading, w.keep("stride", Value(array.Index(stride, (heading.node,)), "i32", heading.axes)))
-        goes = both(binary(">", steps, literal(0, "i32"), "bool"), there, _is_free(s.steps.type, who, ahead, steps, w))
+        ahead = _Ahead(
+            at,
+            heading,
+            w.keep("stride", Value(array.Index(stride, (heading.node,)), "i32", heading.axes)),
+        )
+        goes = both(
+            binary(">", steps, literal(0, "i32"), "bool"),
+            there,
+            _is_free(s.steps.type, who, ahead, steps, w),
+        )
         goal = w.keep("goal", _cells_on(ahead, steps, w))
     target = w.keep("target", select(goes, goal, at))
     return Shifted(s, sent, w.keep("target", Value(of_each(s.who, target, scope, w), "i32")).node)
@@ -109,11 +127,29 @@ def _cells_on(ahead: _Ahead, number: Value, w: Writer) -> Value:
     if not layout.wraps:
         return binary("+", ahead.at, binary("*", ahead.by, number, "i32"), "i32")
     axes = union(ahead.at.axes, ahead.heading.axes, number.axes)
-    parts = [aligned(x, axes) for x in (ahead.at, replace(ahead.heading, node=array.as_array(ahead.heading.node, "i32")), number)]
-    return Value(array.call("cells_on", *parts, *map(array.Literal, (layout.height, layout.width)), array.Name("PAD")), "i32", axes)
+    parts = [
+        aligned(x, axes)
+        for x in (
+            ahead.at,
+            replace(ahead.heading, node=array.as_array(ahead.heading.node, "i32")),
+            number,
+        )
+    ]
+    return Value(
+        array.call(
+            "cells_on",
+            *parts,
+            *map(array.Literal, (layout.height, layout.width)),
+            array.Name("PAD"),
+        ),
+        "i32",
+        axes,
+    )
 
 
-def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Writer) -> tuple[Value, Value]:
+def _heading(
+    s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Writer
+) -> tuple[Value, Value]:
     """Returns which way an agent is sent, 0 to 3, and whether there is such a way."""
     if s.heading is not None:
         numbers = [HEADINGS.index(word) for word in s.heading.type.words]
@@ -126,23 +162,52 @@ def _heading(s: ir.Shift, who: AgentVar, at: Value, scope: IterationScope, w: Wr
         return replace(value, node=array.Index(table, (value.node,)), dtype="i32"), TRUE
     assert s.other is not None
     other = owner(s.other, scope, w)
-    goal = state_reads.position(other, w) if isinstance(other, AgentVar) else state_reads.cell(other, w)
-    rows, columns = (w.keep(name, _apart(goal, at, op, w)) for name, op in (("rows", "//"), ("columns", "%")))
+    goal = (
+        state_reads.position(other, w)
+        if isinstance(other, AgentVar)
+        else state_reads.cell(other, w)
+    )
+    rows, columns = (
+        w.keep(name, _apart(goal, at, op, w)) for name, op in (("rows", "//"), ("columns", "%"))
+    )
     lengths = (w.module.layout.height, w.module.layout.width)
     if w.module.layout.wraps:
         ways = zip((rows, columns), lengths, strict=True)
-        rows, columns = (w.keep("shorter", replace(x, node=array.call("shorter_way", x.node, array.Literal(n)))) for x, n in ways)
+        rows, columns = (
+            w.keep("shorter", replace(x, node=array.call("shorter_way", x.node, array.Literal(n))))
+            for x, n in ways
+        )
     down, across = (replace(x, node=array.call("jnp.abs", x.node)) for x in (rows, columns))
-    looks = Value(array.Binary("&", state_reads.heading(who, w).node, array.Literal(1)), "i32", state_reads.heading(who, w).axes)
-    upright = select(binary("==", down, across, "bool"), binary("==", looks, literal(0, "i32"), "bool"), binary(">", down, across, "bool"))
-    vertical = select(binary("<", rows, literal(0, "i32"), "bool"), literal(0, "i32"), literal(2, "i32"))
-    level = select(binary("<", columns, literal(0, "i32"), "bool"), literal(3, "i32"), literal(1, "i32"))
+    looks = Value(
+        array.Binary("&", state_reads.heading(who, w).node, array.Literal(1)),
+        "i32",
+        state_reads.heading(who, w).axes,
+    )
+    upright = select(
+        binary("==", down, across, "bool"),
+        binary("==", looks, literal(0, "i32"), "bool"),
+        binary(">", down, across, "bool"),
+    )
+    vertical = select(
+        binary("<", rows, literal(0, "i32"), "bool"), literal(0, "i32"), literal(2, "i32")
+    )
+    level = select(
+        binary("<", columns, literal(0, "i32"), "bool"), literal(3, "i32"), literal(1, "i32")
+    )
     toward, apart = select(upright, vertical, level), binary("!=", goal, at, "bool")
-    if w.module.layout.wraps:  # where both ways round are equally long: the one in which the agent looks
+    if (
+        w.module.layout.wraps
+    ):  # where both ways round are equally long: the one in which the agent looks
         halves = (binary("*", literal(2, "i32"), x, "i32") for x in (rows, columns))
-        equal = [binary("==", half, literal(length, "i32"), "bool") for half, length in zip(halves, lengths, strict=True)]
+        equal = [
+            binary("==", half, literal(length, "i32"), "bool")
+            for half, length in zip(halves, lengths, strict=True)
+        ]
         either, looks = w.keep("either_way", select(upright, *equal)), state_reads.heading(who, w)
-        line, way = (Value(array.Binary("&", x.node, array.Literal(1)), "i32", x.axes) for x in (looks, toward))
+        line, way = (
+            Value(array.Binary("&", x.node, array.Literal(1)), "i32", x.axes)
+            for x in (looks, toward)
+        )
         stuck = w.keep("stuck", binary("&", either, binary("!=", line, way, "bool"), "bool"))
         toward, apart = select(either, looks, toward), both(apart, invert(stuck))
     return _turned(toward, s.quarters), apart
@@ -174,7 +239,9 @@ def _is_free(number_of: ir.Type, who: AgentVar, ahead: _Ahead, steps: Value, w: 
     number = binary("+", iota(axis), literal(1, "i32"), "i32")
     cells = w.keep("way", _cells_on(ahead, number, w))
     clear = _is_open(cells, who, w)
-    standing = Value(array.Reduce("any", stand_on(cells, everybody), (len(cells.axes),)), "bool", cells.axes)
+    standing = Value(
+        array.Reduce("any", stand_on(cells, everybody), (len(cells.axes),)), "bool", cells.axes
+    )
     last = binary(">=", number, steps, "bool")
     clear = both(clear, invert(select(last, literal(False, "bool"), standing)))
     if number_of.low < most:  # what lies beyond the last cell does not matter
@@ -189,8 +256,12 @@ def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
     inside = w.module.constant("inside", layout.inside_table, "cells of the map in the frame")
     clear = Value(indexed(inside, (cells.node,)), "bool", cells.axes)
     if layout.count(layout.blocking_glyphs(what)):
-        fixed = w.module.constant(f"blocks_{what}", layout.blocking_table(what), f"cells that always block {what}")
-        clear = both(clear, Value(array.Unary("~", array.Index(fixed, (cells.node,))), "bool", cells.axes))
+        fixed = w.module.constant(
+            f"blocks_{what}", layout.blocking_table(what), f"cells that always block {what}"
+        )
+        clear = both(
+            clear, Value(array.Unary("~", array.Index(fixed, (cells.node,))), "bool", cells.axes)
+        )
     for block, kind in conditional_blocks(what, w):
         clear = both(clear, invert(blocked_by(block, kind, cells, w, who)))
     return clear
@@ -214,13 +285,24 @@ def settle(moves: list[Shifted], w: Writer) -> None:
                 bits = array.call("random_bits", KEY, w.stream(move.statement.stream), extent)
                 targets = array.Where(move.who, move.target, targets)
                 words = bits if len(own) == 1 else array.Where(move.who, bits, words)
-            for other in (other for other in body_sorts(w.module.game) if other != sort):  # who stands on a cell keeps it
+            for other in (
+                other for other in body_sorts(w.module.game) if other != sort
+            ):  # who stands on a cell keeps it
                 taken = array.call("is_one_of", targets, w.current(attribute_of("position", other)))
                 targets = array.Where(taken, before, targets)
-            w.assign(position, array.call("resolve", before, targets, words, exchange=array.Literal(True)))
+            w.assign(
+                position,
+                array.call("resolve", before, targets, words, exchange=array.Literal(True)),
+            )
             came = array.Binary("!=", w.current(position), before)
             for move in own:
-                _turn(sort, array.Binary("&", move.who, came), move.statement.facing, move.statement.heading_stream, w)
+                _turn(
+                    sort,
+                    array.Binary("&", move.who, came),
+                    move.statement.facing,
+                    move.statement.heading_stream,
+                    w,
+                )
     w.origin = None
 
 
@@ -278,9 +360,17 @@ class Sends:
             return
         delays = _delays(s, as_dtype(w.value(s.after, scope.always()), "i32"), scope, w)
         if s.after.type.low <= 0:
-            at_once = w.keep("at_once", Value(array.Binary("&", sent, array.Binary("==", delays, array.Literal(0))), "bool")).node
+            at_once = w.keep(
+                "at_once",
+                Value(
+                    array.Binary("&", sent, array.Binary("==", delays, array.Literal(0))), "bool"
+                ),
+            ).node
             self.now.setdefault(pool.number, []).append(Sent(s, at_once, own))
-            sent = w.keep("leaving", Value(array.Binary("&", sent, array.Binary(">", delays, array.Literal(0))), "bool")).node
+            sent = w.keep(
+                "leaving",
+                Value(array.Binary("&", sent, array.Binary(">", delays, array.Literal(0))), "bool"),
+            ).node
         self.away.append(Leaving(pool, s, sent, delays))
 
     def shift(self, s: ir.Shift, scope: IterationScope, w: Writer) -> None:
@@ -300,22 +390,32 @@ def _own_cells(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression
     who = agent(s.who, scope, w)
     if who.axis is not None:
         gone = tuple(a for a in scope.axes if a != who.axis)
-        if any(a in fits.axes for a in gone):  # of those who send the agent, all say the same: any of them
+        if any(
+            a in fits.axes for a in gone
+        ):  # of those who send the agent, all say the same: any of them
             fits = reduce("any", both(scope.mask, fits), gone)
         return w.keep("fitting", Value(spread(fits, (who.axis, axis)), "bool")).node
     axes = union(who.index.axes, scope.mask.axes, tuple(a for a in fits.axes if a != axis))
     extent = w.module.extent(who.sort)
-    at = w.keep(f"to_{who.sort.name}", Value(spread(select(scope.mask, who.index, Value(extent, "i32")), axes), "i32"))
+    at = w.keep(
+        f"to_{who.sort.name}",
+        Value(spread(select(scope.mask, who.index, Value(extent, "i32")), axes), "i32"),
+    )
     rows = spread(fits, (*axes, axis))
     table = array.call("jnp.zeros", array.Sequence((extent, axis.extent)), array.Name("bool"))
-    return w.keep("fitting", Value(array.Update(table, (at.node,), "set", rows, drop=True), "bool")).node
+    return w.keep(
+        "fitting", Value(array.Update(table, (at.node,), "set", rows, drop=True), "bool")
+    ).node
 
 
 def _fits(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> Value:
     """Returns where a destination's `where` holds, along the axis of its cells and those of the variables it names."""
     assert s.domain.where is not None
     variable = CellVar(iota(axis), s.domain.var.kinds, axis)
-    return w.value(s.domain.where, replace(scope.binding(**{s.domain.var.name: variable}), axes=(*scope.axes, axis)))
+    return w.value(
+        s.domain.where,
+        replace(scope.binding(**{s.domain.var.name: variable}), axes=(*scope.axes, axis)),
+    )
 
 
 def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array.Expression:
@@ -323,7 +423,9 @@ def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array
     if delay.literal and s.after is not None and s.after.type.low > 0:
         return delay.node
     if not delay.axes:
-        return w.keep("delay", Value(array.scalar(delay.node, "i32") if delay.literal else delay.node, "i32")).node
+        return w.keep(
+            "delay", Value(array.scalar(delay.node, "i32") if delay.literal else delay.node, "i32")
+        ).node
     return w.keep("delay", Value(of_each(s.who, delay, scope, w), "i32")).node
 
 
@@ -357,7 +459,11 @@ def finish(sends: Sends, w: Writer) -> None:
             left = _any_of([sent, *(leaving.who for leaving in sends.away if leaving.pool is pool)])
         own = parts[0].own
         if own is not None and len(parts) > 1:
-            rows = ((array.Index(part.who, (array.ALL, array.NEW_AXIS)), part.own) for part in parts if part.own is not None)
+            rows = (
+                (array.Index(part.who, (array.ALL, array.NEW_AXIS)), part.own)
+                for part in parts
+                if part.own is not None
+            )
             own = _any_of([array.Binary("&", sent_here, fitting) for sent_here, fitting in rows])
         placed = place(pool, sent, left, own, w, earlier)
         earlier.append((pool, placed))
@@ -381,7 +487,9 @@ def finish(sends: Sends, w: Writer) -> None:
         settle(sends.shifted, w)
 
 
-def _put(name: str, sort: ir.Sort, who: array.Expression, value: array.Expression, w: Writer) -> None:
+def _put(
+    name: str, sort: ir.Sort, who: array.Expression, value: array.Expression, w: Writer
+) -> None:
     """Gives a fact about some agents, or some movers of a sort, a new value."""
     attribute = attribute_of(name, sort)
     w.assign(attribute, array.Where(who, value, w.current(attribute)))
@@ -394,14 +502,20 @@ def _any_of(who: list[array.Expression]) -> array.Expression:
     return first
 
 
-def _turn(sort: ir.Sort, who: array.Expression, facing: str | None, stream: int | None, w: Writer) -> None:
+def _turn(
+    sort: ir.Sort, who: array.Expression, facing: str | None, stream: int | None, w: Writer
+) -> None:
     """Turns some agents or movers as a statement says; the heading of a mover is a field, and so a byte."""
     heading: array.Expression
     if facing == "same":
         return
     if facing is None:
         assert stream is not None
-        heading = array.call("below", array.call("random_bits", KEY, w.stream(stream), w.module.extent(sort)), array.Literal(4))
+        heading = array.call(
+            "below",
+            array.call("random_bits", KEY, w.stream(stream), w.module.extent(sort)),
+            array.Literal(4),
+        )
         heading = array.Cast(heading, "u8") if sort.what == "mover" else heading
     else:
         heading = w.module.number(facing, HEADINGS.index(facing))
@@ -445,14 +559,27 @@ def place(
     position = w.changed.get(attribute) or array.Name(w.names.fresh(attribute))
     assert isinstance(position, array.Name)
     w.changed[attribute] = position
-    bits = array.call("random_bits", KEY, w.stream(pool.send.cell_stream), w.module.extent(pool.sort))
-    among = (state_reads.cells_of(pool.kinds, w), free) if own is None else (state_reads.cells_of(pool.kinds, w), free, own)
-    w.unpack((position, placed), array.call("place" if own is None else "place_fitting", *among, bits, before, sent))
+    bits = array.call(
+        "random_bits", KEY, w.stream(pool.send.cell_stream), w.module.extent(pool.sort)
+    )
+    among = (
+        (state_reads.cells_of(pool.kinds, w), free)
+        if own is None
+        else (state_reads.cells_of(pool.kinds, w), free, own)
+    )
+    w.unpack(
+        (position, placed),
+        array.call("place" if own is None else "place_fitting", *among, bits, before, sent),
+    )
     return placed
 
 
 def _free_cells(
-    pool: Pool, leaving: array.Expression | None, alike: bool, w: Writer, entered: Iterable[tuple[Pool, array.Name]] = ()
+    pool: Pool,
+    leaving: array.Expression | None,
+    alike: bool,
+    w: Writer,
+    entered: Iterable[tuple[Pool, array.Name]] = (),
 ) -> array.Expression:
     """Returns which cells of a destination are free, `[S]` bool. `alike`: the same ones fit everybody; `leaving`, `entered`: as of `place`."""
     extent = w.module.num_cells(pool.kinds)
@@ -468,12 +595,25 @@ def _free_cells(
         for sort in sorted(body_sorts(w.module.game), key=lambda sort: sort != pool.sort):
             site, _ = state_reads.site_under(state_reads.everybody(w, sort), pool.kinds, w)
             stays = leaving is None or sort != pool.sort
-            found.append(site.node if stays else array.Where(leaving, w.module.num_cells(pool.kinds), site.node))  # type: ignore[arg-type]
-        free = without("others", found[0] if len(found) == 1 else array.call("jnp.concatenate", array.Sequence(tuple(found), is_list=True)))
-    newly_there = [(other.sort, who) for other, who in entered if set(other.kinds) & set(pool.kinds)]
+            found.append(
+                site.node
+                if stays
+                else array.Where(leaving, w.module.num_cells(pool.kinds), site.node)
+            )  # type: ignore[arg-type]
+        free = without(
+            "others",
+            found[0]
+            if len(found) == 1
+            else array.call("jnp.concatenate", array.Sequence(tuple(found), is_list=True)),
+        )
+    newly_there = [
+        (other.sort, who) for other, who in entered if set(other.kinds) & set(pool.kinds)
+    ]
     for sort in dict.fromkeys(sort for sort, _ in newly_there):
         who: list[array.Expression] = [one for other, one in newly_there if other == sort]
-        newly = array.Where(_any_of(who), w.current(attribute_of("position", sort)), state_reads.nowhere(w).node)
+        newly = array.Where(
+            _any_of(who), w.current(attribute_of("position", sort)), state_reads.nowhere(w).node
+        )
         free = without("entered", state_reads.site_at(Value(newly, "i32"), pool.kinds, w).node)
     if pool.send.domain.where is not None and alike:
         free = both(free, _fits(pool.send, axis, IterationScope(), w))
@@ -490,8 +630,12 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writ
     for sort in sorts:
         away = array.path(f"state.{attribute_of('away', sort)}")
         is_nowhere = array.Binary("==", state_reads.positions(w, sort), state_reads.nowhere(w).node)
-        due[sort] = w.bind("due", array.Binary("&", is_nowhere, array.Binary("==", away, array.Literal(1))))
-        waiting = array.Cast(array.Binary("&", is_nowhere, array.Binary(">", away, array.Literal(1))), "i32")
+        due[sort] = w.bind(
+            "due", array.Binary("&", is_nowhere, array.Binary("==", away, array.Literal(1)))
+        )
+        waiting = array.Cast(
+            array.Binary("&", is_nowhere, array.Binary(">", away, array.Literal(1))), "i32"
+        )
         left[attribute_of("away", sort)] = array.Binary("-", away, waiting)
     w.set(array.Name("state"), replaced("state", left))
     for pool in (p for phase in pools.values() for p in phase):
@@ -499,7 +643,8 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writ
             w.forget()
             w.origin = pool.send.origin
             position, heading, away, away_facing, away_pool = (
-                array.path(f"state.{attribute_of(name, pool.sort)}") for name in ("position", "heading", "away", "away_facing", "away_pool")
+                array.path(f"state.{attribute_of(name, pool.sort)}")
+                for name in ("position", "heading", "away", "away_facing", "away_pool")
             )
             to_pool = array.Binary("==", away_pool, array.Literal(pool.number))
             back = w.keep("back", Value(array.Binary("&", due[pool.sort], to_pool), "bool")).node
@@ -507,12 +652,26 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writ
             free = _free_cells(pool, None, own is None, w)
             number = w.module.extent(pool.sort)
             drawn = (
-                array.call("random_bits", KEY, w.stream(s ^ ir.RETURN), number) for s in (pool.send.cell_stream, pool.send.heading_stream)
+                array.call("random_bits", KEY, w.stream(s ^ ir.RETURN), number)
+                for s in (pool.send.cell_stream, pool.send.heading_stream)
             )
-            among = (state_reads.cells_of(pool.kinds, w), free, back, *drawn, position, heading, away_facing)
+            among = (
+                state_reads.cells_of(pool.kinds, w),
+                free,
+                back,
+                *drawn,
+                position,
+                heading,
+                away_facing,
+            )
             attributes = [attribute_of(name, pool.sort) for name in ("position", "heading", "away")]
-            new_position, new_heading, placed = (array.Name(w.names.fresh(name)) for name in (*attributes[:2], "placed"))
-            w.unpack((new_position, new_heading, placed), array.call("come_back", *among, *(() if own is None else (own,))))
+            new_position, new_heading, placed = (
+                array.Name(w.names.fresh(name)) for name in (*attributes[:2], "placed")
+            )
+            w.unpack(
+                (new_position, new_heading, placed),
+                array.call("come_back", *among, *(() if own is None else (own,))),
+            )
             new = (new_position, new_heading, array.Where(placed, array.Literal(0), away))
             w.set(array.Name("state"), replaced("state", dict(zip(attributes, new, strict=True))))
     w.forget()
@@ -528,5 +687,7 @@ def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:
     agents = w.axis(pool.sort.name, w.module.extent(pool.sort))
     axis = w.axis("destination", w.module.num_cells(s.domain.var.kinds))
     everybody = AgentVar(iota(agents), agents, pool.sort)
-    scope = IterationScope(axes=(agents,), variables={variable.name: everybody for variable in named})
+    scope = IterationScope(
+        axes=(agents,), variables={variable.name: everybody for variable in named}
+    )
     return w.keep("fitting", Value(spread(_fits(s, axis, scope, w), (agents, axis)), "bool")).node

@@ -6,14 +6,36 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.queries import event_named
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, aligned, as_dtype, binary, both, iota, joined, literal, reduce, select
+from sjdsl.compiler.lower.axes import (
+    TRUE,
+    Axis,
+    Value,
+    aligned,
+    as_dtype,
+    binary,
+    both,
+    iota,
+    joined,
+    literal,
+    reduce,
+    select,
+)
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.domains import in_set
 from sjdsl.compiler.lower.entries import row_key
 from sjdsl.compiler.lower.expressions import agent, real
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import ALL, Binary, Expression, Literal, Slice, Update, call, scalar
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    Binary,
+    Expression,
+    Literal,
+    Slice,
+    Update,
+    call,
+    scalar,
+)
 
 MANY = 64  # instances from which on agents are counted by the bits of sets
 
@@ -28,7 +50,15 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
         return
     reached = scope.mask
     if s.but is not None:
-        reached = both(scope.mask, binary("!=", agent(s.but, scope, w).index, iota(w.axis("receiver", w.module.agents)), "bool"))
+        reached = both(
+            scope.mask,
+            binary(
+                "!=",
+                agent(s.but, scope, w).index,
+                iota(w.axis("receiver", w.module.agents)),
+                "bool",
+            ),
+        )
     deliver("reward", (), _summed(reached, amount, scope.axes, w, name), w)
 
 
@@ -36,7 +66,11 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     """Counts an event."""
     event = event_named(w.module.game, s.event)
     attribute = f"event_{param_attribute(s.event)}"
-    amount = literal(1, "i32") if s.amount is None else as_dtype(w.value(s.amount, scope.always()), "i32")
+    amount = (
+        literal(1, "i32")
+        if s.amount is None
+        else as_dtype(w.value(s.amount, scope.always()), "i32")
+    )
     if s.word is None:
         _count(s, attribute, None, amount, scope, w)
         return
@@ -46,23 +80,50 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
         _count(s, attribute, key.node, amount, scope, w)
         return
     who = scope.variables[s.receiver.name] if isinstance(s.receiver, ir.Member) else None
-    agents = who.axis if isinstance(who, AgentVar) and who.axis is not None and scope.axes == (who.axis,) else None
-    if agents is not None and s.receiver is not None:  # all columns at once: one sum instead of an update for each
+    agents = (
+        who.axis
+        if isinstance(who, AgentVar) and who.axis is not None and scope.axes == (who.axis,)
+        else None
+    )
+    if (
+        agents is not None and s.receiver is not None
+    ):  # all columns at once: one sum instead of an update for each
         column = w.axis("word", w.module.num_entries(event.by))
         here = scope.when(binary("==", key, iota(column, key.dtype), "bool"))
         got = per_agent(s.receiver, amount, here, w, s.event)
-        deliver(attribute, (), replace(got, node=aligned(got, (agents, column))), w)  # the word may be the same for all agents
+        deliver(
+            attribute, (), replace(got, node=aligned(got, (agents, column))), w
+        )  # the word may be the same for all agents
         return
-    for word in (as_dtype(w.module.entry(entry), key.dtype) for entry in event.by.entries):  # it differs: one column at a time
+    for word in (
+        as_dtype(w.module.entry(entry), key.dtype) for entry in event.by.entries
+    ):  # it differs: one column at a time
         here = scope.when(binary("==", key, word, "bool"))
         _count(s, attribute, word.node, amount, here, w)
 
 
-def _count(s: ir.Tally, attribute: str, column: Expression | None, amount: Value, scope: IterationScope, w: Writer) -> None:
+def _count(
+    s: ir.Tally,
+    attribute: str,
+    column: Expression | None,
+    amount: Value,
+    scope: IterationScope,
+    w: Writer,
+) -> None:
     if s.receiver is not None:
-        deliver(attribute, () if column is None else (ALL, column), per_agent(s.receiver, amount, scope, w, s.event), w)
+        deliver(
+            attribute,
+            () if column is None else (ALL, column),
+            per_agent(s.receiver, amount, scope, w, s.event),
+            w,
+        )
     else:
-        deliver(attribute, () if column is None else (column,), _summed(scope.mask, amount, scope.axes, w, s.event), w)
+        deliver(
+            attribute,
+            () if column is None else (column,),
+            _summed(scope.mask, amount, scope.axes, w, s.event),
+            w,
+        )
 
 
 def deliver(attribute: str, keys: tuple[Expression | Slice, ...], got: Value, w: Writer) -> None:
@@ -70,7 +131,9 @@ def deliver(attribute: str, keys: tuple[Expression | Slice, ...], got: Value, w:
     if got.literal and not got.number:
         return
     before = w.total(attribute)
-    w.accumulate(attribute, Update(before, keys, "add", got.node) if keys else joined("+", before, got.node))
+    w.accumulate(
+        attribute, Update(before, keys, "add", got.node) if keys else joined("+", before, got.node)
+    )
 
 
 def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name: str) -> Value:
@@ -80,7 +143,9 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
     if e.type.kind == "agents":
         members = w.value(e, scope)
         if many:
-            return _counted(select(scope.mask, members, literal(0, members.dtype)), amount, axis, scope, w, name)
+            return _counted(
+                select(scope.mask, members, literal(0, members.dtype)), amount, axis, scope, w, name
+            )
         return _summed(both(scope.mask, in_set(members, axis)), amount, scope.axes, w, name)
     who = agent(e, scope, w)
     if who.axis is not None:
@@ -88,13 +153,18 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
     if many:
         return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
     # Comparing with every agent is far cheaper than a scatter, which XLA makes one entry at a time on a CPU.
-    return _summed(both(scope.mask, binary("==", who.index, iota(axis), "bool")), amount, scope.axes, w, name)
+    return _summed(
+        both(scope.mask, binary("==", who.index, iota(axis), "bool")), amount, scope.axes, w, name
+    )
 
 
 def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
     """Returns an agent of each instance as a set of its own, empty for the instances that do not happen."""
     alone = who.alone
-    if alone is not None and scope.mask in (alone.mask, w.keep("active", alone.mask)):  # as it was made, or as a block has named it
+    if alone is not None and scope.mask in (
+        alone.mask,
+        w.keep("active", alone.mask),
+    ):  # as it was made, or as a block has named it
         return alone.members
     dtype = w.module.set_dtype
     bit = Binary("<<", scalar(Literal(1), dtype), as_dtype(who.index, dtype).node)
@@ -102,7 +172,9 @@ def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
     return select(scope.mask, one, literal(0, one.dtype))
 
 
-def _counted(sets: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str) -> Value:
+def _counted(
+    sets: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
+) -> Value:
     """Returns an amount that is the same for all, times how many of the sets of the instances an agent is in."""
     count = w.keep(name, Value(call("times_in", sets.node, axis.extent), "i32", (axis,)))
     alike = math.prod(a.size for a in scope.axes if a not in sets.axes)
@@ -121,4 +193,8 @@ def _summed(reached: Value, amount: Value, over: tuple[Axis, ...], w: Writer, na
 def _times(count: Value, amount: Value) -> Value:
     if count == literal(1, "i32"):
         return amount
-    return count if amount == literal(1, "i32") else binary("*", as_dtype(count, amount.dtype), amount, amount.dtype)
+    return (
+        count
+        if amount == literal(1, "i32")
+        else binary("*", as_dtype(count, amount.dtype), amount, amount.dtype)
+    )

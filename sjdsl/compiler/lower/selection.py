@@ -21,7 +21,16 @@ from sjdsl.compiler.lower.axes import (
     spread,
     union,
 )
-from sjdsl.compiler.lower.domains import enter, has_inner_blocks, is_empty, number_in, sites_in, stand_on, sweep, whole_set
+from sjdsl.compiler.lower.domains import (
+    enter,
+    has_inner_blocks,
+    is_empty,
+    number_in,
+    sites_in,
+    stand_on,
+    sweep,
+    whole_set,
+)
 from sjdsl.compiler.lower.draws import KEY, first_limit, need_no_state, random_bits
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, SetOfOne, Variable
 from sjdsl.compiler.lower.writer import Writer
@@ -35,7 +44,9 @@ def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
     return Value(spread(inner.mask, axes), "bool", axes)
 
 
-def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
+def pick(
+    s: ir.Pick, scope: IterationScope, w: Writer
+) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
     """Returns the scope inside a `pick`, where there was no member at all, and the block to write: a lone `chance` is part of the pick."""
     if is_empty(s.domain, w):
         return scope.when(FALSE), TRUE, s.body
@@ -43,7 +54,13 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     number = as_dtype(w.value(s.number, scope.always()), "i32")
     if inner.axes == scope.axes:  # the member is determined: it is there or not
         there = inner.mask
-        return inner.when(scope.mask).when(both(there, binary(">", number, literal(0, "i32"), "bool"))), invert(there), s.body
+        return (
+            inner.when(scope.mask).when(
+                both(there, binary(">", number, literal(0, "i32"), "bool"))
+            ),
+            invert(there),
+            s.body,
+        )
     axis = inner.axes[-1]
     member = inner.variables[s.domain.var.name]
     is_near = isinstance(s.domain.restriction, ir.Near) and isinstance(member, CellVar)
@@ -55,37 +72,60 @@ def pick(s: ir.Pick, scope: IterationScope, w: Writer) -> tuple[IterationScope, 
     outer_axes = union(word.axes[:-1], tuple(a for a in inner.mask.axes if a != axis))
     axes = (*outer_axes, axis)
     mask = w.keep("member", mask_over(inner, axes))
-    found = w.keep("found", Value(array.Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes))
+    found = w.keep(
+        "found", Value(array.Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
+    )
     wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
     if not turns.size:
         return inner.when(FALSE), invert(found), s.body
     given = mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes)
     chosen, body = array.call("choose", *given), s.body
     match s.body:
-        case (ir.Chance(branches=(ir.Branch() as branch,), otherwise=()) as chance,) if inner.digits == ((iota(axis), axis.extent),):
+        case (ir.Chance(branches=(ir.Branch() as branch,), otherwise=()) as chance,) if (
+            inner.digits == ((iota(axis), axis.extent),)
+        ):
             w.origin = chance.origin
             limit = first_limit(branch.test, inner, w)
             if not limit.axes:  # the same for all members
-                chosen = array.call("choose_by_chance", *given, KEY, w.stream(chance.stream), limit.node)
+                chosen = array.call(
+                    "choose_by_chance", *given, KEY, w.stream(chance.stream), limit.node
+                )
                 body = branch.body
     w.origin = s.origin
-    return replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))), invert(found), body
+    return (
+        replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))),
+        invert(found),
+        body,
+    )
 
 
-def _pick_one(s: ir.Pick, scope: IterationScope, inner: IterationScope, total: array.Literal, w: Writer) -> tuple[IterationScope, Value]:
+def _pick_one(
+    s: ir.Pick, scope: IterationScope, inner: IterationScope, total: array.Literal, w: Writer
+) -> tuple[IterationScope, Value]:
     """A `pick 1`: the number of the member instead of a mask over all."""
     axis, name = inner.axes[-1], s.domain.var.name
     member = inner.variables[name]
-    word = random_bits(s.stream, scope, w)  # no axis for the one turn: on a GPU, XLA would store the words before it drops the axis
+    word = random_bits(
+        s.stream, scope, w
+    )  # no axis for the one turn: on a GPU, XLA would store the words before it drops the axis
     members = whole_set(s.domain, scope, w)
     around = (members or inner.mask).axes
     axes = union(word.axes, tuple(a for a in around if a != axis))
     drawn = spread(word, axes)
     source = aligned(members, axes) if members else mask_over(inner, (*axes, axis)).node
     large = members is not None and members.levels > 0
-    many = members is not None and not large and members.axes == axes and prod(a.size for a in axes) >= MANY_SETS
+    many = (
+        members is not None
+        and not large
+        and members.axes == axes
+        and prod(a.size for a in axes) >= MANY_SETS
+    )
     if many and need_no_state(scope.digits):  # most steps need none of the random bits
-        source = source if scope.mask == TRUE else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
+        source = (
+            source
+            if scope.mask == TRUE
+            else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
+        )
         alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
         there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
@@ -93,15 +133,28 @@ def _pick_one(s: ir.Pick, scope: IterationScope, inner: IterationScope, total: a
         chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there)))
     else:
         best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
-        w.unpack((best, found), array.call(("pick_of_large_set" if large else "pick_of_set") if members else "pick", source, drawn))
+        w.unpack(
+            (best, found),
+            array.call(
+                ("pick_of_large_set" if large else "pick_of_set") if members else "pick",
+                source,
+                drawn,
+            ),
+        )
         there, best_one = Value(found, "bool", axes), Value(best, "i32", axes)
         if isinstance(member, AgentVar):
             chosen = AgentVar(best_one, sort=member.sort)
         else:  # its number, or the number at its place in a shape
-            chosen = CellVar(best_one if member.axis is not None else _take(member.site, axis, best_one), member.kinds)
+            chosen = CellVar(
+                best_one if member.axis is not None else _take(member.site, axis, best_one),
+                member.kinds,
+            )
     if isinstance(chosen, CellVar) and isinstance(chosen.site.node, array.Call):
         chosen = replace(chosen, site=w.keep(name, chosen.site))
-    place = replace(scope.binding(**{name: chosen}, **under(s.domain, chosen, w)), digits=(*scope.digits, (best_one, total)))
+    place = replace(
+        scope.binding(**{name: chosen}, **under(s.domain, chosen, w)),
+        digits=(*scope.digits, (best_one, total)),
+    )
     return place.when(there), invert(there)
 
 
@@ -119,12 +172,23 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
     """Returns the entry of `values` along an axis that `best` names."""
     if values.axes == (axis,):
         return Value(array.Index(values.node, (best.node,)), values.dtype, best.axes)
-    if values.axes == (*best.axes, axis) and len(best.axes) == 1 and best.axes[0].size >= state_reads.MANY:
+    if (
+        values.axes == (*best.axes, axis)
+        and len(best.axes) == 1
+        and best.axes[0].size >= state_reads.MANY
+    ):
         return Value(array.call("entries_at", values.node, best.node), values.dtype, best.axes)
-    everything = union(values.axes, best.axes)  # what is picked may differ along more axes than what it is picked from
+    everything = union(
+        values.axes, best.axes
+    )  # what is picked may differ along more axes than what it is picked from
     ones = array.Sequence((array.Literal(1),) * len(everything))
     at = aligned(best, everything) if best.axes else array.call("jnp.full", ones, best.node)
-    along = array.call("jnp.take_along_axis", aligned(values, everything), at, axis=array.Literal(everything.index(axis)))
+    along = array.call(
+        "jnp.take_along_axis",
+        aligned(values, everything),
+        at,
+        axis=array.Literal(everything.index(axis)),
+    )
     keys = tuple(array.Literal(0) if a == axis else array.ALL for a in everything)
     keys = (array.REST, array.Literal(0)) if everything[-1] == axis else keys
     return Value(array.Index(along, keys), values.dtype, tuple(a for a in everything if a != axis))
@@ -159,10 +223,18 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
         number = w.keep(d.var.name, Value(numbers, "i32")).node
     else:
         sizes = array.constant(tuple(map(len, shape.lanes)))
-        number, found = w.keep_parts((d.var.name, "found"), array.call("nearest_in_lanes", ok.node, numbers, sizes))
+        number, found = w.keep_parts(
+            (d.var.name, "found"), array.call("nearest_in_lanes", ok.node, numbers, sizes)
+        )
     chosen = Value(number, "i32", (*rest, lanes))
-    variable = AgentVar(chosen, sort=candidate.sort) if isinstance(candidate, AgentVar) else CellVar(chosen, candidate.kinds)
-    inner = replace(scope, axes=(*scope.axes, lanes), digits=(*scope.digits, (iota(lanes), lanes.extent)))
+    variable = (
+        AgentVar(chosen, sort=candidate.sort)
+        if isinstance(candidate, AgentVar)
+        else CellVar(chosen, candidate.kinds)
+    )
+    inner = replace(
+        scope, axes=(*scope.axes, lanes), digits=(*scope.digits, (iota(lanes), lanes.extent))
+    )
     inner = inner.always().binding(**{d.var.name: variable}, **under(d, variable, w))
     return inner, lanes, Value(found, "bool", (*rest, lanes))
 
@@ -175,9 +247,13 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
         return CellVar(site, d.var.kinds), ok, axis
     swept = sweep(d.restriction, scope, w)
     cells = swept.cells
-    standing = w.keep("standing", Value(stand_on(cells, state_reads.positions(w, d.var.sort)), "bool"))
+    standing = w.keep(
+        "standing", Value(stand_on(cells, state_reads.positions(w, d.var.sort)), "bool")
+    )
     first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
     who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
-    anybody = w.keep("anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes))
+    anybody = w.keep(
+        "anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes)
+    )
     reached = swept.ok if has_inner_blocks(w.module.shape(d.restriction.shape), w) else TRUE
     return AgentVar(who, sort=d.var.sort), both(anybody, reached), swept.axis

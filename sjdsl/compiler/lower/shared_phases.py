@@ -48,51 +48,77 @@ class SharedBody:
         match first:
             case array.Assign():
                 value = self.node(tuple(node.value for node in nodes))  # type: ignore[attr-defined]
-                targets = [self.variable(names) for names in zip(*(node.names for node in nodes), strict=True)]  # type: ignore[attr-defined]
+                targets = [
+                    self.variable(names)
+                    for names in zip(*(node.names for node in nodes), strict=True)
+                ]  # type: ignore[attr-defined]
                 return replace(first, names=tuple(targets), value=value)  # type: ignore[arg-type]
             case array.Name():
                 identifiers = tuple(node.identifier for node in nodes)  # type: ignore[attr-defined]
                 if identifiers in self.variables:
                     return array.Name(self.variables[identifiers])
-                return first if len(set(identifiers)) == 1 else self.parameter(nodes, identifiers, tuple(map(str.isupper, identifiers)))
+                return (
+                    first
+                    if len(set(identifiers)) == 1
+                    else self.parameter(nodes, identifiers, tuple(map(str.isupper, identifiers)))
+                )
             case array.Literal():
                 values = tuple((node.value, node.name) for node in nodes)  # type: ignore[attr-defined]
                 names = tuple(name for _, name in values)
                 if len(set(values)) == 1:
                     return first
-                return self.parameter(nodes, names, tuple(isinstance(value, int | float) for value, _ in values))
+                return self.parameter(
+                    nodes, names, tuple(isinstance(value, int | float) for value, _ in values)
+                )
             case tuple():
                 if len({len(node) for node in nodes}) > 1:  # type: ignore[arg-type]
                     raise CannotShare
                 return tuple(self.node(parts) for parts in zip(*nodes, strict=True))
             case Record():
-                parts = {f.name: tuple(getattr(node, f.name) for node in nodes) for f in fields(first) if f.name != "origin"}
+                parts = {
+                    f.name: tuple(getattr(node, f.name) for node in nodes)
+                    for f in fields(first)
+                    if f.name != "origin"
+                }
                 return replace(first, **{name: self.node(values) for name, values in parts.items()})
             case _ if len(set(nodes)) == 1:
                 return first
             case _:
                 raise CannotShare
 
-    def parameter(self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]) -> array.Name:
+    def parameter(
+        self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]
+    ) -> array.Name:
         """Returns the parameter that stands where uses have different numbers or tables."""
         if not all(closed):
             raise CannotShare
         key = tuple((node, name) for node, name in zip(nodes, names, strict=True))
         if key not in self.own:
-            self.own[key] = array.Name(self.names.fresh("stream" if names[0].startswith("STREAM") else self.common(names) or "number"))
+            self.own[key] = array.Name(
+                self.names.fresh(
+                    "stream" if names[0].startswith("STREAM") else self.common(names) or "number"
+                )
+            )
             self.arguments.append(nodes)  # type: ignore[arg-type]
         return self.own[key]
 
     def variable(self, names: tuple[str, ...]) -> str:
         """Returns the name of a variable that the uses may call differently, after their words."""
         if names not in self.variables:
-            self.variables[names] = names[0] if len(set(names)) == 1 else self.names.fresh(self.common(names) or names[0])
+            self.variables[names] = (
+                names[0]
+                if len(set(names)) == 1
+                else self.names.fresh(self.common(names) or names[0])
+            )
         return self.variables[names]
 
     def common(self, names: tuple[str, ...]) -> str:
         """Returns a name with what a use is given replaced by what the phase calls it: `ground_red`, `ground_blue` are `ground_what`."""
         for number, parameter in enumerate(self.parameters):
-            renamed = [name.lower().replace(given[number], parameter, 1) for name, given in zip(names, self.given, strict=True)]
+            renamed = [
+                name.lower().replace(given[number], parameter, 1)
+                for name, given in zip(names, self.given, strict=True)
+            ]
             if len(set(renamed)) == 1:
                 return renamed[0]
         return ""
@@ -126,7 +152,12 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     shared_body = SharedBody(parameters, given, Names(RESERVED | taken))
     marks = [f"mark_{phase.name}" for phase, _ in uses]
     try:
-        body = shared_body.node(tuple(_marks_apart(function.body, mark) for (_, function), mark in zip(uses, marks, strict=True)))
+        body = shared_body.node(
+            tuple(
+                _marks_apart(function.body, mark)
+                for (_, function), mark in zip(uses, marks, strict=True)
+            )
+        )
     except CannotShare:
         return alone
     assert isinstance(body, tuple)
@@ -134,11 +165,22 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     assert isinstance(last, array.Return)
     marked = len(last.values) > 2
     returns = "tuple[State, Outcome, Array]" if marked else first.returns
-    types = ["Array" if isinstance(nodes[0], array.Name) else type(nodes[0].value).__name__ for nodes in shared_body.arguments]  # type: ignore[union-attr]
-    own = tuple((parameter.identifier, type_) for parameter, type_ in zip(shared_body.own.values(), types, strict=True))
+    types = [
+        "Array" if isinstance(nodes[0], array.Name) else type(nodes[0].value).__name__
+        for nodes in shared_body.arguments
+    ]  # type: ignore[union-attr]
+    own = tuple(
+        (parameter.identifier, type_)
+        for parameter, type_ in zip(shared_body.own.values(), types, strict=True)
+    )
     shared = Function(name, first.parameters + own, returns, first.doc, body)
-    given_of = (tuple(nodes[number] for nodes in shared_body.arguments) for number in range(len(uses)))
-    return {phase.name: Turn(shared, own, mark if marked else "") for (phase, _), own, mark in zip(uses, given_of, marks, strict=True)}
+    given_of = (
+        tuple(nodes[number] for nodes in shared_body.arguments) for number in range(len(uses))
+    )
+    return {
+        phase.name: Turn(shared, own, mark if marked else "")
+        for (phase, _), own, mark in zip(uses, given_of, marks, strict=True)
+    }
 
 
 def _marks_apart(body: tuple[array.Statement, ...], mark: str) -> tuple[array.Statement, ...]:

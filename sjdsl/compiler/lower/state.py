@@ -4,7 +4,13 @@ from math import isfinite
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
-from sjdsl.compiler.ir.queries import all_fields, body_sorts, counts_of, marking_phases, written_field
+from sjdsl.compiler.ir.queries import (
+    all_fields,
+    body_sorts,
+    counts_of,
+    marking_phases,
+    written_field,
+)
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.expressions import nobody
@@ -21,14 +27,34 @@ INT32 = array.path("jnp.int32")
 def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of State."""
 
-    found = [Field("step", "[]", "int32", "finished steps of this episode", array.call("jnp.int32", array.Literal(0)))]
+    found = [
+        Field(
+            "step",
+            "[]",
+            "int32",
+            "finished steps of this episode",
+            array.call("jnp.int32", array.Literal(0)),
+        )
+    ]
     for sort in body_sorts(game):
         found += _pose_fields(sort, w)
     found += [_field(field, game, w) for field in all_fields(game)]
     for phase in marking_phases(game):
         size = mark_size(phase, game)
-        zeros = array.call("jnp.zeros", w.module.number(f"marks_of_{phase.name}", size, f"cells that {phase.label} can mark"), INT32)
-        found.append(Field(f"mark_{phase.name}", f"[{size}]", "int32", f"cells marked by {phase.label}; 0: none", zeros))
+        zeros = array.call(
+            "jnp.zeros",
+            w.module.number(f"marks_of_{phase.name}", size, f"cells that {phase.label} can mark"),
+            INT32,
+        )
+        found.append(
+            Field(
+                f"mark_{phase.name}",
+                f"[{size}]",
+                "int32",
+                f"cells marked by {phase.label}; 0: none",
+                zeros,
+            )
+        )
     return found
 
 
@@ -38,7 +64,13 @@ def _pose_fields(sort: ir.Sort, w: Writer) -> list[Field]:
 
     def of_each(name: str, comment: str, dtype: str = "int32") -> Field:
         zeros = array.call("jnp.zeros", extent, INT32 if dtype == "int32" else array.Name("bool"))
-        return Field(attribute_of(name, sort), "[N]" if is_agent else f"[{extent.size}]", dtype, comment, zeros)
+        return Field(
+            attribute_of(name, sort),
+            "[N]" if is_agent else f"[{extent.size}]",
+            dtype,
+            comment,
+            zeros,
+        )
 
     found = [of_each("position", f"cell of each {sort.name} in the padded frame; 0: nowhere")]
     if is_agent:
@@ -46,7 +78,9 @@ def _pose_fields(sort: ir.Sort, w: Writer) -> list[Field]:
     if w.module.stores_moved(sort):
         found.append(of_each("moved", "did the last movement change the cell", "bool_"))
     if w.module.stores_away(sort):
-        who = f"ticks until {'an' if is_agent else 'a'} {sort.name} that is nowhere returns; 0: never"
+        who = (
+            f"ticks until {'an' if is_agent else 'a'} {sort.name} that is nowhere returns; 0: never"
+        )
         found.append(of_each("away", who))
         found.append(of_each("away_pool", "where it was sent"))
         found.append(of_each("away_facing", "heading it will have; 4: any, 5: the same"))
@@ -56,25 +90,47 @@ def _pose_fields(sort: ir.Sort, w: Writer) -> list[Field]:
 def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     dtype = STORED[state_reads.storage(field, w)]
     extent = None if field.held_by.what == "world" else w.module.extent(field.held_by)
-    dims = {"cell": "S", "agent": "N"}.get(field.held_by.what) or ("" if extent is None else str(extent.size))
-    words = (array.Literal(w.module.set_words),) if field.type.kind == "agents" and w.module.set_words else ()
-    shape = ", ".join(([dims] if dims else []) + [str(len(by)) for by in field.type.by] + [str(number.size) for number in words])
+    dims = {"cell": "S", "agent": "N"}.get(field.held_by.what) or (
+        "" if extent is None else str(extent.size)
+    )
+    words = (
+        (array.Literal(w.module.set_words),)
+        if field.type.kind == "agents" and w.module.set_words
+        else ()
+    )
+    shape = ", ".join(
+        ([dims] if dims else [])
+        + [str(len(by)) for by in field.type.by]
+        + [str(number.size) for number in words]
+    )
     layout = w.module.layout
     kind = field.held_by.name
     starts = layout.starts(kind, field) if field.held_by.what == "cell" else {field.start}
     if len(starts) <= 1:
-        size = (*([] if extent is None else [extent]), *map(w.module.num_entries, field.type.by), *words)
+        size = (
+            *([] if extent is None else [extent]),
+            *map(w.module.num_entries, field.type.by),
+            *words,
+        )
         first = _start(next(iter(starts), field.start), field, w)
-        default: array.Expression = array.call("jnp.full", array.shape_of(size), first, array.path(f"jnp.{dtype}"))
+        default: array.Expression = array.call(
+            "jnp.full", array.shape_of(size), first, array.path(f"jnp.{dtype}")
+        )
     else:
         given = {s for g in game.glyphs if g.kind == kind for n, s in g.starts if n == field.name}
         encode = {s: _start(s, field, w).value for s in given | starts | {field.start}}
         table = layout.starts_table(kind, field, encode, dtype)  # type: ignore[arg-type]
-        default = w.module.constant(f"{attribute_name(field)}_start", table, f"{field.name} of {kind} as on the map")
+        default = w.module.constant(
+            f"{attribute_name(field)}_start", table, f"{field.name} of {kind} as on the map"
+        )
         if field.type.by:
             columns = array.Index(default, (array.ALL, array.NEW_AXIS))
-            default = array.call("jnp.repeat", columns, w.module.num_entries(field.type.by[0]), axis=array.Literal(1))
-    meaning = f"{field.name}: {_meaning(field)}" + (f"; by {_level(field.type.by[0])}" if field.type.by else "")
+            default = array.call(
+                "jnp.repeat", columns, w.module.num_entries(field.type.by[0]), axis=array.Literal(1)
+            )
+    meaning = f"{field.name}: {_meaning(field)}" + (
+        f"; by {_level(field.type.by[0])}" if field.type.by else ""
+    )
     return Field(attribute_name(field), f"[{shape}]", dtype, meaning, default)
 
 
@@ -126,7 +182,11 @@ def params_fields(game: ir.Game) -> list[Field]:
         shape = "[" + ", ".join(str(len(by)) for by in param.type.by) + "]"
         by = "".join(f" by {level}" for level in param.type.by)
         unit = "word" if param.type.kind == "word" else param.type.unit
-        default = array.call("jnp.asarray", array.constant(param_value(param.value, param.type)), array.path(f"jnp.{dtype}"))
+        default = array.call(
+            "jnp.asarray",
+            array.constant(param_value(param.value, param.type)),
+            array.path(f"jnp.{dtype}"),
+        )
         found.append(Field(param_attribute(param.name), shape, dtype, f"{unit}{by}", default))
     return found
 
@@ -141,15 +201,34 @@ def param_value(value: object, type_: ir.Type) -> object:
 def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of Outcome."""
     found = [
-        Field("reward", "[N]", "float32", "raw rewards of this step", array.call("jnp.zeros", w.module.agents, array.DTYPES["f32"])),
-        Field("ended", "[]", "bool_", "whether an `end` was performed", array.call("jnp.zeros", array.Sequence(()), array.Name("bool"))),
+        Field(
+            "reward",
+            "[N]",
+            "float32",
+            "raw rewards of this step",
+            array.call("jnp.zeros", w.module.agents, array.DTYPES["f32"]),
+        ),
+        Field(
+            "ended",
+            "[]",
+            "bool_",
+            "whether an `end` was performed",
+            array.call("jnp.zeros", array.Sequence(()), array.Name("bool")),
+        ),
     ]
     for event in game.events:
-        size = (*([w.module.agents] if event.per_agent else []), *([w.module.num_entries(event.by)] if event.by else []))
-        shape = ", ".join((["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else []))
+        size = (
+            *([w.module.agents] if event.per_agent else []),
+            *([w.module.num_entries(event.by)] if event.by else []),
+        )
+        shape = ", ".join(
+            (["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else [])
+        )
         comment = "counts of this step" + (f", by {_level(event.by)}" if event.by else "")
         zeros = array.call("jnp.zeros", array.shape_of(size), INT32)
-        found.append(Field(f"event_{param_attribute(event.name)}", f"[{shape}]", "int32", comment, zeros))
+        found.append(
+            Field(f"event_{param_attribute(event.name)}", f"[{shape}]", "int32", comment, zeros)
+        )
     return found
 
 
@@ -186,8 +265,20 @@ def described_fields(game: ir.Game) -> tuple[StateField, ...]:
 
 def role_attribute(game: ir.Game) -> str | None:
     """Returns the attribute of State that holds the agents' roles; None if they have none, or a phase of the schedule writes it."""
-    field = next((f for f in game.agents.fields if f.name == ROLE and f.type.kind == "word" and not f.type.by), None)
-    written = [written_field(node.target) for turn in game.schedule for node in ir.walk(turn) if isinstance(node, ir.Set)]
+    field = next(
+        (
+            f
+            for f in game.agents.fields
+            if f.name == ROLE and f.type.kind == "word" and not f.type.by
+        ),
+        None,
+    )
+    written = [
+        written_field(node.target)
+        for turn in game.schedule
+        for node in ir.walk(turn)
+        if isinstance(node, ir.Set)
+    ]
     if field is None or any((read.held_by.what, read.name) == ("agent", ROLE) for read in written):
         return None
     return attribute_name(field)

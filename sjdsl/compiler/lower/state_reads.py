@@ -37,13 +37,17 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
         if value is None:
             owner = placed(owner, w)
         elif e.type.kind == "agent":  # painted one up, 0 is nobody
-            return binary("-", as_dtype(replace(value, dtype="u8"), "i32"), literal(1, "i32"), "i32")
+            return binary(
+                "-", as_dtype(replace(value, dtype="u8"), "i32"), literal(1, "i32"), "i32"
+            )
         else:
             return as_dtype(value, "i32") if e.type.kind == "int" else value
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
-    stored = Value(w.stored(attribute_name(declared)), storage(declared, w), (), w.module.levels(e.type))
+    stored = Value(
+        w.stored(attribute_name(declared)), storage(declared, w), (), w.module.levels(e.type)
+    )
     if declared.type.kind == "word":
         stored = as_dtype(stored, "u8")
     if isinstance(owner, CellVar) and owner.beside:
@@ -53,9 +57,15 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
 
 def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
     """Returns a field of the one that a variable is; many computed cells are looked up in what has been computed before."""
-    computed = prod(a.size for a in owner.site.axes) if isinstance(owner, CellVar) and owner.axis is None else 0
+    computed = (
+        prod(a.size for a in owner.site.axes)
+        if isinstance(owner, CellVar) and owner.axis is None
+        else 0
+    )
     if isinstance(owner, CellVar) and computed >= max(MANY, w.module.layout.num_cells(owner.kinds)):
-        return replace(stored, node=call("looked_up", stored.node, owner.site.node), axes=owner.site.axes)
+        return replace(
+            stored, node=call("looked_up", stored.node, owner.site.node), axes=owner.site.axes
+        )
     return _of(owner, stored)
 
 
@@ -68,8 +78,13 @@ def _of(owner: Variable, stored: Value) -> Value:
 
 def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     """A group's field: the kinds' vectors one after another, put into reading order."""
-    parts, order = [w.module.field(e, kind) for kind in owner.kinds], w.module.layout.order_table(owner.kinds)
-    name = w.module.constant("order_" + "_".join(owner.kinds), order, "cells of a group in reading order")
+    parts, order = (
+        [w.module.field(e, kind) for kind in owner.kinds],
+        w.module.layout.order_table(owner.kinds),
+    )
+    name = w.module.constant(
+        "order_" + "_".join(owner.kinds), order, "cells of a group in reading order"
+    )
     vectors = Sequence(tuple(w.stored(attribute_name(p)) for p in parts), is_list=True)
     together = Value(Index(call("jnp.concatenate", vectors), (name,)), storage(parts[0], w))
     whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", together)
@@ -108,8 +123,16 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
     bounds = [0.0]
     for node in nodes:
         if isinstance(node, ir.GlyphMeaning) and declared.held_by == ir.Sort("cell", (node.kind,)):
-            bounds += [value for name, value in node.starts if name == declared.name and isinstance(value, int)]
-        if isinstance(node, ir.Set) and isinstance(node.target, ir.FieldRead) and can_be(node.target, declared):
+            bounds += [
+                value
+                for name, value in node.starts
+                if name == declared.name and isinstance(value, int)
+            ]
+        if (
+            isinstance(node, ir.Set)
+            and isinstance(node.target, ir.FieldRead)
+            and can_be(node.target, declared)
+        ):
             bounds.append(node.value.type.high)
     return max(bounds)
 
@@ -123,7 +146,9 @@ def position(owner: AgentVar, w: Writer) -> Value:
 def heading(owner: AgentVar, w: Writer) -> Value:
     """Returns the headings of agents or movers, int32."""
     if owner.sort.what == "mover":  # a field, and so a byte
-        return as_dtype(_of(owner, Value(w.stored(attribute_of("heading", owner.sort)), "u8")), "i32")
+        return as_dtype(
+            _of(owner, Value(w.stored(attribute_of("heading", owner.sort)), "u8")), "i32"
+        )
     return _of(owner, Value(w.stored("heading"), "i32"))
 
 
@@ -160,7 +185,9 @@ def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression:
     sorts = [sort for sort in body_sorts(w.module.game) if sort != but]
     if len(sorts) == 1:
         return positions(w, sorts[0])
-    together = call("jnp.concatenate", Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True))
+    together = call(
+        "jnp.concatenate", Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True)
+    )
     return w.keep("bodies" if but is None else "others", Value(together, "i32")).node
 
 
@@ -174,14 +201,25 @@ def cell(owner: CellVar, w: Writer) -> Value:
 def _seen_cell(owner: CellVar, w: Writer) -> Value:
     """Returns where each cell of each window is, in the frame; of one who is away cells that mean nothing."""
     observer, cells = owner.seen
-    table = w.module.constant("view_offsets", w.module.layout.view_table, "cells of a window from the observer's cell, for each heading")
+    table = w.module.constant(
+        "view_offsets",
+        w.module.layout.view_table,
+        "cells of a window from the observer's cell, for each heading",
+    )
     steps = Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
-    return w.keep("seen_cells", on_map(binary("+", Value(path("state.position"), "i32", (observer,)), steps, "i32"), w))
+    return w.keep(
+        "seen_cells",
+        on_map(binary("+", Value(path("state.position"), "i32", (observer,)), steps, "i32"), w),
+    )
 
 
 def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
     """Returns how many steps each cell of a window is from the observer."""
-    table = w.module.constant("view_steps", w.module.layout.steps_table, "steps from the observer to each cell of its window")
+    table = w.module.constant(
+        "view_steps",
+        w.module.layout.steps_table,
+        "steps from the observer to each cell of its window",
+    )
     if w.module.layout.wraps:  # round a map that is not square the way depends on the heading
         return Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
     return Value(table, "i32", (cells,))
@@ -191,26 +229,39 @@ def on_map(cells: Value, w: Writer) -> Value:
     """Returns cells of the frame as cells of the map, where those beyond an edge are those at the other side if the map wraps."""
     if not w.module.layout.wraps:
         return cells
-    table = w.module.constant("around", w.module.layout.edges_table, "the cell of the map that a cell of the frame is; 1: none")
+    table = w.module.constant(
+        "around",
+        w.module.layout.edges_table,
+        "the cell of the map that a cell of the frame is; 1: none",
+    )
     return Value(Index(table, (cells.node,)), "i32", cells.axes)
 
 
 def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
     """Returns the table of the cells of some kinds."""
-    return w.module.constant("cells_" + "_".join(kinds), w.module.layout.cells_table(kinds), f"cells of {', '.join(kinds)}")
+    return w.module.constant(
+        "cells_" + "_".join(kinds),
+        w.module.layout.cells_table(kinds),
+        f"cells of {', '.join(kinds)}",
+    )
 
 
 def placed(owner: CellVar, w: Writer) -> CellVar:
     """Returns a cell by its number. That of a cell of a window is found by where it is; where another kind is, it means nothing."""
     if owner.painted is None:
         return owner
-    return CellVar(w.keep(f"seen_{'_'.join(owner.kinds)}", site_at(_seen_cell(owner, w), owner.kinds, w)), owner.kinds)
+    return CellVar(
+        w.keep(f"seen_{'_'.join(owner.kinds)}", site_at(_seen_cell(owner, w), owner.kinds, w)),
+        owner.kinds,
+    )
 
 
 def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
     """Returns the numbers of cells of the frame among those of `kinds`; past the end: none."""
     comment = f"number of each cell among {', '.join(kinds)}; past the end: none"
-    table = w.module.constant("site_of_" + "_".join(kinds), w.module.layout.site_table(kinds), comment)
+    table = w.module.constant(
+        "site_of_" + "_".join(kinds), w.module.layout.site_table(kinds), comment
+    )
     return Value(Index(table, (cells.node,)), "i32", cells.axes)
 
 
@@ -229,13 +280,20 @@ def occupied(owner: CellVar, w: Writer) -> Value:
     """Returns which cells have an agent or a mover on them."""
     bodies = all_positions(w)
     if owner.axis is not None:
-        site = w.keep("_".join(owner.kinds) + "_under", site_at(Value(bodies, "i32", (Axis("", 1, 0),)), owner.kinds, w))
-        vector = w.keep("covered", Value(call("occupied", site.node, w.module.num_cells(owner.kinds)), "bool"))
+        site = w.keep(
+            "_".join(owner.kinds) + "_under",
+            site_at(Value(bodies, "i32", (Axis("", 1, 0),)), owner.kinds, w),
+        )
+        vector = w.keep(
+            "covered", Value(call("occupied", site.node, w.module.num_cells(owner.kinds)), "bool")
+        )
         return replace(vector, axes=(owner.axis,))
     at = cell(owner, w)
     if not at.axes:
         return Value(Reduce("any", Binary("==", at.node, bodies)), "bool")
-    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL)))
+    same = Binary(
+        "==", Index(at.node, (REST, NEW_AXIS)), Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
+    )
     return Value(Reduce("any", same, (-1,)), "bool", at.axes)
 
 
@@ -245,7 +303,9 @@ NO_CELL = -1
 
 def no_cell(w: Writer) -> Value:
     """Returns the number that stands for no cell."""
-    return Value(w.module.number("no_cell", NO_CELL, "in place of a cell: 256 * row + column"), "i32")
+    return Value(
+        w.module.number("no_cell", NO_CELL, "in place of a cell: 256 * row + column"), "i32"
+    )
 
 
 def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -255,14 +315,23 @@ def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     variable = scope.variables[e.name]
     assert isinstance(variable, CellVar)
     at = cell(variable, w)
-    cols, pad = w.module.number("frame_cols", w.module.layout.cols), array.Literal(w.module.layout.pad, "PAD")
+    cols, pad = (
+        w.module.number("frame_cols", w.module.layout.cols),
+        array.Literal(w.module.layout.pad, "PAD"),
+    )
     row, col = (array.Binary("-", array.Binary(op, at.node, cols), pad) for op in ("//", "%"))
-    return w.keep("place", replace(at, node=array.Binary("+", array.Binary("<<", row, array.Literal(ROW)), col)))
+    return w.keep(
+        "place",
+        replace(at, node=array.Binary("+", array.Binary("<<", row, array.Literal(ROW)), col)),
+    )
 
 
 def frame_cell(value: Value, w: Writer) -> Value:
     """Returns the cell of the frame that a kept one is; 0 for nowhere."""
-    cols, pad = w.module.number("frame_cols", w.module.layout.cols), array.Literal(w.module.layout.pad, "PAD")
+    cols, pad = (
+        w.module.number("frame_cols", w.module.layout.cols),
+        array.Literal(w.module.layout.pad, "PAD"),
+    )
     row = array.Binary("+", array.Binary(">>", value.node, array.Literal(ROW)), pad)
     col = array.Binary("+", array.Binary("&", value.node, array.Literal((1 << ROW) - 1)), pad)
     at = replace(value, node=array.Binary("+", array.Binary("*", row, cols), col))

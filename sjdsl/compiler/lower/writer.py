@@ -41,7 +41,21 @@ from sjdsl.compiler.program.expressions import (
 )
 from sjdsl.runtime.actions import HEADINGS
 
-FACTS = {"NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW", "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS"}
+FACTS = {
+    "NAME",
+    "TITLE",
+    "HASH",
+    "ACTIONS",
+    "STAY",
+    "NUM_AGENTS",
+    "PAD",
+    "FRAME",
+    "WINDOW",
+    "FORBIDS_ACTIONS",
+    "ROLE",
+    "EVENTS",
+    "FIELDS",
+}
 MODULE_NAMES = {*FACTS, "MAP", "TOKEN_PLANES"}
 NOBODY = -1
 WORD = 32  # bits of a number that agents of a set are kept in
@@ -58,11 +72,15 @@ class Module:
     constants: dict[str, Constant] = field(default_factory=dict)
     numbers: dict[str, Number] = field(default_factory=dict)
     names: Names = field(default_factory=lambda: Names(set(MODULE_NAMES)))
-    writer: "Writer | None" = None  # the last one, whose statement is at fault where nothing else is known
+    writer: "Writer | None" = (
+        None  # the last one, whose statement is at fault where nothing else is known
+    )
     _by_value: dict[Expression, str] = field(default_factory=dict)
     _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
 
-    def constant(self, name: str, table: Expression, comment: str, dtype: DType | None = None) -> Name:
+    def constant(
+        self, name: str, table: Expression, comment: str, dtype: DType | None = None
+    ) -> Name:
         """Returns the name of a module-level array; what is made in the same way is kept once. `dtype`: of written numbers."""
         value = as_array(table, dtype)
         if value not in self._by_value:
@@ -82,7 +100,12 @@ class Module:
 
     def num_cells(self, kinds: tuple[str, ...]) -> Literal:
         """Returns how many cells of the kinds the map has."""
-        return self.number(f"num_{'_'.join(kinds)}", self.layout.num_cells(kinds), f"cells of {', '.join(kinds)}", "size")
+        return self.number(
+            f"num_{'_'.join(kinds)}",
+            self.layout.num_cells(kinds),
+            f"cells of {', '.join(kinds)}",
+            "size",
+        )
 
     def action(self, number: int) -> Literal:
         """Returns the number of an action."""
@@ -92,18 +115,31 @@ class Module:
 
     def first_action(self, action: ir.ActionWithArguments) -> Literal:
         """Returns the number of the first of the actions that an action with arguments stands for."""
-        return self.number(f"action_{action.name}", action.first, f"{self.game.agents.actions[action.first]}, the first of them", "action")
+        return self.number(
+            f"action_{action.name}",
+            action.first,
+            f"{self.game.agents.actions[action.first]}, the first of them",
+            "action",
+        )
 
     def word(self, word: str, words: tuple[str, ...], declared: ir.VarField | None = None) -> Value:
         """Returns the number of a word among others. `declared`: the field it is a value of, after which it is named."""
         owner, number = self._word_sets.get(words, (None, ""))[0], words.index(word)
         if declared is not None and declared.type.words == words:
             owner = declared.held_by.name
-        return literal(number, "u8") if owner is None else Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
+        return (
+            literal(number, "u8")
+            if owner is None
+            else Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
+        )
 
     def entry(self, entry: ir.Entry) -> Value:
         """Returns the place of an entry in its row."""
-        return self.word(entry.name, entry.level.names) if entry.level.sort == "word" else literal(entry.place, "u8")
+        return (
+            self.word(entry.name, entry.level.names)
+            if entry.level.sort == "word"
+            else literal(entry.place, "u8")
+        )
 
     def num_entries(self, level: ir.Level) -> Literal:
         """Returns how many entries a row has."""
@@ -119,10 +155,24 @@ class Module:
         found: dict[tuple[str, ...], tuple[str, str]] = {HEADINGS: ("", "headings")}
         for declared in fields:
             found.setdefault(declared.type.words, (declared.held_by.name, attribute_name(declared)))
-        rows = [(by.names, attribute_name(declared)) for declared in fields for by in declared.type.by]
-        rows += [(by, param.name) for param in game.params for by in (param.type.words, *(level.names for level in param.type.by))]
-        arguments = [(argument.type.words, action.name) for action in game.agents.with_arguments for argument in action.arguments]
-        for by, name in (*rows, *((event.by.names, event.name) for event in game.events if event.by is not None), *arguments):
+        rows = [
+            (by.names, attribute_name(declared)) for declared in fields for by in declared.type.by
+        ]
+        rows += [
+            (by, param.name)
+            for param in game.params
+            for by in (param.type.words, *(level.names for level in param.type.by))
+        ]
+        arguments = [
+            (argument.type.words, action.name)
+            for action in game.agents.with_arguments
+            for argument in action.arguments
+        ]
+        for by, name in (
+            *rows,
+            *((event.by.names, event.name) for event in game.events if event.by is not None),
+            *arguments,
+        ):
             found.setdefault(by, (name, name))
         return found
 
@@ -141,7 +191,12 @@ class Module:
             case "agent":
                 return self.agents
             case "mover":
-                return self.number(f"num_{sort.name}", movers_named(self.game, sort.name).number, f"movers {sort.name}", "size")
+                return self.number(
+                    f"num_{sort.name}",
+                    movers_named(self.game, sort.name).number,
+                    f"movers {sort.name}",
+                    "size",
+                )
             case "cell":
                 return self.num_cells(sort.names)
             case "world":
@@ -180,8 +235,13 @@ class Module:
 
     def stores_moved(self, sort: ir.Sort) -> bool:
         """Returns whether any rule reads `moved` of agents, or of movers of a sort, or it is seen of agents."""
-        shown = sort.what == "agent" and any(shows_attribute(s) and s.field == "moved" for s in self.game.observables)
-        return shown or any(isinstance(n, ir.Attribute) and n.name == "moved" and body_sort(n.owner) == sort for n in self.nodes)
+        shown = sort.what == "agent" and any(
+            shows_attribute(s) and s.field == "moved" for s in self.game.observables
+        )
+        return shown or any(
+            isinstance(n, ir.Attribute) and n.name == "moved" and body_sort(n.owner) == sort
+            for n in self.nodes
+        )
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:
@@ -214,7 +274,9 @@ class Writer:
     state: str = "state"  # what is read from
     exact: bool = False  # whether what is lowered decides something
     known: dict[tuple[Expression, str], Name] = field(default_factory=dict)
-    parts: dict[Expression, tuple[Name, ...]] = field(default_factory=dict)  # of what kernels have returned
+    parts: dict[Expression, tuple[Name, ...]] = field(
+        default_factory=dict
+    )  # of what kernels have returned
     shape_axes: dict[tuple[str, Variable], Axis] = field(default_factory=dict)
     axes_made: int = 0
     changed: dict[str, Expression] = field(default_factory=dict)
@@ -225,7 +287,9 @@ class Writer:
     joined: dict[str, list[Expression]] = field(default_factory=dict)
     several_lots: frozenset[tuple[str, str]] = frozenset()
     best_ranks: dict[str, Name] = field(default_factory=dict)
-    parameters: dict[Expression, Name] = field(default_factory=dict)  # of a function that is being lowered, by what it is given
+    parameters: dict[Expression, Name] = field(
+        default_factory=dict
+    )  # of a function that is being lowered, by what it is given
 
     def __post_init__(self) -> None:
         self.module.writer = self
@@ -251,7 +315,11 @@ class Writer:
 
     def stream(self, number: int) -> Literal:
         """Returns the number of a random stream."""
-        where = "" if self.origin is None else f"{self.origin.file.rpartition('/')[2]}:{self.origin.line}"
+        where = (
+            ""
+            if self.origin is None
+            else f"{self.origin.file.rpartition('/')[2]}:{self.origin.line}"
+        )
         return self.module.number(f"stream_{self.purpose}", number, where, "stream")
 
     def bind(self, name: str, node: Expression) -> Name:
@@ -274,7 +342,9 @@ class Writer:
 
     def keep(self, name: str, value: Value) -> Value:
         """Gives a value a name in the function; what computes the same is named once."""
-        if isinstance(value.node, Literal | Name) or (isinstance(value.node, Attribute) and isinstance(value.node.value, Name)):
+        if isinstance(value.node, Literal | Name) or (
+            isinstance(value.node, Attribute) and isinstance(value.node.value, Name)
+        ):
             return value
         if self.parameters and any(node in self.parameters.values() for node in walk(value.node)):
             return value  # a function's body is one expression
@@ -286,7 +356,9 @@ class Writer:
     def keep_parts(self, names: tuple[str, ...], node: Expression) -> tuple[Name, ...]:
         """Gives names to what a kernel returns, part by part; what computes the same is called once."""
         if node not in self.parts:
-            self.parts[node] = tuple(Name(self.names.fresh(identifier(name.lower()))) for name in names)
+            self.parts[node] = tuple(
+                Name(self.names.fresh(identifier(name.lower()))) for name in names
+            )
             self.unpack(self.parts[node], node)
         return self.parts[node]
 
@@ -301,7 +373,9 @@ class Writer:
         self.names.taken.discard(last.names[0])
         fresh = Name(self.names.fresh(identifier(name.lower())))
         self.body[-1] = replace(last, names=(fresh.identifier,))
-        self.known = {key: fresh if kept == value.node else kept for key, kept in self.known.items()}
+        self.known = {
+            key: fresh if kept == value.node else kept for key, kept in self.known.items()
+        }
         return replace(value, node=fresh)
 
     def stored(self, attribute: str) -> Expression:

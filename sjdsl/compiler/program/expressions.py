@@ -39,7 +39,11 @@ class Literal(Node):
         return self.value
 
     def __eq__(self, other: object) -> bool:  # 1, 1.0 and True differ
-        return isinstance(other, Literal) and type(self.value) is type(other.value) and self.value == other.value
+        return (
+            isinstance(other, Literal)
+            and type(self.value) is type(other.value)
+            and self.value == other.value
+        )
 
     def __hash__(self) -> int:
         return hash((type(self.value), self.value))
@@ -159,7 +163,9 @@ class Lambda(Node):
 
 
 OfArrays: TypeAlias = Unary | Binary | Where | Cast | Reduce | Broadcast | Arange | Update
-Expression: TypeAlias = Name | Literal | Attribute | Call | Index | OfArrays | Sequence | Mapping | Lambda
+Expression: TypeAlias = (
+    Name | Literal | Attribute | Call | Index | OfArrays | Sequence | Mapping | Lambda
+)
 
 
 class Assign(Node):

@@ -10,7 +10,9 @@ from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS
 from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Source
 
-CONTROL = re.compile(r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]")
+CONTROL = re.compile(
+    r"[\x01-\x08\x0b\x0e-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]"
+)
 WORD = re.compile(r"\w+|.", re.DOTALL)
 WORDS = re.compile(r"\w+|[^\w\s]")
 NEAR = 12  # words before and behind a character that tell what it is meant for
@@ -21,7 +23,11 @@ def describe(character: str) -> str:
     name = unicodedata.name(character, "a control character").lower()
     if not character.isprintable():
         return f"U+{ord(character):04X} ({name})"
-    return f"`{character}`" if character.isascii() else f"`{character}` (U+{ord(character):04X}, {name})"
+    return (
+        f"`{character}`"
+        if character.isascii()
+        else f"`{character}` (U+{ord(character):04X}, {name})"
+    )
 
 
 def control_characters(source: Source) -> list[Diagnostic]:
@@ -29,7 +35,11 @@ def control_characters(source: Source) -> list[Diagnostic]:
     problems: list[Diagnostic] = []
     for match in islice(CONTROL.finditer(source.text), MAX_PROBLEMS):
         span = source.span(*match.span())
-        problems.append(errors.BadCharacter(span, character=describe(match.group()), help="delete it", fix=Fix(span, "")))
+        problems.append(
+            errors.BadCharacter(
+                span, character=describe(match.group()), help="delete it", fix=Fix(span, "")
+            )
+        )
     return problems
 
 
@@ -37,8 +47,14 @@ def bad_character(source: Source, text: str, at: int) -> Diagnostic:
     """Returns what is wrong with the character at `at`, which begins no word or sign."""
     if text[at] == '"':  # without a partner in its line
         end = at + len(text[at:].split("\n", 1)[0].rstrip())
-        help_ = r"`\"` is a quote inside a text; the sign `\` itself is written twice: `\\`" if text[at:end].endswith('\\"') else ""
-        return errors.OpenString(source.span(at, end), fix=Fix(source.span(end, end), '"'), help=help_)
+        help_ = (
+            r"`\"` is a quote inside a text; the sign `\` itself is written twice: `\\`"
+            if text[at:end].endswith('\\"')
+            else ""
+        )
+        return errors.OpenString(
+            source.span(at, end), fix=Fix(source.span(end, end), '"'), help=help_
+        )
     word = WORD.match(text, at)
     assert word is not None
     span, small = source.span(at, word.end()), word.group().lower()

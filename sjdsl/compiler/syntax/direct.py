@@ -15,7 +15,16 @@ from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.errors import TooDeep
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.diagnostics.limits import CHAINS, MAX_DEPTH, MAX_DIGITS, MAX_STATEMENTS, MAX_TOKENS, MAX_TREE, STATEMENTS, too_much
+from sjdsl.compiler.diagnostics.limits import (
+    CHAINS,
+    MAX_DEPTH,
+    MAX_DIGITS,
+    MAX_STATEMENTS,
+    MAX_TOKENS,
+    MAX_TREE,
+    STATEMENTS,
+    too_much,
+)
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.syntax.recovery.automaton import END, Stack
 from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES, Part, unquote
@@ -81,12 +90,21 @@ def tables(parser: Lark) -> Tables:
     """Returns the tables of a parser's grammar."""
     conf, ignored = parser.parse_interactive("").parser_state.parse_conf, parser.lexer_conf.ignore
     states = conf.parse_table.states
-    rules = {id(rule): _rule(rule) for row in states.values() for _, rule in row.values() if not isinstance(rule, int)}
+    rules = {
+        id(rule): _rule(rule)
+        for row in states.values()
+        for _, rule in row.values()
+        if not isinstance(rule, int)
+    }
     words = {t.pattern.value: t.name for t in parser.terminals if t.pattern.value.isalpha()}
     others = [t for t in parser.terminals if not t.pattern.value.isalpha()]
-    others.sort(key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name))  # as Lark does
+    others.sort(
+        key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name)
+    )  # as Lark does
     between = "|".join(t.pattern.to_regexp() for t in others if t.name in ignored)
-    signs = "|".join(f"(?P<{t.name}>{t.pattern.to_regexp()})" for t in others if t.name not in ignored)
+    signs = "|".join(
+        f"(?P<{t.name}>{t.pattern.to_regexp()})" for t in others if t.name not in ignored
+    )
     sign = re.compile(rf"(?:{between})*+(?:{signs}|(?P<{WRONG}>(?s:.))|\Z)")
     return Tables(parser, sign, words, states, rules, {}, conf.start_state, conf.end_state)
 
@@ -94,10 +112,16 @@ def tables(parser: Lark) -> Tables:
 def _rule(rule: Any) -> Rule:
     """Returns what is done for a rule of the parser; its options are those of the grammar's `?`, `!`, `_` and `->`."""
     symbols, keeps_all = rule.expansion, rule.options.keep_all_tokens
-    kept = [(at, s.name.startswith("_") and not s.is_term) for at, s in enumerate(symbols) if keeps_all or not (s.is_term and s.filter_out)]
+    kept = [
+        (at, s.name.startswith("_") and not s.is_term)
+        for at, s in enumerate(symbols)
+        if keeps_all or not (s.is_term and s.filter_out)
+    ]
     name = "" if rule.origin.name.startswith("_") else rule.alias or rule.origin.name
     passes = rule.options.expand1 and not rule.alias
-    return Rule(len(symbols), str(rule.origin.name), tuple(kept), str(name), passes, RULES.get(name))
+    return Rule(
+        len(symbols), str(rule.origin.name), tuple(kept), str(name), passes, RULES.get(name)
+    )
 
 
 def read_directly(source: Source, parser: Lark) -> ast.File | ReadSoFar | Diagnostic | None:
@@ -124,7 +148,11 @@ def cut(text: str, known: Tables) -> Words | None:
         word = text[start:end]
         if kind == "NAME":
             kind = known.words.get(word, kind)
-        elif kind == WRONG or (kind == "INT" and is_too_large(word)) or (kind == "DEC" and len(word) > MAX_DIGITS):
+        elif (
+            kind == WRONG
+            or (kind == "INT" and is_too_large(word))
+            or (kind == "DEC" and len(word) > MAX_DIGITS)
+        ):
             return None
         brackets += BRACKETS.get(kind, 0)
         prefixes = prefixes + 1 if kind in PREFIX else 0
@@ -160,7 +188,11 @@ class Reader:
         for number, kind in enumerate(kinds):
             if not number % EVERY:
                 earlier, kept = kept, (number, stack[:], firsts[:])
-            if kind in SOFT and not can_come(states, stack, kind) and can_come(states, stack, "NAME"):
+            if (
+                kind in SOFT
+                and not can_come(states, stack, kind)
+                and can_come(states, stack, "NAME")
+            ):
                 kind = kinds[number] = "NAME"
             while True:
                 to = states[stack[-1]].get(kind, NOTHING)[1]
@@ -173,13 +205,17 @@ class Reader:
                 if to is None:
                     at, before, words = kept if kept[0] <= max(0, number - 1) else earlier
                     so_far = Stack(before[0], None)
-                    for state, word in zip(before[1:], words, strict=True):  # the word with which each level begins
+                    for state, word in zip(
+                        before[1:], words, strict=True
+                    ):  # the word with which each level begins
                         so_far = Stack(state, so_far, word)
                     return ReadSoFar(at, so_far)
                 rule = rules[id(to)]
                 width = rule.width
                 if width > 1 or not rule.passes:
-                    value, height = self._made(rule, values[-width:], firsts[-width], number, max(heights[-width:]))
+                    value, height = self._made(
+                        rule, values[-width:], firsts[-width], number, max(heights[-width:])
+                    )
                     first = firsts[-width]
                     del stack[-width:], values[-width:], firsts[-width:], heights[-width:]
                     values.append(value)
@@ -199,12 +235,19 @@ class Reader:
         states, rules, before = self._known.states, self._known.rules, state
         while True:
             to = states[state].get(kind, NOTHING)[1]
-            if to is None or to.__class__ is int or (rule := rules[id(to)]).width > 1 or not rule.passes:
+            if (
+                to is None
+                or to.__class__ is int
+                or (rule := rules[id(to)]).width > 1
+                or not rule.passes
+            ):
                 self._known.passed[below, before, kind] = state
                 return state
             state = states[below][rule.origin][1]
 
-    def _made(self, rule: Rule, values: list[Any], first: int, behind: int, height: int) -> tuple[Any, int]:
+    def _made(
+        self, rule: Rule, values: list[Any], first: int, behind: int, height: int
+    ) -> tuple[Any, int]:
         """Returns what a rule is, and how deep the grammar's own tree of it is: `height` is that of its deepest child."""
         items: list[Any] = []
         for at, is_list in rule.kept:
@@ -229,9 +272,15 @@ class Reader:
         if self._too_large is None and (height > MAX_TREE or self._statements > MAX_STATEMENTS):
             start = self._words.starts[first]
             here, problem = self._span(start, start), "the file has more statements"
-            self._too_large = TooDeep(here, limit=MAX_TREE) if height > MAX_TREE else too_much(problem, MAX_STATEMENTS, here)
+            self._too_large = (
+                TooDeep(here, limit=MAX_TREE)
+                if height > MAX_TREE
+                else too_much(problem, MAX_STATEMENTS, here)
+            )
         if rule.build is None:
-            return Part(name, tuple(items) if name == "names" else items[0] if items else None), height
+            return Part(
+                name, tuple(items) if name == "names" else items[0] if items else None
+            ), height
         words = self._words
         return rule.build(self._span(words.starts[first], words.ends[behind - 1]), *items), height
 

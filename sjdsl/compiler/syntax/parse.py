@@ -21,7 +21,14 @@ from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.characters import CONTROL
 from sjdsl.compiler.syntax.direct import ReadSoFar, read_directly
-from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton, open_marks, read
+from sjdsl.compiler.syntax.recovery.automaton import (
+    END,
+    Automaton,
+    Stack,
+    make_automaton,
+    open_marks,
+    read,
+)
 from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
 from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names, can_come
@@ -54,7 +61,9 @@ def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     return CompileError(problems).diagnostics
 
 
-def mistakes(source: Source, wrong: Diagnostic | None, so_far: ReadSoFar | None) -> list[Diagnostic]:
+def mistakes(
+    source: Source, wrong: Diagnostic | None, so_far: ReadSoFar | None
+) -> list[Diagnostic]:
     """Returns what is wrong with a text that is not read. `wrong`: what is wrong with its version line; `so_far`: what is right."""
     if isinstance(wrong, errors.NewerLanguage):
         return [wrong]
@@ -80,12 +89,17 @@ def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
 @cache
 def parser() -> Lark:
     """Returns the parser of the language, made once a process; its tables are kept from one process to the next."""
-    folder, kept = HERE / "__pycache__", str(HERE / "__pycache__" / "sj.lark.tables")  # beside the compiled Python files
+    folder, kept = (
+        HERE / "__pycache__",
+        str(HERE / "__pycache__" / "sj.lark.tables"),
+    )  # beside the compiled Python files
     with suppress(OSError):
         folder.mkdir(exist_ok=True)
     grammar = files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
     cache = kept if os.access(folder, os.W_OK) else False  # nowhere if nothing can be written there
-    return Lark(grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True, cache=cache)
+    return Lark(
+        grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True, cache=cache
+    )
 
 
 @cache
@@ -108,12 +122,23 @@ def _check_version(source: Source) -> Diagnostic | None:
     line, start = first.group(1), first.start(1)
     number = re.match(r"sj\s+([0-9][0-9._]*)", line)
     if number and number.group(1) not in (VERSION, *ALSO_READ):
-        return errors.NewerLanguage(source.span(start, start + number.end()), version=number.group(1)[:20], known=VERSION)
+        return errors.NewerLanguage(
+            source.span(start, start + number.end()), version=number.group(1)[:20], known=VERSION
+        )
     if number or re.match(r"sj\b", line):
         return None
     word = re.match(r"[\w.]+|.", line).group()[:40]  # type: ignore[union-attr]
-    fix = Fix(source.span(start, start), f"sj {VERSION}\n") if word in ("game", "agents", "kind") else None
-    return errors.NoVersion(source.span(start, start + len(word)), known=VERSION, but=f": it begins with `{word}`", fix=fix)
+    fix = (
+        Fix(source.span(start, start), f"sj {VERSION}\n")
+        if word in ("game", "agents", "kind")
+        else None
+    )
+    return errors.NoVersion(
+        source.span(start, start + len(word)),
+        known=VERSION,
+        but=f": it begins with `{word}`",
+        fix=fix,
+    )
 
 
 def _skip_to_game(found: Scan) -> bool:
@@ -170,18 +195,27 @@ def _report(search: Search, trouble: Trouble, repair: Repair | None, found: Scan
     if repair is not None:
         change = _change_of_braces(repair, trouble.kinds)
         opening = {"RPAR": "LPAR", "RSQB": "LSQB"}.get(repair.kind)
-        if opening and repair.sort in ("insert", "replace"):  # what is to be closed was put in by a repair: the author never wrote it
-            forgiven = open_marks(trouble.automaton, trouble.stack, opening, repair.kind)[:1] == [-1]
+        if opening and repair.sort in (
+            "insert",
+            "replace",
+        ):  # what is to be closed was put in by a repair: the author never wrote it
+            forgiven = open_marks(trouble.automaton, trouble.stack, opening, repair.kind)[:1] == [
+                -1
+            ]
     worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
     forgiven = forgiven or (not worse and change * search.owed < 0)
     search.owed += change if worse or forgiven else 0
     if trouble.at >= search.quiet and not forgiven:
         problem = word_error(trouble, repair, found.tokens, found.source)
         # a reserved word used as a name is one mistake, however often the name is used
-        identity = (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
+        identity = (
+            (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
+        )
         known = search.problems.setdefault(identity, problem)
         if isinstance(known, errors.ReservedWord) and known is not problem:
-            search.problems[identity] = replace(known, labels=(*known.labels, Label(problem.span, "used here, too")))
+            search.problems[identity] = replace(
+                known, labels=(*known.labels, Label(problem.span, "used here, too"))
+            )
     search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
 
 
@@ -206,7 +240,11 @@ def tree_of(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
     at, resolved = reader.parser_state, list[Token]()
     states = at.parse_conf.parse_table.states
     for token in tokens:
-        if token.type in SOFT and not can_come(states, at.state_stack, token.type) and can_come(states, at.state_stack, "NAME"):
+        if (
+            token.type in SOFT
+            and not can_come(states, at.state_stack, token.type)
+            and can_come(states, at.state_stack, "NAME")
+        ):
             token = Token.new_borrow_pos("NAME", token, token)
         reader.feed_token(token)
         resolved.append(token)

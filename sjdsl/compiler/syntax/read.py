@@ -28,12 +28,17 @@ def read_source(path: Path | str) -> Source:
     except FileNotFoundError:
         problem = "there is no such file"
         with suppress(OSError):
-            near_by = near(path.name, [p.name for p in path.parent.iterdir() if p.suffix == path.suffix and p.is_file()])
+            near_by = near(
+                path.name,
+                [p.name for p in path.parent.iterdir() if p.suffix == path.suffix and p.is_file()],
+            )
     except IsADirectoryError:
         problem = "it is a folder"
     except (OSError, ValueError) as error:
         if isinstance(error, OSError) and error.errno == errno.EFBIG:
-            raise CompileError([errors.FileTooLarge(start, given=path.stat().st_size, limit=MAX_BYTES)]) from None
+            raise CompileError(
+                [errors.FileTooLarge(start, given=path.stat().st_size, limit=MAX_BYTES)]
+            ) from None
         problem = (getattr(error, "strerror", None) or "the name is not one of a file").lower()
     else:
         return replace(decode(data, name), folder=path.parent, file=path.resolve())
@@ -50,7 +55,9 @@ def decode(data: bytes, name: str) -> Source:
     try:
         return Source(name, data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
-        raise CompileError([errors.NotText(start, problem=f"byte {error.start} is not UTF-8")]) from None
+        raise CompileError(
+            [errors.NotText(start, problem=f"byte {error.start} is not UTF-8")]
+        ) from None
 
 
 def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
@@ -72,7 +79,9 @@ def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> 
         try:
             problem = _leads_outside(name, span, folders)
             if problem is None and path.is_symlink() and not path.exists():
-                problem = errors.Unreadable(span, name=name, problem="it is a link to a file that is not there")
+                problem = errors.Unreadable(
+                    span, name=name, problem="it is a link to a file that is not there"
+                )
         except (OSError, RuntimeError) as error:  # RuntimeError: links that lead to each other
             why = (getattr(error, "strerror", None) or "its links lead round in a circle").lower()
             problem = errors.Unreadable(span, name=name, problem=why)

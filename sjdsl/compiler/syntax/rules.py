@@ -11,7 +11,9 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 
 Build = Callable[..., Any]
-AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE"))  # kinds of tokens that become plain texts
+AS_WRITTEN = frozenset(
+    ("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE")
+)  # kinds of tokens that become plain texts
 CLAUSES = {  # rules that fill a field of the rule around them
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
     "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none", "by_lot", "wraps",
@@ -57,7 +59,10 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
         plain, given = split(items)
         if is_list:
             plain = (*plain[: number - 1], plain[number - 1 :])
-        values = {name: given.get(clause, () if clause == "names" else None) for name, clause in clauses.items()}
+        values = {
+            name: given.get(clause, () if clause == "names" else None)
+            for name, clause in clauses.items()
+        }
         made: Node = make(span=span, **values, **dict(zip_longest(names, plain)))
         return made
 
@@ -69,7 +74,9 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
 
 def constant(span: Span, *items: Any) -> ast.Constant:
     (name, unit, value, *limits), clauses = split(items)
-    return ast.Constant(span, False, name, clauses.get("by"), unit, value, *(limits[0] if limits else (None, None)))
+    return ast.Constant(
+        span, False, name, clauses.get("by"), unit, value, *(limits[0] if limits else (None, None))
+    )
 
 
 def blocks(span: Span, *items: Any) -> ast.Blocks:
@@ -80,25 +87,45 @@ def blocks(span: Span, *items: Any) -> ast.Blocks:
 def map_(span: Span, *items: Any) -> ast.Map:
     *wraps, content = items
     edges: Literal["joined"] | None = "joined" if wraps else None
-    return ast.Map(span, content, (), edges) if isinstance(content, ast.String) else ast.Map(span, None, content, edges)
+    return (
+        ast.Map(span, content, (), edges)
+        if isinstance(content, ast.String)
+        else ast.Map(span, None, content, edges)
+    )
 
 
 def agents(span: Span, *items: Any) -> ast.Agents:
-    attributes = tuple(i for i in items if isinstance(i, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks))
+    attributes = tuple(
+        i
+        for i in items
+        if isinstance(i, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks)
+    )
     return ast.Agents(span, items[0] if len(items) > len(attributes) else None, attributes)
 
 
 def chosen(span: Span, action: ast.Name | ast.Call) -> ast.Chosen:
-    return ast.Chosen(span, action, None) if isinstance(action, ast.Name) else ast.Chosen(span, action.name, action.arguments)
+    return (
+        ast.Chosen(span, action, None)
+        if isinstance(action, ast.Name)
+        else ast.Chosen(span, action.name, action.arguments)
+    )
 
 
 def shape(span: Span, name: ast.Name, content: ast.Call | tuple[ast.String, ...]) -> ast.Shape:
-    return ast.Shape(span, name, (), content) if isinstance(content, ast.Call) else ast.Shape(span, name, content, None)
+    return (
+        ast.Shape(span, name, (), content)
+        if isinstance(content, ast.Call)
+        else ast.Shape(span, name, content, None)
+    )
 
 
 def window(span: Span, *items: Any) -> ast.Window:
     sides = items[: len(items) - len(items) % 2]
-    return ast.Window(span, tuple(zip(sides[::2], sides[1::2], strict=True)), items[-1] if len(items) % 2 else None)
+    return ast.Window(
+        span,
+        tuple(zip(sides[::2], sides[1::2], strict=True)),
+        items[-1] if len(items) % 2 else None,
+    )
 
 
 def show(span: Span, what: ast.Path, *items: Any) -> ast.Show:
@@ -114,7 +141,9 @@ def checks(span: Span, *items: Any) -> ast.Checks:
 def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
     match first, rest:
         case Part(rule="seek", content=domain), ():
-            return ast.Policy(span, ast.Name(replace(span, end=span.start + len("seek")), "seek"), (), domain)
+            return ast.Policy(
+                span, ast.Name(replace(span, end=span.start + len("seek")), "seek"), (), domain
+            )
         case ast.Name() as name, (Part(content=actions),):
             return ast.Policy(span, name, actions, None)
         case _:
@@ -132,7 +161,11 @@ def match_(span: Span, left: ast.Domain, *items: Any) -> ast.Match:
 
 
 def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
-    return ast.ShapeRef(shape.span, shape.name, shape.arguments) if isinstance(shape, ast.Call) else shape
+    return (
+        ast.ShapeRef(shape.span, shape.name, shape.arguments)
+        if isinstance(shape, ast.Call)
+        else shape
+    )
 
 
 def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
@@ -144,7 +177,9 @@ def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
 
 def binary(op: str) -> Build:
     """A chain of one operator that the tree leaves out, or a single pair."""
-    return lambda span, first, *rest: chain(span, first, *(item for right in rest for item in (op, right)))
+    return lambda span, first, *rest: chain(
+        span, first, *(item for right in rest for item in (op, right))
+    )
 
 
 def entry(span: Span, key: tuple[Any, ...], value: Any) -> ast.Entry:
@@ -188,7 +223,9 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "limits": lambda _, *items: items,
     "unit": lambda _, item: item,
     "entry": entry,
-    "glyph": lambda span, glyph, *starts: ast.Glyph(span, glyph, tuple(zip(starts[::2], starts[1::2], strict=True))),
+    "glyph": lambda span, glyph, *starts: ast.Glyph(
+        span, glyph, tuple(zip(starts[::2], starts[1::2], strict=True))
+    ),
     "blocks": blocks,
     "blocked": lambda _, item: item,
     "field": node(ast.Field, "by"),
@@ -198,9 +235,13 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "map": map_,
     "rows": lambda _, *items: items,
     "agents": agents,
-    "argument": lambda span, *items: ast.Argument(span, items[0] if len(items) > 1 else None, items[-1]),
+    "argument": lambda span, *items: ast.Argument(
+        span, items[0] if len(items) > 1 else None, items[-1]
+    ),
     "chosen": chosen,
-    "forbid": lambda span, *items: ast.Forbid(span, tuple(a for a in items[:-1] if isinstance(a, ast.Chosen)), items[-1]),
+    "forbid": lambda span, *items: ast.Forbid(
+        span, tuple(a for a in items[:-1] if isinstance(a, ast.Chosen)), items[-1]
+    ),
     "all": lambda span: ast.All(span, None),
     "all_but": ast.All,
     "shape": shape,
@@ -234,7 +275,9 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "final": lambda span, name, value: ast.Measure(span, False, name, value),
     "checks": checks,
     "symmetric": lambda span, _, what: ast.Symmetric(span, what),
-    "expect": lambda span, condition, *policies: ast.Expect(span, condition, policies[:-1], int(policies[-1])),
+    "expect": lambda span, condition, *policies: ast.Expect(
+        span, condition, policies[:-1], int(policies[-1])
+    ),
     "policy": policy,
     "scripted": node(ast.ScriptedPolicy, "title"),
     "go": node(ast.Go, avoided="avoiding"),

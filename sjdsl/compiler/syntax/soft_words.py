@@ -15,7 +15,9 @@ SOFT = frozenset((  # kinds of tokens, as in the parser's table
     "POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD", "AWAY", "RANDOM", "AHEAD", "ALONG",
     "WRAPS", "ANY",
 ))  # fmt: skip
-CALLED = frozenset({"ANY"})  # soft words of expressions, where names can stand as well: words only before `(`
+CALLED = frozenset(
+    {"ANY"}
+)  # soft words of expressions, where names can stand as well: words only before `(`
 
 
 def names_in_place(kinds: Sequence[str]) -> list[int]:
@@ -24,7 +26,11 @@ def names_in_place(kinds: Sequence[str]) -> list[int]:
         return []
     own = {kind for before, kind in pairwise(kinds) if before == "DEFINE"}
     following = [*kinds[1:], ""]
-    return [at for at, kind in enumerate(kinds) if kind in CALLED and (kind in own or following[at] != "LPAR")]
+    return [
+        at
+        for at, kind in enumerate(kinds)
+        if kind in CALLED and (kind in own or following[at] != "LPAR")
+    ]
 
 
 def as_names(table: Automaton, tokens: list[Token]) -> list[Token]:
@@ -41,12 +47,18 @@ def as_names(table: Automaton, tokens: list[Token]) -> list[Token]:
 
 def as_name(table: Automaton, stack: Stack, token: Token) -> Token:
     """Returns a token, as a name if it is a soft word that cannot come here and a name can."""
-    if token.type not in SOFT or read_as(table, stack, token.type) is not None or read_as(table, stack, "NAME") is None:
+    if (
+        token.type not in SOFT
+        or read_as(table, stack, token.type) is not None
+        or read_as(table, stack, "NAME") is None
+    ):
         return token
     return Token.new_borrow_pos("NAME", token, token)
 
 
-def can_come(states: Mapping[int, Mapping[str, tuple[Any, Any]]], stack: Sequence[int], kind: str) -> bool:
+def can_come(
+    states: Mapping[int, Mapping[str, tuple[Any, Any]]], stack: Sequence[int], kind: str
+) -> bool:
     """Returns whether a token of this kind can be the next, of the parser's table and the states that it is in."""
     stack = list(stack)
     while True:

@@ -10,7 +10,14 @@ from lark import Lark, Token, UnexpectedCharacters
 
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
-from sjdsl.compiler.diagnostics.limits import MAX_DEPTH, MAX_DIGITS, MAX_INTEGER, MAX_PROBLEMS, MAX_TOKENS, too_much
+from sjdsl.compiler.diagnostics.limits import (
+    MAX_DEPTH,
+    MAX_DIGITS,
+    MAX_INTEGER,
+    MAX_PROBLEMS,
+    MAX_TOKENS,
+    too_much,
+)
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.characters import CONTROL, bad_character, control_characters
 from sjdsl.compiler.syntax.soft_words import names_in_place
@@ -67,13 +74,17 @@ def is_too_large(digits: str) -> bool:
 
 def _is_within_limits(found: Scan, token: Token) -> bool:
     """Reports a number too large, and too many or too deeply nested tokens; the latter two end the reading."""
-    span = partial(found.source.span, token.start_pos or 0, token.end_pos or 0)  # counts lines: called for mistakes alone
+    span = partial(
+        found.source.span, token.start_pos or 0, token.end_pos or 0
+    )  # counts lines: called for mistakes alone
     match token.type:
         case "INT" if is_too_large(token):
             shown = token if len(token) < 20 else f"{token[:8]}... ({len(token)} digits)"
             found.problems.append(too_much(f"{shown} is too large a number", MAX_INTEGER, span()))
         case "DEC" if len(token) > MAX_DIGITS:
-            found.problems.append(too_much(f"this number has {len(token)} characters", MAX_DIGITS, span()))
+            found.problems.append(
+                too_much(f"this number has {len(token)} characters", MAX_DIGITS, span())
+            )
     found.brackets += BRACKETS.get(token.type, 0)
     found.prefixes = found.prefixes + 1 if token.type in PREFIX else 0
     if found.brackets + found.prefixes > MAX_DEPTH:

@@ -24,12 +24,16 @@ def starting_files(name: str) -> dict[str, str]:
       ValueError: the name cannot be that of a game and of a Python module.
     """
     if not NAME.fullmatch(name) or keyword.iskeyword(name):
-        raise ValueError(f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game")
+        raise ValueError(
+            f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game"
+        )
     words = {"NAME": name, "TITLE": name.replace("_", " ").title()}
     templates = files("sjdsl.library.starter")
     return {
         path.format(name=name): re.sub(
-            r"\b(NAME|TITLE)\b", lambda found: words[found[0]], templates.joinpath(f"{file}.txt").read_text("utf-8")
+            r"\b(NAME|TITLE)\b",
+            lambda found: words[found[0]],
+            templates.joinpath(f"{file}.txt").read_text("utf-8"),
         )
         for file, path in FILES.items()
     }
@@ -43,7 +47,9 @@ def copied_files(game: Path, name: str) -> dict[str, str]:
       CompileError: a file of the game cannot be read.
     """
     if not NAME.fullmatch(name):
-        raise ValueError(f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game")
+        raise ValueError(
+            f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game"
+        )
     source = read_source(game)
     span = parse(source).game.name.span
     texts = {f"{name}.sj": source.text[: span.start] + name + source.text[span.end :]}
@@ -51,7 +57,9 @@ def copied_files(game: Path, name: str) -> dict[str, str]:
     place = PurePosixPath(f"{name}.sj")  # of a text in the copy
     for one, file in chain(source):
         texts.setdefault(str(place), one.text)
-        for map_ in (node.file for node in walk(file) if isinstance(node, ast.Map) and node.file is not None):
+        for map_ in (
+            node.file for node in walk(file) if isinstance(node, ast.Map) and node.file is not None
+        ):
             path = inside_folder(map_.text, map_.span, one, problems)
             if path is not None:
                 texts[str(place.parent / map_.text)] = read_source(path).text

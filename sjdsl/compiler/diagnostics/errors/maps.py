@@ -5,7 +5,10 @@ from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic
 
 class UnknownGlyph(Diagnostic, code="SJ301", title="Unknown map glyph"):
     says = "glyph `{glyph}` at row {row}, column {column} is in no kind"
-    hints = ("declare it with `kind` or `glyph`, or did you mean `{other_case}`?", 'declare it, as in `kind NAME "{glyph}"`')
+    hints = (
+        "declare it with `kind` or `glyph`, or did you mean `{other_case}`?",
+        'declare it, as in `kind NAME "{glyph}"`',
+    )
     glyph: str
     row: int
     column: int
@@ -38,11 +41,15 @@ class GlyphTwice(Diagnostic, code="SJ304", title="A glyph of two kinds"):
 
 class BadPicture(Diagnostic, code="SJ305", title="A picture that shows no shape"):
     says = "{problem}"
-    hints = ("a picture has exactly one `^` (the agent, facing up); its cells are `x`, all else `.`",)
+    hints = (
+        "a picture has exactly one `^` (the agent, facing up); its cells are `x`, all else `.`",
+    )
     problem: str
 
 
-class KindAbsent(AboutName, code="SJ306", title="A kind that is not on the map", severity="warning"):
+class KindAbsent(
+    AboutName, code="SJ306", title="A kind that is not on the map", severity="warning"
+):
     says = "kind `{name}` never appears on the map"
 
 
@@ -57,7 +64,9 @@ class BadGlyph(Diagnostic, code="SJ308", title="Not a glyph"):
     problem: str
 
 
-class GlyphOfAgents(Diagnostic, code="SJ311", title="A glyph that agents are drawn with", severity="warning"):
+class GlyphOfAgents(
+    Diagnostic, code="SJ311", title="A glyph that agents are drawn with", severity="warning"
+):
     says = "agents are drawn as `^`, `>`, `v` and `<` where a board is written, in traces and scenes, so nobody can tell `{glyph}` from an agent"
     hints = ("choose another glyph",)
     glyph: str

@@ -66,7 +66,10 @@ class PhasesNotWritten(StartScheduled):
 
 class NoEvent(NotKnown, code="SJ107", title="Event not declared"):
     says = "event `{name}` is not declared in `metrics`"
-    hints = ("write `event {name}` in `metrics`, or did you mean {near.nearest}?", "write `event {name}` in `metrics`")
+    hints = (
+        "write `event {name}` in `metrics`, or did you mean {near.nearest}?",
+        "write `event {name}` in `metrics`",
+    )
     instead = ("{near.nearest}",)
 
 
@@ -98,7 +101,9 @@ class FileOutside(AboutName, code="SJ112", title="A path that leaves the folder"
 
 class LinkOutside(FileOutside):
     says = "`{name}` leaves the folder of the game: `{link}` is a link to `{target}`"
-    hints = ("put a copy in place of the link; a link may lead to what is in the game's own folder",)
+    hints = (
+        "put a copy in place of the link; a link may lead to what is in the game's own folder",
+    )
     link: str
     target: str
 

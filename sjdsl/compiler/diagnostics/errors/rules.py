@@ -51,7 +51,9 @@ class NoFreeCell(NoWayFree):
 
 class TooFewFreeCells(NoFreeCell):
     says = "`{place}` has {cells:cell}, and up to {agents:agent}{movers} may be there or come"
-    hints = ("write `otherwise stay` after it, or take a map with more such cells, or fewer agents",)
+    hints = (
+        "write `otherwise stay` after it, or take a map with more such cells, or fewer agents",
+    )
     cells: int
     agents: int
     movers: str = ""
@@ -64,7 +66,9 @@ class TooFewToStart(TooFewFreeCells):
 
 class TooFewForOne(TooFewFreeCells):
     says = "{cells:cell} of the map certainly fit `{place}` for {who}, and {agents:agent}{movers} with lower numbers may take them first"
-    hints = ("take a map with more such cells, or a condition that leaves each agent cells of its own",)
+    hints = (
+        "take a map with more such cells, or a condition that leaves each agent cells of its own",
+    )
     who: str
 
 
@@ -98,7 +102,9 @@ class NoTick(TickTwice):
     what: str
 
 
-class TimerBothSides(AboutName, code="SJ503", title="A timer set on both sides of `tick`", severity="warning"):
+class TimerBothSides(
+    AboutName, code="SJ503", title="A timer set on both sides of `tick`", severity="warning"
+):
     says = "timer `{name}` is set before and after `tick`"
     hints = ("set it on one side, or it lasts one step less on the other",)
 
@@ -115,12 +121,16 @@ class Unused(AboutName, code="SJ505", title="Never used", severity="warning"):
 
 class IdleAction(AboutName, code="SJ506", title="An action without effect", severity="warning"):
     says = "no rule reads the action `{name}`, so choosing it is the same as `stay`"
-    hints = ("ask for it where it matters, `each agent where agent chose {name}`, or take it out of `acts`",)
+    hints = (
+        "ask for it where it matters, `each agent where agent chose {name}`, or take it out of `acts`",
+    )
 
 
 class IdleSteps(Diagnostic, code="SJ506", title="An action without effect", severity="warning"):
     says = "no phase of the schedule has `move`, so nobody moves by {names}"
-    hints = ("write `phase walk {{ move each agent }}` and schedule it, or take them out of `acts`",)
+    hints = (
+        "write `phase walk {{ move each agent }}` and schedule it, or take them out of `acts`",
+    )
     names: str
 
 
@@ -144,11 +154,15 @@ class NoPlaceWhenBack(NoPlaceYet):
 
 class NoPlaceBefore(NoPlaceYet):
     says = "`{name}` may have been away when the step began, and then `{what}` means nothing"
-    hints = ("name the agents inside `before`, where they are those of that time: `before(count(agent as x where x.row > 2))`",)
+    hints = (
+        "name the agents inside `before`, where they are those of that time: `before(count(agent as x where x.row > 2))`",
+    )
     name: str
 
 
-class NeverCounted(AboutName, code="SJ509", title="An event that is never counted", severity="warning"):
+class NeverCounted(
+    AboutName, code="SJ509", title="An event that is never counted", severity="warning"
+):
     says = "the event `{name}` is listed in `metrics`, but no rule counts it: it is always 0"
     hints = ("count it where it happens, `tally {path}`, or take it out of `metrics`",)
     path: str
@@ -162,7 +176,9 @@ class LookReads(Diagnostic, code="SJ510", title="What `look` may read"):
 
 class SlotsUnfilled(AboutName, code="SJ511", title="A scenario that does not fill its slots"):
     says = "the slots of the scenario `{name}` add up to {given}, and the game has {agents} agents"
-    hints = ("count from the number of agents: `slots players - 2 policy defector`, where `size players` is that number",)
+    hints = (
+        "count from the number of agents: `slots players - 2 policy defector`, where `size players` is that number",
+    )
     given: int
     agents: int
 
@@ -172,7 +188,9 @@ class NoFocalSlot(AboutName, code="SJ512", title="A scenario without a focal age
     hints = ("write `slots 1 focal` for those whose policy is evaluated",)
 
 
-class SoughtBlocks(Diagnostic, code="SJ513", title="A policy that cannot get there", severity="warning"):
+class SoughtBlocks(
+    Diagnostic, code="SJ513", title="A policy that cannot get there", severity="warning"
+):
     """`when`: the condition under which it blocks, empty for always."""
 
     says = "agents cannot enter `{kind}`, which blocks them{when}, so no path leads there"
@@ -181,12 +199,16 @@ class SoughtBlocks(Diagnostic, code="SJ513", title="A policy that cannot get the
     when: str = ""
 
 
-class SeeksItself(AboutName, code="SJ513", title="A policy that cannot get there", severity="warning"):
+class SeeksItself(
+    AboutName, code="SJ513", title="A policy that cannot get there", severity="warning"
+):
     says = "the agent is a member of this domain itself, and stays where it is"
     hints = ("write `where {name} is not agent`",)
 
 
-class BlindPath(Diagnostic, code="SJ513", title="A policy that cannot get there", severity="warning"):
+class BlindPath(
+    Diagnostic, code="SJ513", title="A policy that cannot get there", severity="warning"
+):
     says = "paths don't take into account that `{kind}` blocks agents when {when}, so an agent may push against such a cell for ever"
     hints = ("let it avoid those cells: `avoiding {avoided}`",)
     kind: str
@@ -196,7 +218,9 @@ class BlindPath(Diagnostic, code="SJ513", title="A policy that cannot get there"
 
 class HiddenField(AboutName, code="SJ514", title="A field that a label hides", severity="warning"):
     says = "agents don't see `{kind}.{name}` any more: no label of `{kind}` reads it"
-    hints = ("read it in the condition of a label, or write `hide {kind}.{name}` if nobody should see it",)
+    hints = (
+        "read it in the condition of a label, or write `hide {kind}.{name}` if nobody should see it",
+    )
     kind: str
 
 

@@ -6,7 +6,9 @@ from sjdsl.compiler.diagnostics.errors.names import NotKnown
 
 class NewerLanguage(Diagnostic, code="SJ001", title="A file for another version of the language"):
     says = "this file is for `sj {version}`, and this compiler reads `sj {known}`"
-    hints = ("get a newer compiler (`pip install --upgrade sjdsl`), or write the file for `sj {known}`",)
+    hints = (
+        "get a newer compiler (`pip install --upgrade sjdsl`), or write the file for `sj {known}`",
+    )
     instead = ("sj {known}",)
     version: str
     known: str
@@ -29,7 +31,9 @@ class ReservedWord(Diagnostic, code="SJ003", title="A word of the language used 
     @property
     def suggestions(self) -> tuple[Suggestion, ...]:
         places = (self.span, *(label.span for label in self.labels))
-        return (Suggestion(f"write `{self.other}`", tuple(Fix(span, self.other) for span in places)),)
+        return (
+            Suggestion(f"write `{self.other}`", tuple(Fix(span, self.other) for span in places)),
+        )
 
 
 class BadCharacter(Diagnostic, code="SJ004", title="Not a character of the language"):

@@ -21,7 +21,13 @@ class ProbabilityRange(Diagnostic, code="SJ202", title="Not a probability"):
 
     @property
     def leave(self) -> str:
-        return "fall below 0" if self.high <= 1 + 1e-9 else "exceed 1" if self.high == inf else f"reach {self.high:g}"
+        return (
+            "fall below 0"
+            if self.high <= 1 + 1e-9
+            else "exceed 1"
+            if self.high == inf
+            else f"reach {self.high:g}"
+        )
 
 
 class TableGap(Diagnostic, code="SJ203", title="A table with a gap or an overlap"):
@@ -189,7 +195,9 @@ class OutOfLimits(Negative):
 
 class RoundsTooFar(Negative):
     says = "{name} gets a number that can leave -{limit} .. {limit}"
-    hints = ("give its parameters limits, `in a .. b`, or keep it between two numbers: `round(min(max(x, 0), 100))`",)
+    hints = (
+        "give its parameters limits, `in a .. b`, or keep it between two numbers: `round(min(max(x, 0), 100))`",
+    )
     limit: int
 
 
@@ -215,7 +223,9 @@ class ExtremeOfNothing(AboutName, code="SJ217", title="The largest of none"):
     """`domain`: as it is written."""
 
     says = "`{domain}` can be empty here, and then `{name}` has no value"
-    hints = ("give its value for that case: `{name}(… over {domain} otherwise 0)`; or guard it with `count({domain}) > 0`",)
+    hints = (
+        "give its value for that case: `{name}(… over {domain} otherwise 0)`; or guard it with `count({domain}) > 0`",
+    )
     domain: str
 
 

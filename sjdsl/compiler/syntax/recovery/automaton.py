@@ -42,14 +42,29 @@ def make_automaton(parser: Lark, soft: frozenset[str]) -> Automaton:
         for symbol, (_, argument) in row.items():
             if isinstance(argument, int):
                 after.setdefault(symbol, set()).add(argument)
-    words = {terminal.name: terminal.pattern.value for terminal in parser.terminals if terminal.pattern.type == "str"}
-    return Automaton(states, conf.start_state, conf.end_state, {k: frozenset(v) for k, v in after.items()}, words, soft)
+    words = {
+        terminal.name: terminal.pattern.value
+        for terminal in parser.terminals
+        if terminal.pattern.type == "str"
+    }
+    return Automaton(
+        states,
+        conf.start_state,
+        conf.end_state,
+        {k: frozenset(v) for k, v in after.items()},
+        words,
+        soft,
+    )
 
 
 def read(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
     """Returns the stack after one token of this kind, a soft word also as a name; None if it cannot come here."""
     after = read_as(automaton, stack, kind, token)
-    return read_as(automaton, stack, "NAME", token) if after is None and kind in automaton.soft else after
+    return (
+        read_as(automaton, stack, "NAME", token)
+        if after is None and kind in automaton.soft
+        else after
+    )
 
 
 def read_as(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
@@ -82,7 +97,9 @@ def accepted(automaton: Automaton, stack: Stack) -> list[str]:
     return [kind for kind in kinds if read_as(automaton, stack, kind) is not None]
 
 
-def reach(automaton: Automaton, stack: Stack | None, kinds: Sequence[str], start: int, ahead: int) -> int:
+def reach(
+    automaton: Automaton, stack: Stack | None, kinds: Sequence[str], start: int, ahead: int
+) -> int:
     """Returns how many tokens from `start` on can be read, `ahead` at most; the end of the text counts for all of them."""
     count = 0
     while stack is not None and count < ahead:

@@ -10,7 +10,16 @@ from typing import Literal
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_DEPTH
 from sjdsl.compiler.diagnostics.slips import slip
-from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, accepted, levels, open_braces, reach, read
+from sjdsl.compiler.syntax.recovery.automaton import (
+    END,
+    Automaton,
+    Stack,
+    accepted,
+    levels,
+    open_braces,
+    reach,
+    read,
+)
 from sjdsl.near_names import nearest
 
 AHEAD = 24  # tokens looked at behind an error
@@ -32,12 +41,22 @@ ENTRIES = frozenset((
 RESUMING = STATEMENTS | SECTIONS | ENTRIES | {"LBRACE", "RBRACE", END}
 
 Sort = Literal["near", "name", "insert", "replace", "delete", "close", "unclose", "skip"]
-BONUS = {"near": 6.0, "name": 2.0, "insert": 0.0, "close": 0.0, "unclose": 0.0, "delete": -1.0, "replace": -1.25}
+BONUS = {
+    "near": 6.0,
+    "name": 2.0,
+    "insert": 0.0,
+    "close": 0.0,
+    "unclose": 0.0,
+    "delete": -1.0,
+    "replace": -1.25,
+}
 IMBALANCE = 2.0  # what each brace without a partner costs
 EARLIER = 0.5  # what a change before the last good token costs
 COMMITTING = 2.0  # what it costs to put in a word that asks for a bracket or a value behind it
 COMMITTED = frozenset(("CASE", "COUNT", "SUM", "LPAR", "LSQB", "NOT"))
-NAMELIKE = frozenset(("CASE", "COUNT", "SUM", "NOBODY", "ALL", "FIRST", "SEEK"))  # words that may be names put where they can stand
+NAMELIKE = frozenset(
+    ("CASE", "COUNT", "SUM", "NOBODY", "ALL", "FIRST", "SEEK")
+)  # words that may be names put where they can stand
 REPEATED = 1.0  # what speaks for leaving out a token that stands there twice
 
 
@@ -85,7 +104,11 @@ def find_repair(trouble: Trouble) -> Repair | None:
     for change in _candidates(trouble):
         # few tokens must be read after a word that is nearly right for it to be believed
         needed = 1 if change.sort == "near" else min(ENOUGH, len(trouble.kinds) - trouble.at)
-        seen = reach(trouble.automaton, change.stack, trouble.kinds, change.resume, AHEAD) + change.resume - trouble.at
+        seen = (
+            reach(trouble.automaton, change.stack, trouble.kinds, change.resume, AHEAD)
+            + change.resume
+            - trouble.at
+        )
         if seen >= needed:
             found.append((_score(trouble, change, min(AHEAD, seen)), change))
     if not found:
@@ -100,7 +123,11 @@ def _score(trouble: Trouble, repair: Repair, seen: int) -> float:
     unmatched = len(open_braces(trouble.automaton, repair.stack)) - trouble.closing[repair.resume]
     score = seen + BONUS[repair.sort] - IMBALANCE * min(abs(unmatched), 3) - 0.01 * repair.times
     score -= EARLIER * (repair.place < trouble.at) + COMMITTING * (repair.kind in COMMITTED)
-    repeated = repair.sort == "delete" and trouble.at > 0 and trouble.texts[trouble.at] == trouble.texts[trouble.at - 1]
+    repeated = (
+        repair.sort == "delete"
+        and trouble.at > 0
+        and trouble.texts[trouble.at] == trouble.texts[trouble.at - 1]
+    )
     return score + REPEATED * repeated
 
 
@@ -143,7 +170,11 @@ def _changes_before(trouble: Trouble, before: Stack) -> Iterator[Repair]:
     if trouble.kinds[place] == "RBRACE":
         yield Repair("unclose", trouble.at, before, trouble.at)
     for kind in kinds:
-        after = read(automaton, _read(automaton, before, kind), trouble.kinds[place], place) if kind != END else None
+        after = (
+            read(automaton, _read(automaton, before, kind), trouble.kinds[place], place)
+            if kind != END
+            else None
+        )
         if after is not None:
             yield Repair("insert", place, after, trouble.at, kind)
 
@@ -156,7 +187,9 @@ def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
 
 def can_be_written(automaton: Automaton, kinds: Sequence[str]) -> dict[str, str]:
     """Returns the words and signs of these kinds, each with its kind."""
-    return {word: kind for kind, word in automaton.words.items() if kind in kinds} | ({"==": "CMP"} if "CMP" in kinds else {})
+    return {word: kind for kind, word in automaton.words.items() if kind in kinds} | (
+        {"==": "CMP"} if "CMP" in kinds else {}
+    )
 
 
 def statement_slip(trouble: Trouble, kinds: Sequence[str]) -> str:
