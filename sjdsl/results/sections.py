@@ -27,9 +27,9 @@ from sjdsl.results.selecting import Setting, cell_of, games, in_words, setting_o
 from sjdsl.results.settings import as_written, differing, settings_of
 from sjdsl.results.statistics import compare, draw_profiles, improvements, interquartile_means
 from sjdsl.short_paths import short_names
-from sjdsl.trainers.estimates import estimate
-from sjdsl.trainers.own_settings import OWN
-from sjdsl.trainers.panels import Line, draw_panels, split_lines
+from sjdsl.trainers.policies.estimates import estimate
+from sjdsl.trainers.runs.panels import Line, draw_panels, split_lines
+from sjdsl.trainers.settings.own_settings import OWN
 
 if TYPE_CHECKING:
     import pandas as pd

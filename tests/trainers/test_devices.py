@@ -23,7 +23,9 @@ from run_outcomes import (
     start_sjdsl,
 )
 
-from sjdsl.trainers import ConfigError, PPOConfig, make_config, ppo, sharding
+from sjdsl.trainers import ConfigError, PPOConfig, make_config
+from sjdsl.trainers.algorithms import ppo
+from sjdsl.trainers.runs import sharding
 from tests.cli.command_line import GAME
 
 TWO = "--xla_force_host_platform_device_count=2"

@@ -13,12 +13,13 @@ from probes import matching
 from run_outcomes import read_lines
 
 import sjdsl
-from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_train, updates
-from sjdsl.trainers.checkpoint_pace import CheckpointPace
-from sjdsl.trainers.compiled import Compiled
-from sjdsl.trainers.metrics_files import read_rows, thinned_rows
-from sjdsl.trainers.recorder import open_recorders
-from sjdsl.trainers.training_functions import TrainState
+from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_train
+from sjdsl.trainers.algorithms.training_functions import TrainState
+from sjdsl.trainers.runs import updates
+from sjdsl.trainers.runs.checkpoint_pace import CheckpointPace
+from sjdsl.trainers.runs.compiled import Compiled
+from sjdsl.trainers.runs.metrics_files import read_rows, thinned_rows
+from sjdsl.trainers.runs.recorder import open_recorders
 
 MINUTE = 60.0
 

@@ -12,9 +12,9 @@ import pytest
 from probes import FAST_TO_COMPILE
 
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.trainers.convolution import convolve
-from sjdsl.trainers.initialisation import orthogonal, orthonormal_columns
-from sjdsl.trainers.networks import ActionValues, ActorCritic
+from sjdsl.trainers.networks.architectures import ActionValues, ActorCritic
+from sjdsl.trainers.networks.convolution import convolve
+from sjdsl.trainers.networks.initialisation import orthogonal, orthonormal_columns
 
 PLANES = (
     TokenPlane("content", "word", ("outside", "none", "mine")),

@@ -37,11 +37,11 @@ from sjdsl.trainers import (
     make_train,
     ppo_loss,
     resume,
-    run,
     train,
 )
-from sjdsl.trainers.own_settings import taken_settings
-from sjdsl.trainers.policies import parameter_shapes
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.runs import run
+from sjdsl.trainers.settings.own_settings import taken_settings
 
 SMALL = {
     **QUICK,
@@ -404,8 +404,8 @@ def test_the_commands(
 def test_a_policy_of_an_algorithm_that_was_typed_in_says_so(
     counted: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sjdsl.trainers.extensions._REGISTERED", {})
-    monkeypatch.setattr("sjdsl.trainers.extensions._ALLOWED", set())
+    monkeypatch.setattr("sjdsl.trainers.settings.extensions._REGISTERED", {})
+    monkeypatch.setattr("sjdsl.trainers.settings.extensions._ALLOWED", set())
     with pytest.raises(
         PolicyError,
         match=r"names an algorithm of your own, `test_own_algorithms:counting`.*--allow-code",

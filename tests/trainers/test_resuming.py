@@ -25,9 +25,10 @@ from run_outcomes import (
 )
 
 from sjdsl.termination import Terminated
-from sjdsl.trainers import RunError, make_config, metrics_files, resume, run, train, updates
-from sjdsl.trainers.checkpoints import Checkpoints
-from sjdsl.trainers.recorder import Recorder
+from sjdsl.trainers import RunError, make_config, resume, train
+from sjdsl.trainers.runs import metrics_files, run, updates
+from sjdsl.trainers.runs.checkpoints import Checkpoints
+from sjdsl.trainers.runs.recorder import Recorder
 
 pytestmark = pytest.mark.usefixtures("shared")
 
@@ -299,7 +300,7 @@ def test_the_checkpoint_of_another_run_is_none_of_this_one(
 
 
 def _compile(program: Any, config: Any, parameters: Any) -> Any:
-    from sjdsl.trainers.compiled import compile_train
+    from sjdsl.trainers.runs.compiled import compile_train
 
     return compile_train(program, config, parameters)
 

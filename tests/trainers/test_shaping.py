@@ -13,9 +13,15 @@ import pytest
 from probes import tabled, tables_of, uneven
 
 from sjdsl.trainers import ConfigError, load_preset, make_config
-from sjdsl.trainers.checkpoints import Checkpoints
-from sjdsl.trainers.rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
-from sjdsl.trainers.shaping import Shaping, exchanged, kept_share, make_shaping, svo_deviation
+from sjdsl.trainers.algorithms.rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
+from sjdsl.trainers.algorithms.shaping import (
+    Shaping,
+    exchanged,
+    kept_share,
+    make_shaping,
+    svo_deviation,
+)
+from sjdsl.trainers.runs.checkpoints import Checkpoints
 
 REWARD = jnp.array([[[1.0, -2.0, 4.0]], [[0.0, 0.5, 0.0]]])  # [T=2, B=1, N=3]
 MODES = ("individual", "common", "svo", "exchange", "inequity")

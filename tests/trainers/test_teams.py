@@ -10,7 +10,7 @@ import pytest
 from probes import FAST_TO_COMPILE, Probe, endless_riches, learn, matching, opposite, quick, windows
 
 from sjdsl.trainers import ConfigError, PPOConfig, make_train
-from sjdsl.trainers.actor_critics import ActorCritics, make_actor_critics
+from sjdsl.trainers.networks.actor_critics import ActorCritics, make_actor_critics
 
 CENTRAL = {"algorithm": "mappo"}
 

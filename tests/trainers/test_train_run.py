@@ -21,15 +21,14 @@ from sjdsl.trainers import (
     load_policy,
     make_config,
     make_train,
-    recorder,
     resume,
-    run,
     train,
 )
-from sjdsl.trainers.compiled import compile_train
-from sjdsl.trainers.device import device_name
-from sjdsl.trainers.learning_curve import draw_learning_curve
-from sjdsl.trainers.progress import ProgressStyle, show_progress
+from sjdsl.trainers.devices.device import device_name
+from sjdsl.trainers.runs import recorder, run
+from sjdsl.trainers.runs.compiled import compile_train
+from sjdsl.trainers.runs.learning_curve import draw_learning_curve
+from sjdsl.trainers.runs.progress import ProgressStyle, show_progress
 
 CONFIG = make_config(
     {

@@ -22,13 +22,13 @@ from sjdsl.trainers import (
     register,
     resume,
 )
-from sjdsl.trainers.config import dependent_settings
-from sjdsl.trainers.extensions import RewardMode
-from sjdsl.trainers.manifest import MANIFEST
-from sjdsl.trainers.policy_file import read_policy, write_policy
-from sjdsl.trainers.run_files import write_json
-from sjdsl.trainers.run_folder import describe_run
-from sjdsl.trainers.shaping import make_shaping
+from sjdsl.trainers.algorithms.shaping import make_shaping
+from sjdsl.trainers.json_files import write_json
+from sjdsl.trainers.policies.policy_file import read_policy, write_policy
+from sjdsl.trainers.runs.manifest import MANIFEST
+from sjdsl.trainers.runs.run_folder import describe_run
+from sjdsl.trainers.settings.config import dependent_settings
+from sjdsl.trainers.settings.extensions import RewardMode
 
 
 def test_what_nothing_reads_is_refused_however_it_is_set() -> None:

@@ -1,0 +1,93 @@
+"""Checks that a stopped run can be resumed, and refuses if it would continue differently."""
+
+from pathlib import Path
+from typing import Any
+
+from ..environment import Environment
+from ..settings.config import ConfigError, require_code, stored_config
+from ..settings.extensions import NotAllowed
+from ..settings.own_settings import unread_own
+from .manifest import MANIFEST, read_manifest
+from .run_errors import RunError
+from .run_folder import describe_game, own_files, versions
+
+
+def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
+    """Returns the manifest of a run that can be resumed in `env`.
+
+    Raises:
+      RunError: there is no such run; its game had other rules or numbers; it was made by other versions, whose figures differ; it needs
+        code that the caller hasn't allowed (`allow_code`).
+    """
+    manifest = read_manifest(run_dir)
+    then, now = manifest["game"], describe_game(env)
+    if then.get("hash") != now["hash"]:
+        raise RunError(
+            f"{run_dir} is a run of {then.get('name')} with the rules {then.get('hash')}, and they are {now['hash']} now; "
+            "restore the file, or start a new run"
+        )
+    params = then.get("params", {})
+    if params != now["params"]:
+        changed = [name for name in now["params"] if params.get(name) != now["params"][name]]
+        raise RunError(
+            f"{run_dir} is a run with other numbers of the game: {', '.join(changed) or 'some are gone'}"
+        )
+    known = versions()
+    other = {
+        name: version
+        for name, version in manifest["versions"].items()
+        if known.get(name) != version
+    }
+    if other:
+        listed = ", ".join(
+            f"{name} {version} (here {known.get(name)})" for name, version in other.items()
+        )
+        raise RunError(
+            f"{run_dir} was made with {listed}; its figures would come out differently: install those, or start a new run"
+        )
+    try:
+        config = stored_config(manifest["config"], strict=True)
+        require_code(config, str(run_dir / MANIFEST), to_act=False)
+        files = own_files(config)
+        changed = [
+            name
+            for name, digest in manifest.get("own_files", {}).items()
+            if files.get(name) != digest
+        ]
+        if changed:
+            raise RunError(
+                f"{', '.join(changed)} has changed since {run_dir} was started: restore the file, or start a new run"
+            )
+        for message in unread_own(config).values():
+            raise ConfigError(message)
+    except NotAllowed as error:
+        raise RunError(str(error)) from None
+    except (
+        ConfigError,
+        OSError,
+        ValueError,
+    ) as error:  # a hook that isn't registered, or isn't in its file; a partner's name that isn't a path
+        raise RunError(f"{run_dir / MANIFEST} has an invalid configuration: {error}") from None
+    return manifest
+
+
+def extended(manifest: dict[str, Any], run_dir: Path, total_timesteps: int) -> dict[str, Any]:
+    """Returns the manifest of a run that takes so many environment steps in all.
+
+    Raises:
+      RunError: it has done more already.
+    """
+    before = stored_config(manifest["config"]).total_timesteps
+    longer = stored_config({**manifest["config"], "total_timesteps": total_timesteps})
+    done = manifest.get("updates", 0)
+    if longer.num_updates < done or longer.total_timesteps < before:
+        raise RunError(
+            f"{run_dir} is a run of {before:,} steps that has done {done * longer.steps_per_update:,}; a run can only be made longer: "
+            f"total_timesteps must be more, not {longer.total_timesteps:,}"
+        )
+    note = {"from": before, "to": longer.total_timesteps, "updates": done}
+    return manifest | {
+        "config": longer.record(),
+        "derived": manifest.get("derived", {}) | {"updates": longer.num_updates},
+        "extended": [*manifest.get("extended", []), note],
+    }
