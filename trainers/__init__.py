@@ -1,4 +1,4 @@
-"""Trainers for any compiled game: PPO and value decomposition, evaluation, and the files of a run."""
+"""Trainers for any compiled game: PPO and value decomposition, evaluation, the files of a run."""
 
 from typing import TYPE_CHECKING
 

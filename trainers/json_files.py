@@ -13,7 +13,7 @@ from sjdsl.files import write_whole
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Writes a JSON file whole or not at all; arrays become lists, and what is not finite becomes null."""
+    """Writes a JSON file whole or not at all; arrays become lists, what isn't finite null."""
     write_whole(path, json_text(content))
 
 

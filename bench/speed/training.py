@@ -260,8 +260,8 @@ def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], 
     def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Any]:
         return worlds.memory, jax.random.randint(key, shape, 0, env.num_actions, jnp.int32), keeps
 
-    def follow(memory: Any, observation: Array, info: dict[str, Any]) -> Any:
-        del memory, observation
+    def follow(memory: Any, info: dict[str, Any]) -> Any:
+        del memory
         if isinstance(config, PPOConfig):
             return jnp.zeros(shape)
         return packing.pack(info["terminal_observation"]), pack_mask(

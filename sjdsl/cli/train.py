@@ -165,7 +165,7 @@ def _list_keys(config: "Config") -> None:
             + (f"  # read where {mark.setting} is {mark.values}" if mark else "")
         )
     given = dict(config.own)
-    for name, default, hook in taken_settings(config):
+    for name, default, hook in taken_settings(config.hooks):
         click.echo(
             f"{OWN}{name} = {json.dumps(given.get(name, default), default=str)}  # of {hook}"
         )

@@ -47,8 +47,8 @@ from sjdsl.trainers.runs.progress import ProgressStyle
 from sjdsl.trainers.runs.run import Stage, resume, train
 from sjdsl.trainers.runs.run_errors import DiskError, RunError
 from sjdsl.trainers.runs.run_lock import LOCK
-from sjdsl.trainers.runs.stages import STAGES
 from sjdsl.trainers.settings.config import ConfigError, make_config, stored_config
+from sjdsl.trainers.settings.stage_settings import STAGES
 
 Tell = Callable[[str], None]
 REFUSALS = (RunError, ConfigError, PolicyError, ExperimentError)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from sjdsl.cli import run
+from sjdsl.render.line_plots import Line, draw_panels, split_lines
 from sjdsl.render.plot_style import apart
 from sjdsl.trainers import RunError
 from sjdsl.trainers.runs.curves import curve_line, draw_curves, figures, in_words, read_seeds
 from sjdsl.trainers.runs.learning_curve import curve_panels
 from sjdsl.trainers.runs.learning_signs import FIGURES
 from sjdsl.trainers.runs.metrics_files import known_row
-from sjdsl.trainers.runs.panels import Line, draw_panels, split_lines
 
 ROWS = [
     {

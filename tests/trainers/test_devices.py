@@ -38,7 +38,7 @@ def test_environments_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) 
         ConfigError,
         match="num_envs = 4 environments cannot be spread over 3 devices; choose a multiple",
     ):
-        sharding.make_placement(make_config(num_envs=4))
+        sharding.make_mesh(make_config(num_envs=4))
 
 
 def test_minibatches_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) -> None:

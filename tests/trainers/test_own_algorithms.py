@@ -181,7 +181,9 @@ def test_settings_reach_the_hooks_that_take_them() -> None:
         SMALL, algorithm=counting, reward=weighed, network=Wide, loss=penalised, own=own
     )
     assert dict(config.own) == own
-    assert {name: default for name, default, _ in taken_settings(config) if name != "factor"} == {
+    assert {
+        name: default for name, default, _ in taken_settings(config.hooks) if name != "factor"
+    } == {
         "start": 3,
         "weight": 0.5,
         "times": 1,

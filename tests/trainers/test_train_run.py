@@ -154,7 +154,7 @@ def test_a_stored_policy_acts_as_it_learnt(result: Result) -> None:
         matching(), load_policy(result.run_dir, matching(), greedy=True), jax.random.key(1), 200
     )
     early = evaluate(
-        matching(), load_policy(result.run_dir, matching(), update=8), jax.random.key(1), 200
+        matching(), load_policy(result.run_dir, matching(), which=8), jax.random.key(1), 200
     )
     assert greedy.returns.mean() == 1.0
     assert 0.6 < early.returns.mean() < sampled

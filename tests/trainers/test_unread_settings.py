@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, get_args
 
 import jax
@@ -180,9 +181,10 @@ def test_rewards_read_what_they_are_said_to(algorithm: str, reward: str) -> None
 
     def program(config: Config) -> str:
         shaping = make_shaping(config, 2)
-        return text_of(jax.make_jaxpr(shaping.shape)(np.ones(2), np.ones(2))) + (
-            str(shaping.smoothing) if reward in ("svo", "inequity") else ""
-        )
+        traced = jax.make_jaxpr(
+            lambda reward, trace: shaping.shape(SimpleNamespace(reward=reward, trace=trace))
+        )(np.ones(2), np.ones(2))
+        return text_of(traced) + (str(shaping.smoothing) if reward in ("svo", "inequity") else "")
 
     config = make_config(algorithm=algorithm, reward=reward)
     for name, mark in dependent_settings(type(config)).items():

@@ -1,4 +1,7 @@
-"""Generalised advantage estimation (GAE): discounted credit for actions, bootstrapped at truncations but not at terminations."""
+"""Generalised advantage estimation (GAE): discounted credit for actions.
+
+It is bootstrapped at truncations but not at terminations.
+"""
 
 import jax
 import jax.numpy as jnp
@@ -10,8 +13,9 @@ def successor_values(
 ) -> Array:
     """Returns the bootstrap value after each step.
 
-    Inside an episode it is the value of the next observation. After a truncation it is the value of the observation at which
-    the episode was cut, because rewards would have continued. After a termination it is zero.
+    Inside an episode it is the value of the next observation. After a truncation it is the value of
+    the observation at which the episode was cut, because rewards would have continued. After a
+    termination it is zero.
 
     Args:
       values: `[T, B, N]` value of the observation acted on.
@@ -32,7 +36,8 @@ def generalised_advantages(
 ) -> Array:
     """Returns the advantage of each action.
 
-    delta_t = r_t + gamma * V(s_{t+1}) - V(s_t);  A_t = delta_t + gamma * lambda * A_{t+1}, cut after each episode.
+    delta_t = r_t + gamma * V(s_{t+1}) - V(s_t);  A_t = delta_t + gamma * lambda * A_{t+1}, cut
+    after each episode.
 
     Args:
       rewards: `[T, B, N]` shaped rewards.

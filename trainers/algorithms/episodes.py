@@ -10,7 +10,19 @@ from jax import Array
 
 from sjdsl.runtime.returns import collective_return, equality
 
-from ..environment import Environment, info_shapes
+from ..environment import Environment, info_shapes, where_env
+
+# metrics that have no value if no episode has finished
+OF_EPISODES = {
+    "episode_length",
+    "collective_return",
+    "agent_return",
+    "shaped_agent_return",
+    "equality",
+    "event",
+    "mean",
+    "final",
+}
 
 
 @flax.struct.dataclass
@@ -49,14 +61,16 @@ def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
     """Returns the sums of `num_envs` episodes before their first step."""
     info = info_shapes(env)
     no_metrics = {name: jnp.zeros(num_envs, jnp.float32) for name in info["metrics"]}
+    no_returns = jnp.zeros((num_envs, env.num_agents), jnp.float32)
+    no_events = {
+        name: jnp.zeros((num_envs, *count.shape), jnp.int32)
+        for name, count in info["events"].items()
+    }
     return EpisodeSums(
         length=jnp.zeros(num_envs, jnp.int32),
-        returns=jnp.zeros((num_envs, env.num_agents), jnp.float32),
-        shaped_returns=jnp.zeros((num_envs, env.num_agents), jnp.float32),
-        events={
-            name: jnp.zeros((num_envs, *count.shape), jnp.int32)
-            for name, count in info["events"].items()
-        },
+        returns=no_returns,
+        shaped_returns=jnp.zeros_like(no_returns),
+        events=no_events,
         metric_sums=no_metrics,
         metric_finals=no_metrics,
     )
@@ -65,7 +79,7 @@ def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
 def add_step(
     sums: EpisodeSums, reward: Array, shaped_reward: Array, info: dict[str, Any]
 ) -> EpisodeSums:
-    """Returns the sums after one more step of each of the B episodes; `info` as the step gave it."""
+    """Returns the sums after one more step of B episodes; `info` as the step gave it."""
     return EpisodeSums(
         length=sums.length + 1,
         returns=sums.returns + reward,
@@ -79,10 +93,10 @@ def add_step(
 
 
 def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpisodes]:
-    """Splits `[B]` sums by `done` `[B]`: those of episodes that continue (zero where ended), and the totals of those that ended."""
+    """Splits sums of B episodes by whether they are done, `[B]` bool.
 
-    def where_done(leaf: Array) -> Array:
-        return done.reshape(done.shape + (1,) * (leaf.ndim - 1))
+    Returns the sums of those that continue, zero where they ended, and the totals of the others.
+    """
 
     equal = equality(sums.returns)
     ended = FinishedEpisodes(
@@ -96,14 +110,16 @@ def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpis
         metric_means=sums.metric_means,
         metric_finals=sums.metric_finals,
     )
-    running = jax.tree.map(lambda leaf: jnp.where(where_done(leaf), 0, leaf), sums)
-    return running, jax.tree.map(
-        lambda leaf: jnp.where(where_done(leaf), leaf, 0).sum(axis=0, dtype=leaf.dtype), ended
-    )
+    counted = where_env(done, ended, jax.tree.map(jnp.zeros_like, ended))
+    total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), counted)
+    return where_env(done, jax.tree.map(jnp.zeros_like, sums), sums), total
 
 
 def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
-    """Returns the mean finished episode. Missing values are zeros, so that no program returns NaN: see `without_value`."""
+    """Returns the mean finished episode.
+
+    Missing values are zeros, so that no program returns NaN: see `without_value`.
+    """
     number = jnp.maximum(total.episodes, 1)
     mean = jax.tree.map(lambda leaf: leaf / number, total)
     return {
@@ -121,17 +137,11 @@ def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
 
 
 def without_value(metrics: dict[str, Any]) -> set[str]:
-    """Returns the metrics of a mean episode without a value: all but the count if none finished; equality if one of them lacks it."""
-    of_episodes = {
-        "episode_length",
-        "collective_return",
-        "agent_return",
-        "shaped_agent_return",
-        "equality",
-        "event",
-        "mean",
-        "final",
-    }
+    """Returns the metrics of a mean episode without a value.
+
+    These are all but the counts if no episode finished; the equality if one of them lacks it.
+    """
     if metrics["episodes"] == 0:
-        return of_episodes
-    return {"equality"} if metrics.get("equalities", math.inf) < metrics["episodes"] else set()
+        return OF_EPISODES
+    is_partial = metrics.get("equalities", math.inf) < metrics["episodes"]
+    return {"equality"} if is_partial else set()

@@ -22,13 +22,16 @@ Loss = Callable[
 
 @flax.struct.dataclass
 class Batch:
-    """A rollout to learn from, as M sequences of L steps: L is 1 for networks without memory, T with it.
+    """A rollout to learn from, as M sequences of L steps.
 
-    A minibatch has some of the sequences, with the agents of one team.
+    L is 1 for networks without memory, T with it. A minibatch has some of the sequences, with the
+    agents of one team.
     """
 
     observation: Array  # [L, M, N, bytes] uint8, packed; in a minibatch [L, m, S, P, V, V]
-    joint: Any  # [L, M, ...] states, for critics of the state, or None; in a minibatch [L, m, ...] the input of a central critic, or None
+    # [L, M, ...] states for critics of the state; in a minibatch [L, m, ...] the input of a central
+    # critic; else None
+    joint: Any
     fresh: Array  # [L, M] bool
     memory: Memory  # [M, G, ...] before the first of the L steps
     action: Array  # [L, M, N] int32
@@ -42,9 +45,9 @@ class Batch:
 
 
 def normalised(advantage: Array, config: PPOConfig) -> Array:
-    """Returns advantages about their mean, divided by their deviation, or by `advantage_floor` if that is larger."""
-    # Without any reward, advantages are only the critic's errors; divided by their own deviation, they would move the policy as far as
-    # rewards do.
+    """Returns advantages minus their mean, divided by their deviation or by `advantage_floor`."""
+    # Without any reward, advantages are only the critic's errors; divided by their own deviation,
+    # they would move the policy as far as rewards do.
     centred = advantage - mean_of_all(advantage.mean())
     deviation = jnp.sqrt(mean_of_all(jnp.square(centred).mean()))
     result: Array = centred / jnp.maximum(deviation, config.advantage_floor + 1e-8)
@@ -52,7 +55,10 @@ def normalised(advantage: Array, config: PPOConfig) -> Array:
 
 
 def clipped_surrogate(ratio: Array, advantage: Array, epsilon: float) -> Array:
-    """Returns min(ratio * advantage, clip(ratio, 1 - epsilon, 1 + epsilon) * advantage). Source: Schulman et al. 2017, equation 7."""
+    """Returns min(ratio * advantage, clip(ratio, 1 - epsilon, 1 + epsilon) * advantage).
+
+    Source: Schulman et al. 2017, equation 7.
+    """
     clipped_ratio = jnp.clip(ratio, 1.0 - epsilon, 1.0 + epsilon)
     return jnp.minimum(ratio * advantage, clipped_ratio * advantage)
 
@@ -60,7 +66,11 @@ def clipped_surrogate(ratio: Array, advantage: Array, epsilon: float) -> Array:
 def value_loss(
     value: Array, before: Array, target: Array, unit: Array | float, config: PPOConfig
 ) -> Array:
-    """Returns half the mean squared error of values, in a unit; about those `before`, when acting, they may be clipped (Huang et al. 2022)."""
+    """Returns half the mean squared error of values, in a unit.
+
+    With `clip_value_loss`, values are clipped about those `before`, when acting (Huang et al.
+    2022).
+    """
     squared_error = jnp.square((value - target) / unit)
     if config.clip_value_loss:
         change = jnp.clip((value - before) / unit, -config.clip_epsilon, config.clip_epsilon)

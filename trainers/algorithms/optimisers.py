@@ -3,28 +3,37 @@
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import optax
+from flax.training.train_state import TrainState as Learner
 from jax import Array
 from jax.tree_util import keystr
 
 from ..settings.config import PPOConfig, VDNConfig
 
 
+def start_learner(parameters: Any, optimiser: optax.GradientTransformation) -> Learner:
+    """Returns parameters with their optimiser, before the first gradient step."""
+    learner = Learner.create(apply_fn=None, params=parameters, tx=optimiser)
+    return learner.replace(step=jnp.int32(0))
+
+
 def learning_rate_schedule(config: PPOConfig | VDNConfig) -> optax.Schedule:
     """Returns the learning rate as a function of the gradient steps taken."""
     if not config.anneal_learning_rate:
         return optax.constant_schedule(config.learning_rate)
+    steps = config.num_epochs * config.num_minibatches
     if isinstance(config, VDNConfig) and config.replay == "buffer":
         steps = config.gradient_steps
-    else:
-        steps = config.num_epochs * config.num_minibatches
     return optax.linear_schedule(config.learning_rate, 0.0, config.num_updates * steps)
 
 
 def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
-    """Returns Adam on gradients whose global norm is clipped: for all parameters, or for each part of them.
+    """Returns Adam on gradients whose global norm is clipped.
 
-    With separate optimisers, a critic with large errors (as with summed rewards) doesn't take the actor's share of the clipped norm.
+    There is one for all parameters, or one for each part of them. With separate optimisers, a
+    critic with large errors (as with summed rewards) doesn't take the actor's share of the clipped
+    norm.
     """
     if not parts(config):
         return _clipped_adam(config)
@@ -44,16 +53,13 @@ def part_of_each(parameters: Any) -> Any:
 
 
 def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
-    """Returns the global norm of the gradients before clipping, and that of each part that has an optimiser of its own."""
+    """Returns the global norm of the gradients before clipping, and that of each part, if any."""
     norms = {"gradient_norm": optax.tree.norm(gradients)}
-    of_leaf = jax.tree.leaves(part_of_each(gradients))
+    part_of_leaf = jax.tree.leaves(part_of_each(gradients))
+    leaves = list(zip(jax.tree.leaves(gradients), part_of_leaf, strict=True))
     for part in parts(config):
-        own = [
-            leaf
-            for leaf, name in zip(jax.tree.leaves(gradients), of_leaf, strict=True)
-            if name == part
-        ]
-        norms[f"{part}_gradient_norm"] = optax.tree.norm(own)
+        of_part = [leaf for leaf, other in leaves if other == part]
+        norms[f"{part}_gradient_norm"] = optax.tree.norm(of_part)
     return norms
 
 
@@ -65,7 +71,10 @@ def _clipped_adam(config: PPOConfig) -> optax.GradientTransformation:
 
 
 def make_value_optimiser(config: VDNConfig) -> optax.GradientTransformation:
-    """Returns rectified Adam on gradients whose global norm is clipped. Source: SocialJax, VDN configuration."""
+    """Returns rectified Adam on gradients whose global norm is clipped.
+
+    Source: SocialJax, VDN configuration.
+    """
     return optax.chain(
         optax.clip_by_global_norm(config.max_gradient_norm),
         optax.radam(learning_rate_schedule(config), eps=config.adam_epsilon),

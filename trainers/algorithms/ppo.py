@@ -1,7 +1,9 @@
-"""Proximal policy optimisation (PPO) of N agents: runs of IPPO and MAPPO, with shared or separate networks, and the clipped loss."""
+"""Proximal policy optimisation (PPO) of N agents.
+
+Runs of IPPO and MAPPO, with shared or separate networks, and the clipped loss.
+"""
 
 from dataclasses import replace
-from functools import partial
 from itertools import accumulate
 from typing import Any, cast
 
@@ -23,23 +25,23 @@ from ..environment import Environment
 from ..networks.actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from ..networks.architectures import Memory
 from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask
+from ..networks.teams import learning_agents, over_teams
 from ..networks.value_scale import follow_targets, value_unit
-from ..policies.loading import trained_policy
 from ..settings.config import ConfigError, PPOConfig
 from ..settings.own_settings import filled
 from .advantage import generalised_advantages, successor_values
-from .episodes import FinishedEpisodes, mean_episode
+from .episodes import FinishedEpisodes
 from .losses import Apply, Batch, Loss, clipped_surrogate, mean_entropy, normalised, value_loss
 from .minibatches import check_minibatches, draw_orders
-from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser
-from .partners import Partners, learning_agents
+from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser, start_learner
+from .partners import Partners
 from .rollout import (
     Actor,
     Rollout,
     Worlds,
     chosen_log_probability,
     collect_rollout,
-    rewarded_steps,
+    rollout_metrics,
     start_worlds,
 )
 from .shaping import make_shaping
@@ -69,38 +71,35 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     """Returns the pure functions of a run.
 
     Raises:
-      ConfigError: the rollout doesn't divide into minibatches, or the configuration doesn't fit the environment.
+      ConfigError: the rollout doesn't divide into minibatches, or the configuration doesn't fit the
+        environment.
     """
     check_minibatches(config)
     if config.scale_clip_epsilon:
         config = config.model_copy(update={"clip_epsilon": config.clip_epsilon / env.num_agents})
     networks = make_actor_critics(env, config)
     shaping = make_shaping(config, env.num_agents)
+    optimiser = make_optimiser(config)
     learning = jnp.asarray(learning_agents(env.num_agents, config))
 
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)
-        worlds = start_worlds(
-            env, config.num_envs, networks.start_memory(config.num_envs), worlds_key, partners
-        )
-        learner = start_learner(networks.init(network_key, env), config)
-        return TrainState(key, learner, worlds, jnp.int32(0), jnp.bool_(False))
+        memory = networks.start_memory(config.num_envs)
+        worlds = start_worlds(env, config.num_envs, memory, worlds_key, partners)
+        parameters = networks.init(network_key, env)
+        learner = jax.vmap(lambda own: start_learner(own, optimiser))(parameters)
+        return TrainState.start(key, learner, worlds)
 
     def play(parameters: Any, worlds: Worlds, key: Array) -> Any:
-        return collect_rollout(
-            env,
-            make_actor(env, networks, parameters),
-            worlds,
-            key,
-            config.num_steps,
-            shaping,
-            partners,
-        )
+        actor = make_actor(env, networks, parameters)
+        return collect_rollout(env, actor, worlds, key, config.num_steps, shaping, partners)
 
     def collect(state: TrainState) -> tuple[TrainState, Played]:
         key, rollout_key = jax.random.split(state.key)
-        together = over_devices(play, (ALL, OF_ENVS, ALL), (OF_ENVS, SECOND_OF_ENVS, ALL, ALL))
-        worlds, rollout, finished, measured = together(
+        play_all = over_devices(
+            play, given=(ALL, OF_ENVS, ALL), returned=(OF_ENVS, SECOND_OF_ENVS, ALL, ALL)
+        )
+        worlds, rollout, finished, measured = play_all(
             state.learner.params, state.worlds, rollout_key
         )
         after = replace(state, key=key, worlds=worlds)
@@ -109,64 +108,39 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     def take_steps(
         learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array
     ) -> Any:
-        """Returns the learner, its losses, and the values `[1, M, N]` that the rollout had with their targets."""
+        """Returns the learner, its losses, and values `[L, M, N]` with their targets."""
         _, _, last_value = _read(
             networks, learner.params, worlds.memory, worlds.observation, worlds.state, worlds.fresh
         )
         batch = make_batch(rollout, memory, last_value, config)
-        return *learn_teams(learner, batch, key, networks, config), batch.value, batch.target
+        learner, losses = learn_teams(learner, batch, key, networks, config)
+        return learner, losses, batch.value[..., learning], batch.target[..., learning]
 
     def learn(state: TrainState, played: Played) -> tuple[TrainState, Metrics]:
         rollout = played.rollout
+        before = state.learner
         key, shuffle_key = jax.random.split(state.key)
-        given, returned = (
-            (ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL),
-            (ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS),
+        take_steps_of_all = over_devices(
+            take_steps,
+            given=(ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL),
+            returned=(ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS),
         )
-        together = over_devices(take_steps, given, returned)
-        learner, losses, value, target = together(
-            state.learner, state.worlds, rollout, played.memory, shuffle_key
+        learner, losses, value, target = take_steps_of_all(
+            before, state.worlds, rollout, played.memory, shuffle_key
         )
-        learner, losses["loss"] = keep_if_finite(
-            losses["loss"], learner, state.learner, state.diverged
-        )
-        value, target = (leaf[..., learning] for leaf in (value, target))
+        learner, losses["loss"] = keep_if_finite(losses["loss"], learner, before, state.diverged)
         metrics = {
-            **mean_episode(played.finished),
-            "reward_per_step": rollout.reward.sum(axis=-1).mean(),
-            "rewarded_steps": rewarded_steps(rollout.reward),
-            "metric": played.measured,
+            **rollout_metrics(rollout, played.finished, played.measured),
             **losses,
             "explained_variance": explained_variance(value, target),
-            "learning_rate": learning_rate_schedule(config)(state.learner.step.ravel()[0]),
+            "learning_rate": learning_rate_schedule(config)(before.step.ravel()[0]),
         }
-        diverged = ~jnp.isfinite(losses["loss"])
-        return replace(
-            state, key=key, learner=learner, updates=state.updates + 1, diverged=diverged
-        ), metrics
+        return state.after_update(key, learner, losses["loss"]), metrics
 
     def adopt(state: TrainState, parameters: Any) -> TrainState:
         return replace(state, learner=replace(state.learner, params=parameters))
 
-    return Train(
-        init,
-        collect,
-        learn,
-        lambda state: state.learner.params,
-        adopt,
-        partial(trained_policy, env, config),
-    )
-
-
-def start_learner(parameters: Any, config: PPOConfig) -> Learner:
-    """Returns G learners in one: parameters `[G, ...]`, each with an optimiser."""
-    optimiser = make_optimiser(config)
-    result: Learner = jax.vmap(
-        lambda own: Learner.create(apply_fn=None, params=own, tx=optimiser).replace(
-            step=jnp.int32(0)
-        )
-    )(parameters)
-    return result
+    return Train(init, collect, learn, lambda state: state.learner.params, adopt)
 
 
 def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Actor:
@@ -177,53 +151,48 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
             networks, parameters, worlds.memory, worlds.observation, worlds.state, worlds.fresh
         )
         allowed = allowed_in(env, networks.masks, worlds.state)
-        likes = masked(logits, allowed)
-        action = draw_actions(key, likes)
-        return (
-            memory,
-            action,
-            Acting(chosen_log_probability(likes, action), value, pack_mask(allowed)),
-        )
+        logits = masked(logits, allowed)
+        action = draw_actions(key, logits)
+        log_probability = chosen_log_probability(logits, action)
+        return memory, action, Acting(log_probability, value, pack_mask(allowed))
 
-    def follow(memory: Memory, observation: Array, info: dict[str, Any]) -> Array:
-        del observation
+    def follow(memory: Memory, info: dict[str, Any]) -> Array:
+        """Returns the values `[B, N]` of the observations at which episodes were cut."""
         truncated = info["truncated"]
-        state = None
-        if networks.state_vector is not None:
-            if "terminal_state" not in info:
-                raise ConfigError(
-                    f'`{env.name}` gives no terminal_state in the info of a step; choose critic = "observations"'
-                )
-            state = info["terminal_state"]
+        if networks.state_vector is not None and "terminal_state" not in info:
+            raise ConfigError(
+                f"`{env.name}` gives no terminal_state in the info of a step; "
+                'choose critic = "observations"'
+            )
+
+        def read_last() -> Array:
+            observation, state = info["terminal_observation"], info.get("terminal_state")
+            fresh = jnp.zeros_like(truncated)
+            return _read(networks, parameters, memory, observation, state, fresh)[2]
+
+        def read_nothing() -> Array:
+            return jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32)
 
         # Most steps end no episode, and then the second forward pass is skipped.
-        result: Array = jax.lax.cond(
-            truncated.any(),
-            lambda memory, last, state: _read(
-                networks, parameters, memory, last, state, jnp.zeros_like(truncated)
-            )[2],
-            lambda *_: jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32),
-            memory,
-            info["terminal_observation"],
-            state,
-        )
-        return result
+        values: Array = jax.lax.cond(truncated.any(), read_last, read_nothing)
+        return values
 
     return Actor(act, networks.packing.pack, follow, keeps_state=networks.state_vector is not None)
 
 
 def draw_actions(key: Array, logits: Array) -> Array:
-    """Returns actions `[B, N]` int32 drawn independently from logits `[B, N, A]`, by inverting the cumulative distribution.
+    """Returns actions `[B, N]` int32, drawn independently from logits `[B, N, A]`.
 
-    It needs one random number for each drawn action; `jax.random.categorical` draws one for each possible action.
+    It inverts the cumulative distribution, which needs one random number for each drawn action;
+    `jax.random.categorical` draws one for each possible action.
     """
-    number, agents, _ = logits.shape
-    drawn = jax.vmap(lambda own: jax.random.uniform(own, (agents,)))(own_keys(key, number))
-    *before, total = accumulate(
-        jnp.moveaxis(jax.nn.softmax(logits), -1, 0)
-    )  # summed in order: a share of 0 changes no sum, and is not drawn
-    result: Array = sum((drawn * total >= shares).astype(jnp.int32) for shares in before)
-    return result
+    num_envs, num_agents, _ = logits.shape
+    keys = own_keys(key, num_envs)
+    drawn = jax.vmap(lambda key: jax.random.uniform(key, (num_agents,)))(keys)
+    # summed in order: a share of 0 changes no sum, and is not drawn
+    *before, total = accumulate(jnp.moveaxis(jax.nn.softmax(logits), -1, 0))
+    action: Array = sum((drawn * total >= shares).astype(jnp.int32) for shares in before)
+    return action
 
 
 def _read(
@@ -234,11 +203,10 @@ def _read(
     state: Any,
     fresh: Array,
 ) -> tuple[Memory, Array, Array]:
-    """Returns the memory afterwards, logits `[B, N, A]` and values `[B, N]` of one step of B environments."""
+    """Returns the memory afterwards, logits `[B, N, A]` and values `[B, N]` of one step."""
     observation, state, fresh = jax.tree.map(lambda leaf: leaf[None], (observation, state, fresh))
-    memory, logits, value = networks.apply(
-        parameters, memory, observation, networks.joint(observation, state), fresh
-    )
+    joint = networks.joint(observation, state)
+    memory, logits, value = networks.apply(parameters, memory, observation, joint, fresh)
     return memory, logits[0], value[0]
 
 
@@ -281,38 +249,27 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
 def learn_teams(
     learner: Learner, batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig
 ) -> tuple[Learner, Metrics]:
-    """Returns the learner `[G, ...]` after its epochs; teams learn side by side, and losses are means over teams."""
-    memory = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 1, 0), batch.memory)
-    agents = networks.teams.indices
-    number = len(agents)
-    orders = draw_orders(key, number, config)
+    """Returns the learner `[G, ...]` after its epochs, and its losses, as means over teams."""
+    number = len(networks.teams)
 
     def learn_team(
         learner: Learner, orders: Array, agents: Array, memory: Memory
     ) -> tuple[Learner, Metrics]:
-        return take_epochs(
-            learner,
-            replace(batch, memory=memory),
-            orders,
-            agents,
-            cast(Apply, networks.network.apply),
-            networks,
-            config,
-        )
+        of_team = replace(batch, memory=memory)
+        apply = cast(Apply, networks.network.apply)
+        return take_epochs(learner, of_team, orders, agents, apply, networks, config)
 
-    if number == 1:  # vmap over a single network would turn its convolutions into a loop
-        first = jax.tree.map(lambda leaf: leaf[0], (learner, memory))
-        after, losses = learn_team(first[0], orders[0], agents[0], first[1])
-        return jax.tree.map(lambda leaf: leaf[None], after), losses
-    after, losses = jax.vmap(learn_team)(learner, orders, jnp.asarray(agents), memory)
-    return after, jax.tree.map(jnp.mean, losses)
+    learn = over_teams(learn_team, number, in_axes=(0, 0, 0, 1), out_axes=(0, 0))
+    orders = draw_orders(key, number, config)
+    learner, losses = learn(learner, orders, jnp.asarray(networks.teams), batch.memory)
+    return learner, jax.tree.map(jnp.mean, losses)
 
 
 def take_epochs(
     learner: Learner,
     batch: Batch,
     orders: Array,
-    agents: Any,
+    agents: Array,
     apply: Apply,
     networks: ActorCritics,
     config: PPOConfig,
@@ -326,10 +283,10 @@ def take_epochs(
       agents: `[S]` numbers of the team's agents.
       apply: the network of the team.
     """
+    loss = jax.value_and_grad(loss_of(config), has_aux=True)
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
         minibatch = sample(batch, indices, agents, networks)
-        loss = jax.value_and_grad(loss_of(config), has_aux=True)
         (value, losses), gradients = mean_of_all(
             loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
         )
@@ -337,11 +294,9 @@ def take_epochs(
         return learner.apply_gradients(grads=gradients), losses
 
     if config.normalise_values:
-        learner = learner.replace(
-            params=follow_targets(
-                learner.params, batch.target[..., agents], jnp.equal(learner.step, 0)
-            )
-        )
+        is_first = jnp.equal(learner.step, 0)
+        params = follow_targets(learner.params, batch.target[..., agents], is_first)
+        learner = learner.replace(params=params)
     learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))
     return learner, jax.tree.map(jnp.mean, losses)
 
@@ -351,15 +306,16 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
 
     Only indices are shuffled, so nothing outside the minibatch is copied.
     """
-    # Unsorted, XLA fuses the shuffle into the loop that unpacks bytes, which is slow on a CPU. The order within a minibatch doesn't matter.
+    # Unsorted, XLA fuses the shuffle into the loop that unpacks bytes, which is slow on a CPU.
+    # The order within a minibatch doesn't matter.
     indices = jax.lax.platform_dependent(indices, cpu=jnp.sort, default=lambda unsorted: unsorted)
-    everybody = agents.shape[0] == batch.action.shape[AGENTS_AXIS]
+    is_everybody = agents.shape[0] == batch.action.shape[AGENTS_AXIS]
 
     def of_sequences(leaf: Array) -> Array:
         return leaf[:, indices]
 
     def of_team(leaf: Array) -> Array:
-        return leaf[:, indices] if everybody else leaf[:, indices[:, None], agents]
+        return leaf[:, indices] if is_everybody else leaf[:, indices[:, None], agents]
 
     all_windows = networks.packing.unpack(of_sequences(batch.observation))
     return Batch(
@@ -377,23 +333,21 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
 
 
 def loss_of(config: PPOConfig) -> Loss:
-    """Returns the loss that gradient steps minimise."""
+    """Returns the loss that gradient steps minimise; a user's own is checked when it is traced."""
     if config.loss == "ppo":
         return ppo_loss
-    own = filled("loss", config.loss, config.own)
+    own_loss = filled("loss", config.loss, config.own)
 
-    def checked(*given: Any) -> tuple[Array, Metrics]:
-        result = own(*given)
+    def checked(*arguments: Any) -> tuple[Array, Metrics]:
+        result = own_loss(*arguments)
         match result:
-            case (value, dict() as parts) if all(
-                jnp.ndim(number) == 0 for number in (value, *parts.values())
-            ):
+            case (value, dict() as parts) if not any(map(jnp.ndim, (value, *parts.values()))):
                 return value, parts
-            case _:
-                shapes = jax.tree.map(jnp.shape, result)
-                raise ConfigError(
-                    f"the loss `{config.loss}` must return a number and a dict of numbers, its metrics, not {shapes}"
-                )
+        shapes = jax.tree.map(jnp.shape, result)
+        raise ConfigError(
+            f"the loss `{config.loss}` must return a number and a dict of numbers, its metrics, "
+            f"not {shapes}"
+        )
 
     return checked
 
@@ -403,22 +357,21 @@ def ppo_loss(
 ) -> tuple[Array, Metrics]:
     """Returns the loss of one minibatch, and its parts.
 
-    Source: Schulman et al. 2017, equations 7 and 9; value clipping and the KL estimate as in Huang et al. 2022.
+    Source: Schulman et al. 2017, equations 7 and 9; value clipping and the KL estimate as in Huang
+    et al. 2022.
     """
     _, logits, value = apply(parameters, batch.memory, batch.observation, batch.joint, batch.fresh)
     logits = masked(logits, batch.allowed)
 
     log_ratio = chosen_log_probability(logits, batch.action) - batch.log_probability
     ratio = jnp.exp(log_ratio)
-    policy_loss = -clipped_surrogate(
-        ratio, normalised(batch.advantage, config), config.clip_epsilon
-    ).mean()
+    advantage = normalised(batch.advantage, config)
+    policy_loss = -clipped_surrogate(ratio, advantage, config.clip_epsilon).mean()
     unit = value_unit(parameters) if config.normalise_values else 1.0
     critic_loss = value_loss(value, batch.value, batch.target, unit, config)
     entropy = mean_entropy(logits)
-    loss = (
-        policy_loss + config.value_coefficient * critic_loss - config.entropy_coefficient * entropy
-    )
+    loss = policy_loss + config.value_coefficient * critic_loss
+    loss = loss - config.entropy_coefficient * entropy
     return loss, {
         "loss": loss,
         "policy_loss": policy_loss,
@@ -430,6 +383,7 @@ def ppo_loss(
 
 
 def explained_variance(value: Array, target: Array) -> Array:
-    """Returns the share of the targets' variance that the values explain; 0 if the targets don't vary."""
+    """Returns the share of the targets' variance that the values explain; 0 if they don't vary."""
     variance = target.var()
-    return jnp.where(variance > 0, 1.0 - (target - value).var() / jnp.maximum(variance, 1e-12), 0.0)
+    explained = 1.0 - (target - value).var() / jnp.maximum(variance, 1e-12)
+    return jnp.where(variance > 0, explained, 0.0)

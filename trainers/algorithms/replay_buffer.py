@@ -24,7 +24,7 @@ def empty_replay(entry: Any, capacity: int) -> ReplayBuffer:
 
 
 def add_entries(replay: ReplayBuffer, new: Any) -> ReplayBuffer:
-    """Returns the buffer with entries `[M, ...]` in place of its oldest; M must divide its capacity."""
+    """Returns the buffer with entries `[M, ...]` in place of its oldest; M divides its capacity."""
     number = jax.tree.leaves(new)[0].shape[0]
     capacity = jax.tree.leaves(replay.entries)[0].shape[0]
 

@@ -1,4 +1,4 @@
-"""Rollouts: plays B environments for T steps with the current policies, and returns `[T, B, N, …]` transitions."""
+"""Rollouts: T steps of B environments with the current policies, `[T, B, N, …]`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +11,14 @@ from jax import Array
 
 from ..devices.data_parallel import mean_of_all, own_keys, sum_of_all
 from ..environment import Environment
-from .episodes import EpisodeSums, FinishedEpisodes, add_step, hand_over, zero_sums
+from .episodes import (
+    EpisodeSums,
+    FinishedEpisodes,
+    add_step,
+    hand_over,
+    mean_episode,
+    zero_sums,
+)
 from .partners import NOBODY, Partners
 from .shaping import Shaping
 from .step_record import Step
@@ -52,13 +59,13 @@ class Actor:
 
     act: `(worlds, key) -> memory, action [B, N], kept`.
     pack: packs an observation for the rollout.
-    follow: `(memory, observation, info) -> kept` after the step: `observation` `[B, N, ...]` is the next one, `info` as the step gave it.
+    follow: `(memory, info) -> kept` after the step; `info` as the step gave it.
     keeps_state: whether the rollout keeps the environments' states.
     """
 
     act: Callable[[Worlds, Array], tuple[Any, Array, Any]]
     pack: Callable[[Array], Array]
-    follow: Callable[[Any, Array, dict[str, Any]], Any]
+    follow: Callable[[Any, dict[str, Any]], Any]
     keeps_state: bool = False
 
 
@@ -88,6 +95,18 @@ def rewarded_steps(reward: Array) -> Array:
     return (reward != 0).any(axis=-1).mean()
 
 
+def rollout_metrics(
+    rollout: Rollout, finished: FinishedEpisodes, measured: dict[str, Array]
+) -> dict[str, Any]:
+    """Returns the metrics of what was played, as `collect_rollout` returns it."""
+    return {
+        **mean_episode(finished),
+        "reward_per_step": rollout.reward.sum(axis=-1).mean(),
+        "rewarded_steps": rewarded_steps(rollout.reward),
+        "metric": measured,
+    }
+
+
 def collect_rollout(
     env: Environment,
     actor: Actor,
@@ -108,8 +127,8 @@ def collect_rollout(
       shaping: how raw rewards become shaped ones.
       partners: agents that act by a given policy, instead of the actor's actions.
     Returns:
-      the worlds afterwards, the rollout, the total over the episodes that finished in it, and the game's metrics
-      averaged over all its steps.
+      the worlds afterwards, the rollout, the total over the episodes that finished in it, and the
+      game's metrics averaged over all its steps.
     """
 
     def advance(
@@ -117,32 +136,35 @@ def collect_rollout(
     ) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
         action_key, env_key, *others = jax.random.split(key, 3 if partners.agents else 2)
         memory, action, acting = actor.act(worlds, action_key)
-        theirs = worlds.partners
-        for partners_key in others:
-            theirs, taken = partners.act(
-                env, theirs, partners_key, worlds.observation, worlds.state, worlds.fresh
+        partners_memory = worlds.partners
+        if partners.agents:
+            (partners_key,) = others
+            partners_memory, taken = partners.act(
+                env,
+                partners_memory,
+                partners_key,
+                worlds.observation,
+                worlds.state,
+                worlds.fresh,
             )
             action = partners.in_place(action, taken)
         env_keys = own_keys(env_key, action.shape[0])
         observation, state, reward, done, info = jax.vmap(env.step)(env_keys, worlds.state, action)
         trace = shaping.smoothing * worlds.trace + reward
-        if shaping.own is None:
-            shaped_reward = shaping.shape(reward, trace)
-        else:
-            step = Step(
-                reward=reward,
-                trace=trace,
-                action=action,
-                observation=worlds.observation,
-                state=worlds.state,
-                next_state=info.get("terminal_state"),
-                events=info["events"],
-                metrics=info["metrics"],
-                done=done,
-                truncated=info["truncated"],
-            )
-            shaped_reward = jax.vmap(shaping.own)(step).astype(jnp.float32)
-        running, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
+        step = Step(
+            reward=reward,
+            trace=trace,
+            action=action,
+            observation=worlds.observation,
+            state=worlds.state,
+            next_state=info.get("terminal_state"),
+            events=info["events"],
+            metrics=info["metrics"],
+            done=done,
+            truncated=info["truncated"],
+        )
+        shaped_reward = shaping.shape(step)
+        sums, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
         played = Rollout(
             observation=actor.pack(worlds.observation),
             state=worlds.state if actor.keeps_state else None,
@@ -153,15 +175,20 @@ def collect_rollout(
             done=done,
             truncated=info["truncated"],
             acting=acting,
-            ending=actor.follow(memory, observation, info),
+            ending=actor.follow(memory, info),
         )
         after = Worlds(
-            state, observation, done, jnp.where(done[:, None], 0.0, trace), memory, running, theirs
+            state=state,
+            observation=observation,
+            fresh=done,
+            trace=jnp.where(done[:, None], 0.0, trace),
+            memory=memory,
+            sums=sums,
+            partners=partners_memory,
         )
         return after, (played, finished, info["metrics"])
 
-    worlds, (rollout, finished, metrics) = jax.lax.scan(
-        advance, worlds, jax.random.split(key, num_steps)
-    )
+    keys = jax.random.split(key, num_steps)
+    worlds, (rollout, finished, metrics) = jax.lax.scan(advance, worlds, keys)
     total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), finished)
     return worlds, rollout, sum_of_all(total), mean_of_all(jax.tree.map(jnp.mean, metrics))

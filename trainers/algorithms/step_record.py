@@ -17,11 +17,14 @@ class Step:
     """One step of one environment."""
 
     reward: Array  # [N] float32, the game's
-    trace: Array  # [N] float32, rewards of the episode so far, decayed by `reward_smoothing` a step; with 0, this step's only
+    # [N] float32, rewards of the episode so far, decayed by `reward_smoothing` a step; with 0, this
+    # step's only
+    trace: Array
     action: Array  # [N] int32
     observation: Array  # [N, P, V, V] uint8, acted on
     state: Any  # the environment's, before the action
-    next_state: Any  # after it, before a new episode begins; None if the environment's info has no `terminal_state`
+    # after it, before a new episode begins; None if the environment's info has no `terminal_state`
+    next_state: Any
     events: dict[str, Array]  # name -> [N] or [] int32, counts of this step
     metrics: dict[str, Array]  # name -> [] float32, at the end of the step
     done: Array  # [] bool, the episode ends with this step
@@ -50,6 +53,6 @@ def check_own_reward(env: Environment, config: Config) -> None:
     )
     if paid.shape != (env.num_agents,):
         raise ConfigError(
-            f"the reward `{config.reward}` must give a number for each of the {env.num_agents} agents, an array of shape "
-            f"({env.num_agents},), not {paid.shape}"
+            f"the reward `{config.reward}` must give a number for each of the {env.num_agents} "
+            f"agents, an array of shape ({env.num_agents},), not {paid.shape}"
         )

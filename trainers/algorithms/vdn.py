@@ -1,6 +1,7 @@
-"""Value decomposition networks (VDN): epsilon-greedy team Q-learning with a replay buffer and a target network.
+"""Value decomposition networks (VDN).
 
-Source: Sunehag et al. 2018, "Value-decomposition networks for cooperative multi-agent learning".
+Epsilon-greedy team Q-learning with a replay buffer and a target network. Source: Sunehag et al.
+2018, "Value-decomposition networks for cooperative multi-agent learning".
 """
 
 from dataclasses import replace
@@ -19,12 +20,12 @@ from ..networks.actor_critics import packing_of
 from ..networks.architectures import ActionValues
 from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask, wants_masks
 from ..networks.packing import Packing
+from ..networks.teams import learning_agents
 from ..settings.config import ConfigError, VDNConfig
-from .episodes import mean_episode
-from .optimisers import learning_rate_schedule, make_value_optimiser
-from .partners import Partners, learning_agents
+from .optimisers import learning_rate_schedule, make_value_optimiser, start_learner
+from .partners import Partners
 from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
-from .rollout import Actor, Rollout, Worlds, collect_rollout, rewarded_steps, start_worlds
+from .rollout import Actor, Rollout, Worlds, collect_rollout, rollout_metrics, start_worlds
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
@@ -38,9 +39,8 @@ class Transition:
     reward: Array  # [] float32, the team's
     following: Array  # [N, bytes] uint8, packed, after the step, before a reset
     ended: Array  # [] bool, a termination, not a truncation
-    allowed: Array | None = (
-        None  # [N, bytes] uint8, actions allowed after the step, packed; in a batch [N, A] bool; None: all
-    )
+    # [N, bytes] uint8, actions allowed after the step, packed; in a batch [N, A] bool; None: all
+    allowed: Array | None = None
 
 
 @flax.struct.dataclass
@@ -60,8 +60,8 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
     """
     if config.buffer_size % config.steps_per_update:
         raise ConfigError(
-            f"`buffer_size` must be a multiple of num_envs x num_steps = {config.num_envs} x {config.num_steps} = "
-            f"{config.steps_per_update}, not {config.buffer_size}"
+            f"`buffer_size` must be a multiple of num_envs x num_steps = {config.num_envs} x "
+            f"{config.num_steps} = {config.steps_per_update}, not {config.buffer_size}"
         )
     network = make_action_values(env, config)
     shaping = make_shaping(config, env.num_agents)
@@ -73,14 +73,12 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, (), worlds_key, partners)
         parameters = network.init(network_key, worlds.observation[:1])
-        online = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(
-            step=jnp.int32(0)
+        learner = ValueLearner(
+            online=start_learner(parameters, optimiser),
+            target=jax.tree.map(jnp.copy, parameters),
+            replay=empty_replay(_entry_shapes(env, packing, masks), config.buffer_size),
         )
-        target = jax.tree.map(jnp.copy, parameters)
-        replay = empty_replay(_entry_shapes(env, packing, masks), config.buffer_size)
-        return TrainState(
-            key, ValueLearner(online, target, replay), worlds, jnp.int32(0), jnp.bool_(False)
-        )
+        return TrainState.start(key, learner, worlds)
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
         key, rollout_key = jax.random.split(state.key)
@@ -91,74 +89,60 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         )
         replay = add_entries(state.learner.replay, _entries(rollout))
         learner = replace(state.learner, replay=replay)
-        rewards = {
-            "reward_per_step": rollout.reward.sum(axis=-1).mean(),
-            "rewarded_steps": rewarded_steps(rollout.reward),
-        }
-        return replace(state, key=key, worlds=worlds, learner=learner), (
-            finished,
-            measured,
-            rewards,
-            epsilon,
-        )
+        metrics = {**rollout_metrics(rollout, finished, measured), "epsilon": epsilon}
+        return replace(state, key=key, worlds=worlds, learner=learner), metrics
 
-    def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
-        finished, measured, rewards, epsilon = played
+    def learn(state: TrainState, of_rollout: Metrics) -> tuple[TrainState, Metrics]:
         key, learn_key = jax.random.split(state.key)
         before, target, replay = state.learner.online, state.learner.target, state.learner.replay
-        after, losses = take_gradient_steps(
+        online, losses = take_gradient_steps(
             network, packing, before, target, replay, learn_key, config
         )
         begun = replay.filled >= config.learning_starts
-        after, losses = jax.tree.map(
+        online, losses = jax.tree.map(
             lambda new, old: jnp.where(begun, new, old),
-            (after, losses),
+            (online, losses),
             (before, jax.tree.map(jnp.zeros_like, losses)),
         )
-        after, losses["loss"] = keep_if_finite(losses["loss"], after, before, state.diverged)
-        updates = state.updates + 1
-        target = follow_target(target, after.params, updates, config)
+        online, losses["loss"] = keep_if_finite(losses["loss"], online, before, state.diverged)
+        target = follow_target(target, online.params, state.updates + 1, config)
+        learner = ValueLearner(online, target, replay)
         metrics = {
-            **mean_episode(finished),
-            **rewards,
-            "metric": measured,
+            **of_rollout,
             **losses,
-            "epsilon": epsilon,
             "replayed": replay.filled,
-            "learning_rate": learning_rate_schedule(config)(after.step),
+            "learning_rate": learning_rate_schedule(config)(online.step),
         }
-        diverged = ~jnp.isfinite(losses["loss"])
-        learner = ValueLearner(after, target, replay)
-        return replace(state, key=key, learner=learner, updates=updates, diverged=diverged), metrics
+        return state.after_update(key, learner, losses["loss"]), metrics
 
-    return Train(
-        init, collect, learn, lambda state: state.learner.online.params, adopt, loops=False
-    )  # the replay buffer is large
+    def parameters(state: TrainState) -> Any:
+        return state.learner.online.params
+
+    # The replay buffer is large, and a loop over seeds would copy it.
+    return Train(init, collect, learn, parameters, adopt, loops=False)
 
 
 def adopt(state: TrainState, parameters: Any) -> TrainState:
     """Returns a state with other parameters, for the network and its target."""
     online = replace(state.learner.online, params=parameters)
-    return replace(
-        state,
-        learner=replace(state.learner, online=online, target=jax.tree.map(jnp.copy, parameters)),
-    )
+    target = jax.tree.map(jnp.copy, parameters)
+    return replace(state, learner=replace(state.learner, online=online, target=target))
 
 
 def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition:
-    observation = jax.eval_shape(packing.pack, reset_shapes(env)[0])
+    observation, state = reset_shapes(env)
+    packed = jax.eval_shape(packing.pack, observation)
+    allowed = None
+    if masks:
+        actions = jax.eval_shape(cast(MaskedEnvironment, env).allowed_actions, state)
+        allowed = jax.eval_shape(pack_mask, actions)
     return Transition(
-        observation=observation,
+        observation=packed,
         action=array_shape((env.num_agents,), jnp.int32),
         reward=array_shape((), jnp.float32),
-        following=observation,
+        following=packed,
         ended=array_shape((), jnp.bool_),
-        allowed=jax.eval_shape(
-            lambda state: pack_mask(cast(MaskedEnvironment, env).allowed_actions(state)),
-            reset_shapes(env)[1],
-        )
-        if masks
-        else None,
+        allowed=allowed,
     )
 
 
@@ -173,8 +157,8 @@ def _entries(rollout: Rollout) -> Transition:
         ended=rollout.done & ~rollout.truncated,
         allowed=allowed,
     )
-    result: Transition = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), steps)
-    return result
+    entries: Transition = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), steps)
+    return entries
 
 
 def make_actor(
@@ -185,18 +169,17 @@ def make_actor(
     parameters: Any,
     epsilon: Array,
 ) -> Actor:
-    """Returns agents that take their best action, or with probability `epsilon`, independently, a random one."""
+    """Returns agents that take their best action or, with probability `epsilon`, a random one."""
 
     def act(worlds: Worlds, key: Array) -> tuple[Any, Array, None]:
         allowed = allowed_in(env, masks, worlds.state)
         values = cast(Array, network.apply(parameters, worlds.observation))
         return (), explore(key, values, allowed, epsilon), None
 
-    def follow(memory: Any, observation: Array, info: dict[str, Any]) -> tuple[Array, Array | None]:
-        del memory, observation
-        return packing.pack(info["terminal_observation"]), pack_mask(
-            allowed_in(env, masks, info.get("terminal_state"))
-        )
+    def follow(memory: Any, info: dict[str, Any]) -> tuple[Array, Array | None]:
+        del memory
+        allowed = allowed_in(env, masks, info.get("terminal_state"))
+        return packing.pack(info["terminal_observation"]), pack_mask(allowed)
 
     return Actor(act, packing.pack, follow)
 
@@ -233,30 +216,38 @@ def vdn_loss(
 ) -> tuple[Array, Metrics]:
     """Returns the mean squared error of the team's value, and its parts.
 
-    y = r + gamma * sum over i of max_a Q'_i(s', a), with the target network Q', over the actions allowed in s'. After a termination y = r.
-    With `double_q`, a is the best action of the online network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2.
-    Sums are over the learning agents.
+    y = r + gamma * sum over i of max_a Q'_i(s', a), with the target network Q', over the actions
+    allowed in s'. After a termination y = r. With `double_q`, a is the best action of the online
+    network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2. Sums are over
+    the learning agents.
     """
     values = cast(Array, network.apply(parameters, batch.observation))
     learning = jnp.asarray(learning_agents(values.shape[-2], config))
-    taken = jnp.take_along_axis(values, batch.action[..., None], axis=-1)[..., 0][
-        ..., learning
-    ].sum(axis=-1)
+
+    def of_team(values: Array) -> Array:
+        return values[..., learning].sum(axis=-1)
+
+    team_value = of_team(of_actions(values, batch.action))
     next_values = cast(Array, network.apply(target, batch.following))
     if config.double_q:
-        best = best_action(cast(Array, network.apply(parameters, batch.following)), batch.allowed)
-        following = jnp.take_along_axis(next_values, best[..., None], axis=-1)[..., 0]
+        online_values = cast(Array, network.apply(parameters, batch.following))
+        following = of_actions(next_values, best_action(online_values, batch.allowed))
     else:
         following = masked(next_values, batch.allowed).max(axis=-1)
-    wanted = batch.reward + config.gamma * jnp.where(
-        batch.ended, 0.0, following[..., learning].sum(axis=-1)
-    )
-    error = taken - jax.lax.stop_gradient(wanted)
-    loss = jnp.square(error).mean()
-    return loss, {"loss": loss, "team_value": taken.mean()}
+    wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, of_team(following))
+    loss = jnp.square(team_value - jax.lax.stop_gradient(wanted)).mean()
+    return loss, {"loss": loss, "team_value": team_value.mean()}
+
+
+def of_actions(values: Array, action: Array) -> Array:
+    """Returns the values `[...]` of actions `[...]`, of those of all actions `[..., A]`."""
+    return jnp.take_along_axis(values, action[..., None], axis=-1)[..., 0]
 
 
 def follow_target(target: Any, online: Any, updates: Array, config: VDNConfig) -> Any:
-    """Returns the target's parameters: every `target_update_every` updates they move by `target_rate` towards the online ones."""
+    """Returns the target's parameters.
+
+    Every `target_update_every` updates they move by `target_rate` towards the online ones.
+    """
     rate = jnp.where(updates % config.target_update_every == 0, config.target_rate, 0.0)
     return jax.tree.map(lambda kept, new: (1.0 - rate) * kept + rate * new, target, online)

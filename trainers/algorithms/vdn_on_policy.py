@@ -20,12 +20,13 @@ from ..networks.actor_critics import packing_of
 from ..networks.architectures import ActionValues
 from ..networks.masks import allowed_in, masked, wants_masks
 from ..networks.packing import Packing
+from ..networks.teams import learning_agents
 from ..settings.config import VDNConfig
 from .advantage import generalised_advantages, successor_values
 from .episodes import mean_episode
 from .minibatches import check_minibatches, draw_orders
 from .optimisers import learning_rate_schedule, make_value_optimiser
-from .partners import Partners, learning_agents
+from .partners import Partners
 from .rollout import Actor, Rollout, Worlds, collect_rollout, rewarded_steps, start_worlds
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
@@ -75,8 +76,8 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
             best = masked(values, allowed).max(axis=-1)[..., learning].sum(axis=-1)
             return (), explore(key, values, allowed, epsilon), best
 
-        def follow(memory: Any, observation: Array, info: dict[str, Any]) -> Array:
-            del memory, observation
+        def follow(memory: Any, info: dict[str, Any]) -> Array:
+            del memory
             truncated = info["truncated"]
 
             def of_last(last: Array, state: Any) -> Array:

@@ -1,6 +1,7 @@
 """What each device computes for its own environments, and what devices exchange: sums and means.
 
-Random draws don't depend on the number of devices, so results differ only by the order of float sums.
+Random draws don't depend on the number of devices, so results differ only by the order of float
+sums.
 """
 
 from collections.abc import Callable
@@ -20,7 +21,9 @@ OF_ENVS, SECOND_OF_ENVS = (
 
 
 def over_devices(function: Callable[..., Any], given: Any, returned: Any) -> Callable[..., Any]:
-    """Returns a function that each device computes for its own environments; on one device, the function itself.
+    """Returns a function that each device computes for its own environments.
+
+    On one device, it is the function itself.
 
     Args:
       function: of arrays, or trees of them; results marked `ALL` must be the same on all devices.
@@ -47,7 +50,10 @@ def sum_of_all(tree: Any) -> Any:
 
 
 def own_keys(key: Array, number: int) -> Array:
-    """Returns a key for each of `number` items on this device, such as environments; the keys of all devices come from one key."""
+    """Returns a key for each of `number` items on this device, such as environments.
+
+    The keys of all devices come from one key.
+    """
     if not _is_divided():
         return jax.random.split(key, number)
     keys = jax.random.split(key, number * jax.lax.axis_size(ENVS))
@@ -56,7 +62,7 @@ def own_keys(key: Array, number: int) -> Array:
 
 
 def own_share(number: int) -> int:
-    """Returns a device's share of a number of items inside `over_devices`, elsewhere the number itself."""
+    """Returns a device's share of a number of items inside `over_devices`, elsewhere the number."""
     return number // jax.lax.axis_size(ENVS) if _is_divided() else number
 
 

@@ -8,7 +8,10 @@ import jax
 
 
 def device_name(device: jax.Device) -> str:
-    """Returns the name of an accelerator, or of a CPU's processor (JAX says only `cpu`): its model on Linux, else its architecture."""
+    """Returns the name of an accelerator, or of a CPU's processor (JAX says only `cpu`).
+
+    The latter is its model on Linux, else its architecture.
+    """
     if device.platform != "cpu":
         return str(device.device_kind)
     with suppress(OSError):

@@ -1,11 +1,14 @@
-"""Coordinates the processes of a multi-host run: the first one writes files, and all stop together."""
+"""Coordinates the processes of a multi-host run: the first writes files, and all stop together."""
 
 import jax
 import numpy as np
 
 
 def is_first() -> bool:
-    """Whether this process writes metrics, policies and the manifest; every process writes its part of the checkpoints."""
+    """Whether this process writes metrics, policies and the manifest.
+
+    Every process writes its part of the checkpoints.
+    """
     return jax.process_index() == 0
 
 

@@ -7,7 +7,7 @@ from jax import Array
 from ..environment import Environment
 from ..settings.config import VDNConfig
 from .actor_critics import token_planes
-from .architectures import ActionValues
+from .architectures import ActionValues, Layers
 from .masks import draw_any, masked
 
 
@@ -20,19 +20,13 @@ def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
     return ActionValues(
         num_actions=env.num_actions,
         planes=token_planes(env),
-        kind=config.network,
-        width=config.network_width,
-        dtype=jnp.dtype(config.precision),
+        layers=Layers.of(config),
         numbers=env.num_agents if config.agent_id else 0,
-        sides=config.convolution_sides,
-        channels=config.convolution_channels,
-        own=config.own,
-        layer_norm=config.layer_norm,
     )
 
 
 def explore(key: Array, values: Array, allowed: Array | None, epsilon: Array | float) -> Array:
-    """Returns the best action of values `[..., A]`, or with probability `epsilon` a random one, among those allowed."""
+    """Returns the best allowed action of values `[..., A]`, or with `epsilon` a random one."""
     explore_key, action_key = jax.random.split(key)
     best = best_action(values, allowed)
     explores = jax.random.bernoulli(explore_key, epsilon, best.shape)
@@ -45,7 +39,7 @@ def best_action(values: Array, allowed: Array | None) -> Array:
 
 
 def exploration(config: VDNConfig, updates: Array) -> Array:
-    """Returns the probability of exploring in the rollout after `updates` updates: linear, then constant."""
+    """Returns the probability of exploring after some updates: linear, then constant."""
     gone = jnp.minimum(updates / (config.epsilon_fraction * config.num_updates), 1.0)
     return (config.epsilon_start + gone * (config.epsilon_end - config.epsilon_start)).astype(
         jnp.float32

@@ -1,6 +1,7 @@
-"""Neural networks (flax): from token observations to action logits, state values or action values."""
+"""Neural networks (flax): from token observations to action logits, state or action values."""
 
 import inspect
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -12,6 +13,7 @@ from jax import Array
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
 
+from ..settings.config import Config
 from ..settings.config_errors import ConfigError
 from ..settings.own_settings import filled
 from .convolution import convolve
@@ -21,105 +23,130 @@ from .window_layer import WindowLayer
 HIDDEN_GAIN = 2.0**0.5
 ACTOR_GAIN = 0.01
 CRITIC_GAIN = 1.0
-CONVOLUTION_SIDES = (5, 3, 3)
-CONVOLUTION_CHANNELS = 32
 
+Planes = tuple[TokenPlane, ...]
 Memory = Any  # recurrent state passed from step to step: arrays `[M, ...]`; `()` without memory
+
+
+@dataclass(frozen=True)
+class Layers:
+    """How the layers of a network are made; the fields are settings of a configuration."""
+
+    network: str  # mlp, cnn, or the name of a custom network
+    width: int
+    dtype: Any
+    sides: tuple[int, ...]
+    channels: int
+    own: tuple[tuple[str, Any], ...]  # settings that a custom network may take
+    norm: bool
+
+    @classmethod
+    def of(cls, config: Config) -> "Layers":
+        return cls(
+            network=config.network,
+            width=config.network_width,
+            dtype=jnp.dtype(config.precision),
+            sides=config.convolution_sides,
+            channels=config.convolution_channels,
+            own=config.own,
+            norm=getattr(config, "layer_norm", False),
+        )
 
 
 class Torso(nn.Module):
     """Features of windows of tokens, or of vectors.
 
-    Tokens become channels inside the network, so that rollouts store bytes. `mlp` flattens a window; `cnn` applies convolutions first. Vectors,
-    which have no planes, go straight to the dense layer. Source of the three convolutions: SocialJax.
+    Tokens become channels inside the network, so that rollouts store bytes. `mlp` flattens a
+    window; `cnn` applies convolutions first. Vectors, which have no planes, go straight to the
+    dense layer. Source of the three convolutions: SocialJax.
     """
 
-    planes: tuple[TokenPlane, ...]
-    kind: str  # mlp, cnn, or the name of a custom network
-    width: int
-    dtype: Any
-    sides: tuple[int, ...] = CONVOLUTION_SIDES
-    channels: int = CONVOLUTION_CHANNELS
-    own: tuple[tuple[str, Any], ...] = ()  # settings that a custom network may take
-    layer_norm: bool = False
+    planes: Planes
+    layers: Layers
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
-        """Returns features `[..., width]` of observations `[..., P, V, V]` uint8, or of `[..., K]` float32 if there are no planes."""
+        """Returns features `[..., width]`.
+
+        Args:
+          observation: `[..., P, V, V]` uint8, or `[..., K]` float32 if there are no planes.
+        """
+        layers = self.layers
         if not self.planes:
-            return self._dense(observation.astype(self.dtype))
+            return dense(observation.astype(layers.dtype), layers)
         lead = observation.shape[:-3]
-        if self.kind not in ("mlp", "cnn"):
-            return (
-                self._own(observation.reshape(-1, *observation.shape[-3:]))
-                .reshape(*lead, -1)
-                .astype(self.dtype)
+        windows = observation.reshape(-1, *observation.shape[-3:])
+        if layers.network == "mlp":
+            layer = WindowLayer(
+                layers.width, self.planes, HIDDEN_GAIN, layers.dtype, name="Dense_0"
             )
-        if self.kind == "mlp":
-            return self._activate(
-                WindowLayer(self.width, self.planes, HIDDEN_GAIN, self.dtype, name="Dense_0")(
-                    observation
-                )
-            )
-        features = to_channels(observation, self.planes, self.dtype, scale_numbers=True)
-        features = jnp.moveaxis(
-            features.reshape(-1, *features.shape[-3:]), 1, -1
-        )  # convolutions expect channels last
-        for index, side in enumerate(self.sides):
-            shape = (side, side, features.shape[-1], self.channels)
-            kernel = self.param(f"convolution_{index}", orthogonal(HIDDEN_GAIN), shape)
-            bias = self.param(
-                f"convolution_{index}_bias", nn.initializers.zeros, shape[-1:], jnp.float32
-            )
-            features = nn.relu(
-                convolve(features, kernel.astype(self.dtype)) + bias.astype(self.dtype)
-            )
-        return self._dense(features.reshape(*lead, -1))
+            return activate(layer(observation), layers)
+        if layers.network == "cnn":
+            return dense(self._convolutions(windows).reshape(*lead, -1), layers)
+        return self._own(windows).reshape(*lead, -1).astype(layers.dtype)
+
+    def _convolutions(self, windows: Array) -> Array:
+        dtype = self.layers.dtype
+        features = to_channels(windows, self.planes, dtype, scale_numbers=True)
+        features = jnp.moveaxis(features, 1, -1)  # convolutions expect channels last
+        for index, side in enumerate(self.layers.sides):
+            name = f"convolution_{index}"
+            shape = (side, side, features.shape[-1], self.layers.channels)
+            kernel = self.param(name, orthogonal(HIDDEN_GAIN), shape)
+            bias = self.param(f"{name}_bias", nn.initializers.zeros, shape[-1:], jnp.float32)
+            features = nn.relu(convolve(features, kernel.astype(dtype)) + bias.astype(dtype))
+        return features
 
     def _own(self, tokens: Array) -> Array:
         """Returns the features `[M, K]` of tokens `[M, P, V, V]` uint8 from a custom module.
 
-        It is created with those of `planes`, `width`, `dtype` and `own` for which it has fields or arguments.
+        It is created with those of `planes`, `width`, `dtype` and the user's own settings for which
+        it has fields or arguments.
         """
-        make = filled("network", self.kind, self.own)
+        layers = self.layers
+        make = filled("network", layers.network, layers.own)
+        known = {"planes": self.planes, "width": layers.width, "dtype": layers.dtype}
         fields = inspect.signature(make).parameters
-        known = {"planes": self.planes, "width": self.width, "dtype": self.dtype}
         module = make(**{name: value for name, value in known.items() if name in fields})
         if module.scope is None:  # created beforehand and registered
             module = module.clone(parent=self, name="own")
-        features = module(tokens)
+        features: Array = module(tokens)
         if features.ndim != 2 or features.shape[0] != tokens.shape[0]:
             raise ConfigError(
-                f"the network `{self.kind}` must return features [M, K] for tokens [M, planes, rows, columns], here {tokens.shape}; it returned "
-                f"{features.shape}"
+                f"the network `{layers.network}` must return features [M, K] for tokens "
+                f"[M, planes, rows, columns], here {tokens.shape}; it returned {features.shape}"
             )
-        result: Array = features
-        return result
+        return features
 
-    def _dense(self, features: Array) -> Array:
-        return self._activate(
-            nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(features)
-        )
 
-    def _activate(self, features: Array) -> Array:
-        return nn.relu(nn.LayerNorm(dtype=self.dtype)(features) if self.layer_norm else features)
+def dense(features: Array, layers: Layers) -> Array:
+    """Returns a hidden layer `[..., width]` of features, inside a module's `__call__`."""
+    layer = nn.Dense(layers.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=layers.dtype)
+    return activate(layer(features), layers)
+
+
+def activate(features: Array, layers: Layers) -> Array:
+    """Returns the positive part of features, normalised if the layers are."""
+    if layers.norm:
+        features = nn.LayerNorm(dtype=layers.dtype)(features)
+    return nn.relu(features)
 
 
 def with_numbers(features: Array, agents: Array | None, number: int) -> Array:
-    """Returns features `[..., S, K]` with the one-hot numbers `[S]` of their agents appended: `[..., S, K + number]`.
+    """Returns features `[..., S, K]` with the numbers of their agents: `[..., S, K + number]`.
 
-    They are appended after the torso, so that the later layers, memory included, can differ by agent. With `number` 0 nothing is appended.
+    The numbers `[S]`, one-hot, are appended after the torso, so that the later layers, memory
+    included, can differ by agent. With `number` 0 nothing is appended.
     """
     if number == 0:
         return features
-    known = jax.nn.one_hot(agents, number, dtype=features.dtype)
-    return jnp.concatenate(
-        [features, jnp.broadcast_to(known, (*features.shape[:-1], number))], axis=-1
-    )
+    one_hot = jax.nn.one_hot(agents, number, dtype=features.dtype)
+    numbers = jnp.broadcast_to(one_hot, (*features.shape[:-1], number))
+    return jnp.concatenate([features, numbers], axis=-1)
 
 
 class Recurrence(nn.Module):
-    """A gated recurrent unit along the first axis; its memory is reset at the start of an episode."""
+    """A gated recurrent unit along the first axis, reset at the start of an episode."""
 
     width: int
     dtype: Any
@@ -129,34 +156,37 @@ class Recurrence(nn.Module):
     )
     @nn.compact
     def __call__(self, memory: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Takes memory `[..., width]`, features `[L, ..., K]` and `[L, ...]` bool, fresh; returns memory and `[L, ..., width]`."""
+        """Returns the memory afterwards and outputs `[L, ..., width]`.
+
+        Args:
+          memory: `[..., width]`.
+          step: features `[L, ..., K]`, and `[L, ...]` bool, whether an episode starts.
+        """
         features, fresh = step
         memory = jnp.where(fresh[..., None], jnp.zeros_like(memory), memory)
-        result: tuple[Array, Array] = nn.GRUCell(
-            self.width, dtype=self.dtype, recurrent_kernel_init=orthogonal()
-        )(memory, features)
+        cell = nn.GRUCell(self.width, dtype=self.dtype, recurrent_kernel_init=orthogonal())
+        result: tuple[Array, Array] = cell(memory, features)
         return result
 
 
 class Head(nn.Module):
-    """A hidden layer and a linear layer with float32 outputs; of a critic whose values are normalised, also their scale (`value_scale`)."""
+    """A hidden layer and a linear layer with float32 outputs.
+
+    Of a critic whose values are normalised, it also has their scale (`value_scale`).
+    """
 
     outputs: int
-    width: int
+    layers: Layers
     gain: float
-    dtype: Any
-    layer_norm: bool = False
     normalised: bool = False
 
     @nn.compact
     def __call__(self, features: Array) -> Array:
-        hidden = nn.Dense(self.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=self.dtype)(
-            features
+        hidden = dense(features, self.layers)
+        last = nn.Dense(
+            self.outputs, kernel_init=orthogonal(self.gain), dtype=self.layers.dtype, name="out"
         )
-        hidden = nn.relu(nn.LayerNorm(dtype=self.dtype)(hidden) if self.layer_norm else hidden)
-        outputs = nn.Dense(
-            self.outputs, kernel_init=orthogonal(self.gain), dtype=self.dtype, name="out"
-        )(hidden).astype(jnp.float32)
+        outputs = last(hidden).astype(jnp.float32)
         if not self.normalised:
             return outputs
         mean = self.param("mean", nn.initializers.zeros, (), jnp.float32)
@@ -167,22 +197,18 @@ class Head(nn.Module):
 class ActorCritic(nn.Module):
     """The network that S agents share: a policy given an agent's window, and a value.
 
-    With a local critic, policy and value share one torso, and the value depends on the agent's own window. With a central one, the critic is
-    a separate network that sees `joint`, the same for all agents, and returns all S values at once, so it doesn't need agents' numbers.
+    With a local critic, policy and value share one torso, and the value depends on the agent's own
+    window. With a central one, the critic is a separate network that sees `joint`, the same for all
+    agents, and returns all S values at once, so it doesn't need agents' numbers.
     """
 
     num_actions: int
     num_agents: int  # S
-    planes: tuple[TokenPlane, ...]
-    joint_planes: tuple[TokenPlane, ...] | None  # None: a local critic; (): joint is a vector
-    kind: str
-    width: int
+    planes: Planes
+    joint_planes: Planes | None  # None: a local critic; (): joint is a vector
+    layers: Layers
     recurrent: bool = False
-    dtype: Any = jnp.float32
     numbers: int = 0  # N if the agents' numbers are an input, else 0
-    sides: tuple[int, ...] = CONVOLUTION_SIDES
-    channels: int = CONVOLUTION_CHANNELS
-    own: tuple[tuple[str, Any], ...] = ()
     normalise_values: bool = False
 
     @nn.compact
@@ -205,46 +231,42 @@ class ActorCritic(nn.Module):
         Returns:
           the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
         """
-        torso = partial(
-            Torso,
-            kind=self.kind,
-            width=self.width,
-            dtype=self.dtype,
-            sides=self.sides,
-            channels=self.channels,
-            own=self.own,
+        critic = partial(
+            Head,
+            layers=self.layers,
+            gain=CRITIC_GAIN,
+            normalised=self.normalise_values,
+            name="critic",
         )
-        head = partial(Head, width=self.width, dtype=self.dtype)
-        critic = partial(head, gain=CRITIC_GAIN, normalised=self.normalise_values, name="critic")
-        seen = with_numbers(torso(self.planes, name="torso")(observation), agents, self.numbers)
-        memory, seen = self._remember(
-            "memory", memory, seen, jnp.broadcast_to(fresh[..., None], seen.shape[:-1])
-        )
-        logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(seen)
+        features = Torso(self.planes, self.layers, name="torso")(observation)
+        features = with_numbers(features, agents, self.numbers)
+        of_agents = jnp.broadcast_to(fresh[..., None], features.shape[:-1])
+        memory, features = self._remember("memory", memory, features, of_agents)
+        logits = Head(self.num_actions, self.layers, ACTOR_GAIN, name="actor")(features)
         if self.joint_planes is None:
-            return memory, logits, critic(1)(seen)[..., 0]
+            return memory, logits, critic(1)(features)[..., 0]
         assert joint is not None
-        known = torso(self.joint_planes, name="critic_torso")(joint)
-        memory, known = self._remember("critic_memory", memory, known, fresh)
-        return memory, logits, critic(self.num_agents)(known)
+        features = Torso(self.joint_planes, self.layers, name="critic_torso")(joint)
+        memory, features = self._remember("critic_memory", memory, features, fresh)
+        return memory, logits, critic(self.num_agents)(features)
 
     def _remember(
         self, name: str, memory: Memory, features: Array, fresh: Array
     ) -> tuple[Memory, Array]:
         if not self.recurrent:
             return memory, features
-        after, features = Recurrence(self.width, self.dtype, name=name)(
-            memory[name], (features, fresh)
-        )
+        recurrence = Recurrence(self.layers.width, self.layers.dtype, name=name)
+        after, features = recurrence(memory[name], (features, fresh))
         return {**memory, name: after}, features
 
     def start_memory(self, num_envs: int) -> Memory:
         """Returns the memory before the first step of M environments."""
         if not self.recurrent:
             return ()
-        memory = {"memory": jnp.zeros((num_envs, self.num_agents, self.width), self.dtype)}
+        width, dtype = self.layers.width, self.layers.dtype
+        memory = {"memory": jnp.zeros((num_envs, self.num_agents, width), dtype)}
         if self.joint_planes is not None:
-            memory["critic_memory"] = jnp.zeros((num_envs, self.width), self.dtype)
+            memory["critic_memory"] = jnp.zeros((num_envs, width), dtype)
         return memory
 
 
@@ -252,31 +274,13 @@ class ActionValues(nn.Module):
     """The value of each action given an agent's window; all agents share the network."""
 
     num_actions: int
-    planes: tuple[TokenPlane, ...]
-    kind: str
-    width: int
-    dtype: Any = jnp.float32
+    planes: Planes
+    layers: Layers
     numbers: int = 0  # N if the agents' numbers are an input, else 0
-    sides: tuple[int, ...] = CONVOLUTION_SIDES
-    channels: int = CONVOLUTION_CHANNELS
-    own: tuple[tuple[str, Any], ...] = ()
-    layer_norm: bool = False
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
-        """Returns `[..., N, A]` float32 for observations `[..., N, P, V, V]` uint8 of all agents, in order."""
-        torso = Torso(
-            self.planes,
-            self.kind,
-            self.width,
-            self.dtype,
-            self.sides,
-            self.channels,
-            self.own,
-            self.layer_norm,
-            name="torso",
-        )
-        seen = with_numbers(torso(observation), jnp.arange(self.numbers), self.numbers)
-        return Head(
-            self.num_actions, self.width, CRITIC_GAIN, self.dtype, self.layer_norm, name="values"
-        )(seen)
+        """Returns `[..., N, A]` float32 for the observations `[..., N, P, V, V]` of all agents."""
+        features = Torso(self.planes, self.layers, name="torso")(observation)
+        features = with_numbers(features, jnp.arange(self.numbers), self.numbers)
+        return Head(self.num_actions, self.layers, CRITIC_GAIN, name="values")(features)

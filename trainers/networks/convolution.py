@@ -1,9 +1,10 @@
-"""A 2-D convolution whose gradients are fast inside a loop too, also for many networks under `vmap`.
+"""A 2-D convolution whose gradients are fast inside a loop and for many networks under `vmap`.
 
-Inside a `while` loop, XLA's CPU compiler uses a naive implementation for the transposed convolutions of a gradient (JAX
-0.10: 38 ms instead of 2.5 ms for 32 windows of 11 x 11 x 32 under a 3 x 3 kernel). Written as plain convolutions of
-transposed arrays, they use the fast one. Other devices have kernels for the transposed form and keep it. A batch of kernels
-would become a grouped convolution, which has no fast form on a CPU either; there they are computed one after the other.
+Inside a `while` loop, XLA's CPU compiler uses a naive implementation for the transposed
+convolutions of a gradient (JAX 0.10: 38 ms instead of 2.5 ms for 32 windows of 11 x 11 x 32 under a
+3 x 3 kernel). Written as plain convolutions of transposed arrays, they use the fast one. Other
+devices have kernels for the transposed form and keep it. A batch of kernels would become a grouped
+convolution, which has no fast form on a CPU either; there they are computed one after the other.
 """
 
 from functools import partial
@@ -17,7 +18,12 @@ from jax.custom_batching import custom_vmap
 
 @jax.custom_vjp
 def convolve(features: Array, kernel: Array) -> Array:
-    """Returns features `[M, H, W, C]` under a kernel `[K, K, C, D]`, K odd, padded to the same size: `[M, H, W, D]`."""
+    """Returns features under a kernel, padded to the same size: `[M, H, W, D]`.
+
+    Args:
+      features: `[M, H, W, C]`.
+      kernel: `[K, K, C, D]`, K odd.
+    """
     result: Array = _convolution(kernel.shape[0] // 2)(features, kernel)
     return result
 

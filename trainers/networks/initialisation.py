@@ -1,7 +1,8 @@
 """Orthogonal weight initialisation by the Gram-Schmidt procedure, without LAPACK.
 
-JAX's own initialiser uses a QR decomposition, for which XLA's CPU client calls LAPACK. Several at once, with OpenBLAS's threads, can
-deadlock (JAX 0.10, scipy 1.17: a program with five of them within sixty runs). The Gram-Schmidt procedure needs only products.
+JAX's own initialiser uses a QR decomposition, for which XLA's CPU client calls LAPACK. Several at
+once, with OpenBLAS's threads, can deadlock (JAX 0.10, scipy 1.17: a program with five of them
+within sixty runs). The Gram-Schmidt procedure needs only products.
 """
 
 from collections.abc import Sequence
@@ -14,9 +15,10 @@ from jax import Array
 
 
 def orthogonal(gain: float = 1.0) -> Initializer:
-    """Returns the initialiser of matrices with orthogonal columns, or rows if there are fewer of them, of length `gain`.
+    """Returns the initialiser of matrices with orthogonal columns of length `gain`.
 
-    Leading axes count as rows. Source: Saxe et al. 2014, "Exact solutions to the nonlinear dynamics of learning in deep linear networks".
+    Rows are orthogonal if there are fewer of them. Leading axes count as rows. Source: Saxe et al.
+    2014, "Exact solutions to the nonlinear dynamics of learning in deep linear networks".
     """
 
     def init(key: Array, shape: Sequence[int], dtype: Any = jnp.float32) -> Array:
@@ -33,9 +35,10 @@ def orthogonal(gain: float = 1.0) -> Initializer:
 
 
 def orthonormal_columns(matrix: Array) -> Array:
-    """Returns the columns `[R, C]`, R >= C, made orthogonal to those before and of length one: uniform if the entries are normal.
+    """Returns the columns `[R, C]`, R >= C, made orthogonal to those before and of length one.
 
-    Each is freed of the others twice: once leaves errors of rounding.
+    They are uniform if the entries are normal. Each is freed of the others twice: once leaves
+    errors of rounding.
     """
 
     def free(number: Array, done: Array) -> Array:

@@ -1,7 +1,7 @@
 """Action masks: actions that the game forbids now are neither drawn, nor valued, nor learnt from.
 
-In a compiled game, a forbidden action does the same as `stay`: a mask takes nothing from an agent, but saves it from learning which
-actions do nothing now.
+In a compiled game, a forbidden action does the same as `stay`: a mask takes nothing from an agent,
+but saves it from learning which actions do nothing now.
 """
 
 from typing import Any, cast
@@ -13,7 +13,9 @@ from jax import Array
 from ..environment import Environment, MaskedEnvironment
 from ..settings.config import Config
 
-NEVER = -1e9  # of a logit or a value: in float32 its probability is exactly 0, and, unlike with -inf, gradients and entropies are finite
+# a logit or a value whose probability is exactly 0 in float32; unlike with -inf, gradients and
+# entropies are finite
+NEVER = -1e9
 
 
 def wants_masks(env: Environment, config: Config) -> bool:
@@ -26,12 +28,12 @@ def wants_masks(env: Environment, config: Config) -> bool:
 
 
 def allowed_in(env: Environment, masks: bool, state: Any) -> Array | None:
-    """Returns which actions the agents of B environments may take, `[B, N, A]` bool; None without masks."""
+    """Returns which actions agents of B environments may take, `[B, N, A]` bool, or None."""
     return jax.vmap(cast(MaskedEnvironment, env).allowed_actions)(state) if masks else None
 
 
 def masked(scores: Array, allowed: Array | None) -> Array:
-    """Returns logits or values `[..., A]`, with those of forbidden actions so low that they are never taken."""
+    """Returns logits or values `[..., A]`, so low for forbidden actions that none is ever taken."""
     return scores if allowed is None else jnp.where(allowed, scores, NEVER)
 
 
@@ -45,7 +47,7 @@ def draw_any(key: Array, shape: tuple[int, ...], num_actions: int, allowed: Arra
 
 
 def pack_mask(allowed: Array | None) -> Array | None:
-    """Returns masks `[..., A]` bool as bits, `[..., bytes]` uint8, for rollouts and replay buffers."""
+    """Returns masks `[..., A]` bool as bits `[..., bytes]` uint8, to be stored."""
     return None if allowed is None else jnp.packbits(allowed, axis=-1)
 
 

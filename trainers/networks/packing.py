@@ -1,12 +1,13 @@
 """Packs observations into as few bytes as their planes need, for rollouts and the replay buffer.
 
-A plane of six words takes three bits of its byte; several planes go into one byte where they fit, none into two. Uniform planes are packed
-once for a window, the others in each of its cells.
+A plane of six words takes three bits of its byte; several planes go into one byte where they fit,
+none into two. Uniform planes are packed once for a window, the others in each of its cells.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
@@ -16,41 +17,44 @@ from sjdsl.runtime.planes import TokenPlane
 BYTE = 8
 
 
+class Place(NamedTuple):
+    """Where the bits of a plane are in a cell."""
+
+    plane: int
+    byte: int
+    low: int  # the lowest bit
+    bits: int
+
+
 @dataclass(frozen=True)
 class Part:
     """Where the bits of some planes are, in each of a number of cells."""
 
     cells: int
-    places: tuple[
-        tuple[int, int, int, int], ...
-    ]  # of each plane: its index, number of the byte, lowest bit, number of bits
+    places: tuple[Place, ...]
 
     @property
     def num_bytes(self) -> int:
         """Bytes of a cell."""
-        return max((byte + 1 for _, byte, _, _ in self.places), default=0)
+        return max((place.byte + 1 for place in self.places), default=0)
 
     def pack(self, planes: Array) -> list[Array]:
         """Returns the bytes, `[..., cells]` uint8 each, of planes `[..., P, cells or more]`."""
-        packed: list[Array] = []
-        for number in range(self.num_bytes):
-            inside = [
-                planes[..., plane, : self.cells] << jnp.uint8(low)
-                for plane, byte, low, _ in self.places
-                if byte == number
-            ]
-            together = inside[0]
-            for bits in inside[1:]:
-                together = together | bits
-            packed.append(together)
-        return packed
+        packed: dict[int, Array] = {}
+        for place in self.places:
+            bits = planes[..., place.plane, : self.cells] << jnp.uint8(place.low)
+            if place.byte in packed:
+                bits = packed[place.byte] | bits
+            packed[place.byte] = bits
+        return [*packed.values()]
 
     def unpack(self, packed: Array) -> dict[int, Array]:
         """Returns the planes, `[..., cells]` each, of bytes `[..., num_bytes * cells]`."""
-        each = packed.reshape(*packed.shape[:-1], self.num_bytes, self.cells)
+        by_byte = packed.reshape(*packed.shape[:-1], self.num_bytes, self.cells)
         return {
-            plane: (each[..., byte, :] >> jnp.uint8(low)) & jnp.uint8(2**bits - 1)
-            for plane, byte, low, bits in self.places
+            place.plane: (by_byte[..., place.byte, :] >> jnp.uint8(place.low))
+            & jnp.uint8(2**place.bits - 1)
+            for place in self.places
         }
 
 
@@ -68,21 +72,18 @@ class Packing:
 
     def pack(self, observation: Array) -> Array:
         """Returns `[..., P, rows, cols]` uint8 as `[..., size]` uint8."""
-        planes = observation.reshape(
-            *observation.shape[:-2], -1
-        )  # rows would be too short for vector instructions
+        # rows would be too short for vector instructions
+        planes = observation.reshape(*observation.shape[:-2], -1)
         return jnp.concatenate([byte for part in self.parts for byte in part.pack(planes)], axis=-1)
 
     def unpack(self, packed: Array) -> Array:
         """Returns the observation that `pack` packed."""
         local, uniform = self.parts
         by_cell, once = jnp.split(packed, [local.num_bytes * local.cells], axis=-1)
-        found = local.unpack(by_cell) | uniform.unpack(once)
-        planes = [
-            jnp.broadcast_to(found[plane], (*packed.shape[:-1], local.cells))
-            for plane in range(len(found))
-        ]
-        observation = jnp.stack(planes, axis=-2)
+        planes = local.unpack(by_cell) | uniform.unpack(once)
+        shape = (*packed.shape[:-1], local.cells)
+        in_order = [jnp.broadcast_to(planes[index], shape) for index in range(len(planes))]
+        observation = jnp.stack(in_order, axis=-2)
         return observation.reshape(*observation.shape[:-1], *self.window)
 
 
@@ -92,18 +93,18 @@ def make_packing(planes: Sequence[TokenPlane], window: tuple[int, int]) -> Packi
 
 
 def _part(planes: Sequence[TokenPlane], uniform: bool, cells: int) -> Part:
-    used: list[int] = []
+    used: list[int] = []  # bits of each byte
     places = []
     for index, plane in enumerate(planes):
         if plane.uniform != uniform:
             continue
         bits = bits_of(plane)
-        byte = next(
-            (number for number, taken in enumerate(used) if taken + bits <= BYTE), len(used)
-        )
-        if byte == len(used):
+        fitting = [byte for byte, taken in enumerate(used) if taken + bits <= BYTE]
+        if not fitting:
+            fitting = [len(used)]
             used.append(0)
-        places.append((index, byte, used[byte], bits))
+        byte = fitting[0]
+        places.append(Place(index, byte, used[byte], bits))
         used[byte] += bits
     return Part(cells, tuple(places))
 

@@ -1,85 +1,67 @@
-"""Parameter sharing: agents of one team share a network, and teams are computed together under `vmap`."""
+"""Parameter sharing: the agents of a team share a network, and teams are computed side by side."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
-from ..algorithms.partners import learning_agents
 from ..environment import Environment
-from ..settings.config import PPOConfig
+from ..settings.config import Config, ConfigError, PPOConfig
 
 
-@dataclass(frozen=True)
-class Teams:
-    """G teams of S agents each; a team shares one network."""
+def learning_agents(num_agents: int, config: Config) -> tuple[int, ...]:
+    """Returns the numbers of the agents that learn.
 
-    agents: tuple[tuple[int, ...], ...]  # [G][S] numbers of agents
-
-    @property
-    def indices(self) -> np.ndarray:
-        """`[G, S]` int32."""
-        return np.asarray(self.agents, np.int32)
-
-
-def make_teams(env: Environment, config: PPOConfig) -> Teams:
-    """Returns the teams that `sharing` makes of the agents that learn. Raises ConfigError if `partners` don't fit the agents."""
-    learning = learning_agents(env.num_agents, config)
-    return Teams(
-        (learning,) if config.sharing == "shared" else tuple((agent,) for agent in learning)
-    )
-
-
-def over_teams(teams: Teams, apply: Callable[..., Any], agents_axis: int) -> Callable[..., Any]:
-    """Returns `apply(parameters, memory, observation, joint, fresh, agents)` for all G teams.
-
-    Args:
-      apply: of one team's network; its results have the team's agents on `agents_axis`.
-      agents_axis: of observations and results.
-    Returns:
-      a function of stacked parameters `[G, ...]`, stacked memory, the observations of all N agents, joint and fresh; the agents are those
-      of the teams. Its logits and values have G * S agents, team by team.
+    Raises:
+      ConfigError: a partner isn't an agent of the game, or no agent is left to learn.
     """
-    number = len(teams.agents)
-
-    def applied(
-        parameters: Any, memory: Any, observation: Array, joint: Any, fresh: Array
-    ) -> tuple[Any, Array, Array]:
-        own, agents = of_team(observation, teams.indices, agents_axis), jnp.asarray(teams.indices)
-        if number == 1:  # a batch of one network would cost a loop over its convolutions
-            first = jax.tree.map(lambda leaf: leaf[0], (parameters, memory))
-            memory, logits, values = apply(*first, own[0], joint, fresh, agents[0])
-            return jax.tree.map(lambda leaf: leaf[None], memory), logits, values
-        memory, logits, values = jax.vmap(apply, in_axes=(0, 0, 0, None, None, 0))(
-            parameters, memory, own, joint, fresh, agents
+    held = dict(config.partners)
+    wrong = [agent for agent in held if agent >= num_agents]
+    if wrong:
+        raise ConfigError(
+            f"`partners` names agent {wrong[0]}; the game has agents 0 to {num_agents - 1}"
         )
-        return memory, _side_by_side(logits, agents_axis), _side_by_side(values, agents_axis)
-
-    return applied
-
-
-def of_team(leaf: Array, agents: Any, axis: int) -> Array:
-    """Returns `[G, ..., S, ...]`: the entries of each team's agents `[G, S]` in a leaf with all agents on `axis`."""
-    number, size = agents.shape
-    if number == 1 and size == leaf.shape[axis]:  # one team of everybody, in order
-        return leaf[None]
-    return jnp.moveaxis(jnp.take(leaf, jnp.asarray(agents), axis=axis), axis, 0)
+    if len(held) == num_agents:
+        raise ConfigError(
+            f"`partners` holds all {num_agents} agents fixed: leave out at least one, to learn"
+        )
+    return tuple(agent for agent in range(num_agents) if agent not in held)
 
 
-def _side_by_side(leaf: Array, axis: int) -> Array:
-    """Returns `[..., G * S, ...]` for a leaf `[G, ..., S, ...]` that has S on `axis` of each team."""
-    leaf = jnp.moveaxis(leaf, 0, axis)
-    return leaf.reshape(*leaf.shape[:axis], -1, *leaf.shape[axis + 2 :])
+def make_teams(env: Environment, config: PPOConfig) -> np.ndarray:
+    """Returns the numbers of the agents of G teams, `[G, S]` int32: those that learn, as shared.
+
+    Raises:
+      ConfigError: `partners` don't fit the agents.
+    """
+    learning = np.asarray(learning_agents(env.num_agents, config), np.int32)
+    return learning[None] if config.sharing == "shared" else learning[:, None]
 
 
-def with_partners(teams: Teams, part: Array, axis: int, num_agents: int) -> Array:
-    """Returns the results of all teams with zeros for agents in no team, which don't learn; agents are on `axis`."""
-    agents = teams.indices.ravel()
-    if agents.size == num_agents:
-        return part
-    shape = (*part.shape[:axis], num_agents, *part.shape[axis + 1 :])
-    return jnp.zeros(shape, part.dtype).at[(slice(None),) * axis + (jnp.asarray(agents),)].set(part)
+def over_teams(
+    function: Callable[..., Any],
+    number: int,
+    in_axes: Sequence[int | None],
+    out_axes: Sequence[int],
+) -> Callable[..., Any]:
+    """Returns `jax.vmap` of a function over teams.
+
+    A single team is computed without: under `vmap`, its convolutions would become a loop.
+    """
+    if number > 1:
+        return jax.vmap(function, tuple(in_axes), tuple(out_axes))
+
+    def alone(*arguments: Any) -> Any:
+        of_team = [
+            argument if axis is None else jax.tree.map(partial(jnp.squeeze, axis=axis), argument)
+            for argument, axis in zip(arguments, in_axes, strict=True)
+        ]
+        return tuple(
+            jax.tree.map(partial(jnp.expand_dims, axis=axis), result)
+            for result, axis in zip(function(*of_team), out_axes, strict=True)
+        )
+
+    return alone

@@ -1,8 +1,10 @@
-"""Value normalisation: a critic predicts values in units of the running mean and deviation of its targets.
+"""Value normalisation.
 
-So one learning rate and one value coefficient suit games with small and large returns. The two moments are parameters that gradients don't
-reach. When they move, the critic's last layer is rescaled, so that no value changes. Source: van Hasselt et al. 2016, "Learning values
-across many orders of magnitude" (Pop-Art), equations 1 to 4.
+A critic predicts values in units of the running mean and deviation of its targets. So one learning
+rate and one value coefficient suit games with small and large returns. The two moments are
+parameters that gradients don't reach. When they move, the critic's last layer is rescaled, so that
+no value changes. Source: van Hasselt et al. 2016, "Learning values across many orders of magnitude"
+(Pop-Art), equations 1 to 4.
 """
 
 from typing import Any
@@ -14,7 +16,9 @@ from jax import Array
 from ..devices.data_parallel import mean_of_all
 
 RATE = 0.2  # how far the moments move towards those of each rollout
-LEAST_VARIANCE = 1e-2  # of targets, so that errors alone aren't scaled up while nobody is rewarded. Source: MAPPO (Yu et al. 2022), its code
+# of targets, so that errors alone aren't scaled up while nobody is rewarded. Source: MAPPO (Yu et
+# al. 2022), its code
+LEAST_VARIANCE = 1e-2
 
 
 def value_unit(parameters: Any) -> Array:
@@ -24,12 +28,13 @@ def value_unit(parameters: Any) -> Array:
 
 
 def follow_targets(parameters: Any, target: Array, first: Array) -> Any:
-    """Returns a network's parameters with moments moved towards those of the targets, and the same values as before.
+    """Returns parameters with moments moved towards those of the targets, and the same values.
 
     Args:
       parameters: of one `ActorCritic` that normalises values.
       target: of the values in the rollout, any shape.
-      first: `[]` bool, whether nothing has been learnt yet, so that the targets' moments are adopted whole.
+      first: `[]` bool, whether nothing has been learnt yet, so that the targets' moments are
+        adopted whole.
     """
     critic = parameters["params"]["critic"]
     rate = jnp.where(first, 1.0, RATE)
@@ -48,7 +53,7 @@ def follow_targets(parameters: Any, target: Array, first: Array) -> Any:
 
 
 def converted(parameters: Any, normalised: bool) -> Any:
-    """Returns the parameters of networks, stacked or not, with or without moments, and the same values as before."""
+    """Returns the parameters of networks, stacked or not, with or without moments; values stay."""
     critic = parameters["params"]["critic"]
     if normalised == ("deviation" in critic):
         return parameters

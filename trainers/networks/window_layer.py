@@ -1,8 +1,9 @@
-"""The first dense layer of a network that reads windows of tokens flat: a sum of looked-up rows on a CPU, a product elsewhere.
+"""The first dense layer of a network that reads windows of tokens flat.
 
-Its input has a channel for each value that a token can have, and is almost all zeros. On a CPU, a loop over the cells of a window looks up
-the rows of the kernel for the cell's content, in all windows at once, and adds them. That is several times as fast as the product
-(docs/performance.md). GPUs are better at products.
+It is a sum of looked-up rows on a CPU, a product elsewhere. Its input has a channel for each value
+that a token can have, and is almost all zeros. On a CPU, a loop over the cells of a window looks up
+the rows of the kernel for the cell's content, in all windows at once, and adds them. That is
+several times as fast as the product (docs/performance.md). GPUs are better at products.
 """
 
 import math
@@ -20,12 +21,17 @@ from sjdsl.runtime.tokens import to_channels
 from .initialisation import orthogonal
 from .window_rows import Planes, groups_of, make_tables, row_numbers, rows_by_plane, rows_of
 
-ALIGNED = 8  # numbers in a row of a matrix, or a multiple of them: any other row XLA copies for a GPU, to one that is longer
+# numbers in a row of a matrix, or a multiple of them: other rows XLA copies, to longer ones, for a
+# GPU
+ALIGNED = 8
 CELLS = 4  # cells whose rows are added in one pass over the windows; measured (docs/performance.md)
 
 
 class WindowLayer(nn.Module):
-    """A dense layer on the channels of windows, with the parameters, and their names, of `nn.Dense` on those channels."""
+    """A dense layer on the channels of windows.
+
+    It has the parameters, and their names, of `nn.Dense` on those channels.
+    """
 
     width: int
     planes: Planes
@@ -36,17 +42,20 @@ class WindowLayer(nn.Module):
     def __call__(self, tokens: Array) -> Array:
         """Returns `[..., width]` of windows `[..., P, V, V]` uint8, with values of their planes."""
         lead, window = tokens.shape[:-3], tokens.shape[-3:]
-        inputs = sum(len(plane.channels) for plane in self.planes) * math.prod(window[1:])
-        kernel = self.param("kernel", orthogonal(self.gain), (inputs, self.width))
+        shape = (_num_inputs(tokens, self.planes), self.width)
+        kernel = self.param("kernel", orthogonal(self.gain), shape)
         bias = self.param("bias", nn.initializers.zeros, (self.width,), jnp.float32)
-        result = _weigh_once(
-            kernel, tokens.reshape(-1, *window), self.planes, self.dtype
-        ) + bias.astype(self.dtype)
-        return result.reshape(*lead, self.width)
+        weighed = _weigh_once(kernel, tokens.reshape(-1, *window), self.planes, self.dtype)
+        return (weighed + bias.astype(self.dtype)).reshape(*lead, self.width)
+
+
+def _num_inputs(tokens: Array, planes: Planes) -> int:
+    """Returns the channels of a window of tokens `[..., V, V]`, over all its cells."""
+    return sum(len(plane.channels) for plane in planes) * math.prod(tokens.shape[-2:])
 
 
 def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Array:
-    """Computes `weigh` with uniform planes as one cell, whose rows are the sums of the kernel's rows over all cells."""
+    """Computes `weigh` with uniform planes as one cell, whose rows are the sums over all cells."""
     uniform = [place for place, plane in enumerate(planes) if plane.uniform]
     if not uniform:
         return weigh(kernel.astype(dtype), tokens, planes)
@@ -55,16 +64,11 @@ def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Arr
     rows = rows_by_plane(kernel.reshape(-1, math.prod(tokens.shape[2:]), width), planes)
     by_cell = jnp.concatenate([rows[place] for place in local]).reshape(-1, width).astype(dtype)
     summed = jnp.concatenate([rows[place].sum(axis=1) for place in uniform]).astype(dtype)
-    once = to_channels(
-        _taken(tokens[:, :, :1, :1], uniform),
-        tuple(planes[place] for place in uniform),
-        dtype,
-        scale_numbers=True,
-    )
-    return (
-        weigh(by_cell, _taken(tokens, local), tuple(planes[place] for place in local))
-        + once[:, :, 0, 0] @ summed
-    )
+    local_planes = tuple(planes[place] for place in local)
+    uniform_planes = tuple(planes[place] for place in uniform)
+    one_cell = _taken(tokens[:, :, :1, :1], uniform)
+    once = to_channels(one_cell, uniform_planes, dtype, scale_numbers=True)[:, :, 0, 0]
+    return weigh(by_cell, _taken(tokens, local), local_planes) + once @ summed
 
 
 def _taken(tokens: Array, places: list[int]) -> Array:
@@ -74,7 +78,12 @@ def _taken(tokens: Array, places: list[int]) -> Array:
 
 @partial(jax.custom_vjp, nondiff_argnums=(2,))
 def weigh(kernel: Array, tokens: Array, planes: Planes) -> Array:
-    """Returns the channels of windows `[M, P, V, V]` uint8 times a kernel `[C * V * V, K]`: `[M, K]` of the kernel's dtype."""
+    """Returns the channels of windows times a kernel: `[M, K]` of the kernel's dtype.
+
+    Args:
+      kernel: `[C * V * V, K]`.
+      tokens: `[M, P, V, V]` uint8.
+    """
     result: Array = jax.lax.platform_dependent(
         kernel,
         tokens,
@@ -98,7 +107,10 @@ weigh.defvjp(_forward, _backward)
 
 @partial(jax.custom_vjp, nondiff_argnums=(2,))
 def weigh_gradient(gradient: Array, tokens: Array, planes: Planes) -> Array:
-    """Returns the kernel's gradient `[C * V * V, K]` float32 from the result's `[M, K]`: the transpose of `weigh`, and vice versa."""
+    """Returns the kernel's gradient `[C * V * V, K]` float32 from the result's `[M, K]`.
+
+    It is the transpose of `weigh`, and vice versa.
+    """
     result: Array = jax.lax.platform_dependent(
         tokens,
         gradient,
@@ -108,34 +120,38 @@ def weigh_gradient(gradient: Array, tokens: Array, planes: Planes) -> Array:
     return result
 
 
-weigh_gradient.defvjp(
-    lambda gradient, tokens, planes: (weigh_gradient(gradient, tokens, planes), (gradient, tokens)),
-    lambda planes, inputs, of_kernel: (
-        weigh(of_kernel.astype(inputs[0].dtype), inputs[1], planes),
-        None,
-    ),
-)
+def _forward_gradient(
+    gradient: Array, tokens: Array, planes: Planes
+) -> tuple[Array, tuple[Array, Array]]:
+    return weigh_gradient(gradient, tokens, planes), (gradient, tokens)
+
+
+def _backward_gradient(
+    planes: Planes, inputs: tuple[Array, Array], of_kernel: Array
+) -> tuple[Array, None]:
+    gradient, tokens = inputs
+    return weigh(of_kernel.astype(gradient.dtype), tokens, planes), None
+
+
+weigh_gradient.defvjp(_forward_gradient, _backward_gradient)
 
 
 def _multiply(kernel: Array, tokens: Array, planes: Planes, multiple: int = 1) -> Array:
-    return _channels(tokens, planes, kernel.dtype, multiple) @ jnp.pad(
-        kernel, ((0, -kernel.shape[0] % multiple), (0, 0))
-    )
+    rows = jnp.pad(kernel, ((0, -kernel.shape[0] % multiple), (0, 0)))
+    return _channels(tokens, planes, kernel.dtype, multiple) @ rows
 
 
 def _multiply_gradient(tokens: Array, gradient: Array, planes: Planes, multiple: int = 1) -> Array:
     """Returns the kernel's gradient `[C * V * V, K]` float32; computing its transpose is faster."""
     channels = _channels(tokens, planes, gradient.dtype, multiple)
-    inputs = sum(len(plane.channels) for plane in planes) * math.prod(tokens.shape[2:])
-    return jnp.matmul(gradient.T, channels, preferred_element_type=jnp.float32).T[:inputs]
+    transposed = jnp.matmul(gradient.T, channels, preferred_element_type=jnp.float32)
+    return transposed.T[: _num_inputs(tokens, planes)]
 
 
 def _channels(tokens: Array, planes: Planes, dtype: Any, multiple: int) -> Array:
-    """Returns the channels of windows, flat, and zeros up to a multiple of a number of columns: `[M, C * V * V]`, or a little more."""
+    """Returns the channels of windows, flat, `[M, C * V * V]`, and zeros up to a multiple."""
     channels = to_channels(tokens, planes, dtype, scale_numbers=True)
-    flat = channels.reshape(
-        tokens.shape[0], math.prod(channels.shape[1:])
-    )  # not -1: there may be no windows
+    flat = channels.reshape(tokens.shape[0], _num_inputs(tokens, planes))
     return jnp.pad(flat, ((0, 0), (0, -flat.shape[1] % multiple)))
 
 
@@ -153,27 +169,28 @@ def look_up_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
 
 @cache
 def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
-    """Returns the lookups of G networks: of kernels `[G, C * V * V, K]` and windows `[G, M, P, V, V]`, `[G, M, K]`.
+    """Returns the lookups of G networks, `[G, M, K]`.
 
-    Under `vmap` the new axis becomes more networks: XLA would give tables with a leading axis another layout, and copy them in every step.
+    They take kernels `[G, C * V * V, K]` and windows `[G, M, P, V, V]`. Under `vmap` the new axis
+    becomes more networks: XLA would give tables with a leading axis another layout, and copy them
+    in every step.
     """
 
     @jax.custom_batching.custom_vmap
     def look_up(kernels: Array, tokens: Array) -> Array:
         number, windows = tokens.shape[:2]
-        cells, width = _by_cell(tokens), kernels.shape[-1]
+        cells = _by_cell(tokens)
+        width = kernels.shape[-1]
         rows = rows_by_plane(_by_channel(kernels, cells.shape[-1]).astype(jnp.float32), planes)
         result = jnp.zeros((number * windows, width), jnp.float32)
         for group in groups_of(planes, windows):
-            result = _add_rows(
-                result, make_tables(rows, group, planes), row_numbers(cells, group, planes)
-            )
+            tables = make_tables(rows, group, planes)
+            result = _add_rows(result, tables, row_numbers(cells, group, planes))
         result = result.reshape(number, windows, width)
         for place in _number_planes(planes):
-            own = jnp.moveaxis(rows[place][0], 1, 0)
-            result = result + jax.vmap(partial(_multiply, planes=(planes[place],)))(
-                own, tokens[:, :, place : place + 1]
-            )
+            of_plane = jnp.moveaxis(rows[place][0], 1, 0)
+            multiply = jax.vmap(partial(_multiply, planes=(planes[place],)))
+            result = result + multiply(of_plane, tokens[:, :, place : place + 1])
         return result.astype(kernels.dtype)
 
     @look_up.def_vmap
@@ -181,32 +198,32 @@ def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
         size: int, batched: list[bool], kernels: Array, tokens: Array
     ) -> tuple[Array, bool]:
         if batched[0]:
-            return _split(
-                look_up(
-                    *(_merge(*each, size) for each in zip((kernels, tokens), batched, strict=True))
-                ),
-                size,
-            ), True
+            merged = _merge(kernels, True, size), _merge(tokens, batched[1], size)
+            return _split(look_up(*merged), size), True
         windows = jnp.moveaxis(tokens, 0, 1)  # of the same networks
-        result = look_up(
-            kernels, windows.reshape(windows.shape[0], size * windows.shape[2], *windows.shape[3:])
-        )
-        return jnp.moveaxis(result.reshape(*windows.shape[:3], result.shape[-1]), 1, 0), True
+        networks, _, number = windows.shape[:3]
+        result = look_up(kernels, windows.reshape(networks, size * number, *windows.shape[3:]))
+        return jnp.moveaxis(result.reshape(networks, size, number, -1), 1, 0), True
 
     return look_up
 
 
 @cache
 def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
-    """Returns the gradients of the lookups of G networks: `[G, C * V * V, K]` of windows `[G, M, P, V, V]` and gradients `[G, M, K]`."""
+    """Returns the gradients of the lookups of G networks, `[G, C * V * V, K]`.
+
+    They take windows `[G, M, P, V, V]` and gradients `[G, M, K]`.
+    """
 
     @jax.custom_batching.custom_vmap
     def look_up_gradient(tokens: Array, gradients: Array) -> Array:
         number, windows, width = gradients.shape
-        cells, gradients = _by_cell(tokens), gradients.astype(jnp.float32)
+        cells = _by_cell(tokens)
+        gradients = gradients.astype(jnp.float32)
         groups = groups_of(planes, windows)
         flat = gradients.reshape(number * windows, width)
-        # One array for each plane: the transpose of slices of a single array would be a sum of as many arrays of all channels.
+        # One array for each plane: the transpose of slices of a single array would be a sum of as
+        # many arrays of all channels.
         of_cell = [
             jax.ShapeDtypeStruct((len(plane.channels), 1, number, width), jnp.float32)
             for plane in planes
@@ -216,36 +233,28 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
         )
 
         def add_cell(_: None, chosen: list[Array]) -> tuple[None, list[Array]]:
-            sizes = [number * rows_of(group, planes) for group in groups]
-            tables = [
-                jnp.zeros((size, width), jnp.float32).at[own].add(flat, mode="drop")
-                for size, own in zip(sizes, chosen, strict=True)
-            ]
-            return None, [
-                of_plane[:, 0] for of_plane in to_rows([table[None] for table in tables])[0]
-            ]
+            tables = []
+            for group, numbers in zip(groups, chosen, strict=True):
+                table = jnp.zeros((number * rows_of(group, planes), width), jnp.float32)
+                tables.append(table.at[numbers].add(flat, mode="drop")[None])
+            (of_planes,) = to_rows(tables)
+            return None, [of_plane[:, 0] for of_plane in of_planes]
 
-        _, by_cell = jax.lax.scan(
-            add_cell,
-            None,
-            [row_numbers(cells, group, planes) for group in groups],
-            length=cells.shape[-1],
-        )
-        of_rows = [
-            jnp.moveaxis(of_plane, 0, 1) for of_plane in by_cell
-        ]  # [L, cells, G, K] of each plane
+        chosen = [row_numbers(cells, group, planes) for group in groups]
+        _, by_cell = jax.lax.scan(add_cell, None, chosen, length=cells.shape[-1])
+        # [L, cells, G, K] of each plane
+        of_rows = [jnp.moveaxis(of_plane, 0, 1) for of_plane in by_cell]
         for place in _number_planes(planes):
-            own = jax.vmap(partial(_multiply_gradient, planes=(planes[place],)))(
-                tokens[:, :, place : place + 1], gradients
-            )
-            of_rows[place] = jnp.moveaxis(own, 1, 0)[None]
+            multiply = jax.vmap(partial(_multiply_gradient, planes=(planes[place],)))
+            of_plane = multiply(tokens[:, :, place : place + 1], gradients)
+            of_rows[place] = jnp.moveaxis(of_plane, 1, 0)[None]
         return jnp.moveaxis(jnp.concatenate(of_rows), 2, 0).reshape(number, -1, width)
 
     @look_up_gradient.def_vmap
     def look_up_more(
         size: int, batched: list[bool], tokens: Array, gradients: Array
     ) -> tuple[Array, bool]:
-        merged = (_merge(*each, size) for each in zip((tokens, gradients), batched, strict=True))
+        merged = _merge(tokens, batched[0], size), _merge(gradients, batched[1], size)
         return _split(look_up_gradient(*merged), size), True
 
     return look_up_gradient
@@ -273,7 +282,10 @@ def _by_cell(tokens: Array) -> Array:
 
 
 def _number_planes(planes: Planes) -> list[int]:
-    """Returns the indices of the number planes: each is one channel, as a table can't have a row for every value."""
+    """Returns the indices of the number planes.
+
+    Each is one channel, as a table can't have a row for every value.
+    """
     return [place for place, plane in enumerate(planes) if plane.encoding == "number"]
 
 

@@ -1,4 +1,7 @@
-"""Which rows of a dense layer's kernel the tokens of a window select: planes of words and bits as row numbers in tables."""
+"""Which rows of a dense layer's kernel the tokens of a window select.
+
+Planes of words and bits become row numbers in tables.
+"""
 
 import math
 from collections.abc import Sequence
@@ -9,44 +12,45 @@ from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 
-ROW_WORK = 4  # cost of making a row of a table and summing its gradient, in lookups of a row; measured (docs/performance.md)
+# cost of making a row of a table and summing its gradient, in lookups of a row; measured
+# (docs/performance.md)
+ROW_WORK = 4
 LIMITS = tuple(2**power for power in range(9))  # the limits to try for the rows of a cell's table
-INTEGERS = (
-    (2**8, jnp.uint8),
-    (2**16, jnp.uint16),
-    (2**31, jnp.int32),
-)  # how many rows each type can number
+# types of integers, with the largest that each holds
+INTEGERS = ((2**8 - 1, jnp.uint8), (2**16 - 1, jnp.uint16), (2**31 - 1, jnp.int32))
 
 Planes = tuple[TokenPlane, ...]
 Group = tuple[int, ...]  # planes that are looked up together, by their positions among all
 
 
 def groups_of(planes: Planes, windows: int) -> tuple[Group, ...]:
-    """Returns the planes of words and bits in the groups that take the least work, for a number of windows, to make tables and look rows up.
+    """Returns the planes of words and bits in the groups that take the least work.
 
-    A table for several planes has a row for each combination of their values, and saves lookups in every window.
+    A table for several planes has a row for each combination of their values, and saves lookups in
+    every window.
     """
-    found = [_groups_within(limit, planes) for limit in LIMITS]
-    return min(
-        found,
-        key=lambda groups: sum(ROW_WORK * rows_of(group, planes) + windows for group in groups),
-    )
+
+    def work(groups: tuple[Group, ...]) -> int:
+        return sum(ROW_WORK * rows_of(group, planes) + windows for group in groups)
+
+    return min((_groups_within(limit, planes) for limit in LIMITS), key=work)
 
 
 def _groups_within(limit: int, planes: Planes) -> tuple[Group, ...]:
-    """Returns the planes in groups, each in the first whose table stays within the limit; a group of one plane may exceed it."""
+    """Returns the planes in groups, each in the first whose table stays within the limit.
+
+    A group of one plane may exceed it.
+    """
     groups: list[Group] = []
     for place, plane in enumerate(planes):
         if plane.encoding == "number":
             continue
-        at = next(
-            (at for at, group in enumerate(groups) if rows_of((*group, place), planes) <= limit),
-            None,
-        )
-        if at is None:
-            groups.append((place,))
+        for index, group in enumerate(groups):
+            if rows_of((*group, place), planes) <= limit:
+                groups[index] = (*group, place)
+                break
         else:
-            groups[at] = (*groups[at], place)
+            groups.append((place,))
     return tuple(groups)
 
 
@@ -56,23 +60,28 @@ def rows_of(group: Group, planes: Planes) -> int:
 
 
 def row_numbers(tokens: Array, group: Group, planes: Planes) -> Array:
-    """Returns which row of its cell's tables each window selects, `[cells, G * M]`, for tokens `[G, M, P, cells]` uint8.
+    """Returns which row of its cell's tables each window selects, `[cells, G * M]`.
 
-    The tables of G networks follow each other. The result has the smallest integer type that holds it.
+    The tables of G networks follow each other. The result has the smallest integer type that holds
+    it.
+
+    Args:
+      tokens: `[G, M, P, cells]` uint8.
     """
     number, windows, _, cells = tokens.shape
-    rows = rows_of(group, planes)
-    numbers = jnp.broadcast_to(
-        jnp.arange(number, dtype=jnp.int32)[:, None, None], (number, windows, cells)
-    )
+    last = number * rows_of(group, planes) - 1
+    networks = jnp.arange(number, dtype=jnp.int32)[:, None, None]
+    numbers = jnp.broadcast_to(networks, (number, windows, cells))
     for place in group:
         numbers = numbers * _values(planes[place]) + tokens[:, :, place].astype(jnp.int32)
-    fitting = next(kind for most, kind in INTEGERS if number * rows <= most)
-    return numbers.astype(fitting).reshape(number * windows, cells).T
+    dtype = next(dtype for largest, dtype in INTEGERS if last <= largest)
+    return numbers.astype(dtype).reshape(number * windows, cells).T
 
 
 def make_tables(rows: Sequence[Array], group: Group, planes: Planes) -> Array:
-    """Returns the sums of rows of G kernels for each combination of values of the planes of a group, `[cells, G * rows, K]`.
+    """Returns the sums of rows of G kernels, `[cells, G * rows, K]`.
+
+    There is one for each combination of values of the planes of a group.
 
     Args:
       rows: of each plane, the rows of its channels, `[L, cells, G, K]`.
@@ -80,9 +89,9 @@ def make_tables(rows: Sequence[Array], group: Group, planes: Planes) -> Array:
     _, cells, number, width = rows[0].shape
     tables = jnp.zeros((cells, number, 1, width), rows[0].dtype)
     for place in group:
-        tables = (tables[:, :, :, None] + _table(rows[place], planes[place])[:, :, None]).reshape(
-            cells, number, -1, width
-        )
+        table = _table(rows[place], planes[place])
+        tables = tables[:, :, :, None] + table[:, :, None]
+        tables = tables.reshape(cells, number, -1, width)
     return tables.reshape(cells, -1, width)
 
 
@@ -97,7 +106,11 @@ def _values(plane: TokenPlane) -> int:
 
 
 def _table(rows: Array, plane: TokenPlane) -> Array:
-    """Returns the sums of rows for each value of one plane, `[cells, G, values, K]`, of the rows `[L, cells, G, K]` of its channels."""
+    """Returns the sums of rows for each value of one plane, `[cells, G, values, K]`.
+
+    Args:
+      rows: of its channels, `[L, cells, G, K]`.
+    """
     if plane.encoding == "word":
         return jnp.moveaxis(rows, 0, 2)
     sums = jnp.zeros_like(rows[0])[:, :, None]

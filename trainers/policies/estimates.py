@@ -17,7 +17,10 @@ class Estimate:
 
 
 def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:
-    """Returns the mean of `[E]` samples and its interval by Student's t: infinitely wide for one sample, of width 0 if all are equal."""
+    """Returns the mean of `[E]` samples and its interval by Student's t.
+
+    It is infinitely wide for one sample, and of width 0 if all are equal.
+    """
     samples = np.asarray(samples, np.float64)
     if len(samples) < 2:
         return Estimate(float(samples.mean()), -math.inf, math.inf)
@@ -31,5 +34,5 @@ def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:
 
 
 def half_width(deviation: float, number: int, confidence: float) -> float:
-    """Returns half the width of the interval of two or more samples with this standard deviation."""
+    """Returns half the width of the interval of two or more samples with a standard deviation."""
     return float(stats.t.ppf(0.5 + confidence / 2, number - 1) * deviation / math.sqrt(number))

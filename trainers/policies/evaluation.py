@@ -1,8 +1,7 @@
 """Evaluation: plays whole episodes with a policy, and estimates means with confidence intervals."""
 
-import dataclasses
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from sjdsl.runtime.policy import MemoryPolicy, take_actions
 from sjdsl.runtime.returns import collective_return, equality
 
 from ..algorithms.episodes import EpisodeSums, add_step, zero_sums
-from ..environment import Environment
+from ..environment import Environment, where_env
 from ..json_files import write_json
 from .estimates import Estimate, estimate
 from .loading import Policy, with_memory
@@ -40,7 +39,10 @@ class Evaluation:
 
     @property
     def equalities(self) -> np.ndarray:
-        """`[E]` one minus the Gini coefficient of the agents' returns; NaN if one is negative or all are 0."""
+        """`[E]` one minus the Gini coefficient of the agents' returns.
+
+        It is NaN if one is negative or all are 0.
+        """
         result: np.ndarray = equality(self.returns)
         return result
 
@@ -51,7 +53,8 @@ EVALUATION = 0x6576616C  # "eval": distinct from the numbers that a run folds in
 def evaluation_key(seed: int, update: int = 0) -> Array:
     """Returns the key of the episodes that evaluate a policy after an update; 0: outside a run.
 
-    It differs from all keys that the run of the same seed learns with: `fold_in(key, i)` is `split(key, n)[i]`.
+    It differs from all keys that the run of the same seed learns with: `fold_in(key, i)` is
+    `split(key, n)[i]`.
     """
     return jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), EVALUATION), update)
 
@@ -61,8 +64,8 @@ def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 3
 
     Args:
       env: one environment.
-      policy: `(key, observation [N, P, V, V]) -> actions [N]`; `random_policy(env)`, `load_policy(run_dir, env)`, or
-        any function that can be jitted; or a `MemoryPolicy`.
+      policy: `(key, observation [N, P, V, V]) -> actions [N]`; `random_policy(env)`,
+        `load_policy(run_dir, env)`, or any function that can be jitted; or a `MemoryPolicy`.
       key: typed key, consumed; the same key gives the same episodes.
       num_episodes: E.
     """
@@ -79,20 +82,20 @@ def make_evaluator(
 
     Args:
       policy_of: returns the policy with the given parameters.
-      memory_of: returns the initial memories `[E, ...]` of the episodes; None: the policy's `start`.
+      memory_of: returns the initial memories `[E, ...]` of the episodes; None: the policy's
+        `start`.
     """
 
-    def run(key: Array, parameters: Any) -> EpisodeSums:
+    @jax.jit
+    def play(key: Array, parameters: Any) -> EpisodeSums:
         policy = with_memory(policy_of(parameters))
-        if memory_of is None:
+        if memory_of is not None:
+            memory = memory_of(parameters)
+        else:
             memory = jax.tree.map(
                 lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), policy.start
             )
-        else:
-            memory = memory_of(parameters)
         return _play(env, policy, memory, key, num_episodes).sums
-
-    play = jax.jit(run)
 
     def played(key: Array, parameters: Any) -> Evaluation:
         sums = jax.device_get(play(key, parameters))
@@ -117,7 +120,7 @@ class _Play:
 def _play(
     env: Environment, policy: MemoryPolicy, memory: Any, key: Array, num_episodes: int
 ) -> _Play:
-    """Steps all episodes until the last one is over; steps after an episode's end are not counted."""
+    """Steps all episodes until the last one is over; steps after an episode's end don't count."""
     reset_key, loop_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
     start = _Play(
@@ -132,62 +135,57 @@ def _play(
         return memory, env.step_env(env_key, state, actions)
 
     def advance(carry: tuple[Array, _Play]) -> tuple[Array, _Play]:
-        key, step_key = jax.random.split(carry[0])
-        before = carry[1]
+        key, before = carry
+        key, step_key = jax.random.split(key)
         keys = jax.random.split(step_key, num_episodes)
         memory, stepped = jax.vmap(play_step)(keys, before.state, before.memory, before.observation)
         observation, state, reward, done, info = stepped
-        after = _Play(
-            state=state,
-            observation=observation,
-            memory=memory,
-            sums=add_step(before.sums, reward, reward, info),
-            over=done,
-        )
+        sums = add_step(before.sums, reward, reward, info)
+        after = _Play(state, observation, memory, sums, done)
+        return key, where_env(before.over, before, after)
 
-        def keep_if_over(new: Array, old: Array) -> Array:
-            return jnp.where(before.over.reshape(-1, *[1] * (new.ndim - 1)), old, new)
-
-        return key, jax.tree.map(keep_if_over, after, before)
-
-    return jax.lax.while_loop(lambda carry: ~carry[1].over.all(), advance, (loop_key, start))[1]
+    _, end = jax.lax.while_loop(lambda carry: ~carry[1].over.all(), advance, (loop_key, start))
+    return end
 
 
 def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
-    """Returns an estimate for each figure: collective return, each agent's return, lengths, events and metrics."""
+    """Returns an estimate for each figure: returns, equality, lengths, events and metrics."""
     figures = {"collective return": evaluation.collective_returns}
-    figures |= {
-        f"return of agent {index}": column for index, column in enumerate(evaluation.returns.T)
-    }
+    figures |= _by_agent("return", evaluation.returns)
     figures["equality"] = evaluation.equalities
     figures["episode length"] = evaluation.lengths
     for name, counts in evaluation.events.items():
-        figures[f"event {name}"] = counts if counts.ndim == 1 else counts.sum(axis=1)
-        if counts.ndim == 2:
-            figures |= {
-                f"event {name} of agent {index}": column for index, column in enumerate(counts.T)
-            }
+        if counts.ndim == 1:
+            figures[f"event {name}"] = counts
+        else:
+            figures[f"event {name}"] = counts.sum(axis=1)
+            figures |= _by_agent(f"event {name}", counts)
     figures |= {f"mean {name}": values for name, values in evaluation.metric_means.items()}
     figures |= {f"final {name}": values for name, values in evaluation.metric_finals.items()}
     return {name: estimate(samples) for name, samples in figures.items()}
 
 
+def _by_agent(name: str, figures: np.ndarray) -> dict[str, np.ndarray]:
+    """Returns the columns of figures `[E, N]`."""
+    return {f"{name} of agent {agent}": column for agent, column in enumerate(figures.T)}
+
+
 def save_evaluation(
     evaluation: Evaluation, path: Path | str, played: Mapping[str, Any] | None = None
 ) -> None:
-    """Writes the estimates and all episodes to a JSON file; undefined figures are null. `played`: further entries, as JSON values."""
-    groups = {
-        "collective_returns": evaluation.collective_returns,
-        "equalities": evaluation.equalities,
-    }
-    per_episode = dataclasses.asdict(evaluation) | groups
-    summary = {name: dataclasses.asdict(figure) for name, figure in summarise(evaluation).items()}
-    write_json(
-        Path(path),
-        {
-            **(played or {}),
-            "episodes": len(evaluation.lengths),
-            "summary": summary,
-            "per_episode": per_episode,
+    """Writes the estimates and all episodes to a JSON file; undefined figures are null.
+
+    Args:
+      played: further entries, as JSON values.
+    """
+    content = {
+        **(played or {}),
+        "episodes": len(evaluation.lengths),
+        "summary": {name: asdict(figure) for name, figure in summarise(evaluation).items()},
+        "per_episode": {
+            **asdict(evaluation),
+            "collective_returns": evaluation.collective_returns,
+            "equalities": evaluation.equalities,
         },
-    )
+    }
+    write_json(Path(path), content)

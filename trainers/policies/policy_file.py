@@ -25,8 +25,9 @@ from .digest import digest_of
 POLICIES = "policies"
 START = "start.safetensors"  # in the folder of a run that started from a stored policy: its copy
 SUFFIX = ".safetensors"
-# In the metadata of the file, two digests: of its tensors, with their names, dtypes and shapes, and of the bytes of the `.json` beside it.
-# They share a key, because safetensors writes several keys in no fixed order, and equal files must have equal bytes.
+# The key of the file's metadata: two digests, of its tensors, with their names, dtypes and shapes,
+# and of the bytes of the `.json` beside it. They share a key, because safetensors writes several
+# keys in no fixed order, and equal files must have equal bytes.
 DIGEST = "sha256"
 UNREADABLE = (
     OSError,
@@ -66,19 +67,20 @@ def write_policy(path: Path, parameters: Any, described: Mapping[str, Any]) -> N
 
 
 def copy_policy(name: str, path: Path) -> None:
-    """Copies the policy of a name to `path`, with the `.json` beside it; the tensors last, as they make it a policy."""
-    folder, which = split_name(name)
-    source = policy_path(folder, which)
-    for suffix in (".json", SUFFIX):
+    """Copies the policy of a name to `path`, with the `.json` beside it."""
+    source = policy_path(*split_name(name))
+    for suffix in (".json", SUFFIX):  # the tensors last, as they make it a policy
         write_whole(path.with_suffix(suffix), source.with_suffix(suffix).read_bytes())
 
 
 def remove_policies(folder: Path, kept: int) -> None:
     """Removes the policies stored by number, except the last `kept`; 0 keeps all."""
-    numbered = sorted(path.stem for path in folder.glob(f"*{SUFFIX}") if path.stem.isdecimal())
-    for stem in numbered[:-kept] if kept else ():
+    numbered = sorted(path for path in folder.glob(f"*{SUFFIX}") if path.stem.isdecimal())
+    if kept == 0:
+        return
+    for path in numbered[:-kept]:
         for suffix in (SUFFIX, ".json"):  # the tensors first: a description alone isn't a policy
-            (folder / stem).with_suffix(suffix).unlink(missing_ok=True)
+            path.with_suffix(suffix).unlink(missing_ok=True)
 
 
 def policy_path(source: Path, which: str | int) -> Path:
@@ -94,58 +96,62 @@ def policy_path(source: Path, which: str | int) -> Path:
         if not source.is_file():
             raise PolicyError(f"{source} does not exist")
         return source
-    if (
-        not (source / "manifest.json").is_file() and not (source / POLICIES).is_dir()
-    ):  # the folder of a single seed has no manifest
+    policies = source / POLICIES
+    # The folder of a single seed has no manifest.
+    if not (source / "manifest.json").is_file() and not policies.is_dir():
         raise PolicyError(f"{source} is not the folder of a training run: it has no manifest.json")
-    stored = sorted(path.stem for path in (source / POLICIES).glob(f"*{SUFFIX}"))
     name = f"{which:08d}" if isinstance(which, int) else which
+    stored = sorted(path.stem for path in policies.glob(f"*{SUFFIX}"))
     if name in stored:
-        return source / POLICIES / f"{name}{SUFFIX}"
-    seeds = sorted(path.name for path in source.glob("seed_*") if path.is_dir())
+        return policies / f"{name}{SUFFIX}"
+    seeds = sorted(str(path) for path in source.glob("seed_*") if path.is_dir())
     if seeds:
-        raise PolicyError(
-            f"{source} holds a run of several seeds; name one: {', '.join(str(source / name) for name in seeds)}"
-        )
-    updates = ", ".join(str(int(stem)) for stem in stored if stem.isdecimal())
+        raise PolicyError(f"{source} holds a run of several seeds; name one: {', '.join(seeds)}")
     if not stored:
         raise PolicyError(f"{source} holds no policy yet")
+    updates = [str(int(stem)) for stem in stored if stem.isdecimal()]
     wanted = f"of update {which}" if isinstance(which, int) else f"called {which}"
-    raise PolicyError(f"{source} has no policy {wanted}, but of {updates or ', '.join(stored)}")
+    raise PolicyError(f"{source} has no policy {wanted}, but of {', '.join(updates or stored)}")
 
 
 def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, Described]:
-    """Returns the parameters and their description; None for parameters that don't have the wanted shapes.
+    """Returns the parameters, or None if they don't have the wanted shapes, and their description.
 
     Args:
       path: the `.safetensors` file.
       shapes_of: the tree of shapes of a configuration's parameters.
     Raises:
-      PolicyError: a file is missing, damaged, or of a configuration that this version doesn't know; a number in it isn't finite; or it
-      leads to code that the caller hasn't allowed (`allow_code`). A user's own reward isn't needed to act, and isn't imported.
+      PolicyError: a file is missing, damaged, or of a configuration that this version doesn't know;
+        a number in it isn't finite; or it
+      leads to code that the caller hasn't allowed (`allow_code`). A user's own reward isn't needed
+        to act, and isn't imported.
     """
+    description = path.with_suffix(".json")
     try:
         with safe_open(path, "np") as file:
             metadata = file.metadata() or {}
-            of_tensors, _, of_json = metadata.get(DIGEST, "").partition(" ")
-            described = _read_description(path.with_suffix(".json"), of_json)
-            require_code(described.config, str(path.with_suffix(".json")), to_act=True)
+            tensors_digest, _, json_digest = metadata.get(DIGEST, "").partition(" ")
+            described = _read_description(description, json_digest)
+            require_code(described.config, str(description), to_act=True)
             leaves, structure = tree_flatten_with_path(shapes_of(described.config))
             wanted = {keystr(place): leaf.shape for place, leaf in leaves}
-            found = {name: tuple(file.get_slice(name).get_shape()) for name in file.keys()}  # noqa: SIM118 (it isn't a mapping)
-            if found != wanted:  # before any of the file, which may be large, is read
+            names = list(file.keys())
+            shapes = {name: tuple(file.get_slice(name).get_shape()) for name in names}
+            if shapes != wanted:  # before any of the file, which may be large, is read
                 return None, described
             tensors = {name: file.get_tensor(name) for name in wanted}
     except NotAllowed as error:
         raise PolicyError(str(error)) from None
     except UNREADABLE as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None
-    if metadata.keys() - {DIGEST} or (of_tensors and digest_of(tensors) != of_tensors):
+    is_changed = tensors_digest and digest_of(tensors) != tensors_digest
+    if is_changed or metadata.keys() - {DIGEST}:
         raise PolicyError(
-            f"{path} is damaged: its tensors aren't those that were written; use another policy of the run"
+            f"{path} is damaged: its tensors aren't those that were written; "
+            "use another policy of the run"
         )
-    if not of_json:
-        lacking = "digest of its description" if of_tensors else "digest"
+    if not json_digest:
+        lacking = "digest of its description" if tensors_digest else "digest"
         warnings.warn(
             f"{path} has no {lacking}, like files of earlier versions: damage can't be detected",
             stacklevel=2,
@@ -153,14 +159,19 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
     if bad:
         raise PolicyError(
-            f"{path} holds non-finite numbers, in {', '.join(bad)}: no agent can act by it; use another policy"
+            f"{path} holds non-finite numbers, in {', '.join(bad)}: no agent can act by it; "
+            "use another policy"
         )
-    return jax.tree.unflatten(structure, [tensors[name] for name in wanted]), described
+    return jax.tree.unflatten(structure, [*tensors.values()]), described
 
 
 def update_of(path: Path) -> int:
-    """Returns the update after which a policy that can be read was stored. `path`: the `.safetensors` file."""
-    return _read_description(path.with_suffix(".json"), "").update
+    """Returns the update after which a policy that can be read was stored.
+
+    Args:
+      path: the `.safetensors` file.
+    """
+    return _read_description(path.with_suffix(".json")).update
 
 
 def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
@@ -168,8 +179,8 @@ def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
     return f"{digest_of(tensors)} {hashlib.sha256(description).hexdigest()}"
 
 
-def _read_description(path: Path, digest: str) -> Described:
-    """Returns the description of a policy, which must have the digest if there is one."""
+def _read_description(path: Path, digest: str = "") -> Described:
+    """Returns the description of a policy, whose bytes must have the digest if there is one."""
     written = read_bytes(path, LARGEST_DESCRIPTION)
     if digest and hashlib.sha256(written).hexdigest() != digest:
         raise ValueError(
@@ -177,10 +188,8 @@ def _read_description(path: Path, digest: str) -> Described:
         )
     content = parse_json(written)
     game, update, env_steps = content["game"], content["update"], content["env_steps"]
-    texts, numbers = (
-        (game["name"], game["hash"], *game["action_names"]),
-        (update, env_steps, *game["observation_shape"]),
-    )
+    texts = (game["name"], game["hash"], *game["action_names"])
+    numbers = (update, env_steps, *game["observation_shape"])
     if not all(isinstance(text, str) for text in texts) or not all(
         isinstance(number, int) for number in numbers
     ):

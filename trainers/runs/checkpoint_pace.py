@@ -1,13 +1,15 @@
-"""Decides when the next checkpoint is due, so that writing checkpoints takes a small share of the time.
+"""Decides when the next checkpoint is due, so that writing them takes a small share of the time.
 
-The state of a run may be small, or hold a replay buffer of gigabytes. Either is written often enough that little is lost when a
-process is killed, but takes at most a given share of the run's time.
+The state of a run may be small, or hold a replay buffer of gigabytes. Either is written often
+enough that little is lost when a process is killed, but takes at most a given share of the run's
+time.
 """
 
 from ..settings.config import Config
 
 SECONDS_A_MINUTE = 60.0
-BYTES_A_SECOND = 100e6  # assumed speed of writing the first checkpoint with its digest; afterwards the time is measured
+# assumed speed of writing the first checkpoint with its digest; afterwards the time is measured
+BYTES_A_SECOND = 100e6
 
 
 class CheckpointPace:

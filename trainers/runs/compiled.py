@@ -1,5 +1,8 @@
-"""Compiles the functions of a run for its seeds and devices, and predicts whether they fit into memory."""
+"""Compiles the functions of a run for its seeds and devices, and predicts if they fit in memory."""
 
+import math
+import resource
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,13 +16,9 @@ from jax import Array
 from ..algorithms.rollout import Worlds
 from ..algorithms.training_functions import Metrics, Train, TrainState
 from ..settings.config import Config
-from .sharding import make_placement
+from .sharding import everywhere, make_mesh, placement_of, shaped
 
 MEGABYTE = 1_000_000
-
-Over = Callable[
-    [Callable[..., Any]], Callable[..., Any]
-]  # maps a function of one seed to one of all seeds, with a first axis in everything
 
 
 class NoMemoryError(Exception):
@@ -43,67 +42,58 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
     """Compiles a run.
 
     Args:
-      parameters: that it starts with, with a first axis for several seeds; None: those of `program.init`.
+      parameters: that it starts with, with a first axis for several seeds; None: those of
+        `program.init`.
     Raises:
       ConfigError: the environments don't divide evenly over the devices.
       NoMemoryError: the run doesn't fit into the device's memory.
     """
     began = time.perf_counter()
-    placement = make_placement(config)
-    at_once: Over = jax.vmap if config.seeds > 1 else (lambda function: function)
-    loops = program.loops and config.seeds > 1 and jax.default_backend() == "cpu"
-    over_seeds: Over = one_after_the_other if loops else at_once
+    mesh = make_mesh(config)
+    at_once = jax.vmap if config.seeds > 1 else _of_one_seed
+    over_seeds = at_once
+    if config.seeds > 1 and program.loops and jax.default_backend() == "cpu":
+        over_seeds = one_after_the_other
 
-    def first(seeds: Array, parameters: Any) -> TrainState:
-        def start_seed(seed: Array, own: Any) -> TrainState:
-            state = program.init(jax.random.key(seed))
-            if own is None:
-                return state
-            assert program.adopt is not None
-            return program.adopt(state, own)
+    def start_seed(seed: Array, parameters: Any) -> TrainState:
+        state = program.init(jax.random.key(seed))
+        if parameters is None:
+            return state
+        assert program.adopt is not None
+        return program.adopt(state, parameters)
 
-        result: TrainState = at_once(start_seed)(
-            seeds if config.seeds > 1 else seeds[0], parameters
-        )
-        return result
-
+    start_all = at_once(start_seed)
     seeds = jnp.asarray(config.seed_numbers, jnp.uint32)
-    shapes = jax.eval_shape(first, seeds, parameters)
-    places = placement.of_state(shapes)
-    state = jax.tree.map(
-        lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place),
-        shapes,
-        places,
-    )
-    # Return leaves, not a tree: tracing again creates a new optimiser, which JAX would take for a different tree structure.
+    if config.seeds == 1:
+        seeds = seeds[0]
+    shapes = jax.eval_shape(start_all, seeds, parameters)
+    places = placement_of(shapes, mesh, config.seeds)
+    state = shaped(shapes, places)
+    # Return leaves, not a tree: tracing again creates a new optimiser, which JAX would take for a
+    # different tree structure.
     init = jax.jit(
-        lambda seeds, parameters: jax.tree.leaves(first(seeds, parameters)),
+        lambda seeds, parameters: jax.tree.leaves(start_all(seeds, parameters)),
         out_shardings=jax.tree.leaves(places),
     )
-    collect_over = over_seeds(program.collect)
+    collect_all = over_seeds(program.collect)
     collect = (
-        jax.jit(collect_over, donate_argnums=0, out_shardings=(places, None)).lower(state).compile()
+        jax.jit(collect_all, donate_argnums=0, out_shardings=(places, None)).lower(state).compile()
     )
-    played_shapes, played_places = (
-        jax.eval_shape(collect_over, state)[1],
-        collect.output_shardings[1],
-    )
-    played = jax.tree.map(
-        lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place),
-        played_shapes,
-        played_places,
-    )
-    learn_over = over_seeds(program.learn)
+    _, played = jax.eval_shape(collect_all, state)
+    played = shaped(played, collect.output_shardings[1])
+    learn_all = over_seeds(program.learn)
     learn = (
-        jax.jit(learn_over, donate_argnums=0, out_shardings=(places, placement.everywhere))
+        jax.jit(learn_all, donate_argnums=0, out_shardings=(places, everywhere(mesh)))
         .lower(state, played)
         .compile()
     )
-    need, free = max(_bytes(collect), _bytes(learn)), free_memory()
+    need = max(_bytes(collect), _bytes(learn))
+    free = free_memory()
     if need > free:
         raise NoMemoryError(
-            f"an update needs {need / MEGABYTE:,.0f} MB of memory on each of {placement.mesh.size} device(s), but only "
-            f"{free / MEGABYTE:,.0f} MB are free; make num_envs, num_steps, seeds or buffer_size smaller"
+            f"an update needs {need / MEGABYTE:,.0f} MB of memory on each of {mesh.size} "
+            f"device(s), but only {free / MEGABYTE:,.0f} MB are free; "
+            "make num_envs, num_steps, seeds or buffer_size smaller"
         )
     return Compiled(
         lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(seeds, parameters)),
@@ -117,11 +107,12 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
 
 
 def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) -> Compiled:
-    """Returns a run whose environments start at different steps of an episode, a rollout apart, if `config.spread_starts`.
+    """Returns a run whose environments start at different steps of an episode, a rollout apart.
 
-    Environments that all start together stay in lockstep: each update would see only one part of an episode. Here, environment b of B first
-    plays `b * K // B` rollouts with the initial policy, where K is the number of rollouts in an episode; none if a rollout is a whole
-    episode. These steps are neither learnt from nor counted.
+    Environments that all start together stay in lockstep: each update would see only one part of an
+    episode. Here, environment b of B first plays `b * K // B` rollouts with the initial policy,
+    where K is the number of rollouts in an episode; none if a rollout is a whole episode, or
+    without `config.spread_starts`. These steps are neither learnt from nor counted.
 
     Args:
       compiled: the run.
@@ -135,14 +126,14 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
 
     @jax.jit
     def keep(number: int, worlds: Worlds, kept: Worlds) -> Worlds:
-        """Returns the new worlds of the environments that play `number` rollouts or more, and the kept worlds of the others."""
+        """Returns the new worlds of environments that play `number` rollouts, else the kept."""
 
         def of_leaf(new: Array, old: Array) -> Array:
             plays = jnp.arange(new.shape[axis]) * rollouts // new.shape[axis] >= number
             return jnp.where(plays.reshape(-1, *[1] * (new.ndim - 1 - axis)), new, old)
 
-        result: Worlds = jax.tree.map(of_leaf, worlds, kept)
-        return result
+        new_worlds: Worlds = jax.tree.map(of_leaf, worlds, kept)
+        return new_worlds
 
     def start() -> TrainState:
         state = compiled.start()
@@ -159,46 +150,44 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
 def one_after_the_other(function: Callable[..., Any]) -> Callable[..., Any]:
     """Returns the same as `jax.vmap`, computed in a loop.
 
-    It is faster on a CPU: the windows of one seed may fit into a cache, and a `cond` computes only the branch that applies.
+    It is faster on a CPU: the windows of one seed may fit into a cache, and a `cond` computes only
+    the branch that applies.
     """
-    return lambda *arguments: jax.lax.map(lambda own: function(*own), arguments)
+    return lambda *arguments: jax.lax.map(lambda of_seed: function(*of_seed), arguments)
+
+
+def _of_one_seed(function: Callable[..., Any]) -> Callable[..., Any]:
+    return function
 
 
 def _bytes(compiled: Any) -> int:
-    """Returns the memory that a program needs on a device according to XLA: arguments, results and temporaries."""
-    found = compiled.memory_analysis()
-    if found is None:
+    """Returns the memory that a program needs on a device according to XLA, or 0."""
+    memory = compiled.memory_analysis()
+    if memory is None:
         return 0
-    result: int = (
-        found.argument_size_in_bytes
-        + found.output_size_in_bytes
-        + found.temp_size_in_bytes
-        - found.alias_size_in_bytes
-    )
-    return result
+    size = memory.argument_size_in_bytes + memory.output_size_in_bytes
+    return int(size + memory.temp_size_in_bytes - memory.alias_size_in_bytes)
 
 
-def free_memory() -> int:
-    """Returns the bytes free for this process: on its first device, or in the machine if that is a CPU."""
+def free_memory() -> float:
+    """Returns the bytes free for this process.
+
+    It is of its first device, or of the machine if that is a CPU. They are infinite if the device
+    doesn't say.
+    """
     device = jax.local_devices()[0]
     if device.platform == "cpu":
-        return int(psutil.virtual_memory().available)
-    stats = device.memory_stats() or {}
-    return (
-        int(stats["bytes_limit"] - stats.get("bytes_in_use", 0))
-        if "bytes_limit" in stats
-        else 2**62
-    )
+        return float(psutil.virtual_memory().available)
+    memory = device.memory_stats() or {}
+    return float(memory.get("bytes_limit", math.inf) - memory.get("bytes_in_use", 0))
 
 
 def peak_megabytes() -> float:
-    """Returns the peak memory use so far: of the first device, or of this process if that is a CPU."""
+    """Returns the peak memory of the first device so far, or of this process if that is a CPU."""
     device = jax.local_devices()[0]
     if device.platform != "cpu":
-        result: float = (device.memory_stats() or {}).get("peak_bytes_in_use", 0) / MEGABYTE
-        return result
-    import resource
-    import sys
-
+        memory = device.memory_stats() or {}
+        return float(memory.get("peak_bytes_in_use", 0)) / MEGABYTE
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / MEGABYTE if sys.platform == "darwin" else peak * 1024 / MEGABYTE
+    unit = 1 if sys.platform == "darwin" else 1024
+    return peak * unit / MEGABYTE

@@ -1,4 +1,4 @@
-"""Plots learning curves of several runs in one picture: the mean over seeds, with the range from lowest to highest."""
+"""Plots learning curves of several runs in one picture: means over seeds, and their range."""
 
 import math
 from array import array
@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from sjdsl.files import written_whole
+from sjdsl.render.line_plots import Line, draw_panels, split_lines
 
 from .manifest import read_manifest
 from .metrics_files import Row, run_rows
-from .panels import Line, draw_panels, split_lines
 from .run_errors import RunError
 
 POINTS = 200  # of a curve, at most; updates are averaged
@@ -25,11 +25,13 @@ OF_AN_EPISODE = {
 
 
 def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
-    """Returns the environment steps and a metric after each update of each seed of a run: `float64[2, T]` a seed.
+    """Returns the environment steps and a metric of each update of each seed: `float64[2, T]` each.
 
     Args:
-      run_dir: a folder that `sjdsl train` wrote. Its rows are read one at a time, as those of a long run don't fit into memory.
-      metric: a column of `metrics.jsonl`; without `_agent_N`, counts of single agents are added up. NaN where there is no value.
+      run_dir: a folder that `sjdsl train` wrote. Its rows are read one at a time, as those of a
+        long run don't fit into memory.
+      metric: a column of `metrics.jsonl`; without `_agent_N`, counts of single agents are added up.
+        NaN where there is no value.
     Raises:
       RunError: no such run, no such column, or no metrics yet.
     """
@@ -52,29 +54,26 @@ def figures(rows: Iterable[Row], metric: str) -> np.ndarray:
 @lru_cache
 def _columns(known: tuple[str, ...], name: str) -> tuple[str, ...]:
     """Returns the columns of a name: itself, or one for each agent."""
-    found = (
-        (name,)
-        if name in known
-        else tuple(key for key in known if key.startswith(f"{name}_agent_"))
-    )
-    if not found:
+    if name in known:
+        return (name,)
+    of_agents = tuple(key for key in known if key.startswith(f"{name}_agent_"))
+    if not of_agents:
         raise RunError(f"the metrics have no column `{name}`; they have {', '.join(known)}")
-    return found
+    return of_agents
 
 
 def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> None:
-    """Draws a metric of runs, `(label, folder)`, over environment steps: five runs to a plot at most.
+    """Draws a metric of runs, `(label, folder)`, over environment steps, at most five in a plot.
 
     Raises:
       RunError: a run has no such metric, or no value of it yet.
     """
     lines = [curve_line(label, folder, metric) for label, folder in runs]
     path.parent.mkdir(parents=True, exist_ok=True)
-    several = any(line.low is not None for line in lines)
-    picture = draw_panels(
-        split_lines(lines, in_words(metric)),
-        note="Lines: means over seeds. Bands: from the lowest seed to the highest." * several,
-    )
+    note = ""
+    if any(line.low is not None for line in lines):
+        note = "Lines: means over seeds. Bands: from the lowest seed to the highest."
+    picture = draw_panels(split_lines(lines, in_words(metric)), note=note)
     with written_whole(path) as file:
         picture.savefig(file, format=path.suffix.removeprefix(".") or "png", dpi=110)
 
@@ -88,24 +87,26 @@ def curve_line(label: str, folder: Path, metric: str) -> Line:
     known = np.isfinite(values).all(axis=0)
     if not known.any():
         raise RunError(
-            f"{folder} has no value of `{metric}` in any update, so there is no curve to draw. Perhaps no episode ended in the run"
+            f"{folder} has no value of `{metric}` in any update, so there is no curve to draw. "
+            "Perhaps no episode ended in the run"
         )
-    steps, values = steps[known], values[:, known]
-    size = max(1, math.ceil(len(steps) / POINTS))  # updates of a point
-    values = np.stack(
-        [values[:, start : start + size].mean(axis=1) for start in range(0, len(steps), size)],
-        axis=1,
-    )
+    steps = steps[known]
+    values = values[:, known]
+    size = math.ceil(len(steps) / POINTS)  # updates of a point
+    starts = range(0, len(steps), size)
+    values = np.stack([values[:, start : start + size].mean(axis=1) for start in starts], axis=1)
     steps = steps[::size]
-    whose = f"{label}, {len(seeds)} seed{'s' if len(seeds) > 1 else ''}"
     if len(seeds) == 1:
-        return Line(whose, steps, values[0])
-    return Line(whose, steps, values.mean(axis=0), values.min(axis=0), values.max(axis=0))
+        return Line(f"{label}, 1 seed", steps, values[0])
+    label = f"{label}, {len(seeds)} seeds"
+    return Line(label, steps, values.mean(axis=0), values.min(axis=0), values.max(axis=0))
 
 
 def in_words(metric: str) -> str:
-    """Returns a column in words, as the title of an axis: `event_own_agent_1` is `own of agent 1 in an episode`."""
+    """Returns a column in words: `event_own_agent_1` is `own of agent 1 in an episode`."""
     prefix = next((prefix for prefix in OF_AN_EPISODE if metric.startswith(prefix)), "")
     name, _, agent = metric.removeprefix(prefix).partition("_agent_")
-    words = name.replace("_", " ") + (f" of agent {agent}" if agent else "")
+    words = name.replace("_", " ")
+    if agent:
+        words += f" of agent {agent}"
     return OF_AN_EPISODE.get(prefix, "{}").format(words)

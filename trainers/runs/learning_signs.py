@@ -9,11 +9,8 @@ from ..settings.config import Config
 from .metrics_files import Row
 from .seeds_in_words import seeds_in_words, seeds_of_each
 
-FIGURES = {
-    "entropy": "entropy",
-    "kl": "KL",
-    "explained_variance": "explained variance",
-}  # columns that say how learning goes, in words
+# columns that say how learning goes, in words
+FIGURES = {"entropy": "entropy", "kl": "KL", "explained_variance": "explained variance"}
 SHARE = 0.1  # of a run's updates, after which it should have learnt something
 
 
@@ -22,14 +19,15 @@ class LearningWarning:
     """A sign that a seed learns nothing, with what to change."""
 
     sentence: str  # with `{}` in place of each figure
-    figures: tuple[float, ...] = field(
-        default=(), compare=False
-    )  # two seeds have the same warning with different figures
+    # not compared, as two seeds may have the same warning with different figures
+    figures: tuple[float, ...] = field(default=(), compare=False)
     decimals: int = 1
 
 
 def said_once(by_seed: Mapping[int, Sequence[LearningWarning]]) -> list[str]:
-    """Returns the warnings of a run's seeds in words, each once: of several seeds with their numbers, and their figures as ranges.
+    """Returns the warnings of a run's seeds in words, each once.
+
+    A warning about several seeds has their numbers, and its figures as ranges.
 
     Args:
       by_seed: the warnings of all seeds, also of those that have none.
@@ -37,32 +35,32 @@ def said_once(by_seed: Mapping[int, Sequence[LearningWarning]]) -> list[str]:
     lines = []
     pairs = [(seed, warning) for seed, warnings in by_seed.items() for warning in warnings]
     for warning, seeds in seeds_of_each(pairs).items():
-        of_seeds = [other.figures for seed in seeds for other in by_seed[seed] if other == warning]
-        text = warning.sentence.format(
-            *(_range(figures, warning.decimals) for figures in zip(*of_seeds, strict=True))
-        )
+        of_seeds = [other.figures for _, other in pairs if other == warning]
+        ranges = [_range(figures, warning.decimals) for figures in zip(*of_seeds, strict=True)]
+        text = warning.sentence.format(*ranges)
         lines.append(f"{seeds_in_words(seeds)}: {text}" if len(by_seed) > 1 else text)
     return lines
 
 
 def _range(figures: Sequence[float], decimals: int) -> str:
     """Returns `16.9 to 18.0`, or `18.0` if all are the same."""
-    return " to ".join(
-        dict.fromkeys(f"{figure:.{decimals}f}" for figure in (min(figures), max(figures)))
-    )
+    least = f"{min(figures):.{decimals}f}"
+    most = f"{max(figures):.{decimals}f}"
+    return least if least == most else f"{least} to {most}"
 
 
 @dataclass
 class Signs:
     """Totals over the rows of one seed, up to `SHARE` of its run."""
 
-    before_learning: float = math.nan  # collective return of the first episodes that ended, played by the policy that the run began with
+    # collective return of the first episodes that ended, played by the policy that the run began
+    # with
+    before_learning: float = math.nan
     latest: float = math.nan  # of the last that ended
     paid: bool = False  # whether any agent ever got a reward
     explained: float = 0.0  # variance of the returns that the critic explained, summed over updates
-    events: dict[str, float] = field(
-        default_factory=dict
-    )  # name -> how often it happened, by agents and words together
+    # name -> how often it happened, by agents and words together
+    events: dict[str, float] = field(default_factory=dict)
     updates: int = 0
 
     def count(self, row: Row) -> None:
@@ -70,46 +68,48 @@ class Signs:
         self.updates += 1
         self.paid |= row.get("rewarded_steps") != 0
         self.explained += row.get("explained_variance", math.nan)
-        if row["episodes"] > 0:
-            self.latest = row["collective_return"]
-            if math.isnan(self.before_learning):
-                self.before_learning = self.latest
-            for name, number in row.items():
-                if name.startswith("event_"):
-                    event = re.split(r"\[|_agent_", name.removeprefix("event_"))[0]
-                    self.events[event] = self.events.get(event, 0.0) + number
+        if not row["episodes"] > 0:
+            return
+        self.latest = row["collective_return"]
+        if math.isnan(self.before_learning):
+            self.before_learning = self.latest
+        for name, number in row.items():
+            if name.startswith("event_"):
+                event = re.split(r"\[|_agent_", name.removeprefix("event_"))[0]
+                self.events[event] = self.events.get(event, 0.0) + number
 
     def warnings(self, config: Config) -> Iterator[LearningWarning]:
         """Yields a warning for each sign that nothing is learnt."""
         if not self.paid:
             yield LearningWarning(
-                "no agent has been rewarded yet, so there is nothing to learn from. Try more environments (num_envs), a larger "
-                "entropy_coefficient, or a game in which the first reward is easier to get"
+                "no agent has been rewarded yet, so there is nothing to learn from. Try more "
+                "environments (num_envs), a larger entropy_coefficient, or a game in which the "
+                "first reward is easier to get"
             )
             return
         if config.reward == "common" and self.latest <= self.before_learning:
-            # Agents that each seek their own reward may well earn less together than at random: that is the dilemma.
+            # Agents that each seek their own reward may well earn less together than at random:
+            # that is the dilemma.
             yield LearningWarning(
-                "the collective return, {}, is not above what it was before learning, {}. "
-                "Try more gradient steps (num_minibatches), longer rollouts (num_steps) or another learning_rate",
+                "the collective return, {}, is not above what it was before learning, {}. Try more "
+                "gradient steps (num_minibatches), longer rollouts (num_steps) or another "
+                "learning_rate",
                 (self.latest, self.before_learning),
             )
         if self.explained < 0:
-            mean = (
-                "common_reward=mean, "
-                if config.reward == "common" and config.common_reward == "sum"
-                else ""
-            )
+            is_sum = config.reward == "common" and config.common_reward == "sum"
+            mean = "common_reward=mean, " if is_sum else ""
             yield LearningWarning(
-                "the critic predicts returns worse than their mean would (explained_variance is {} on average). "
-                f"Try {mean}a smaller gamma, or more gradient steps (num_minibatches)",
+                "the critic predicts returns worse than their mean would (explained_variance is {} "
+                f"on average). Try {mean}a smaller gamma, or more gradient steps (num_minibatches)",
                 (self.explained / self.updates,),
                 decimals=2,
             )
         never = [name for name, number in self.events.items() if number == 0]
         if never:
             yield LearningWarning(
-                f"these events have never happened: {', '.join(never)}. Agents cannot learn from them: try a larger entropy_coefficient"
+                f"these events have never happened: {', '.join(never)}. "
+                "Agents cannot learn from them: try a larger entropy_coefficient"
             )
 
 

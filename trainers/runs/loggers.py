@@ -3,7 +3,6 @@
 import secrets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -19,34 +18,26 @@ LONGEST_ID = 100  # bytes
 WANDB_ID = "wandb_id"  # in the folder of a seed: the id of its run there, also when it is resumed
 
 
-@dataclass(frozen=True)
-class Loggers:
-    """The open loggers of one seed."""
-
-    functions: tuple[Callable[[Row], None], ...]
-
-    def log(self, row: Row) -> None:
-        """Logs a row to each; its `env_steps` are the axis."""
-        for function in self.functions:
-            function(row)
+Log = Callable[[Row], None]
 
 
 @contextmanager
 def open_loggers(
     names: Sequence[LoggerName], folder: Path, title: str, config: Config, done: int
-) -> Iterator[Loggers]:
-    """Opens loggers by name.
+) -> Iterator[list[Log]]:
+    """Yields the functions that log rows of a seed, by the names of loggers.
 
     Args:
       folder: of the seed.
-      done: environment steps after which the run resumes; what was logged of later ones is logged again.
+      done: environment steps after which the run resumes; what was logged of later ones is logged
+        again.
     Raises:
       ConfigError, MissingExtra: as in `check_loggers`.
     """
     check_loggers(names)
+    makers = {"tensorboard": _tensorboard, "wandb": _wandb}
     with ExitStack() as stack:
-        makers = {"tensorboard": _tensorboard, "wandb": _wandb}
-        yield Loggers(tuple(makers[name](stack, folder, title, config, done) for name in names))
+        yield [makers[name](stack, folder, title, config, done) for name in names]
 
 
 def check_loggers(names: Sequence[str]) -> None:
@@ -57,15 +48,15 @@ def check_loggers(names: Sequence[str]) -> None:
         require(name, PACKAGE[name])
 
 
-def _tensorboard(
-    stack: ExitStack, folder: Path, title: str, config: Config, done: int
-) -> Callable[[Row], None]:
+def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Log:
     del title, config
     from tensorboardX import SummaryWriter
 
     events = folder / "tensorboard"
-    # a file of its own, even if the one before was started in the same second, which names are made from
-    again = {"purge_step": done + 1, "filename_suffix": f".{done}"} if events.exists() else {}
+    again = {}
+    if events.exists():
+        # a suffix, as file names are made from the second in which a writer was started
+        again = {"purge_step": done + 1, "filename_suffix": f".{done}"}
     writer = SummaryWriter(str(events), **again)
     stack.callback(writer.close)
 
@@ -76,31 +67,31 @@ def _tensorboard(
     return log
 
 
-def _wandb(
-    stack: ExitStack, folder: Path, title: str, config: Config, done: int
-) -> Callable[[Row], None]:
-    """Returns a function that logs to a run of its own, new or resumed; steps that it has already stay as they are."""
+def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Log:
+    """Returns a function that logs to a run of its own, new or resumed.
+
+    Steps that it has already stay as they are.
+    """
     del done
     import wandb
 
-    known = folder / WANDB_ID
-    if not known.exists():
-        write_whole(known, secrets.token_hex(4).encode())
-    number = read_bytes(known, LONGEST_ID).decode("ascii")
-    one = {
-        "id": number,
-        "resume": "allow",
-        "reinit": "create_new",
-    }  # otherwise a process has one run for all its seeds
-    run = wandb.init(project="sjdsl", name=title, dir=str(folder), config=config.record(), **one)
+    id_file = folder / WANDB_ID
+    if not id_file.exists():
+        write_whole(id_file, secrets.token_hex(4).encode())
+    run = wandb.init(
+        project="sjdsl",
+        name=title,
+        dir=str(folder),
+        config=config.record(),
+        id=read_bytes(id_file, LONGEST_ID).decode("ascii"),
+        resume="allow",
+        reinit="create_new",  # otherwise a process has one run for all its seeds
+    )
     stack.callback(run.finish)
     return lambda row: run.log(_numbers(row), step=row["env_steps"])
 
 
 def _numbers(row: Row) -> dict[str, Any]:
     """Returns what a logger plots: everything but the axis and missing values."""
-    return {
-        name: value
-        for name, value in row.items()
-        if name not in ("update", "env_steps") and value == value
-    }
+    axis = ("update", "env_steps")
+    return {name: value for name, value in row.items() if name not in axis and value == value}

@@ -64,7 +64,9 @@ class _Manifest(_Part):
 
 
 def read_manifest(run_dir: Path) -> dict[str, Any]:
-    """Returns the manifest of a run, whose fields have the right types or are missing; the game's hash is the one its rules have now.
+    """Returns the manifest of a run, whose fields have the right types or are missing.
+
+    The game's hash is the one that its rules have now.
 
     Raises:
       RunError: there is no readable manifest, or a field has another type.
@@ -74,13 +76,12 @@ def read_manifest(run_dir: Path) -> dict[str, Any]:
         _Manifest.model_validate(manifest)
     except ValidationError as error:
         fault = error.errors()[0]
-        what = (
-            f"`{'.'.join(map(str, fault['loc']))}` in its {MANIFEST}: {fault['msg']}"
-            if fault["loc"]
-            else f"its {MANIFEST} has no fields"
-        )
+        field = ".".join(map(str, fault["loc"]))
+        damage = f"`{field}` in its {MANIFEST}: {fault['msg']}"
+        if not field:
+            damage = f"its {MANIFEST} has no fields"
         raise RunError(
-            f"{run_dir} is not the folder of a training run, or is damaged: {what}"
+            f"{run_dir} is not the folder of a training run, or is damaged: {damage}"
         ) from None
     except (OSError, ValueError):
         raise RunError(

@@ -1,4 +1,4 @@
-"""The metrics of a run: one line an update, written at once, and truncated to the checkpoint when a run resumes.
+"""The metrics of a run: one line an update, truncated to the checkpoint when a run resumes.
 
 A run of many small updates has more rows than fit into memory, so nothing here holds them all.
 """
@@ -6,7 +6,7 @@ A run of many small updates has more rows than fit into memory, so nothing here 
 import json
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,20 +27,14 @@ Row = dict[str, Any]  # one line of the metrics: column -> number; NaN if missin
 Whole = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
 Figure = Whole | Annotated[float, Field(strict=True)] | None
 
-
 ROWS: dict[str, TypeAdapter[Row]] = {
     METRICS_JSONL: TypeAdapter(dict[str, Figure]),
     EVALUATIONS: TypeAdapter(dict[str, Figure | dict[str, Figure]]),
 }
-COLUMNS = {
-    METRICS_JSONL: {"env_steps"},
-    EVALUATIONS: {"update", "collective return"},
-}  # of each row
-OF_A_RUN = {
-    "update",
-    "seconds",
-    "episodes",
-}  # further columns of the metrics, without which a run isn't resumed
+# of each row
+COLUMNS = {METRICS_JSONL: {"env_steps"}, EVALUATIONS: {"update", "collective return"}}
+# further columns of the metrics, without which a run isn't resumed
+OF_A_RUN = {"update", "seconds", "episodes"}
 
 
 @dataclass(frozen=True)
@@ -56,7 +50,7 @@ class Metrics:
             self.lines.flush()
 
     def to_disk(self) -> None:
-        """Makes the system write what was appended, so that nothing is lost even if the machine stops."""
+        """Makes the system write what was appended, in case the machine stops."""
         os.fsync(self.lines.fileno())
 
 
@@ -68,9 +62,10 @@ def open_metrics(folder: Path) -> Iterator[Metrics]:
 
 
 def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Row]:
-    """Drops what was written after update `done`, including half a line; yields the remaining rows of the metrics, one at a time.
+    """Drops what was written after update `done`, including half a line.
 
-    Nothing is dropped before the last row has been taken.
+    It yields the remaining rows of the metrics, one at a time. Nothing is dropped before the last
+    row has been taken.
 
     Args:
       folder: of a seed.
@@ -78,46 +73,48 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
     Raises:
       RunError: rows up to that update, or evaluations, are lost.
     """
-    lines, evaluations = folder / METRICS_JSONL, folder / EVALUATIONS
-    size, last = 0, Row()
-    for line, row in _whole_lines(lines) if done else ():
-        if not row.keys() >= OF_A_RUN or row["update"] != last.get("update", 0) + 1:
+    metrics = folder / METRICS_JSONL
+    written = _whole_lines(metrics)
+    size = 0
+    last: Row = {"update": 0}
+    while last["update"] < done:  # what follows may be anything
+        line, row = next(written, (b"", {}))
+        if not row.keys() >= OF_A_RUN or row["update"] != last["update"] + 1:
             break
         size += len(line)
         last = known_row(row)
         yield last
-        if last["update"] == done:  # what follows may be anything
-            break
-    known, diverged = (
-        last.get("update", 0),
-        not math.isfinite(last.get("loss", 0.0)),
-    )  # a seed that has diverged has no more rows
-    if known != done and not diverged:
+    known = last["update"]
+    # A seed that has diverged has no more rows, and no evaluation after its last.
+    is_diverged = not math.isfinite(last.get("loss", 0.0))
+    if known != done and not is_diverged:
         raise RunError(
-            f"{lines} is damaged: it holds only the first {known} of the {done} updates. Restore the file; or resume from an earlier update "
-            f"by removing the later ones from {folder / 'checkpoints'} (with several seeds, from the folder above)"
+            f"{metrics} is damaged: it holds only the first {known} of the {done} updates. Restore "
+            "the file; or resume from an earlier update by removing the later ones from "
+            f"{folder / 'checkpoints'} (with several seeds, from the folder above)"
         )
-    wanted = (
-        range(evaluate_every, known - diverged + 1, evaluate_every) if evaluate_every else range(0)
-    )
-    found = [
+    evaluations = folder / EVALUATIONS
+    wanted: Sequence[int] = ()
+    if evaluate_every:
+        wanted = range(evaluate_every, known - is_diverged + 1, evaluate_every)
+    kept = [
         line
         for number, (line, row) in zip(wanted, _whole_lines(evaluations), strict=False)
-        if row.get("update") == number
+        if row["update"] == number
     ]
-    if len(found) < len(wanted):
+    if len(kept) < len(wanted):
         raise RunError(
-            f"{evaluations} is damaged: it holds only {len(found)} of {len(wanted)} evaluations. Restore the file, or start a new run"
+            f"{evaluations} is damaged: it holds only {len(kept)} of {len(wanted)} evaluations. "
+            "Restore the file, or start a new run"
         )
-    _cut(lines, size)
-    _cut(evaluations, sum(map(len, found)))
-    (folder / "metrics.csv").unlink(
-        missing_ok=True
-    )  # of an earlier version: the same rows, which wouldn't go on
+    _cut(metrics, size)
+    _cut(evaluations, sum(map(len, kept)))
 
 
 def read_rows(path: Path) -> Iterator[Row]:
-    """Yields the rows of a file of JSON lines, one at a time, without half a line at the end, which a killed process leaves.
+    """Yields the rows of a file of JSON lines, one at a time.
+
+    A killed process may leave half a line at the end, which is left out.
 
     Raises:
       RunError: a line can't be read.
@@ -126,8 +123,10 @@ def read_rows(path: Path) -> Iterator[Row]:
 
 
 def run_rows(folder: Path) -> Iterator[Row]:
-    """Yields the rows of a seed of a run, those of all its stages, one at a time. folder: that of the last stage.
+    """Yields the rows of a seed of a run, those of all its stages, one at a time.
 
+    Args:
+      folder: that of the last stage.
     Raises:
       RunError: a line can't be read.
     """
@@ -141,22 +140,25 @@ def known_row(row: Row) -> Row:
 
 
 def thinned_rows(folder: Path, most: int) -> list[Row]:
-    """Returns the rows in which episodes finished; if there are more than `most`, neighbours of one stage are averaged."""
+    """Returns the rows in which episodes finished.
+
+    If there are more than `most`, neighbours of one stage are averaged.
+    """
     number = sum(row["episodes"] > 0 for row in run_rows(folder))
-    together = max(1, math.ceil(number / most))
+    together = math.ceil(number / most)
     thinned: list[Row] = []
-    size = 0
+    size = together  # rows in the last of them
     for row in run_rows(folder):
         if not row["episodes"] > 0:
             continue
-        if size in (0, together) or row.get("stage") != thinned[-1].get("stage"):
+        if size == together or row.get("stage") != thinned[-1].get("stage"):
             thinned.append(row)
             size = 1
-        else:
-            size += 1
-            thinned[-1] = {
-                name: before + (row[name] - before) / size for name, before in thinned[-1].items()
-            }
+            continue
+        size += 1
+        mean = thinned[-1]
+        for name in mean:
+            mean[name] += (row[name] - mean[name]) / size
     return thinned
 
 
@@ -169,7 +171,7 @@ def append_line(path: Path, row: Row) -> None:
 
 
 def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
-    """Yields the lines of a file of JSON lines and their rows, up to one that was cut off when the process was killed."""
+    """Yields the lines of a file of JSON lines and their rows, up to one that was cut off."""
     if not path.exists():
         return
     number = 0

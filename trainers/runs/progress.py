@@ -36,7 +36,9 @@ class Show(Protocol):
 def show_progress(
     style: ProgressStyle, num_updates: int, title: str, seeds: int = 1, steps_before: int = 0
 ) -> Iterator[Show]:
-    """Yields a function that shows the row of each update and warnings; until the first update, shows that the run is being compiled.
+    """Yields a function that shows the row of each update and warnings.
+
+    Until the first update, it is shown that the run is being compiled.
 
     Args:
       seeds: of the run, whose steps are added up.
@@ -59,8 +61,11 @@ def show_progress(
 
 @contextmanager
 def _bar(num_updates: int, title: str, seeds: int, steps_before: int) -> Iterator[Show]:
-    """Shows a bar, and below it what agents earn and how they learn: one line would be too long for most terminals."""
-    columns = (
+    """Shows a bar, and below it what agents earn and how they learn.
+
+    One line would be too long for most terminals.
+    """
+    progress = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
@@ -68,7 +73,7 @@ def _bar(num_updates: int, title: str, seeds: int, steps_before: int) -> Iterato
         TextColumn("{task.fields[speed]}"),
         TimeRemainingColumn(compact=True),
     )
-    progress, below = Progress(*columns), Text(COMPILING)
+    below = Text(COMPILING)
     task = progress.add_task(title, total=num_updates, speed="")
     outcome = NO_EPISODE
 
@@ -77,9 +82,8 @@ def _bar(num_updates: int, title: str, seeds: int, steps_before: int) -> Iterato
         for warning in warnings:
             progress.console.print(f"warning: {warning}", markup=False, highlight=False)
         outcome = _outcome(row) or outcome
-        progress.update(
-            task, completed=row["update"], speed=f"{rate(row, seeds, steps_before):,.0f} steps/s"
-        )
+        speed = f"{rate(row, seeds, steps_before):,.0f} steps/s"
+        progress.update(task, completed=row["update"], speed=speed)
         below.plain = f"{outcome}{_learning(row)}, {_share(row)}"
 
     with Live(Group(progress, below), console=progress.console):
@@ -87,6 +91,7 @@ def _bar(num_updates: int, title: str, seeds: int, steps_before: int) -> Iterato
 
 
 def _lines(num_updates: int, seeds: int, steps_before: int) -> Show:
+    digits = len(str(num_updates))
     outcome = NO_EPISODE
     printed = 0.0
 
@@ -95,14 +100,16 @@ def _lines(num_updates: int, seeds: int, steps_before: int) -> Show:
         for warning in warnings:
             print(f"warning: {warning}", flush=True)
         outcome = _outcome(row) or outcome
+        update = row["update"]
         now = time.monotonic()
-        if now - printed < SECONDS_BETWEEN_LINES and row["update"] not in (1, num_updates):
+        if now - printed < SECONDS_BETWEEN_LINES and update not in (1, num_updates):
             return
         printed = now
-        left = row["seconds"] / row["update"] * (num_updates - row["update"])
+        left = row["seconds"] / update * (num_updates - update)
         print(
-            f"update {row['update']:>{len(str(num_updates))}}/{num_updates}  {row['env_steps']:>11,} steps  "
-            f"{rate(row, seeds, steps_before):>9,.0f} steps/s  {_share(row)}  {left:>4.0f} s left  {outcome}{_learning(row)}",
+            f"update {update:>{digits}}/{num_updates}  {row['env_steps']:>11,} steps  "
+            f"{rate(row, seeds, steps_before):>9,.0f} steps/s  {_share(row)}  "
+            f"{left:>4.0f} s left  {outcome}{_learning(row)}",
             flush=True,
         )
 
@@ -110,7 +117,7 @@ def _lines(num_updates: int, seeds: int, steps_before: int) -> Show:
 
 
 def rate(row: Row, seeds: int, steps_before: int) -> float:
-    """Returns environment steps a second of all seeds, from the first update of a stage to this one, everything included."""
+    """Returns environment steps a second of all seeds in this stage so far, everything included."""
     return float((row["env_steps"] - steps_before) * seeds / row["seconds"])
 
 
@@ -121,14 +128,13 @@ def _share(row: Row) -> str:
 
 
 def _outcome(row: Row) -> str:
-    """Returns the return of the episodes that ended in an update and that before learning, or "" if none ended."""
-    return (
-        f"collective return {row['collective_return']:.1f} (before learning {row['before_learning']:.1f})"
-        if row["episodes"] > 0
-        else ""
-    )
+    """Returns what the episodes that ended in an update earned, or "" if none ended."""
+    if not row["episodes"] > 0:
+        return ""
+    earned, before = row["collective_return"], row["before_learning"]
+    return f"collective return {earned:.1f} (before learning {before:.1f})"
 
 
 def _learning(row: Row) -> str:
-    """Returns the figures that say whether a network learns, such as the entropy of its policy, each after a comma."""
+    """Returns the figures that say whether a network learns, each after a comma."""
     return "".join(f", {label} {row[name]:.3g}" for name, label in FIGURES.items() if name in row)

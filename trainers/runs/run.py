@@ -1,4 +1,4 @@
-"""Runs a whole training: starts a new folder or resumes one, runs all updates, and returns the trained policies."""
+"""Runs a whole training: in a new folder or a resumed one, all updates of all stages."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.several import several
@@ -19,10 +18,10 @@ from sjdsl.termination import raising_on_sigterm
 from ..devices.processes import any_process, is_first
 from ..environment import Environment, episode_length
 from ..json_files import write_json
-from ..policies.loading import Policy, parameter_shapes, trained_policy
+from ..policies.loading import parameter_shapes
 from ..policies.policy_file import START, copy_policy, policy_path, read_policy
 from ..settings.config import Config, ConfigError, PPOConfig, stored_config
-from ..settings.extensions import short_name
+from ..settings.stage_settings import STAGES, check_settings
 from .checkpoints import Checkpoints, resumption
 from .compiled import NoMemoryError, compile_train, peak_megabytes, with_spread_starts
 from .learning_signs import said_once
@@ -35,21 +34,12 @@ from .progress import ProgressStyle, show_progress
 from .recorder import open_recorders
 from .resuming import check_same_run, extended
 from .run_errors import DiskError, RunError
-from .run_folder import describe_run, seed_folders
+from .run_folder import describe_run
 from .run_lock import is_unused, locked
+from .run_stage import RunStage
 from .run_state import FINISHED
-from .stages import STAGES, check_settings, stage_folders
-from .updates import (
-    AfterUpdate,
-    Callback,
-    Keeping,
-    Progress,
-    Update,
-    describe_divergence,
-    diverged_before,
-    of_seed,
-    run_updates,
-)
+from .stages import stage_folders
+from .updates import Callback, Loop, describe_divergence, diverged_before
 
 WAITING = "waiting"  # the status of a stage that hasn't begun
 NOT_EMPTY = (
@@ -69,37 +59,14 @@ class Stage:
 
 
 @dataclass(frozen=True)
-class _Part:
-    """A stage of a run in its folder, or a run without stages."""
-
-    env: Environment
-    config: Config
-    folder: Path
-    manifest: dict[str, Any]  # updated as the run goes on
-    number: int  # of the stage, from 1; 0: the run has no stages
-    before: "_Part | None"
-
-    @property
-    def steps_before(self) -> int:
-        """Environment steps of the stages before, for each seed."""
-        before = self.before
-        return (
-            0
-            if before is None
-            else before.steps_before + before.config.num_updates * before.config.steps_per_update
-        )
-
-
-@dataclass(frozen=True)
 class Result:
     """A finished run."""
 
     run_dir: Path
     parameters: Any  # of the networks, after the last update; those of several seeds are stacked
     updates: int
-    diverged: Mapping[
-        int, int
-    ]  # seed -> the update in which its loss was not finite, while other seeds went on
+    # seed -> the update in which its loss was not finite, while other seeds went on
+    diverged: Mapping[int, int]
     folders: tuple[Path, ...]  # of each seed
     compile_seconds: float
     seconds: float  # compiling included
@@ -108,7 +75,10 @@ class Result:
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """One row an update of all stages, read from metrics.jsonl; with several seeds, the means over those that learnt."""
+        """One row an update of all stages, read from metrics.jsonl.
+
+        With several seeds, they are means over those that learnt.
+        """
         seeds = zip_longest(*map(run_rows, self.folders))
         return tuple(mean_row([row for row in rows if row is not None]) for rows in seeds)
 
@@ -124,7 +94,7 @@ def train(
     callback: Callback | None = None,
     earlier: Sequence[Stage] = (),
 ) -> Result:
-    """Trains, and writes manifest, metrics, checkpoints, policies and learning curve to `run_dir` along the way.
+    """Trains, and writes manifest, metrics, checkpoints, policies and learning curve to `run_dir`.
 
     Args:
       env: one environment, from `sjdsl.make`.
@@ -134,14 +104,16 @@ def train(
       provenance: JSON values for the manifest, such as the arguments that made `env`.
       loggers: where metrics go as well: `tensorboard`, `wandb`, or both.
       asked: further JSON values for the manifest, for when the run is resumed.
-      callback: called with an `Update` after each update, in the first of several processes; the run ends there if it returns True.
-      earlier: stages before the training in `env`. Each stage starts from the policies of the one before; all have the same seeds. Their
-        folders are `stages/1`, `stages/2` and so on in `run_dir`.
+      callback: called with an `Update` after each update, in the first of several processes; the
+        run ends there if it returns True.
+      earlier: stages before the training in `env`. Each stage starts from the policies of the one
+        before; all have the same seeds. Their folders are `stages/1`, `stages/2` and so on in
+        `run_dir`.
     Raises:
-      RunError: the folder isn't empty, or another process trains there; every seed diverged, or one before the last stage; or the disk or
-        the memory is full. What was written before stays.
-      ConfigError: a configuration doesn't fit its environment, or a stage can't follow the one before. PolicyError: a policy that one names
-        can't be read.
+      RunError: the folder isn't empty, or another process trains there; every seed diverged, or one
+        before the last stage; or the disk or the memory is full. What was written before stays.
+      ConfigError: a configuration doesn't fit its environment, or a stage can't follow the one
+        before. PolicyError: a policy that one names can't be read.
     """
     run_dir = Path(run_dir)
     if any_process(not is_unused(run_dir)):
@@ -151,49 +123,47 @@ def train(
     with _lock(run_dir):
         if is_first() and not is_unused(run_dir):  # another process was faster
             raise RunError(NOT_EMPTY.format(run_dir))
-        more = {"loggers": list(several(loggers)), "asked": dict(asked or {})}
-        parts = _parts(
-            run_dir,
-            stages,
-            [describe_run(one.env, one.config, one.provenance) | more for one in stages],
-        )
-        for part in parts:
-            part.folder.mkdir(parents=True, exist_ok=True)
+        options = {"loggers": list(several(loggers)), "asked": dict(asked or {})}
+        manifests = [
+            describe_run(stage.env, stage.config, stage.provenance) | options for stage in stages
+        ]
+        run_stages = _run_stages(run_dir, stages, manifests)
+        for stage in run_stages:
+            stage.folder.mkdir(parents=True, exist_ok=True)
         if is_first():
-            _prepare(parts)
-        return _run(parts, progress, callback)
+            _prepare(run_stages)
+        return _run(run_stages, progress, callback)
 
 
-def _parts(
+def _run_stages(
     run_dir: Path, stages: Sequence[Stage], manifests: Sequence[dict[str, Any]]
-) -> list[_Part]:
-    """Returns the stages of a run as parts, in order."""
-    parts: list[_Part] = []
+) -> list[RunStage]:
+    """Returns the stages of a run in their folders, in order."""
+    if len(stages) == 1:
+        return [RunStage(stages[0].env, stages[0].config, run_dir, manifests[0])]
+    before: RunStage | None = None
+    run_stages = []
     for number, (stage, manifest) in enumerate(zip(stages, manifests, strict=True), 1):
         folder = run_dir if number == len(stages) else run_dir / STAGES / str(number)
-        before = parts[-1] if parts else None
-        parts.append(
-            _Part(
-                stage.env, stage.config, folder, manifest, number if len(stages) > 1 else 0, before
-            )
-        )
-    return parts
+        before = RunStage(stage.env, stage.config, folder, manifest, number, before)
+        run_stages.append(before)
+    return run_stages
 
 
-def _prepare(parts: Sequence[_Part]) -> None:
+def _prepare(stages: Sequence[RunStage]) -> None:
     """Writes what a run starts from, and the manifests of all stages but the last."""
-    *earlier, last = parts
-    if parts[0].config.init_from:
-        copy_policy(parts[0].config.init_from, parts[0].folder / START)
-    for part in earlier:
-        part.manifest.update(status=WAITING, stage=part.number)
-        write_json(part.folder / MANIFEST, part.manifest)
+    *earlier, last = stages
+    if stages[0].config.init_from:
+        copy_policy(stages[0].config.init_from, stages[0].folder / START)
+    for stage in earlier:
+        stage.manifest.update(status=WAITING, stage=stage.number)
+        write_json(stage.folder / MANIFEST, stage.manifest)
     if earlier:
-        last.manifest[STAGES] = [str(part.folder.relative_to(last.folder)) for part in earlier]
+        last.manifest[STAGES] = [str(stage.folder.relative_to(last.folder)) for stage in earlier]
 
 
 def check_stages(stages: Sequence[Stage], place: str = STAGES) -> None:
-    """Checks that each stage fits its environment, and can continue with the parameters of the one before.
+    """Checks that each stage fits its environment, and can continue from the one before.
 
     Args:
       place: of the stages, for messages.
@@ -205,11 +175,13 @@ def check_stages(stages: Sequence[Stage], place: str = STAGES) -> None:
     for number, (before, stage) in enumerate(pairwise(stages), 2):
         if programs[number - 1].adopt is None:
             raise ConfigError(
-                f"{place}[{number}]: this algorithm can't start from a policy: its `Train` has no `adopt`"
+                f"{place}[{number}]: this algorithm can't start from a policy: "
+                "its `Train` has no `adopt`"
             )
         if _shapes(before) != _shapes(stage):
             raise ConfigError(
-                f"{place}[{number}]: its networks have other shapes than those of the stage before: {_unlike(before, stage)}"
+                f"{place}[{number}]: its networks have other shapes than those of the stage "
+                f"before: {_unlike(before, stage)}"
             )
 
 
@@ -219,15 +191,16 @@ def _shapes(stage: Stage) -> Any:
 
 def _unlike(before: Stage, stage: Stage) -> str:
     """Returns what may be why networks differ, in words."""
+    config = stage.config
     reasons = []
     if before.env.num_agents != stage.env.num_agents:
         reasons.append(
             f"there are {before.env.num_agents} agents before, and {stage.env.num_agents} here"
         )
-    if isinstance(stage.config, PPOConfig) and stage.config.sharing == "per_agent":
+    if isinstance(config, PPOConfig) and config.sharing == "per_agent":
         reasons.append("each agent has a network of its own (`sharing=per_agent`)")
-    if isinstance(stage.config, PPOConfig) and stage.config.algorithm == "mappo":
-        reasons.append(f"the central critic reads the {stage.config.critic} of all agents")
+    if isinstance(config, PPOConfig) and config.algorithm == "mappo":
+        reasons.append(f"the central critic reads the {config.critic} of all agents")
     return "; ".join(reasons) or "observations, actions, partners or settings of your own differ"
 
 
@@ -242,31 +215,38 @@ def resume(
     provenance: Mapping[str, Any] | None = None,
     earlier: Sequence[Environment] = (),
 ) -> Result:
-    """Resumes a run from its last checkpoint; on a CPU it ends with the metrics of a run that was never stopped.
+    """Resumes a run from its last checkpoint.
+
+    On a CPU it ends with the metrics of a run that was never stopped.
 
     Args:
       env: made as the run's manifest says.
       run_dir: the folder of a run that was stopped, in whatever way.
-      progress, loggers, asked, callback: as in `train`; loggers and `asked` stay those of the run unless given.
-      total_timesteps: makes the run longer, even a finished one. From there on, schedules over the whole run (of the learning rate, for
-        example) are those of the longer run.
+      progress, loggers, asked, callback: as in `train`; loggers and `asked` stay those of the run
+        unless given.
+      total_timesteps: makes the run longer, even a finished one. From there on, schedules over the
+        whole run (of the learning rate, for example) are those of the longer run.
       provenance: how `env` was made, where the run's game has moved.
       earlier: the environments of the stages before the last, if the run has any.
     Raises:
-      RunError: there is no such run, it is a stage of another, or another process trains in its folder; it was of another game or other
-        versions, or has done more steps already; or rows of its metrics are lost.
+      RunError: there is no such run, it is a stage of another, or another process trains in its
+        folder; it was of another game or other versions, or has done more steps already; or rows of
+        its metrics are lost.
     """
     run_dir = Path(run_dir)
     check_same_run(env, run_dir)
-    environments, folders = [*earlier, env], stage_folders(run_dir)
+    environments = [*earlier, env]
+    folders = stage_folders(run_dir)
     if len(environments) != len(folders):
         raise RunError(
-            f"{run_dir} has {len(folders)} stages: `earlier` must have the environments of the first {len(folders) - 1}"
+            f"{run_dir} has {len(folders)} stages: "
+            f"`earlier` must have the environments of the first {len(folders) - 1}"
         )
     with _lock(run_dir):
+        # read again, as no other process writes now
         manifests = [
-            check_same_run(one, folder) for one, folder in zip(environments, folders, strict=True)
-        ]  # no other process writes now
+            check_same_run(env, folder) for env, folder in zip(environments, folders, strict=True)
+        ]
         last = manifests[-1]
         if "stage" in last:
             raise RunError(
@@ -277,21 +257,18 @@ def resume(
         if provenance is not None:
             last["provenance"] = dict(provenance)
         last["status"] = "running"
+        now = datetime.now(UTC).isoformat(timespec="seconds")
         for manifest in manifests:
             if manifest.get("status") != WAITING:
-                manifest["resumed"] = [
-                    *manifest.get("resumed", []),
-                    datetime.now(UTC).isoformat(timespec="seconds"),
-                ]
-            manifest["loggers"] = list(
-                manifest.get("loggers", ()) if loggers is None else several(loggers)
-            )
-            manifest["asked"] = manifest.get("asked", {}) | dict(asked or {})
+                manifest["resumed"] = [*manifest.get("resumed", []), now]
+            if loggers is not None or "loggers" not in manifest:
+                manifest["loggers"] = list(several(loggers or ()))
+            manifest.setdefault("asked", {}).update(asked or {})
         stages = [
-            Stage(one, stored_config(manifest["config"]))
-            for one, manifest in zip(environments, manifests, strict=True)
+            Stage(env, stored_config(manifest["config"]))
+            for env, manifest in zip(environments, manifests, strict=True)
         ]
-        return _run(_parts(run_dir, stages, manifests), progress, callback)
+        return _run(_run_stages(run_dir, stages, manifests), progress, callback)
 
 
 def _lock(run_dir: Path) -> AbstractContextManager[None]:
@@ -300,150 +277,129 @@ def _lock(run_dir: Path) -> AbstractContextManager[None]:
 
 
 @raising_on_sigterm()
-def _run(parts: Sequence[_Part], progress: ProgressStyle, callback: Callback | None) -> Result:
-    """Runs the remaining updates of all stages; if a callback ends the run in one before the last, returns the result of that."""
-    *earlier, last = parts
+def _run(stages: Sequence[RunStage], progress: ProgressStyle, callback: Callback | None) -> Result:
+    """Runs the remaining updates of all stages.
+
+    If a callback ends the run in a stage before the last, it returns the result of that.
+    """
+    *earlier, last = stages
     with recording_status(last.folder, last.manifest):
-        for part in earlier:
-            if part.manifest.get("status") != FINISHED:
-                part.manifest["status"] = "running"
-                with recording_status(part.folder, part.manifest):
-                    result = _run_part(part, progress, callback)
-                if part.manifest["status"] != FINISHED:
-                    last.manifest["status"] = part.manifest["status"]
-                    return replace(result, stage=part.number)
-            if diverged := part.manifest.get("diverged"):
-                said = describe_divergence({entry["seed"]: entry["update"] for entry in diverged})
+        for stage in earlier:
+            manifest = stage.manifest
+            if manifest.get("status") != FINISHED:
+                manifest["status"] = "running"
+                with recording_status(stage.folder, manifest):
+                    result = _run_stage(stage, progress, callback)
+                if manifest["status"] != FINISHED:
+                    last.manifest["status"] = manifest["status"]
+                    return replace(result, stage=stage.number)
+            diverged = {entry["seed"]: entry["update"] for entry in manifest.get("diverged", ())}
+            if diverged:
                 raise RunError(
-                    f"stage {part.number}: {said}. The next stage starts only if no seed diverged"
+                    f"stage {stage.number}: {describe_divergence(diverged)}. "
+                    "The next stage starts only if no seed diverged"
                 )
-        return _run_part(last, progress, callback)
+        return _run_stage(last, progress, callback)
 
 
-def _run_part(part: _Part, progress: ProgressStyle, callback: Callback | None) -> Result:
+def _run_stage(stage: RunStage, progress: ProgressStyle, callback: Callback | None) -> Result:
     """Runs the remaining updates of a stage; its manifest is updated as the run goes on."""
     began = time.perf_counter()
-    env, config, manifest = part.env, part.config, part.manifest
-    folders = seed_folders(part.folder, config)
-    title = (
-        f"{env.name}, {short_name(config.algorithm)}, {short_name(config.reward)} reward"
-        + f", stage {part.number}" * (part.number > 0)
-    )
-    # The policy it began with may be gone from its old place, so a run has a copy of its own.
-    start = {"init_from": str(part.folder / START)} if (part.folder / START).is_file() else {}
+    env, config, manifest = stage.env, stage.config, stage.manifest
     with ExitStack() as stack:
         style = progress if is_first() else "none"
+        steps_before = stage.steps_after(0)
         show = stack.enter_context(
-            show_progress(style, config.num_updates, title, config.seeds, part.steps_before)
+            show_progress(style, config.num_updates, stage.title, config.seeds, steps_before)
         )
-        compiled = compile_train(
-            make_train(env, config.model_copy(update=start)), config, _parameters_before(part)
-        )
+        to_compile = config
+        if (stage.folder / START).is_file():
+            # The policy it began with may be gone from its old place, so a run has a copy.
+            start = {"init_from": str(stage.folder / START)}
+            to_compile = config.model_copy(update=start)
+        compiled = compile_train(make_train(env, to_compile), config, _parameters_before(stage))
         compiled = with_spread_starts(compiled, config, episode_length(env))
-        checkpoints = Checkpoints(part.folder)
+        checkpoints = Checkpoints(stage.folder)
         stack.callback(checkpoints.close)
         state, done = checkpoints.restore_last(compiled.start())
-        goes_on = done > 0 or part.before is None
-        if (
-            "resumed" in manifest
-            and goes_on
-            and done < config.num_updates
-            and progress != "none"
-            and is_first()
-        ):
-            print(f"{title}: {resumption(done)}", flush=True)
+        is_resumed = "resumed" in manifest and (done > 0 or stage.before is None)
+        if is_resumed and done < config.num_updates and style != "none":
+            print(f"{stage.title}: {resumption(done)}", flush=True)
         manifest.update(compile_seconds=compiled.seconds, program_megabytes=compiled.megabytes)
-        recorders = stack.enter_context(
-            open_recorders(
-                folders, env, config, done, manifest["loggers"], title, part.steps_before
-            )
+        recorders = stack.enter_context(open_recorders(stage, done))
+        loop = Loop(
+            stage,
+            compiled,
+            state,
+            recorders,
+            checkpoints.save,
+            show,
+            callback if is_first() else None,
+            updates=done,
+            diverged=diverged_before(state, recorders, config),
         )
-        so_far = Progress(done, diverged_before(state, recorders, config))
         try:
-            keeping = Keeping(
-                recorders, checkpoints.save, show, steps_before=part.steps_before, stage=part.number
-            )
-            if callback is not None and is_first():
-                keeping = replace(
-                    keeping, after_update=_call_after_update(callback, env, config, part.folder)
-                )
-            state = run_updates(compiled, state, so_far, config, keeping)
+            loop.run()
         finally:
+            warnings = {recorder.seed: recorder.history.warnings for recorder in recorders}
             manifest.update(
-                updates=so_far.updates,
-                warnings=said_once(
-                    {recorder.seed: recorder.history.warnings for recorder in recorders}
-                ),
+                updates=loop.updates,
+                warnings=said_once(warnings),
                 diverged=[
-                    {"seed": seed, "update": update} for seed, update in so_far.diverged.items()
+                    {"seed": seed, "update": update} for seed, update in loop.diverged.items()
                 ],
                 seconds=time.perf_counter() - began,
                 peak_megabytes=peak_megabytes(),
             )
-        if so_far.stopped:
-            manifest["status"] = f"stopped by its callback after update {so_far.updates}"
-        parameters = jax.device_get(compiled.parameters(state))
-    seconds = time.perf_counter() - began
-    return Result(
-        part.folder,
-        parameters,
-        so_far.updates,
-        so_far.diverged,
-        folders,
-        compiled.seconds,
-        seconds,
-        peak_megabytes(),
-    )
+        if loop.stopped:
+            manifest["status"] = f"stopped by its callback after update {loop.updates}"
+        return Result(
+            stage.folder,
+            jax.device_get(compiled.parameters(loop.state)),
+            loop.updates,
+            loop.diverged,
+            stage.seed_folders,
+            compiled.seconds,
+            manifest["seconds"],
+            manifest["peak_megabytes"],
+        )
 
 
-def _parameters_before(part: _Part) -> Any:
-    """Returns the parameters at the end of the stage before, with a first axis for several seeds; None if there is none."""
-    if part.before is None:
+def _parameters_before(stage: RunStage) -> Any:
+    """Returns the parameters at the end of the stage before, or None.
+
+    If there are several seeds, they are on a first axis.
+    """
+    if stage.before is None:
         return None
     any_process(False)  # waits until the first process has written them
     seeds = []
-    for folder in seed_folders(part.before.folder, part.before.config):
+    for folder in stage.before.seed_folders:
         parameters, _ = read_policy(
-            policy_path(folder, "last"), lambda config: parameter_shapes(part.env, config)
+            policy_path(folder, "last"), lambda config: parameter_shapes(stage.env, config)
         )
         if parameters is None:
             raise RunError(
-                f"the last policy of {folder} has other networks than stage {part.number}"
+                f"the last policy of {folder} has other networks than stage {stage.number}"
             )
         seeds.append(parameters)
-    return jax.tree.map(lambda *leaves: np.stack(leaves), *seeds) if len(seeds) > 1 else seeds[0]
-
-
-def _call_after_update(
-    callback: Callback, env: Environment, config: Config, run_dir: Path
-) -> AfterUpdate:
-    """Returns a function that calls the callback with an `Update`, and returns whether it ends the run."""
-
-    def after_update(
-        number: int, rows: Sequence[Row], learning: Sequence[int], parameters: Any
-    ) -> bool:
-        def policy_of(seed: int) -> Policy:
-            own = of_seed(parameters, config.seed_numbers.index(seed), config)
-            return trained_policy(
-                env, config, jax.tree.map(jnp.copy, own)
-            )  # the next update reuses their memory
-
-        known = {config.seed_numbers[index]: rows[index] for index in learning}
-        row = mean_row([*known.values()])
-        return callback(Update(number, row["env_steps"], row, known, run_dir, policy_of)) is True
-
-    return after_update
+    if len(seeds) == 1:
+        return seeds[0]
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *seeds)
 
 
 @contextmanager
 def recording_status(run_dir: Path, manifest: dict[str, Any]) -> Iterator[None]:
-    """Writes the manifest at the start, and again with how the run ended; turns faults of memory and disk into RunErrors."""
+    """Writes the manifest at the start, and again with how the run ended.
+
+    Faults of memory and disk become RunErrors.
+    """
     if is_first():
         write_json(run_dir / MANIFEST, manifest)
     try:
         yield
         if manifest["status"] == "running":
-            manifest["status"] = "finished"
+            manifest["status"] = FINISHED
     except KeyboardInterrupt:
         manifest["status"] = "interrupted"
         raise
@@ -461,12 +417,18 @@ def recording_status(run_dir: Path, manifest: dict[str, Any]) -> Iterator[None]:
 
 
 def _disk_message(error: OSError, run_dir: Path) -> str:
-    """Returns the message about a disk; of several errors, about the first, as a full disk also fails what is tried afterwards."""
-    faults: list[OSError] = []
+    """Returns the message about a disk.
+
+    Of several errors, it is about the first, as a full disk also fails what is tried afterwards.
+    """
+    faults = []
     fault: BaseException | None = error
     while fault is not None:
-        faults += [fault] if isinstance(fault, OSError) else []
+        if isinstance(fault, OSError):
+            faults.append(fault)
         fault = fault.__context__
     first = next((fault for fault in reversed(faults) if fault.filename), faults[-1])
-    where = first.filename or run_dir
-    return f"{where} could not be written: {first.strerror or first}. What was saved before is whole: make room, and resume {run_dir}"
+    return (
+        f"{first.filename or run_dir} could not be written: {first.strerror or first}. "
+        f"What was saved before is whole: make room, and resume {run_dir}"
+    )

@@ -5,13 +5,11 @@ import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from hashlib import sha256
-from pathlib import Path
 from typing import Any
 
 import jax
 from jax.tree_util import keystr, tree_leaves_with_path
 
-from ..algorithms.shaping import kept_share
 from ..devices.device import device_name
 from ..environment import Environment, reset_shapes
 from ..json_files import plain
@@ -32,7 +30,7 @@ def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]
         "provenance": dict(provenance),
         "config": config.record(),
         "own_files": own_files(config),
-        "derived": derived_figures(config, env.num_agents),
+        "derived": {"updates": config.num_updates, "steps_per_update": config.steps_per_update},
         "versions": versions(),
         "device": {
             "platform": device.platform,
@@ -42,37 +40,24 @@ def describe_run(env: Environment, config: Config, provenance: Mapping[str, Any]
     }
 
 
-def derived_figures(config: Config, num_agents: int) -> dict[str, float]:
-    """Returns figures derived from a configuration: updates, and the share that an agent keeps of an exchanged reward."""
-    figures: dict[str, float] = {
-        "updates": config.num_updates,
-        "steps_per_update": config.steps_per_update,
-    }
-    if config.reward == "exchange":
-        figures["kept_share"] = kept_share(config.exchange_ratio, num_agents)
-    return figures
-
-
 def own_files(config: Config) -> dict[str, str | None]:
-    """Returns the user's own files that a run uses, with their SHA-256; None for one that is gone."""
+    """Returns the user's own files that a run uses, with their SHA-256, or None if one is gone."""
     names = (*config.hooks.values(), *(policy for _, policy in config.partners))
-    files = {str(file): file for file in map(file_of, names) if file is not None}
+    files = [file for file in map(file_of, names) if file is not None]
     return {
-        name: sha256(file.read_bytes()).hexdigest() if file.is_file() else None
-        for name, file in files.items()
+        str(file): sha256(file.read_bytes()).hexdigest() if file.is_file() else None
+        for file in files
     }
 
 
 def describe_game(env: Environment) -> dict[str, Any]:
     """Returns what the files of a run and of a policy say of their game."""
     observation, _ = reset_shapes(env)
+    params = tree_leaves_with_path(env.params)
     return {
         "name": env.name,
         "hash": env.hash,
-        "params": {
-            keystr(path, simple=True): plain(leaf)
-            for path, leaf in tree_leaves_with_path(env.params)
-        },
+        "params": {keystr(path, simple=True): plain(leaf) for path, leaf in params},
         "num_agents": env.num_agents,
         "action_names": list(env.action_names),
         "observation_shape": list(observation.shape),
@@ -89,10 +74,3 @@ def _version(package: str) -> str | None:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
         return None
-
-
-def seed_folders(run_dir: Path, config: Config) -> tuple[Path, ...]:
-    """Returns the folder of each seed's figures and policies: the run's own for a single seed, `seed_N` in it for several."""
-    if config.seeds == 1:
-        return (run_dir,)
-    return tuple(run_dir / f"seed_{number}" for number in config.seed_numbers)

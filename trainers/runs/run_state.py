@@ -1,4 +1,4 @@
-"""The outcome of the training behind a stored policy: whether it has ended, and which seeds have diverged."""
+"""The outcome of the training behind a stored policy: whether it has ended, and who diverged."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,26 +14,30 @@ FINISHED = "finished"
 
 @dataclass(frozen=True)
 class RunState:
-    """The outcome of a run's training, from its manifest. `status`: `finished`, `running`, `interrupted`, `failed: …` or why it stopped."""
+    """The outcome of a run's training, from its manifest."""
 
-    status: str
+    status: str  # `finished`, `running`, `interrupted`, `failed: …` or why it stopped
     diverged: Mapping[int, int]  # seed -> the update in which its loss was not finite
 
     @property
     def unfinished(self) -> str:
-        """Why it may not have ended, in words; empty if it has, and if only single seeds have diverged."""
+        """Why it may not have ended, in words; empty if it has, or if seeds have diverged."""
         return "" if self.status == FINISHED or self.diverged else self.status
 
 
 def run_state(folder: Path) -> RunState | None:
-    """Returns the outcome of a run's training, or of one seed's if the folder is `seed_N` of a run; None without a manifest.
+    """Returns the outcome of a run's training, or None without a manifest.
 
+    Args:
+      folder: of a run, or `seed_N` in it for that of one seed.
     Raises:
       PolicyError: there is a manifest that can't be read, so that the policies may be incomplete.
     """
-    own = folder / MANIFEST
-    seed = folder.name.removeprefix("seed_") if folder.name.startswith("seed_") else ""
-    file = folder.parent / MANIFEST if seed.isdecimal() and not own.is_file() else own
+    file = folder / MANIFEST
+    seed = folder.name.removeprefix("seed_")
+    is_seed = folder.name.startswith("seed_") and seed.isdecimal() and not file.is_file()
+    if is_seed:
+        file = folder.parent / MANIFEST
     if not file.is_file():
         return None
     try:
@@ -44,8 +48,6 @@ def run_state(folder: Path) -> RunState | None:
         raise PolicyError(
             f"{file} can't be read ({type(error).__name__}: {error}), so the run may not have ended"
         ) from None
-    if file is own:
-        return RunState(status, diverged)
-    return RunState(
-        status, {number: update for number, update in diverged.items() if number == int(seed)}
-    )
+    if is_seed:
+        diverged = {number: diverged[number] for number in diverged if number == int(seed)}
+    return RunState(status, diverged)

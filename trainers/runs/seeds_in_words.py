@@ -8,19 +8,22 @@ Said = TypeVar("Said", bound=Hashable)
 
 def seeds_in_words(seeds: Iterable[int]) -> str:
     """Returns `seed 3`, `seeds 0 and 1`, or `seeds 0 to 4, 7 and 9`."""
-    rows: list[list[int]] = []  # of consecutive seeds
+    ranges: list[list[int]] = []  # the first and the last of consecutive seeds
     for seed in sorted(seeds):
-        if rows and seed == rows[-1][-1] + 1:
-            rows[-1].append(seed)
+        if ranges and seed == ranges[-1][1] + 1:
+            ranges[-1][1] = seed
         else:
-            rows.append([seed])
+            ranges.append([seed, seed])
     parts: list[str] = []
-    for row in rows:
-        parts += map(str, row) if len(row) < 3 else [f"{row[0]} to {row[-1]}"]
-    *first, last = parts
-    if first:
-        return f"seeds {', '.join(first)} and {last}"
-    return f"seeds {last}" if "to" in last else f"seed {last}"
+    for first, last in ranges:
+        if last - first < 2:
+            parts += map(str, range(first, last + 1))
+        else:
+            parts.append(f"{first} to {last}")
+    *before, end = parts
+    if before:
+        return f"seeds {', '.join(before)} and {end}"
+    return f"seeds {end}" if "to" in end else f"seed {end}"
 
 
 def seeds_of_each(pairs: Iterable[tuple[int, Said]]) -> dict[Said, list[int]]:

@@ -1,10 +1,11 @@
 """Data-parallel training: shards environments over all devices, and replicates everything else.
 
-PPO plays and learns on each device separately (`data_parallel`). JAX's partitioner divides the rest, and all of other algorithms: sums over
-environments become sums over devices.
+PPO plays and learns on each device separately (`data_parallel`). JAX's partitioner divides the
+rest, and all of other algorithms: sums over environments become sums over devices.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
+from typing import Any
 
 import jax
 import numpy as np
@@ -15,33 +16,8 @@ from ..devices.data_parallel import ENVS
 from ..settings.config import Config, ConfigError
 
 
-@dataclass(frozen=True)
-class Placement:
-    """Where the arrays of a run are."""
-
-    mesh: Mesh
-    seeds: int  # runs side by side; if there are several, their axis comes first
-
-    @property
-    def everywhere(self) -> NamedSharding:
-        return NamedSharding(self.mesh, PartitionSpec())
-
-    @property
-    def spread(self) -> NamedSharding:
-        """Environments, the first axis after seeds, over devices."""
-        return NamedSharding(self.mesh, PartitionSpec(*([None] if self.seeds > 1 else []), ENVS))
-
-    def of_state(self, state: TrainState) -> TrainState:
-        """Returns the placement of every leaf of a state."""
-        placed = jax.tree.map(lambda _: self.everywhere, state)
-        result: TrainState = placed.replace(
-            worlds=jax.tree.map(lambda _: self.spread, state.worlds)
-        )
-        return result
-
-
-def make_placement(config: Config) -> Placement:
-    """Returns the placement on all devices of all processes.
+def make_mesh(config: Config) -> Mesh:
+    """Returns all devices of all processes.
 
     Raises:
       ConfigError: the environments don't divide into the devices.
@@ -49,6 +25,29 @@ def make_placement(config: Config) -> Placement:
     devices = jax.devices()
     if config.num_envs % len(devices):
         raise ConfigError(
-            f"num_envs = {config.num_envs} environments cannot be spread over {len(devices)} devices; choose a multiple"
+            f"num_envs = {config.num_envs} environments cannot be spread over {len(devices)} "
+            "devices; choose a multiple"
         )
-    return Placement(Mesh(np.asarray(devices), (ENVS,)), config.seeds)
+    return Mesh(np.asarray(devices), (ENVS,))
+
+
+def everywhere(mesh: Mesh) -> NamedSharding:
+    """Returns the placement of arrays that all devices have."""
+    return NamedSharding(mesh, PartitionSpec())
+
+
+def placement_of(state: TrainState, mesh: Mesh, seeds: int) -> TrainState:
+    """Returns the placement of each leaf of a state; with several seeds, their axis comes first."""
+    axes = (ENVS,) if seeds == 1 else (None, ENVS)
+    spread = NamedSharding(mesh, PartitionSpec(*axes))
+    placed: TrainState = jax.tree.map(lambda _: everywhere(mesh), state)
+    return replace(placed, worlds=jax.tree.map(lambda _: spread, state.worlds))
+
+
+def shaped(shapes: Any, places: Any) -> Any:
+    """Returns shapes and dtypes with their placement."""
+    return jax.tree.map(
+        lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place),
+        shapes,
+        places,
+    )

@@ -1,4 +1,4 @@
-"""The loop over the updates of a run: metrics, checkpoints and policies, also if the run is interrupted."""
+"""The loop over the updates of a stage: metrics, checkpoints and policies, whatever ends it."""
 
 import math
 import signal
@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from sjdsl.termination import Terminated, sigterm_raises
 
 from ..algorithms.training_functions import TrainState
 from ..devices.processes import any_process
-from ..policies.loading import Policy
+from ..policies.loading import Policy, trained_policy
 from ..settings.config import Config
 from .checkpoint_pace import CheckpointPace
 from .compiled import Compiled, NoMemoryError
@@ -27,6 +28,7 @@ from .metrics_files import Row
 from .progress import Show
 from .recorder import Recorder
 from .run_errors import RunError
+from .run_stage import RunStage
 from .seeds_in_words import seeds_in_words, seeds_of_each
 
 
@@ -50,126 +52,193 @@ class Update:
 Callback = Callable[[Update], Any]  # called after an update; the run ends there if it returns True
 
 
-# Called after an update with its number, the rows of all seeds, the indices of those that learn, and the parameters; whether to end the run.
-AfterUpdate = Callable[[int, Sequence[Row], Sequence[int], Any], bool]
-
-
 @dataclass
-class Progress:
-    """The progress of a run."""
+class Loop:
+    """The updates of a stage, and how far they are."""
 
-    updates: int  # done
-    diverged: dict[int, int] = field(
-        default_factory=dict
-    )  # seed -> the update in which its loss was not finite
-    stopped: bool = False  # by its callback
-
-
-@dataclass(frozen=True)
-class Keeping:
-    """Where the updates of a run are kept and shown."""
-
+    stage: RunStage
+    compiled: Compiled
+    state: TrainState  # after `updates` updates
     recorders: Sequence[Recorder]  # of each seed; none in processes that don't write
     save: Callable[[int, Any], None]  # writes a checkpoint: the state after an update
     show: Show
-    after_update: AfterUpdate = lambda *_: False
-    steps_before: int = 0  # environment steps of each seed in stages before this one
-    stage: int = 0  # its number; 0: the run has no stages
+    callback: Callback | None = None
+    updates: int = 0  # done
+    # seed -> the update in which its loss was not finite
+    diverged: dict[int, int] = field(default_factory=dict)
+    stopped: bool = False  # by its callback
+    saved: int = 0  # the update of the last checkpoint
+    is_whole: bool = False  # `state` is that after `updates`, and not lent to a function
 
-    def recording(self, seeds: Sequence[int]) -> list[tuple[int, Recorder]]:
-        """Returns the recorders of seeds, by their indices; none in processes that don't write."""
-        return [(index, self.recorders[index]) for index in seeds] if self.recorders else []
+    def run(self) -> None:
+        """Runs the remaining updates; whatever stops them, what was done before is kept.
 
-
-def run_updates(
-    compiled: Compiled, state: TrainState, progress: Progress, config: Config, keeping: Keeping
-) -> TrainState:
-    """Runs the remaining updates; whatever stops them, what was done before is kept.
-
-    Args:
-      state: after `progress.updates` updates.
-      progress: updated after each.
-    Raises:
-      RunError: all seeds diverged. NoMemoryError, OSError, KeyboardInterrupt: what stopped the run.
-    """
-    before = max((recorder.history.seconds for recorder in keeping.recorders), default=0.0)
-    began = last = time.perf_counter()
-    pace = CheckpointPace(
-        config, sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state)), began
-    )
-    saved = progress.updates
-    whole: int | None = (
-        saved  # the update after which `state` is; None while its memory is lent to a function
-    )
-
-    def save(number: int, learning: Sequence[int]) -> None:
-        """Writes the last policies and a checkpoint; the metrics first, so that none is missing when the run is resumed."""
-        parameters = jax.device_get(compiled.parameters(state))
-        for index, recorder in keeping.recording(learning):
-            recorder.store(of_seed(parameters, index, config), number, "last")
-        keeping.save(number, state)
-
-    with noting_signals() as signals:
-        try:
-            for number in range(progress.updates + 1, config.num_updates + 1):
-                whole = None
-                state, played = compiled.collect(state)
-                jax.block_until_ready(played)
-                acted = time.perf_counter()
-                state, metrics = compiled.learn(state, played)
-                measured = jax.device_get(metrics)
-                now = time.perf_counter()
-                start = {
-                    "update": number,
-                    "env_steps": keeping.steps_before + number * config.steps_per_update,
-                    "seconds": before + now - began,
-                    "steps_per_second": config.steps_per_update * config.seeds / (now - last),
-                    "rollout_share": (acted - last) / (now - last),
-                }
-                start |= {"stage": keeping.stage} if keeping.stage else {}
-                rows = [
-                    start | flatten_metrics(of_seed(measured, index, config))
-                    for index in range(config.seeds)
-                ]
-                parameters = compiled.parameters(state)
-                learning = _record(rows, parameters, progress, config, keeping)
-                progress.updates = number
-                evaluates = config.evaluate_every and number % config.evaluate_every == 0
-                for index, recorder in keeping.recording(learning):
-                    if evaluates:
-                        recorder.evaluate(
-                            of_seed(jax.device_get(parameters), index, config), number
-                        )
-                    if recorder.history.is_mark(number):
-                        recorder.mark(of_seed(jax.device_get(parameters), index, config), number)
-                whole = number  # with its evaluation, which isn't repeated
-                keeping.show(*_summary(rows, learning, keeping))
-                if any_process(pace.is_due(number, time.perf_counter())):
-                    begin = time.perf_counter()
-                    save(number, learning)
-                    pace.written(begin, time.perf_counter())
-                    saved = number
-                if any_process(bool(signals)):
-                    raise Terminated if signal.SIGTERM in signals else KeyboardInterrupt
-                if any_process(keeping.after_update(number, rows, learning, parameters)):
-                    progress.stopped = True
-                    break
-                last = (
-                    time.perf_counter()
-                )  # evaluating, saving and callbacks don't count as part of an update
-        except OSError:
-            whole = None  # there is no room for another attempt
-            raise
-        except jax.errors.JaxRuntimeError as error:
-            if "RESOURCE_EXHAUSTED" in str(error):
+        Raises:
+          RunError: all seeds diverged. NoMemoryError, OSError, KeyboardInterrupt: what stopped the
+          run.
+        """
+        self.saved = self.updates
+        with noting_signals() as signals:
+            try:
+                self._run(signals)
+            except OSError:
+                self.is_whole = False  # there is no room for another attempt
+                raise
+            except jax.errors.JaxRuntimeError as error:
+                if "RESOURCE_EXHAUSTED" not in str(error):
+                    raise
                 raise NoMemoryError(
-                    f"{str(error).splitlines()[0]}; make num_envs, num_steps or seeds smaller, and start again"
+                    f"{str(error).splitlines()[0]}; "
+                    "make num_envs, num_steps or seeds smaller, and start again"
                 ) from None
-            raise
-        finally:
-            if whole is not None and whole > saved:
-                save(whole, _learning(progress, config))
-    return state
+            finally:
+                if self.is_whole and self.updates > self.saved:
+                    self._save()
+
+    def _run(self, signals: Sequence[int]) -> None:
+        config = self.stage.config
+        last = time.perf_counter()
+        began = last - max((recorder.history.seconds for recorder in self.recorders), default=0.0)
+        leaves = jax.tree.leaves(self.state)
+        num_bytes = sum(leaf.size * leaf.dtype.itemsize for leaf in leaves)
+        pace = CheckpointPace(config, num_bytes, last)
+        while self.updates < config.num_updates and not self.stopped:
+            rows = self._update(began, last)
+            self._record(rows)
+            self.updates += 1
+            self._keep_policies()
+            self.is_whole = True  # with its evaluation, which isn't repeated
+            self.show(*self._summary(rows))
+            now = time.perf_counter()
+            if any_process(pace.is_due(self.updates, now)):
+                self._save()
+                pace.written(now, time.perf_counter())
+                self.saved = self.updates
+            if any_process(bool(signals)):
+                raise Terminated if signal.SIGTERM in signals else KeyboardInterrupt
+            self.stopped = any_process(self._call_back(rows))
+            # Evaluating, saving and callbacks don't count as part of an update.
+            last = time.perf_counter()
+
+    def _update(self, began: float, last: float) -> list[Row]:
+        """Plays and learns; returns the row of each seed."""
+        config = self.stage.config
+        number = self.updates + 1
+        self.is_whole = False
+        self.state, played = self.compiled.collect(self.state)
+        jax.block_until_ready(played)
+        acted = time.perf_counter()
+        self.state, metrics = self.compiled.learn(self.state, played)
+        metrics = jax.device_get(metrics)
+        now = time.perf_counter()
+        start = {
+            "update": number,
+            "env_steps": self.stage.steps_after(number),
+            "seconds": now - began,
+            "steps_per_second": config.steps_per_update * config.seeds / (now - last),
+            "rollout_share": (acted - last) / (now - last),
+        }
+        if self.stage.number:
+            start["stage"] = self.stage.number
+        return [
+            start | flatten_metrics(of_seed(metrics, index, config))
+            for index in range(config.seeds)
+        ]
+
+    def _learning(self) -> list[int]:
+        """Returns the indices of the seeds that haven't diverged."""
+        seeds = self.stage.config.seed_numbers
+        return [index for index, seed in enumerate(seeds) if seed not in self.diverged]
+
+    def _recording(self) -> list[tuple[int, Recorder]]:
+        """Returns the recorders of the seeds that haven't diverged, with their indices."""
+        if not self.recorders:
+            return []
+        return [(index, self.recorders[index]) for index in self._learning()]
+
+    def _parameters(self, index: int) -> Any:
+        """Returns the parameters of a seed."""
+        parameters = jax.device_get(self.compiled.parameters(self.state))
+        return of_seed(parameters, index, self.stage.config)
+
+    def _record(self, rows: Sequence[Row]) -> None:
+        """Writes the rows of the seeds that are learning.
+
+        A seed whose loss isn't finite stops alone: its parameters are still those of the update
+        before (`keep_if_finite`), and are stored.
+
+        Raises:
+          RunError: all have diverged.
+        """
+        config = self.stage.config
+        number = self.updates + 1
+        bad = [index for index in self._learning() if not math.isfinite(rows[index]["loss"])]
+        for index, recorder in self._recording():
+            recorder.append(rows[index])
+            if index in bad:
+                before = f"{self.updates:08d}"
+                recorder.store(self._parameters(index), self.updates, before, "last")
+        self.diverged |= {config.seed_numbers[index]: number for index in bad}
+        if not self._learning():
+            raise RunError(
+                f"{describe_divergence(self.diverged)}. "
+                f"Try a smaller learning_rate than {config.learning_rate:g}"
+            )
+
+    def _keep_policies(self) -> None:
+        """Evaluates and stores the policies whose turn it is."""
+        number = self.updates
+        every = self.stage.config.evaluate_every
+        for index, recorder in self._recording():
+            if every and number % every == 0:
+                recorder.evaluate(self._parameters(index), number)
+            if recorder.history.is_mark(number):
+                recorder.mark(self._parameters(index), number)
+
+    def _save(self) -> None:
+        """Writes the last policies and a checkpoint.
+
+        The metrics come first, so that none is missing when the run is resumed.
+        """
+        for index, recorder in self._recording():
+            recorder.store(self._parameters(index), self.updates, "last")
+        self.save(self.updates, self.state)
+
+    def _summary(self, rows: Sequence[Row]) -> tuple[Row, list[str]]:
+        """Returns the mean row of the seeds that learn, and the warnings that are due.
+
+        The row also has `before_learning`, the mean of their returns then.
+        """
+        row = mean_row([rows[index] for index in self._learning()])
+        warnings: dict[int, Sequence[LearningWarning]] = {
+            recorder.seed: () for recorder in self.recorders
+        }
+        before = []
+        for _, recorder in self._recording():
+            before.append(recorder.history.signs.before_learning)
+            if recorder.history.is_judged:
+                warnings[recorder.seed] = recorder.history.warnings
+        known = [figure for figure in before if math.isfinite(figure)]
+        row["before_learning"] = sum(known) / len(known) if known else math.nan
+        return row, said_once(warnings)
+
+    def _call_back(self, rows: Sequence[Row]) -> bool:
+        """Calls the callback; returns whether it ends the run."""
+        if self.callback is None:
+            return False
+        env, config = self.stage.env, self.stage.config
+        seeds = config.seed_numbers
+        parameters = self.compiled.parameters(self.state)
+
+        def policy_of(seed: int) -> Policy:
+            own = of_seed(parameters, seeds.index(seed), config)
+            # a copy, as the next update reuses their memory
+            return trained_policy(env, config, jax.tree.map(jnp.copy, own))
+
+        known = {seeds[index]: rows[index] for index in self._learning()}
+        row = mean_row([*known.values()])
+        update = Update(self.updates, row["env_steps"], row, known, self.stage.folder, policy_of)
+        return self.callback(update) is True
 
 
 def of_seed(tree: Any, index: int, config: Config) -> Any:
@@ -180,88 +249,28 @@ def of_seed(tree: Any, index: int, config: Config) -> Any:
 def diverged_before(
     state: TrainState, recorders: Sequence[Recorder], config: Config
 ) -> dict[int, int]:
-    """Returns the seeds of a resumed state that have diverged, with the update in which they did: that of their last row."""
-    stopped = np.atleast_1d(jax.device_get(state.diverged))
-    numbers = [recorder.history.updates for recorder in recorders] or [0] * config.seeds
-    return {
-        seed: number
-        for seed, number, bad in zip(config.seed_numbers, numbers, stopped, strict=True)
-        if bad
-    }
-
-
-def _learning(progress: Progress, config: Config) -> list[int]:
-    """Returns the indices of the seeds that haven't diverged."""
-    return [
-        index for index, seed in enumerate(config.seed_numbers) if seed not in progress.diverged
-    ]
-
-
-def _record(
-    rows: Sequence[Row], parameters: Any, progress: Progress, config: Config, keeping: Keeping
-) -> list[int]:
-    """Writes the rows of the seeds that are learning; returns the indices of those that still are.
-
-    A seed whose loss isn't finite stops alone: its parameters are still those of the update before (`keep_if_finite`), and are stored.
-
-    Raises:
-      RunError: none is left.
-    """
-    before = _learning(progress, config)
-    for index, recorder in keeping.recording(before):
-        row = rows[index]
-        recorder.append(row)
-        if not math.isfinite(row["loss"]):
-            good = row["update"] - 1
-            recorder.store(
-                of_seed(jax.device_get(parameters), index, config), good, f"{good:08d}", "last"
-            )
-    progress.diverged |= {
-        config.seed_numbers[index]: rows[index]["update"]
-        for index in before
-        if not math.isfinite(rows[index]["loss"])
-    }
-    learning = _learning(progress, config)
-    if not learning:
-        raise RunError(
-            f"{describe_divergence(progress.diverged)}. Try a smaller learning_rate than {config.learning_rate:g}"
-        )
-    return learning
-
-
-def _summary(
-    rows: Sequence[Row], learning: Sequence[int], keeping: Keeping
-) -> tuple[Row, list[str]]:
-    """Returns the mean row of the seeds that learn, with `before_learning` of their returns, and the warnings that are due."""
-    row = mean_row([rows[index] for index in learning])
-    recorders = [recorder for _, recorder in keeping.recording(learning)]
-    before = [recorder.history.signs.before_learning for recorder in recorders]
-    known = [figure for figure in before if math.isfinite(figure)]
-    row["before_learning"] = sum(known) / len(known) if known else math.nan
-    nothing: dict[int, Sequence[LearningWarning]] = {
-        recorder.seed: () for recorder in keeping.recorders
-    }
-    due = {
-        recorder.seed: recorder.history.warnings
-        for recorder in recorders
-        if recorder.history.is_judged
-    }
-    return row, said_once(nothing | due)
+    """Returns the seeds of a resumed state that have diverged, with their last updates."""
+    diverged = np.atleast_1d(jax.device_get(state.diverged))
+    updates = [recorder.history.updates for recorder in recorders] or [0] * config.seeds
+    seeds = zip(config.seed_numbers, updates, diverged, strict=True)
+    return {seed: update for seed, update, is_diverged in seeds if is_diverged}
 
 
 def describe_divergence(diverged: Mapping[int, int]) -> str:
     """Returns which seeds diverged when, in words."""
     return "; ".join(
-        f"the loss became nan in update {update} of {seeds_in_words(seeds)}; the policy of update {update - 1} is kept"
+        f"the loss became nan in update {update} of {seeds_in_words(seeds)}; "
+        f"the policy of update {update - 1} is kept"
         for update, seeds in seeds_of_each(diverged.items()).items()
     )
 
 
 @contextmanager
 def noting_signals() -> Iterator[Sequence[int]]:
-    """Yields a list that gets the number of each SIGINT (Ctrl-C) and SIGTERM, in place of what they would do.
+    """Yields a list of the SIGINT (Ctrl-C) and SIGTERM that arrive, in place of what they would do.
 
-    An update isn't interrupted, as its state couldn't be saved. A second Ctrl-C interrupts it. Off the main thread nothing is noted.
+    An update isn't interrupted, as its state couldn't be saved. A second Ctrl-C interrupts it. Off
+    the main thread nothing is noted.
     """
     noted: list[int] = []
     before: dict[int, Any] = {}

@@ -1,1 +1,1 @@
-"""What a run is told: configurations and their errors, presets, and the names of policies and of users' code."""
+"""The settings of a run: configurations, presets, and the names of policies and of users' code."""

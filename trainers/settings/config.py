@@ -1,4 +1,4 @@
-"""The configuration of a training run: a frozen model with all settings, their defaults and checks."""
+"""The configuration of a training run: a frozen model with all settings, defaults and checks."""
 
 import math
 import operator
@@ -45,16 +45,15 @@ MOST_SEEDS = 2**16  # in one run; each has a folder
 TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
 # Keys of stored configurations that nothing reads.
 FORMER = (*RETIRED, "team_reward", "similarity_clip", "individual_kl", "team_kl", "roles")
-SEEDS = (
-    2**32
-)  # the number of seeds: JAX uses the lower 32 bits, so a larger seed would repeat the run of a smaller one
+# JAX uses the lower 32 bits of a seed, so a larger one would repeat the run of a smaller one.
+SEEDS = 2**32
 
 
-class Given(NamedTuple):
-    """Where values come from, as pydantic's context. asked: the settings that the user has set; None: all. stored: they come from a file."""
+class Source(NamedTuple):
+    """Where values come from: the context of pydantic's validators."""
 
-    asked: Collection[str] | None = None
-    stored: bool = False
+    asked: Collection[str] | None = None  # the settings that the user has set; None: all
+    stored: bool = False  # they come from a file
 
 
 def _is_stored(info: ValidationInfo) -> bool:
@@ -63,18 +62,22 @@ def _is_stored(info: ValidationInfo) -> bool:
 
 def _whole_number(value: Any) -> Any:
     """Returns `1e6` and `"1e6"` as 1000000; anything else unchanged."""
+    if isinstance(value, bool | int):
+        return value
     try:
         number = float(value)
-    except (TypeError, ValueError, OverflowError):
+    except (TypeError, ValueError):
         return value
-    return int(number) if not isinstance(value, bool | int) and number.is_integer() else value
+    return int(number) if number.is_integer() else value
 
 
 def _listed(value: Any) -> Any:
     """Returns `"45, 90"` and `45` as lists; anything else unchanged."""
     if isinstance(value, str):
         return [part.strip() for part in value.split(",") if part.strip()]
-    return [value] if isinstance(value, int | float) else value
+    if isinstance(value, int | float):
+        return [value]
+    return value
 
 
 def _odd(value: int) -> int:
@@ -83,57 +86,68 @@ def _odd(value: int) -> int:
     return value
 
 
-def _one_of_or_own(kind: Kind, names: tuple[str, ...]) -> Callable[[Any, ValidationInfo], Any]:
-    """Returns a check that a value is one of `names` or custom code: a function gets a name, and a name is looked up at once.
+def _hook(kind: Kind, *names: str) -> BeforeValidator:
+    """Returns a check that a value is one of `names`, by default the built-in ones, or custom code.
 
-    Names in a stored configuration are not looked up, as that would run their code.
+    A function gets a name, and a name is looked up at once; but names in a stored configuration are
+    not, as that would run their code.
     """
+    built_in = names or BUILT_IN[kind]
 
-    def check(value: Any, given: ValidationInfo) -> Any:
-        if _is_stored(given) and isinstance(value, str):
-            return value
+    def check(value: Any, info: ValidationInfo) -> Any:
         if callable(value):
             return name_of(kind, value)
-        if not isinstance(value, str) or (value not in names and not is_own(kind, value)):
+        if isinstance(value, str) and (value in built_in or _is_stored(info)):
+            return value
+        if not isinstance(value, str) or not is_own(kind, value):
+            listed = ", ".join(map(repr, built_in))
             raise ValueError(
-                f"{', '.join(map(repr, names))}, the name of {a(kind)} that was registered, or FILE.py:NAME"
+                f"{listed}, the name of {a(kind)} that was registered, or FILE.py:NAME"
             )
-        if value not in names:
-            value = lasting(kind, value)
-            find(kind, value)
+        name = lasting(kind, value)
+        find(kind, name)
+        return name
+
+    return BeforeValidator(check)
+
+
+def _partners(value: Any, info: ValidationInfo) -> Any:
+    """Returns partners as pairs of an agent's number and its policy's name.
+
+    Args:
+      value: `{1: "random"}`, such pairs, or `"1,2=random,3=runs/a"`, also in parts.
+    """
+    if _is_stored(info):  # checked before it was stored, with full paths
         return value
-
-    return check
-
-
-PARTNERS_FORM = "of the form AGENT=POLICY, such as 1=random or 1,2=runs/a, in Python {1: 'random'}"
-
-
-def _partners(value: Any, given: ValidationInfo) -> Any:
-    """Returns partners, given as `{1: "random"}` or `"1,2=random,3=runs/a"`, as pairs of an agent's number and its policy's name."""
     if isinstance(value, list | tuple) and value and all(isinstance(part, str) for part in value):
         value = ",".join(value)
-    if isinstance(value, str):
-        parts = re.findall(r"\s*([\d,\s]+)=([^,]+)", value)
-        if not value.strip() or re.sub(r"\s*([\d,\s]+)=([^,]+)(,|$)", "", value):
-            raise ValueError(PARTNERS_FORM)
-        value = {
-            int(agent): policy.strip()
-            for agents, policy in parts
-            for agent in agents.replace(" ", "").strip(",").split(",")
-        }
-    if _is_stored(given):  # checked before it was stored, with full paths
-        return value
-    if isinstance(value, Mapping):
-        value = value.items()
     try:
-        pairs = [
-            (int(agent) if isinstance(agent, str) else operator.index(agent), policy)
-            for agent, policy in value
-        ]
+        if isinstance(value, str):
+            value = _partners_in(value)
+        if isinstance(value, Mapping):
+            value = value.items()
+        pairs = [(_agent_number(agent), policy) for agent, policy in value]
     except (TypeError, ValueError):
-        raise ValueError(PARTNERS_FORM) from None
+        raise ValueError(
+            "of the form AGENT=POLICY, such as 1=random or 1,2=runs/a, in Python {1: 'random'}"
+        ) from None
     return tuple(sorted((agent, lasting_name(policy)) for agent, policy in pairs))
+
+
+def _partners_in(text: str) -> dict[int, str]:
+    """Returns the partners of `1,2=random,3=runs/a`. Raises ValueError for another text."""
+    part = r"\s*([\d,\s]+)=([^,]+)"
+    if not re.fullmatch(f"({part}(,|$))+", text):
+        raise ValueError
+    return {
+        int(agent): policy.strip()
+        for agents, policy in re.findall(part, text)
+        for agent in agents.strip(", ").split(",")
+    }
+
+
+def _agent_number(agent: Any) -> int:
+    return int(agent) if isinstance(agent, str) else operator.index(agent)
 
 
 @dataclass(frozen=True)
@@ -150,13 +164,12 @@ def only(setting: str, *values: str) -> Only:
     return Only(setting, " or ".join(values), lambda value: value in values)
 
 
-def _policy_name(value: Any, given: ValidationInfo) -> Any:
-    return value if _is_stored(given) else lasting_name(value)
+def _policy_name(value: Any, info: ValidationInfo) -> Any:
+    return value if _is_stored(info) else lasting_name(value)
 
 
-Count = Annotated[
-    PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)
-]  # larger numbers are not exact floats
+# at most 2^53, as larger numbers are not exact floats
+Count = Annotated[PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)]
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Angles = Annotated[
@@ -185,88 +198,71 @@ BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 
 class Config(BaseModel):
-    """The settings common to all algorithms. Steps are environment steps: one step moves all agents."""
+    """The settings common to all algorithms. Steps are environment steps, which move all agents."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     algorithm: str
     seed: CountOrZero = 0
-    seeds: Annotated[Count, Field(le=MOST_SEEDS)] = (
-        1  # runs side by side, with seeds `seed`, `seed` + 1 and so on
-    )
-    total_timesteps: Count = (
-        10_000_000  # environment steps of each seed, rounded up to whole updates
-    )
+    # runs side by side, with seeds `seed`, `seed` + 1 and so on
+    seeds: Annotated[Count, Field(le=MOST_SEEDS)] = 1
+    # environment steps of each seed, rounded up to whole updates
+    total_timesteps: Count = 10_000_000
     num_envs: Count = 64
     num_steps: Count = 128  # steps of one rollout
-    spread_starts: bool = True  # environments start at different steps of an episode, so that each rollout covers all of it
+    # environments start at different steps of an episode, so that each rollout covers all of it
+    spread_starts: bool = True
     gamma: Fraction = 0.99
     learning_rate: PositiveFloat
     anneal_learning_rate: bool = True  # linearly to zero over the run
     max_gradient_norm: PositiveFloat = 0.5
-    adam_epsilon: PositiveFloat = 1e-8  # added to the root of squared gradients; a larger one slows layers with small gradients
+    # added to the root of squared gradients; a larger one slows layers with small gradients
+    adam_epsilon: PositiveFloat = 1e-8
 
-    init_from: Annotated[str, BeforeValidator(_policy_name)] = (
-        ""  # the policy whose parameters the run starts with; "": random ones
-    )
+    # the policy whose parameters the run starts with; "": random ones
+    init_from: Annotated[str, BeforeValidator(_policy_name)] = ""
     partners: Partners = ()  # (agent, policy): agents that act by a fixed policy and don't learn
 
-    reward: Annotated[str, BeforeValidator(_one_of_or_own("reward", BUILT_IN["reward"]))] = (
-        "individual"  # or a custom one, of a `Step`
-    )
+    # or a custom one, of a `Step`
+    reward: Annotated[str, _hook("reward")] = "individual"
     common_reward: Annotated[Literal["sum", "mean"], COMMON] = "sum"
-    reward_smoothing: Annotated[Fraction, TRACES] = (
-        0.0  # decay per step of the reward traces that svo compares; 0: this step's rewards
-    )
-    svo_angle: Annotated[Angles, SVO] = (
-        90.0,
-    )  # target angle in degrees; one for all agents or one each
+    # decay per step of the reward traces that svo compares; 0: this step's rewards
+    reward_smoothing: Annotated[Fraction, TRACES] = 0.0
+    # target angle in degrees; one for all agents or one each
+    svo_angle: Annotated[Angles, SVO] = (90.0,)
     svo_weight: Annotated[NonNegativeFloat, SVO] = 0.5
-    svo_at_rest: Annotated[Literal["selfish", "content"], SVO] = (
-        "selfish"  # the angle while nobody is rewarded: 0, or the target
-    )
-    svo_quadrant: Annotated[bool, SVO] = (
-        True  # clip angles to 0 .. 90 degrees, the range of the theory
-    )
-    exchange_ratio: Annotated[Fraction, EXCHANGE] = (
-        0.5  # weight of each other agent's reward relative to one's own: 0 individual, 1 the mean
-    )
+    # the angle while nobody is rewarded: 0, or the target
+    svo_at_rest: Annotated[Literal["selfish", "content"], SVO] = "selfish"
+    # clip angles to 0 .. 90 degrees, the range of the theory
+    svo_quadrant: Annotated[bool, SVO] = True
+    # weight of each other agent's reward relative to one's own: 0 individual, 1 the mean
+    exchange_ratio: Annotated[Fraction, EXCHANGE] = 0.5
     inequity_envy: Annotated[NonNegativeFloat, INEQUITY] = 5.0  # weight of others having more
     inequity_guilt: Annotated[NonNegativeFloat, INEQUITY] = 0.05  # weight of others having less
-    inequity_smoothing: Annotated[Fraction, INEQUITY] = (
-        0.975  # lambda: traces decay by gamma x lambda per step; 0: this step's rewards
-    )
-    match_socialjax: Annotated[bool, SCALED] = (
-        False  # scale rewards by the number of agents, as in the released code
-    )
+    # lambda: traces decay by gamma x lambda per step; 0: this step's rewards
+    inequity_smoothing: Annotated[Fraction, INEQUITY] = 0.975
+    # scale rewards by the number of agents, as in the released code
+    match_socialjax: Annotated[bool, SCALED] = False
 
-    agent_id: bool = (
-        False  # networks also read the agent's number, so that agents who share one can differ
-    )
+    # networks also read the agent's number, so that agents who share one can differ
+    agent_id: bool = False
     mask_actions: bool = True  # exclude forbidden actions from drawing, values and learning
 
-    network: Annotated[str, BeforeValidator(_one_of_or_own("network", BUILT_IN["network"]))] = (
-        "cnn"  # or a custom one, of tokens
-    )
+    # or a custom one, of tokens
+    network: Annotated[str, _hook("network")] = "cnn"
     network_width: Count = 64  # units of each hidden dense layer
-    convolution_sides: Annotated[Sides, CNN] = (
-        5,
-        3,
-        3,
-    )  # kernel side of each convolution in cells, in order
+    # kernel side of each convolution in cells, in order
+    convolution_sides: Annotated[Sides, CNN] = (5, 3, 3)
     convolution_channels: Annotated[Count, CNN] = 32  # output channels of each convolution
     precision: Literal["float32", "bfloat16"] = "float32"  # of the layers; parameters stay float32
     own: Own = ()  # (name, value): settings of a custom algorithm, loss, network or reward
 
-    checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = (
-        10.0  # at least, between two checkpoints
-    )
-    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = (
-        0.05  # the largest share of time spent on writing checkpoints
-    )
-    checkpoint_updates: CountOrZero = (
-        0  # instead: updates between checkpoints, however long writing takes; 0: by time
-    )
+    # at least, between two checkpoints
+    checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = 10.0
+    # the largest share of time spent on writing checkpoints
+    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = 0.05
+    # instead: updates between checkpoints, however long writing takes; 0: by time
+    checkpoint_updates: CountOrZero = 0
     policy_every: CountOrZero = 0  # updates between numbered policies; 0: a twentieth of the run
     keep_policies: CountOrZero = 5  # how many of the latest are kept; 0: all
     evaluate_every: CountOrZero = 0  # updates between evaluations; 0: none during the run
@@ -278,53 +274,53 @@ class Config(BaseModel):
         try:
             config: Config = validate(values)
         except ValidationError as error:
-            first = {
-                fault["loc"][:1]: fault for fault in reversed(error.errors())
-            }  # of each key: a wrong number in a list is no list either
-            raise ConfigError(
-                "\n".join(
-                    sentence_of(fault, cls.model_fields, KEYS_OF)
-                    for fault in reversed(first.values())
-                )
-            ) from None
-        if config.seed + config.seeds > SEEDS:
-            last = (
-                ""
-                if config.seeds == 1
-                else f"; with seeds = {config.seeds} the last is {config.seed + config.seeds - 1}"
-            )
-            raise ConfigError(
-                f"`seed` must be below 2^32 = {SEEDS}, as random keys have 32 bits, not {config.seed}{last}"
-            )
-        asked = info.context.asked if info.context is not None else None
-        config._refuse_unread(config.model_fields_set if asked is None else asked, _is_stored(info))
+            # the first of each key, as a wrong number in a list is no list either
+            faults = {fault["loc"][:1]: fault for fault in reversed(error.errors())}
+            sentences = [sentence_of(fault, cls.model_fields, KEYS_OF) for fault in faults.values()]
+            raise ConfigError("\n".join(reversed(sentences))) from None
+        config._refuse_large_seeds()
+        asked = config.model_fields_set
+        if info.context is not None and info.context.asked is not None:
+            asked = info.context.asked
+        config._refuse_unread(asked, _is_stored(info))
         return config
+
+    def _refuse_large_seeds(self) -> None:
+        last = self.seed + self.seeds - 1
+        if last < SEEDS:
+            return
+        several = f"; with seeds = {self.seeds} the last is {last}" if self.seeds > 1 else ""
+        raise ConfigError(
+            f"`seed` must be below 2^32 = {SEEDS}, as random keys have 32 bits, "
+            f"not {self.seed}{several}"
+        )
 
     def _refuse_unread(self, asked: Collection[str], stored: bool) -> None:
         """Raises ConfigError for settings that the user has set but nothing uses.
 
-        Records (of `record` or `model_dump`) and stored configurations have all settings, so there unused ones may have their defaults.
+        Records (of `record` or `model_dump`) and stored configurations have all settings, so there
+        unused ones may have their defaults.
         """
         fields = type(self).model_fields
         if asked and (stored or dependent_settings(type(self)).keys() <= set(asked)):
             asked = [name for name in fields if getattr(self, name) != fields[name].default]
         faults = [
-            f"`{name}` has no effect while `{mark.setting}` is {getattr(self, mark.setting)}: set `{mark.setting}` to {mark.values}, or leave "
-            f"`{name}` out"
+            f"`{name}` has no effect while `{mark.setting}` is {getattr(self, mark.setting)}: "
+            f"set `{mark.setting}` to {mark.values}, or leave `{name}` out"
             for name, mark in self.unread.items()
             if name in asked
         ]
         if not stored:  # stored code is not imported here
-            faults += [
-                said for name, said in unread_own(self).items() if {"own", OWN + name} & {*asked}
-            ]
-            faults += missing_own(self)
+            for name, message in unread_own(self.hooks, self.own).items():
+                if "own" in asked or OWN + name in asked:
+                    faults.append(message)
+            faults += missing_own(self.hooks, self.own)
         if faults:
             raise ConfigError("\n".join(faults))
 
     @property
     def unread(self) -> dict[str, Only]:
-        """The settings that have no effect here, each with the values of another setting that would make it effective."""
+        """The settings that have no effect here, each with its condition."""
         return {
             name: mark
             for name, mark in dependent_settings(type(self)).items()
@@ -338,7 +334,10 @@ class Config(BaseModel):
         return {kind: name for kind, name in named.items() if name not in BUILT_IN[kind]}
 
     def record(self) -> dict[str, Any]:
-        """Returns all settings as JSON values, as in manifests and policies, with unused ones at their defaults."""
+        """Returns all settings as JSON values, as in manifests and policies.
+
+        Those that have no effect are at their defaults.
+        """
         defaults = {name: type(self).model_fields[name].default for name in self.unread}
         return self.model_copy(update=defaults).model_dump(mode="json")
 
@@ -354,7 +353,10 @@ class Config(BaseModel):
 
     @property
     def policy_updates(self) -> int:
-        """Updates between numbered policies; also the window over which the best policy is chosen if nothing is evaluated."""
+        """Updates between numbered policies.
+
+        If nothing is evaluated, the best policy is chosen by the episodes of so many updates.
+        """
         return self.policy_every or max(1, self.num_updates // 20)
 
     @property
@@ -366,34 +368,28 @@ class Config(BaseModel):
 class PPOConfig(Config):
     """Proximal policy optimisation with local critics (ippo) or a central critic (mappo)."""
 
-    algorithm: Annotated[str, BeforeValidator(_one_of_or_own("algorithm", ("ippo", "mappo")))] = (
-        "ippo"  # or a custom one
-    )
-    loss: Annotated[str, BeforeValidator(_one_of_or_own("loss", BUILT_IN["loss"]))] = (
-        "ppo"  # or a custom one, of a minibatch
-    )
+    # or a custom one
+    algorithm: Annotated[str, _hook("algorithm", "ippo", "mappo")] = "ippo"
+    # or a custom one, of a minibatch
+    loss: Annotated[str, _hook("loss")] = "ppo"
     learning_rate: PositiveFloat = 5e-4
     num_epochs: Count = 2
     num_minibatches: Count = 8
     gae_lambda: Fraction = 0.95
-    advantage_floor: NonNegativeFloat = (
-        0.03  # the least standard deviation that a minibatch's advantages are divided by
-    )
+    # the least standard deviation that a minibatch's advantages are divided by
+    advantage_floor: NonNegativeFloat = 0.03
     clip_epsilon: PositiveFloat = 0.2
     scale_clip_epsilon: bool = False  # divide clip_epsilon by the number of agents
     clip_value_loss: bool = False
-    normalise_values: bool = (
-        False  # critics predict in units of the running mean and deviation of their targets
-    )
+    # critics predict in units of the running mean and deviation of their targets
+    normalise_values: bool = False
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 
-    critic: Annotated[Literal["observations", "state"], MAPPO] = (
-        "observations"  # the critic's input: all agents' windows, or the state
-    )
-    joint_optimiser: Annotated[bool, MAPPO] = (
-        False  # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
-    )
+    # the critic's input: all agents' windows, or the state
+    critic: Annotated[Literal["observations", "state"], MAPPO] = "observations"
+    # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
+    joint_optimiser: Annotated[bool, MAPPO] = False
     sharing: Literal["shared", "per_agent"] = "shared"  # whether agents share a network
     memory: Literal["none", "gru"] = "none"
 
@@ -405,7 +401,7 @@ def _common(reward: Any) -> Any:
 
 
 class VDNConfig(Config):
-    """Value decomposition networks: Q-learning of the sum of the agents' values, from replayed steps."""
+    """Value decomposition networks: Q-learning of the sum of the agents' values."""
 
     algorithm: Literal["vdn"] = "vdn"
     learning_rate: PositiveFloat = 7e-5
@@ -414,31 +410,26 @@ class VDNConfig(Config):
     num_steps: Count = 1
     reward: Annotated[Literal["common"], BeforeValidator(_common)] = "common"
     match_socialjax: bool = False  # the team's reward is multiplied by the number of agents
-    replay: Literal["buffer", "none"] = (
-        "buffer"  # learn from steps drawn from a buffer, or from each rollout as it was played
-    )
+    # learn from steps drawn from a buffer, or from each rollout as it was played
+    replay: Literal["buffer", "none"] = "buffer"
     layer_norm: bool = False  # of each hidden layer
-    buffer_size: Annotated[Count, BUFFER] = (
-        102_400  # environment steps in the replay buffer; a multiple of num_envs x num_steps
-    )
+    # environment steps in the replay buffer; a multiple of num_envs x num_steps
+    buffer_size: Annotated[Count, BUFFER] = 102_400
     batch_size: Annotated[Count, BUFFER] = 128
     gradient_steps: Annotated[Count, BUFFER] = 4  # of one update
-    learning_starts: Annotated[CountOrZero, BUFFER] = (
-        1000  # environment steps before the first gradient step
-    )
+    # environment steps before the first gradient step
+    learning_starts: Annotated[CountOrZero, BUFFER] = 1000
     double_q: Annotated[bool, BUFFER] = False
     target_update_every: Annotated[Count, BUFFER] = 10  # updates
-    target_rate: Annotated[float, Field(gt=0.0, le=1.0), BUFFER] = (
-        1.0  # how far the target moves towards the network
-    )
+    # how far the target moves towards the network
+    target_rate: Annotated[float, Field(gt=0.0, le=1.0), BUFFER] = 1.0
     num_epochs: Annotated[Count, ROLLOUT] = 1
     num_minibatches: Annotated[Count, ROLLOUT] = 8
     q_lambda: Annotated[Fraction, ROLLOUT] = 0.9  # weight of longer returns
     epsilon_start: Fraction = 1.0
     epsilon_end: Fraction = 0.05
-    epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = (
-        0.1  # of the run, until epsilon_end is reached
-    )
+    # of the run, until epsilon_end is reached
+    epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
 
 
 CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}
@@ -458,7 +449,7 @@ def dependent_settings(kind: type[Config]) -> dict[str, Only]:
 
 
 def only_of_others(name: str, kind: type[Config]) -> bool:
-    """Whether a setting is one of other algorithms, and not of those whose configuration has this class."""
+    """Whether a setting is one of other algorithms only, and not of this class."""
     return name not in kind.model_fields and any(name in keys for keys in KEYS_OF.values())
 
 
@@ -469,17 +460,20 @@ def make_config(
 
     Args:
       values, more: settings.
-      asked: those that the user has set; others, from a preset or a stored policy, are dropped if nothing uses them. None: all.
+      asked: those that the user has set; others, from a preset or a stored policy, are dropped if
+        nothing uses them. None: all.
     Raises:
-      ConfigError: an unknown algorithm or key, a wrong value, or a setting that the user has set and nothing uses; one line for each.
+      ConfigError: an unknown algorithm or key, a wrong value, or a setting that the user has set
+        and nothing uses; one line for each.
     """
-    return _config({**(values or {}), **more}, Given(asked))
+    return _config({**(values or {}), **more}, Source(asked))
 
 
 def stored_config(values: Any, strict: bool = False) -> Config:
-    """Returns a configuration stored with a run or a policy, without importing the code that it names.
+    """Returns a configuration stored with a run or a policy.
 
-    Settings that nothing uses are dropped; if `strict`, they are refused unless they have their defaults.
+    The code that it names isn't imported. Settings that nothing uses are dropped; if `strict`, they
+    are refused unless they have their defaults.
 
     Raises:
       ConfigError: it isn't valid in this version; one line for each fault.
@@ -488,7 +482,7 @@ def stored_config(values: Any, strict: bool = False) -> Config:
         raise ConfigError(f"a configuration has keys and values, not {type(values).__name__}")
     return _config(
         {key: value for key, value in values.items() if key not in FORMER},
-        Given(None if strict else (), stored=True),
+        Source(None if strict else (), stored=True),
     )
 
 
@@ -508,7 +502,11 @@ def require_code(config: Config, place: str, to_act: bool) -> None:
 
 
 def class_of(algorithm: Any) -> type[Config]:
-    """Returns the configuration class of an algorithm; for a custom one, that of PPO. Raises ConfigError for an unknown name."""
+    """Returns the configuration class of an algorithm; for a custom one, that of PPO.
+
+    Raises:
+      ConfigError: the name is unknown.
+    """
     if callable(algorithm) or (isinstance(algorithm, str) and is_own("algorithm", algorithm)):
         return PPOConfig
     if not isinstance(algorithm, str) or algorithm not in CLASSES:
@@ -518,22 +516,20 @@ def class_of(algorithm: Any) -> type[Config]:
     return CLASSES[algorithm]
 
 
-def _config(given_values: Mapping[str, Any], given: Given) -> Config:
-    values = {"algorithm": "ippo", **spread(given_values)}
+def _config(given: Mapping[str, Any], source: Source) -> Config:
+    values = {"algorithm": "ippo", **spread(given)}
     kind = class_of(values["algorithm"])
-    if given.asked is not None and not given.stored:
+    if source.asked is not None and not source.stored:
         values = {
             name: value
             for name, value in values.items()
-            if name in given.asked or not only_of_others(name, kind)
+            if name in source.asked or not only_of_others(name, kind)
         }
-    config = kind.model_validate(gathered(values), context=given)
-    if given.asked is None:
+    config = kind.model_validate(gathered(values), context=source)
+    if source.asked is None:
         return config
-    unread = {*config.unread, *(() if given.stored else map(OWN.__add__, unread_own(config)))} - {
-        *given.asked
-    }
-    return kind.model_validate(
-        gathered({name: value for name, value in values.items() if name not in unread}),
-        context=given,
-    )
+    unread = set(config.unread)
+    if not source.stored:
+        unread |= {OWN + name for name in unread_own(config.hooks, config.own)}
+    read = {name: value for name, value in values.items() if name not in unread - {*source.asked}}
+    return kind.model_validate(gathered(read), context=source)

@@ -33,8 +33,14 @@ EXPECTED: Mapping[str, str] = {
 def sentence_of(
     fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Mapping[str, Mapping[str, Any]]
 ) -> str:
-    """Returns one of pydantic's faults as a sentence; `known` has the configuration's keys, `keys_of` those of every algorithm."""
-    key, kind = str(fault["loc"][0]) if fault["loc"] else "config", fault["type"]
+    """Returns one of pydantic's faults as a sentence.
+
+    Args:
+      known: the configuration's keys.
+      keys_of: those of every algorithm.
+    """
+    key = str(fault["loc"][0]) if fault["loc"] else "config"
+    kind = fault["type"]
     if kind == "extra_forbidden":
         if key in RETIRED:
             return f"the key `{key}` is gone: {RETIRED[key]}"
@@ -42,9 +48,13 @@ def sentence_of(
         if owners:
             return f"unknown key `{key}` here: it is one of {' and '.join(owners)}"
         return f"unknown key `{key}`{meant(key, known, 'the keys are')}"
-    need = EXPECTED[kind].format(**fault.get("ctx", {})) if kind in EXPECTED else fault["msg"]
-    words = re.findall(r"'([^']+)'", need)  # the known values, if there are only some
-    near = nearest(fault["input"], words) if isinstance(fault["input"], str) else ()
-    return f"`{key}` must be {need}, not {fault['input']!r}" + (
-        f"; did you mean {either(near)}?" if near else ""
-    )
+    need = fault["msg"]
+    if kind in EXPECTED:
+        need = EXPECTED[kind].format(**fault.get("ctx", {}))
+    sentence = f"`{key}` must be {need}, not {fault['input']!r}"
+    if isinstance(fault["input"], str):
+        known_values = re.findall(r"'([^']+)'", need)  # if there are only some
+        near = nearest(fault["input"], known_values)
+        if near:
+            return f"{sentence}; did you mean {either(near)}?"
+    return sentence

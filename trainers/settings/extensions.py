@@ -1,10 +1,11 @@
-"""Extensions by users: their own algorithms, losses, networks, rewards, policies and callbacks, by names that configurations can hold.
+"""Extensions by users: their own algorithms, losses, networks, rewards, policies and callbacks.
 
-A name is a registered one, `FILE.py:NAME`, or `package.module:NAME`. Objects that are passed in Python are registered under the place
-where they are defined, so that another process finds them again if it can import that place.
+Configurations hold their names. A name is a registered one, `FILE.py:NAME`, or
+`package.module:NAME`. Objects that are passed in Python are registered under the place where they
+are defined, so that another process finds them again if it can import that place.
 
-A name in a file, as in the JSON of a policy, leads to code only if the caller has named that code too: by `allow_code`, by `register`, or
-by using it in this process.
+A name in a file, as in the JSON of a policy, leads to code only if the caller has named that code
+too: by `allow_code`, by `register`, or by using it in this process.
 """
 
 import importlib
@@ -42,9 +43,10 @@ def register(kind: Kind, name: str, thing: object) -> None:
     """Gives an object a name, for `network`, `reward` and wherever a policy or a callback is named.
 
     Args:
-      kind: `network`: a flax module, or a function that makes one, of tokens `[M, P, V, V]` uint8 to features `[M, K]`; `reward`: `Step -> [N]`
-        float32; `loss`: `(parameters, apply, batch, config) -> (loss, metrics)`, as `ppo_loss`; `algorithm`: `(env, config) -> Train`;
-        `policy`: `(key, observation [N, P, V, V]) -> actions [N]`; `callback`: `Update -> None`.
+      kind: `network`: a flax module, or a function that makes one, of tokens `[M, P, V, V]` uint8
+        to features `[M, K]`; `reward`: `Step -> [N]` float32; `loss`: `(parameters, apply, batch,
+        config) -> (loss, metrics)`, as `ppo_loss`; `algorithm`: `(env, config) -> Train`; `policy`:
+        `(key, observation [N, P, V, V]) -> actions [N]`; `callback`: `Update -> None`.
       name: if it is taken, the new object replaces the old one.
     Raises:
       TypeError: the object can't be called.
@@ -68,14 +70,13 @@ def short_name(name: str) -> str:
 
 
 def name_of(kind: Kind, thing: Any) -> str:
-    """Registers an object that is passed under the place where it is defined, and returns that name."""
-    place = (
-        f"{getattr(thing, '__module__', '')}:{getattr(thing, '__qualname__', type(thing).__name__)}"
-    )
-    name, number = place, 1
-    while (
-        _REGISTERED.get((kind, name), thing) is not thing
-    ):  # two lambdas of one line are different
+    """Registers an object that is passed; returns its name, the place where it is defined."""
+    module = getattr(thing, "__module__", "")
+    place = f"{module}:{getattr(thing, '__qualname__', type(thing).__name__)}"
+    name = place
+    number = 1
+    # Two lambdas of one line are different.
+    while _REGISTERED.get((kind, name), thing) is not thing:
         number += 1
         name = f"{place}#{number}"
     _REGISTERED[kind, name] = thing
@@ -96,7 +97,8 @@ def allow_code(*names: str) -> None:
     """Allows stored policies and runs to load your own code, which then runs.
 
     Args:
-      names: each `FILE.py:NAME` or `package.module:NAME`, as in the error message about a policy that needs it.
+      names: each `FILE.py:NAME` or `package.module:NAME`, as in the error message about a policy
+        that needs it.
     Raises:
       ValueError: a name has another form.
     """
@@ -110,12 +112,13 @@ def allow_code(*names: str) -> None:
 
 
 def require_allowed(kind: Kind, name: str, place: str) -> None:
-    """Checks that the caller has allowed the code that `place` names. Raises NotAllowed, which says how to."""
+    """Raises NotAllowed unless the caller has allowed the code that `place` names."""
     if ":" not in name or (kind, name) in _REGISTERED or _lasting(name) in _ALLOWED:
         return
     raise NotAllowed(
-        f"{place} names {a(kind)} of your own, `{name}`, and using it would run that code. If you trust it, allow it: "
-        f"--allow-code {shlex.quote(name)}, in Python sjdsl.trainers.allow_code({name!r})"
+        f"{place} names {a(kind)} of your own, `{name}`, and using it would run that code. "
+        f"If you trust it, allow it: --allow-code {shlex.quote(name)}, "
+        f"in Python sjdsl.trainers.allow_code({name!r})"
     )
 
 
@@ -125,7 +128,7 @@ def is_own(kind: Kind, name: str) -> bool:
 
 
 def find(kind: Kind, name: str) -> Any:
-    """Returns the object of a name that the caller gives, or that `require_allowed` has accepted.
+    """Returns the object of a name that the caller passes, or that `require_allowed` has accepted.
 
     Raises:
       ConfigError: there is none.
@@ -135,19 +138,20 @@ def find(kind: Kind, name: str) -> Any:
     file, colon, inside = name.rpartition(":")
     if not colon:
         raise ConfigError(
-            f"no {kind} is registered as `{name}`; register it, sjdsl.trainers.register({kind!r}, {name!r}, …), or name its file"
+            f"no {kind} is registered as `{name}`; register it, "
+            f"sjdsl.trainers.register({kind!r}, {name!r}, …), or name its file"
         )
-    module = _load(Path(file)) if file.endswith(".py") else _import(kind, file, name)
-    found: Any = module
+    thing: Any = _load(Path(file)) if file.endswith(".py") else _import(kind, file, name)
     for part in inside.split("."):
-        found = getattr(found, part, None)
-    if found is None:
+        thing = getattr(thing, part, None)
+    if thing is None:
         raise ConfigError(
-            f"the {kind} `{name}` is not found: {file} has no `{inside}`. If it was made in a function or an interactive session, register it "
-            f"again: sjdsl.trainers.register({kind!r}, {name!r}, …)"
+            f"the {kind} `{name}` is not found: {file} has no `{inside}`. If it was made in a "
+            "function or an interactive session, register it again: "
+            f"sjdsl.trainers.register({kind!r}, {name!r}, …)"
         )
     _ALLOWED.add(_lasting(name))
-    return found
+    return thing
 
 
 def file_of(name: str) -> Path | None:

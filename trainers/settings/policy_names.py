@@ -19,19 +19,22 @@ from .extensions import is_own, lasting, name_of
 
 UNTRAINED = ("random", "stay")  # they need no file: `sjdsl.runtime.policy.UNTRAINED`
 LARGEST_DESCRIPTION = 2**20  # bytes of the .json beside a stored policy
-KNOWN = "random, stay, a policy of the game's file, the folder RUN of a run, RUN@best, RUN@UPDATE, RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
+KNOWN = (
+    "random, stay, a policy of the game's file, the folder RUN of a run, RUN@best, RUN@UPDATE, "
+    "RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
+)
 
 
 def split_name(name: str) -> tuple[Path, str | int]:
-    """Returns the folder or file of a name, and which policy of the folder: `last`, `best` or an update."""
-    before, at, which = name.rpartition("@")
+    """Returns the folder or file of a name, and which policy: `last`, `best` or an update."""
+    run, at, which = name.rpartition("@")
     if not at or Path(name).exists():
         return Path(name), "last"
-    return Path(before), int(which) if which.isdecimal() else which
+    return Path(run), int(which) if which.isdecimal() else which
 
 
 def lasting_name(policy: Any) -> str:
-    """Returns a policy's name as it works from every folder; a function that is passed gets a name."""
+    """Returns a policy's name as it works from every folder; a function gets a name."""
     if not isinstance(policy, str | Path):
         return name_of("policy", policy)
     path, _ = split_name(str(policy))
@@ -41,7 +44,7 @@ def lasting_name(policy: Any) -> str:
 
 
 def might_be_named(name: str, declared: Sequence[str] = ()) -> bool:
-    """Whether a text can be the name of a policy: a known word, an existing path, or a user's own, found or not.
+    """Whether a text can be the name of a policy: a known word, a path, or a user's own.
 
     Args:
       declared: names of the policies that the game's file declares.
@@ -53,4 +56,6 @@ def might_be_named(name: str, declared: Sequence[str] = ()) -> bool:
 def unknown_policy(name: str, declared: Sequence[str] = ()) -> str:
     """Returns the message about a text that names no policy."""
     near = meant(name, (*UNTRAINED, *declared), "")
-    return f"there is no policy `{name}`{near or ';'} {'A' if near else 'a'} policy is {KNOWN}"
+    if near:
+        return f"there is no policy `{name}`{near} A policy is {KNOWN}"
+    return f"there is no policy `{name}`; a policy is {KNOWN}"
