@@ -266,7 +266,7 @@ def newer_jax() -> Iterator[None]:
 def update_of(name: str, network: str, target: Any) -> Program:
     """Returns one update of IPPO, a rollout and what is learnt from it, as the preset `paper` has it."""
     from sjdsl.trainers import make_train
-    from sjdsl.trainers.preset import load_preset
+    from sjdsl.trainers.settings.preset import load_preset
 
     env = make(name, "tokens")
     config = load_preset("paper", {"algorithm": "ippo", "network": network}, name).config

@@ -20,6 +20,8 @@ STAGES = [
     "lower",
     "emit",
 ]
+# The rooms of the trainers, under which are `environment` and `json_files`.
+ROOMS = ["settings", "devices", "networks", "algorithms", "policies", "runs"]
 # What the compiler takes from outside: they import nothing of ours. The runtime lies below it; of it these need no JAX.
 TABLES = {
     "sjdsl.files",
@@ -166,6 +168,22 @@ def test_stages_import_earlier_ones() -> None:
         for table in TABLES & MODULES.keys()
         if any(name.startswith("sjdsl") and name not in TABLES for name, _ in imports(table))
     ] == []
+
+
+def test_rooms_of_trainers_import_earlier_ones() -> None:
+    def floor(module: str) -> int:
+        room = module.removeprefix("sjdsl.trainers.").split(".")[0]
+        return ROOMS.index(room) if room in ROOMS else -1
+
+    rooms = [module for module in MODULES if module.startswith("sjdsl.trainers.")]
+    assert {floor(module) for module in rooms} == {-1, *range(len(ROOMS))}
+    upwards = [
+        f"{module} -> {other}"
+        for module in rooms
+        for other, _ in imports(module)
+        if other.startswith("sjdsl.trainers.") and floor(other) > floor(module)
+    ]
+    assert upwards == []
 
 
 def test_the_interpreter_reads_the_typed_game_and_nothing_else() -> None:

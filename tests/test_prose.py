@@ -41,14 +41,14 @@ TERMS = {  # what a stranger searches for -> the file whose opening line has it
     "beam": "sjdsl/interpreter/shapes.py",
     "auto-reset": "sjdsl/runtime/auto_reset.py",
     "ragged": "sjdsl/compiler/elaborate/world_map.py",
-    "clipped loss": "trainers/ppo.py",
+    "clipped loss": "trainers/algorithms/ppo.py",
     "wall": "sjdsl/runtime/geometry.py",
-    "replay buffer": "trainers/replay_buffer.py",
-    "bootstrap": "trainers/advantage.py",
-    "credit": "trainers/advantage.py",
-    "discount": "trainers/advantage.py",
-    "epsilon-greedy": "trainers/vdn.py",
-    "target network": "trainers/vdn.py",
+    "replay buffer": "trainers/algorithms/replay_buffer.py",
+    "bootstrap": "trainers/algorithms/advantage.py",
+    "credit": "trainers/algorithms/advantage.py",
+    "discount": "trainers/algorithms/advantage.py",
+    "epsilon-greedy": "trainers/algorithms/vdn.py",
+    "target network": "trainers/algorithms/vdn.py",
 }
 MOST_FILES = 8  # that may share a term: more would be no answer
 FENCE = re.compile(r"^( *)(`{3,}).*?^\1\2 *$", re.DOTALL | re.MULTILINE)

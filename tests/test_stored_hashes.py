@@ -12,7 +12,7 @@ from sjdsl.library.stored_hashes import FILE, current_hash
 from sjdsl.replay.recording import Recording, RecordingError, check_rules
 from sjdsl.results.loading import COLUMNS, load, write_frame
 from sjdsl.sweeps.cells import Cell
-from sjdsl.trainers.manifest import read_manifest
+from sjdsl.trainers.runs.manifest import read_manifest
 
 ((OLD, NEW), *_) = tomllib.loads((games_folder() / FILE).read_text("utf-8"))["coins"].items()
 

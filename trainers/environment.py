@@ -1,4 +1,7 @@
-"""The protocol of an environment that trainers need: compiled games follow it, and so may any other environment."""
+"""The protocol of an environment that trainers need.
+
+Compiled games follow it, and so may any other environment.
+"""
 
 from typing import Any, Protocol
 
@@ -12,9 +15,10 @@ from sjdsl.runtime.planes import TokenPlane
 class Environment(Protocol):
     """One environment of N agents, not batched: trainers `vmap` it.
 
-    It may also have `state_vector(state)`, `episode_length`, `with_params(params)` (the same environment with other numbers), and
-    `allowed_actions(state)`: `[N, A]` bool, which actions each agent may take. Without the last, or if `forbids_actions` is false, all
-    actions are always allowed.
+    It may also have `state_vector(state)`, `episode_length`, `with_params(params)` (the same
+    environment with other numbers), and `allowed_actions(state)`: `[N, A]` bool, which actions each
+    agent may take. Without the last, or if `forbids_actions` is false, all actions are always
+    allowed.
     """
 
     params: Any  # pytree of the game's numbers; not part of `hash`
@@ -41,9 +45,10 @@ class Environment(Protocol):
     ) -> tuple[Array, Any, Array, Array, dict[str, Any]]:
         """Plays actions `[N]` int32, and starts a new episode when one ends.
 
-        Returns observation, state, raw reward `[N]` float32, done `[]` bool and info: `truncated` `[]` bool, done by the
-        time limit; `terminal_observation`, the one before a new episode; `events`, name -> `[N]` or `[]` int32 counts of
-        this step; `metrics`, name -> `[]` float32 values at the end of the step.
+        Returns observation, state, raw reward `[N]` float32, done `[]` bool and info: `truncated`
+        `[]` bool, done by the time limit; `terminal_observation`, the one before a new episode;
+        `events`, name -> `[N]` or `[]` int32 counts of this step; `metrics`, name -> `[]` float32
+        values at the end of the step.
         """
         ...
 
@@ -63,7 +68,10 @@ class MaskedEnvironment(Environment, Protocol):
 
 
 class ObservableEnvironment(Environment, Protocol):
-    """An environment whose whole state a central critic can see. `info` of its step also has `terminal_state`, that before a new episode."""
+    """An environment whose whole state a central critic can see.
+
+    `info` of its step also has `terminal_state`, that before a new episode.
+    """
 
     def state_vector(self, state: Any) -> Array:
         """Returns the state as `[K]` float32."""
@@ -98,3 +106,12 @@ def array_shape(shape: tuple[int, ...], dtype: Any) -> Any:
 def abstract_key() -> Any:
     """Returns the shape and dtype of a typed key."""
     return jax.eval_shape(lambda: jax.random.key(0))
+
+
+def where_env(chosen: Array, new: Any, old: Any) -> Any:
+    """Returns the leaves `[B, ...]` of `new` for environments `[B]` that are chosen, else `old`."""
+
+    def of_leaf(new: Array, old: Array) -> Array:
+        return jnp.where(chosen.reshape(-1, *[1] * (new.ndim - 1)), new, old)
+
+    return jax.tree.map(of_leaf, new, old)

@@ -16,14 +16,14 @@ from sjdsl.bench.machine import describe_machine
 from sjdsl.bench.timing import race
 from sjdsl.runtime.env import Environment
 from sjdsl.trainers import make_train
-from sjdsl.trainers.action_values import make_action_values
-from sjdsl.trainers.actor_critics import make_actor_critics, packing_of
-from sjdsl.trainers.compiled import NoMemoryError, compile_train
-from sjdsl.trainers.config import Config, ConfigError, PPOConfig, VDNConfig, make_config
-from sjdsl.trainers.masks import allowed_in, pack_mask, wants_masks
-from sjdsl.trainers.ppo import Acting
-from sjdsl.trainers.rollout import Actor, Worlds, collect_rollout
-from sjdsl.trainers.shaping import make_shaping
+from sjdsl.trainers.algorithms.ppo import Acting
+from sjdsl.trainers.algorithms.rollout import Actor, Worlds, collect_rollout
+from sjdsl.trainers.algorithms.shaping import make_shaping
+from sjdsl.trainers.networks.action_values import make_action_values
+from sjdsl.trainers.networks.actor_critics import make_actor_critics, packing_of
+from sjdsl.trainers.networks.masks import allowed_in, pack_mask, wants_masks
+from sjdsl.trainers.runs.compiled import NoMemoryError, compile_train
+from sjdsl.trainers.settings.config import Config, ConfigError, PPOConfig, VDNConfig, make_config
 
 Network = Literal["mlp", "cnn"]
 Algorithm = Literal["ippo", "mappo", "vdn"]
@@ -260,8 +260,8 @@ def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], 
     def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Any]:
         return worlds.memory, jax.random.randint(key, shape, 0, env.num_actions, jnp.int32), keeps
 
-    def follow(memory: Any, observation: Array, info: dict[str, Any]) -> Any:
-        del memory, observation
+    def follow(memory: Any, info: dict[str, Any]) -> Any:
+        del memory
         if isinstance(config, PPOConfig):
             return jnp.zeros(shape)
         return packing.pack(info["terminal_observation"]), pack_mask(

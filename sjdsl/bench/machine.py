@@ -6,7 +6,7 @@ from typing import Any
 
 import jax
 
-from sjdsl.trainers.device import device_name
+from sjdsl.trainers.devices.device import device_name
 from sjdsl.version import __version__
 
 

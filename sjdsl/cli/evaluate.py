@@ -21,9 +21,9 @@ from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
 from sjdsl.cli.provenance import provenance_of
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
 from sjdsl.cli.stages import LOADING, stages
-from sjdsl.trainers.policy_names import UNTRAINED, split_name
-from sjdsl.trainers.seeds_in_words import seeds_in_words, seeds_of_each
-from sjdsl.trainers.stored_evaluation import read_evaluation
+from sjdsl.trainers.policies.stored_evaluation import read_evaluation
+from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
+from sjdsl.trainers.settings.policy_names import UNTRAINED, split_name
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -166,7 +166,7 @@ def evaluate_run(
     An evaluation of the same policy in more episodes stays as it is.
     """
     from sjdsl.trainers import save_evaluation
-    from sjdsl.trainers.policy_file import policy_path, update_of
+    from sjdsl.trainers.policies.policy_file import policy_path, update_of
 
     file = path / (
         "evaluation.json" if which == "last" else f"evaluation_{which}.json"
@@ -213,7 +213,7 @@ def _evaluate_policy(
         env = options.make(game)
         from sjdsl.experiments import find_pool
         from sjdsl.trainers import find_policy, save_evaluation
-        from sjdsl.trainers.run_folder import describe_game
+        from sjdsl.trainers.runs.run_folder import describe_game
 
         with warnings_as_notes():
             (player,) = find_pool(policy, env).players  # refuses a policy of another game
@@ -268,7 +268,7 @@ def _compare(
 ) -> None:
     """Plays episodes with a policy and the same episodes with a random one; prints a table of both. `what`: a part of its title."""
     from sjdsl.trainers import evaluate, random_policy, summarise
-    from sjdsl.trainers.evaluation import evaluation_key
+    from sjdsl.trainers.policies.evaluation import evaluation_key
 
     key = evaluation_key(seed)
     with stages(
@@ -327,7 +327,7 @@ def stored_policy(
 
 def notes_on_training(run_dir: Path, which: str | int) -> Iterator[str]:
     """Yields what a reader of its evaluation should know of a run's training: that it hasn't ended, or which seeds diverged."""
-    from sjdsl.trainers.run_state import run_state
+    from sjdsl.trainers.runs.run_state import run_state
 
     state = (
         None if isinstance(which, int) else run_state(run_dir)

@@ -9,9 +9,9 @@ from sjdsl.termination import TERMINATED, Terminated
 
 INTERRUPTED = 130  # the exit status of a command that Ctrl-C ended
 FAULTS_OF_RUNS = {
-    "sjdsl.trainers.config_errors": "ConfigError",
-    "sjdsl.trainers.policy_file": "PolicyError",
-    "sjdsl.trainers.run_errors": "RunError",
+    "sjdsl.trainers.settings.config_errors": "ConfigError",
+    "sjdsl.trainers.policies.policy_file": "PolicyError",
+    "sjdsl.trainers.runs.run_errors": "RunError",
     "sjdsl.experiments.refusals": "ExperimentError",
     "sjdsl.results.refusals": "ResultsError",
 }

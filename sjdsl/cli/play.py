@@ -43,7 +43,7 @@ from sjdsl.replay import Recording, save_recording
 from sjdsl.trace.choices import Chosen, chooser
 from sjdsl.trace.jax_random import keys_of
 from sjdsl.trace.rules import Rules
-from sjdsl.trainers.policy_names import UNTRAINED
+from sjdsl.trainers.settings.policy_names import UNTRAINED
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment

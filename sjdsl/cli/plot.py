@@ -43,7 +43,7 @@ def command(runs: tuple[str, ...], output: str, metric: str) -> None:
     require("plots", "matplotlib")
     require_folder_of(path)
 
-    from sjdsl.trainers.curves import draw_curves
+    from sjdsl.trainers.runs.curves import draw_curves
 
     draw_curves(named, metric, path)
     click.echo(f"{path}  {metric} of {', '.join(name for name, _ in named)}")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.trainers.extensions import allow_code
-from sjdsl.trainers.policy_names import might_be_named, unknown_policy
+from sjdsl.trainers.settings.extensions import allow_code
+from sjdsl.trainers.settings.policy_names import might_be_named, unknown_policy
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir

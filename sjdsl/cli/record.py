@@ -17,7 +17,7 @@ from sjdsl.cli.folders import require_folder_of, require_unused
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
 from sjdsl.replay import DatasetWriter, Header
-from sjdsl.trainers.policy_names import UNTRAINED, split_name
+from sjdsl.trainers.settings.policy_names import UNTRAINED, split_name
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -141,7 +141,7 @@ def _digest(policy: str) -> str | None:
     """Returns the SHA-256 of the file that a policy is stored in; None if it isn't stored."""
     if policy in (*UNTRAINED, SIDE_BY_SIDE):
         return None
-    from sjdsl.trainers.policy_file import policy_path
+    from sjdsl.trainers.policies.policy_file import policy_path
 
     path, which = split_name(policy)
     return (

@@ -13,7 +13,7 @@ from sjdsl.cli.policies import check_policy, code_option
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
     from sjdsl.trainers import Config
-    from sjdsl.trainers.loggers import LoggerName
+    from sjdsl.trainers.runs.loggers import LoggerName
 
 Command = Callable[..., Any]
 ALGORITHMS = ("ippo", "mappo", "vdn")

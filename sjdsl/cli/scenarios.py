@@ -9,7 +9,7 @@ from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.cli.experiment_options import echo_files, experiment, playing_in
 from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.provenance import provenance_of
-from sjdsl.trainers.policy_names import split_name
+from sjdsl.trainers.settings.policy_names import split_name
 
 OR_A_GAME = ", or add --game GAME for a policy that isn't a run"
 

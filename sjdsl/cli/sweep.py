@@ -15,7 +15,7 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.sweeps.axes import read_axis
 from sjdsl.sweeps.cells import Cell, SweepSpec
 from sjdsl.sweeps.plan import plan_sweep
-from sjdsl.trainers.run_errors import DiskError
+from sjdsl.trainers.runs.run_errors import DiskError
 
 if TYPE_CHECKING:
     from sjdsl.sweeps.cells import Describe

@@ -22,18 +22,18 @@ from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.extras import MissingExtra, is_installed
 from sjdsl.trainers import Preset, load_preset, make_config
-from sjdsl.trainers.config import stored_config
-from sjdsl.trainers.extensions import find, lasting, require_allowed, short_name
-from sjdsl.trainers.manifest import read_manifest
-from sjdsl.trainers.own_settings import OWN, taken_settings
-from sjdsl.trainers.run_lock import is_unused
-from sjdsl.trainers.seeds_in_words import seeds_in_words, seeds_of_each
-from sjdsl.trainers.stages import stage_folders
+from sjdsl.trainers.runs.manifest import read_manifest
+from sjdsl.trainers.runs.run_lock import is_unused
+from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
+from sjdsl.trainers.runs.stages import stage_folders
+from sjdsl.trainers.settings.config import stored_config
+from sjdsl.trainers.settings.extensions import find, lasting, require_allowed, short_name
+from sjdsl.trainers.settings.own_settings import OWN, taken_settings
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.trainers import Config, Result
-    from sjdsl.trainers.loggers import LoggerName
+    from sjdsl.trainers.runs.loggers import LoggerName
 
 EPISODES = 30  # of the evaluation at the end
 BESIDE_RESUME = (
@@ -135,7 +135,7 @@ def command(
         click.echo(f"stage {number}: " * (len(parts) > 1) + extent_of(part.config), err=True)
     with stages(LOADING):
         from sjdsl.trainers import Stage, check_stages, train
-        from sjdsl.trainers.loggers import check_loggers
+        from sjdsl.trainers.runs.loggers import check_loggers
 
         check_loggers(run.loggers)
         provenances = [one.describe(game) for one in chosen]
@@ -165,7 +165,7 @@ def _list_keys(config: "Config") -> None:
             + (f"  # read where {mark.setting} is {mark.values}" if mark else "")
         )
     given = dict(config.own)
-    for name, default, hook in taken_settings(config):
+    for name, default, hook in taken_settings(config.hooks):
         click.echo(
             f"{OWN}{name} = {json.dumps(given.get(name, default), default=str)}  # of {hook}"
         )
@@ -193,7 +193,7 @@ def _resume(
     """Continues a run. `game`, `map_file`: where its game and map are now."""
     manifest = read_manifest(path)
     from sjdsl.trainers import resume
-    from sjdsl.trainers.loggers import check_loggers
+    from sjdsl.trainers.runs.loggers import check_loggers
 
     check_loggers(manifest.get("loggers", ()) if loggers is None else loggers)
     if episodes is None:
@@ -251,9 +251,9 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
     """Evaluates each seed's policy, and prints the time and memory of the run."""
     import jax
 
-    from sjdsl.trainers.learning_curve import LEARNING_CURVE
-    from sjdsl.trainers.metrics_files import METRICS_JSONL, read_rows
-    from sjdsl.trainers.progress import rate
+    from sjdsl.trainers.runs.learning_curve import LEARNING_CURVE
+    from sjdsl.trainers.runs.metrics_files import METRICS_JSONL, read_rows
+    from sjdsl.trainers.runs.progress import rate
 
     if jax.process_index() != 0:
         return

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sjdsl.trainers.estimates import Estimate, estimate
+from sjdsl.trainers.policies.estimates import Estimate, estimate
 
 CONTRASTS = ("A", "B", "fear", "greed")
 IN_WORDS = {

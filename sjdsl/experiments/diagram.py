@@ -18,7 +18,7 @@ from sjdsl.experiments.contrasts import (
 )
 from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.experiments.verdict import Verdict, judge, listed, share_that_may_differ
-from sjdsl.trainers.estimates import Estimate
+from sjdsl.trainers.policies.estimates import Estimate
 
 FORMAT = 1  # of schelling.json
 ENOUGH = 300  # equal samples after which at most 1 % of further ones may differ

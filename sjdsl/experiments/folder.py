@@ -9,7 +9,7 @@ from typing import Any
 from sjdsl import files
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED, write_whole
-from sjdsl.trainers.run_files import plain, write_json
+from sjdsl.trainers.json_files import plain, write_json
 
 ASKED = "experiment.json"
 DIAGRAM, CROSS_PLAY = "schelling.json", "crossplay.json"

@@ -12,7 +12,7 @@ import numpy as np
 from jax import Array
 
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.trainers.evaluation import evaluation_key
+from sjdsl.trainers.policies.evaluation import evaluation_key
 
 Lineup = tuple[int, ...]
 

@@ -13,7 +13,7 @@ from sjdsl.experiments.lineups import Lineup, visiting
 from sjdsl.experiments.players import player_of
 from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.short_paths import short_names
-from sjdsl.trainers.estimates import Estimate, estimate
+from sjdsl.trainers.policies.estimates import Estimate, estimate
 
 FORMAT = 1  # of crossplay.json
 SEED, EPISODE = "training seed", "episode"  # sampling units of intervals

@@ -18,7 +18,7 @@ from sjdsl.render.plot_style import (
     note_below,
     plot_style,
 )
-from sjdsl.trainers.estimates import Estimate
+from sjdsl.trainers.policies.estimates import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

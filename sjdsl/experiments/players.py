@@ -16,16 +16,16 @@ from sjdsl.compiler.ir.hash import policy_hash
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import Policy, take_actions, with_memory
-from sjdsl.trainers.config import Config
-from sjdsl.trainers.digest import digest_of
 from sjdsl.trainers.environment import Environment, abstract_key, reset_shapes
-from sjdsl.trainers.extensions import file_of, name_of
-from sjdsl.trainers.policies import find_policy, read_parameters, trained_policy
-from sjdsl.trainers.policy_file import POLICIES, SUFFIX, policy_path
-from sjdsl.trainers.policy_names import split_name
-from sjdsl.trainers.run_folder import describe_game
-from sjdsl.trainers.run_state import run_state
-from sjdsl.trainers.seeds_in_words import seeds_in_words, seeds_of_each
+from sjdsl.trainers.policies.digest import digest_of
+from sjdsl.trainers.policies.loading import find_policy, read_parameters, trained_policy
+from sjdsl.trainers.policies.policy_file import POLICIES, SUFFIX, policy_path
+from sjdsl.trainers.runs.run_folder import describe_game
+from sjdsl.trainers.runs.run_state import run_state
+from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
+from sjdsl.trainers.settings.config import Config
+from sjdsl.trainers.settings.extensions import file_of, name_of
+from sjdsl.trainers.settings.policy_names import split_name
 
 # Settings that only affect learning and what is written: policies that differ in nothing else are computed together.
 _LEARNING = """

@@ -13,8 +13,8 @@ from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.stacks import make_player_of_lineups
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
-from sjdsl.trainers.evaluation import Evaluation
-from sjdsl.trainers.run_folder import describe_game, versions
+from sjdsl.trainers.policies.evaluation import Evaluation
+from sjdsl.trainers.runs.run_folder import describe_game, versions
 
 Tell = Callable[[str], None]
 

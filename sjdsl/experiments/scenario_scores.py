@@ -9,7 +9,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.experiments.lineups import Lineup
 from sjdsl.experiments.playing import Experiment, Part
-from sjdsl.trainers.estimates import Estimate, estimate
+from sjdsl.trainers.policies.estimates import Estimate, estimate
 
 FORMAT = 1  # of scenarios.json
 RANDOM = "random"

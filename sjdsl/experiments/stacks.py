@@ -11,8 +11,8 @@ from jax import Array
 
 from sjdsl.experiments.players import Player
 from sjdsl.trainers.environment import Environment
-from sjdsl.trainers.evaluation import Evaluation, make_evaluator
-from sjdsl.trainers.policies import MemoryPolicy, with_memory
+from sjdsl.trainers.policies.evaluation import Evaluation, make_evaluator
+from sjdsl.trainers.policies.loading import MemoryPolicy, with_memory
 
 PlayLineup = Callable[[Array, Sequence[Player], np.ndarray], Evaluation]
 

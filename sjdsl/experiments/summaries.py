@@ -7,7 +7,7 @@ from sjdsl.experiments.contrasts import IN_WORDS
 from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.mixtures import CrossPlay
 from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores
-from sjdsl.trainers.estimates import Estimate
+from sjdsl.trainers.policies.estimates import Estimate
 
 
 def diagram_text(found: Diagram) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import stats
 
 from sjdsl.experiments.contrasts import CONFIDENCE, JOINT_CONFIDENCE, estimate_contrasts
-from sjdsl.trainers.estimates import Estimate
+from sjdsl.trainers.policies.estimates import Estimate
 
 Outcome = Literal["dilemma", "no dilemma", "undecided"]
 POWER = 0.9  # probability of settling each deciding contrast, if the means and deviations found were the true ones

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.trainers.shaping import (
+from sjdsl.trainers.algorithms.shaping import (
     common_mean,
     common_sum,
     exchanged,

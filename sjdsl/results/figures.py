@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.results.statistics import Comparison
-from sjdsl.trainers.estimates import Estimate, estimate
+from sjdsl.trainers.policies.estimates import Estimate, estimate
 
 SHOWN = 4  # digits
 

@@ -50,15 +50,15 @@ from sjdsl.results.settings import (
 )
 from sjdsl.results.stored_experiments import CrossPlay, Diagram
 from sjdsl.short_paths import short_names
-from sjdsl.trainers.config import MOST_SEEDS, ConfigError, stored_config
-from sjdsl.trainers.curves import figures
-from sjdsl.trainers.manifest import MANIFEST, read_manifest
-from sjdsl.trainers.metrics_files import run_rows
-from sjdsl.trainers.policy_file import POLICIES
-from sjdsl.trainers.run_errors import RunError
-from sjdsl.trainers.seeds_in_words import seeds_in_words
-from sjdsl.trainers.stages import reward_label, stage_folders
-from sjdsl.trainers.stored_evaluation import EVALUATION, RETURN, read_evaluation
+from sjdsl.trainers.policies.policy_file import POLICIES
+from sjdsl.trainers.policies.stored_evaluation import EVALUATION, RETURN, read_evaluation
+from sjdsl.trainers.runs.curves import figures
+from sjdsl.trainers.runs.manifest import MANIFEST, read_manifest
+from sjdsl.trainers.runs.metrics_files import run_rows
+from sjdsl.trainers.runs.run_errors import RunError
+from sjdsl.trainers.runs.seeds_in_words import seeds_in_words
+from sjdsl.trainers.runs.stages import reward_label, stage_folders
+from sjdsl.trainers.settings.config import MOST_SEEDS, ConfigError, stored_config
 
 with needs("results"):
     import pandas as pd

@@ -7,8 +7,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from sjdsl.trainers.config import KEYS_OF, ConfigError
-from sjdsl.trainers.preset import load_preset
+from sjdsl.trainers.settings.config import KEYS_OF, ConfigError
+from sjdsl.trainers.settings.preset import load_preset
 
 # Settings that may be changed without losing the name of the preset: how agents are rewarded.
 ASKED = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle")
@@ -42,7 +42,7 @@ def _presets(game: str, asked: str) -> Mapping[str, Mapping[str, Any]]:
     found = {}
     for name in sorted(
         entry.name.removesuffix(".toml")
-        for entry in files("sjdsl.trainers").joinpath("presets").iterdir()
+        for entry in files("sjdsl.trainers.settings").joinpath("presets").iterdir()
     ):
         try:
             found[name] = load_preset(name, json.loads(asked), game, asked=()).config.model_dump(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sjdsl.render.line_plots import Line, draw_panels, split_lines
 from sjdsl.render.plot_style import line_colour
 from sjdsl.results.figures import (
     Cell,
@@ -27,9 +28,8 @@ from sjdsl.results.selecting import Setting, cell_of, games, in_words, setting_o
 from sjdsl.results.settings import as_written, differing, settings_of
 from sjdsl.results.statistics import compare, draw_profiles, improvements, interquartile_means
 from sjdsl.short_paths import short_names
-from sjdsl.trainers.estimates import estimate
-from sjdsl.trainers.own_settings import OWN
-from sjdsl.trainers.panels import Line, draw_panels, split_lines
+from sjdsl.trainers.policies.estimates import estimate
+from sjdsl.trainers.settings.own_settings import OWN
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,8 +7,8 @@ from sjdsl.library.games_folder import bundled
 from sjdsl.results.bundled import rules_now
 from sjdsl.results.figures import Cell
 from sjdsl.results.loading import SETTING
-from sjdsl.trainers.extensions import short_name
-from sjdsl.trainers.stages import FROM_STAGES
+from sjdsl.trainers.runs.stages import FROM_STAGES
+from sjdsl.trainers.settings.extensions import short_name
 
 if TYPE_CHECKING:
     import pandas as pd

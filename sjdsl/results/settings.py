@@ -10,8 +10,14 @@ from typing import Any
 from sjdsl.extras import needs
 from sjdsl.results.bundled import numbers_now, variant_now
 from sjdsl.sweeps.axes import PARAM, as_number
-from sjdsl.trainers.config import ConfigError, Only, class_of, dependent_settings, stored_config
-from sjdsl.trainers.own_settings import OWN, spread
+from sjdsl.trainers.settings.config import (
+    ConfigError,
+    Only,
+    class_of,
+    dependent_settings,
+    stored_config,
+)
+from sjdsl.trainers.settings.own_settings import OWN, spread
 
 with needs("results"):
     import pandas as pd

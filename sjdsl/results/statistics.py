@@ -11,8 +11,8 @@ import numpy as np
 from scipy import stats
 
 from sjdsl.extras import needs
+from sjdsl.render.line_plots import MOST
 from sjdsl.render.plot_style import Label, line_colour, name_lines, note_below, plot_style
-from sjdsl.trainers.panels import MOST
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

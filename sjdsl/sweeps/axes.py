@@ -8,8 +8,8 @@ from typing import Any
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.near_names import meant
 from sjdsl.several import several
-from sjdsl.trainers.config import KEYS_OF
-from sjdsl.trainers.own_settings import OWN
+from sjdsl.trainers.settings.config import KEYS_OF
+from sjdsl.trainers.settings.own_settings import OWN
 
 PARAM = "param."  # before the name of one of the game's numbers
 VARIANT = "variant"

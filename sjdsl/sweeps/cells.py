@@ -13,14 +13,14 @@ from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.library.stored_hashes import current_hash
 from sjdsl.several import several
 from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, with_number
-from sjdsl.trainers.config import FORMER, Config, make_config, require_code, stored_config
-from sjdsl.trainers.config_errors import ConfigError
-from sjdsl.trainers.extensions import short_name
-from sjdsl.trainers.own_settings import spread
-from sjdsl.trainers.preset import Preset, load_preset
+from sjdsl.trainers.settings.config import FORMER, Config, make_config, require_code, stored_config
+from sjdsl.trainers.settings.config_errors import ConfigError
+from sjdsl.trainers.settings.extensions import short_name
+from sjdsl.trainers.settings.own_settings import spread
+from sjdsl.trainers.settings.preset import Preset, load_preset
 
 if TYPE_CHECKING:
-    from sjdsl.trainers.loggers import LoggerName
+    from sjdsl.trainers.runs.loggers import LoggerName
 
 LONGEST = 120  # characters of a cell's name, which names its folder
 OTHERS = ("map", "num_agents")  # arguments of the environment that can't be axes

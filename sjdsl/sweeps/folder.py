@@ -15,17 +15,17 @@ from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.sweeps.cells import Cell, SweepSpec
 from sjdsl.sweeps.locks import is_running
-from sjdsl.trainers.checkpoints import last_checkpoint
-from sjdsl.trainers.config import ConfigError
-from sjdsl.trainers.manifest import read_manifest
-from sjdsl.trainers.policy_file import POLICIES, SUFFIX
-from sjdsl.trainers.run_errors import RunError
-from sjdsl.trainers.run_files import plain, write_json
-from sjdsl.trainers.run_folder import versions
-from sjdsl.trainers.run_state import FINISHED
-from sjdsl.trainers.stages import stage_folders
-from sjdsl.trainers.stored_evaluation import EVALUATION, StoredEvaluation, read_evaluation
-from sjdsl.trainers.updates import describe_divergence
+from sjdsl.trainers.json_files import plain, write_json
+from sjdsl.trainers.policies.policy_file import POLICIES, SUFFIX
+from sjdsl.trainers.policies.stored_evaluation import EVALUATION, StoredEvaluation, read_evaluation
+from sjdsl.trainers.runs.checkpoints import last_checkpoint
+from sjdsl.trainers.runs.manifest import read_manifest
+from sjdsl.trainers.runs.run_errors import RunError
+from sjdsl.trainers.runs.run_folder import versions
+from sjdsl.trainers.runs.run_state import FINISHED
+from sjdsl.trainers.runs.stages import stage_folders
+from sjdsl.trainers.runs.updates import describe_divergence
+from sjdsl.trainers.settings.config import ConfigError
 
 FORMAT = 1
 SWEEP = "sweep.json"

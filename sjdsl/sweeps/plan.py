@@ -8,8 +8,8 @@ from pathlib import Path
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.axes import PARAM, VARIANT
 from sjdsl.sweeps.cells import Cell, Describe, SweepSpec, make_cell
-from sjdsl.trainers.config import KEYS_OF, only_of_others
-from sjdsl.trainers.own_settings import OWN, spread
+from sjdsl.trainers.settings.config import KEYS_OF, only_of_others
+from sjdsl.trainers.settings.own_settings import OWN, spread
 
 MOST = 10_000  # cells
 

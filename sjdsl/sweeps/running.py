@@ -24,10 +24,10 @@ from sjdsl.sweeps.plan import plan_sweep
 from sjdsl.sweeps.processes import run_in_processes
 from sjdsl.sweeps.tables import write_results
 from sjdsl.sweeps.work import ALONE, Watch, run_cell, stages_of
-from sjdsl.trainers.config import ConfigError
-from sjdsl.trainers.loggers import check_loggers
-from sjdsl.trainers.policies import PolicyError
-from sjdsl.trainers.run import check_stages
+from sjdsl.trainers.policies.loading import PolicyError
+from sjdsl.trainers.runs.loggers import check_loggers
+from sjdsl.trainers.runs.run import check_stages
+from sjdsl.trainers.settings.config import ConfigError
 
 PATIENCE = 2.0  # seconds between two checks of cells that other processes run
 

@@ -16,8 +16,8 @@ from sjdsl.sweeps.folder import (
     run_dir,
     seed_dirs,
 )
-from sjdsl.trainers.stages import reward_label
-from sjdsl.trainers.stored_evaluation import RETURN, Figure
+from sjdsl.trainers.policies.stored_evaluation import RETURN, Figure
+from sjdsl.trainers.runs.stages import reward_label
 
 RESULTS = "results.csv"
 Row = dict[str, str]

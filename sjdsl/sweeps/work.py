@@ -32,18 +32,23 @@ from sjdsl.sweeps.folder import (
 )
 from sjdsl.sweeps.locks import take
 from sjdsl.sweeps.tables import results, write_results
-from sjdsl.trainers.checkpoints import last_checkpoint, resumption
-from sjdsl.trainers.config import ConfigError, make_config, stored_config
-from sjdsl.trainers.evaluation import Evaluation, evaluation_key, make_evaluator, save_evaluation
-from sjdsl.trainers.manifest import MANIFEST
-from sjdsl.trainers.policies import PolicyError, read_parameters, trained_policy
-from sjdsl.trainers.policy_file import START, policy_path
-from sjdsl.trainers.progress import ProgressStyle
-from sjdsl.trainers.run import Stage, resume, train
-from sjdsl.trainers.run_errors import DiskError, RunError
-from sjdsl.trainers.run_lock import LOCK
-from sjdsl.trainers.stages import STAGES
-from sjdsl.trainers.stored_evaluation import EVALUATION
+from sjdsl.trainers.policies.evaluation import (
+    Evaluation,
+    evaluation_key,
+    make_evaluator,
+    save_evaluation,
+)
+from sjdsl.trainers.policies.loading import PolicyError, read_parameters, trained_policy
+from sjdsl.trainers.policies.policy_file import START, policy_path
+from sjdsl.trainers.policies.stored_evaluation import EVALUATION
+from sjdsl.trainers.runs.checkpoints import last_checkpoint, resumption
+from sjdsl.trainers.runs.manifest import MANIFEST
+from sjdsl.trainers.runs.progress import ProgressStyle
+from sjdsl.trainers.runs.run import Stage, resume, train
+from sjdsl.trainers.runs.run_errors import DiskError, RunError
+from sjdsl.trainers.runs.run_lock import LOCK
+from sjdsl.trainers.settings.config import ConfigError, make_config, stored_config
+from sjdsl.trainers.settings.stage_settings import STAGES
 
 Tell = Callable[[str], None]
 REFUSALS = (RunError, ConfigError, PolicyError, ExperimentError)

@@ -193,7 +193,7 @@ def test_a_resumed_run_keeps_its_episodes_and_loggers(
     sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from sjdsl.cli import train as module
-    from sjdsl.trainers import recorder
+    from sjdsl.trainers.runs import recorder
 
     asked: list[object] = []
     monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
@@ -297,7 +297,7 @@ def test_what_users_bring_along_is_named_on_the_command_line(
     sjdsl: Sjdsl, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A reward, a partner and a callback in a file; the run goes on longer with them, and its policy is found by its name."""
-    from sjdsl.trainers import recorder
+    from sjdsl.trainers.runs import recorder
 
     monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
     (folder / "mine.py").write_text(BROUGHT)

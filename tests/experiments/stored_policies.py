@@ -9,9 +9,9 @@ import jax
 import numpy as np
 
 from sjdsl.trainers import make_config
-from sjdsl.trainers.policies import parameter_shapes
-from sjdsl.trainers.policy_file import write_policy
-from sjdsl.trainers.run_folder import describe_game
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.policies.policy_file import write_policy
+from sjdsl.trainers.runs.run_folder import describe_game
 
 NETWORK = {"network": "mlp", "network_width": 8}
 SURE = 30.0  # standard deviation of parameters: actions are as good as certain

@@ -17,7 +17,7 @@ from sjdsl.experiments import (
     schelling,
     schelling_diagram,
 )
-from sjdsl.trainers.evaluation import Evaluation
+from sjdsl.trainers.policies.evaluation import Evaluation
 
 EPISODES = 3
 

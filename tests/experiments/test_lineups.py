@@ -18,7 +18,7 @@ from sjdsl.experiments.lineups import (
     play_key,
     visiting,
 )
-from sjdsl.trainers.evaluation import evaluation_key
+from sjdsl.trainers.policies.evaluation import evaluation_key
 
 
 def test_all_mixtures_of_few_policies() -> None:

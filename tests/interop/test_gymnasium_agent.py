@@ -15,9 +15,9 @@ from gymnasium.utils.env_checker import check_env
 import sjdsl
 from sjdsl.interop.gymnasium import AgentGame, environment_id
 from sjdsl.trainers import PolicyError, PPOConfig, load_policy
-from sjdsl.trainers.policies import parameter_shapes
-from sjdsl.trainers.policy_file import write_policy
-from sjdsl.trainers.run_folder import describe_game
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.policies.policy_file import write_policy
+from sjdsl.trainers.runs.run_folder import describe_game
 
 LENGTH = 12
 SHORT = {"params": {"length": LENGTH}}

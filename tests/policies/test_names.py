@@ -16,7 +16,7 @@ from sjdsl.policies.interpreted import choose
 from sjdsl.properties.state_conversion import world_of
 from sjdsl.runtime.env import Environment
 from sjdsl.trainers import PolicyError, make_config
-from sjdsl.trainers.policies import find_policy, make_partners
+from sjdsl.trainers.policies.loading import find_policy, make_partners
 
 ORCHARD = Path(__file__).with_name("orchard.sj")
 

@@ -30,9 +30,9 @@ from sjdsl.replay import (
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy, mixed_policy
 from sjdsl.trainers import PPOConfig, load_policy
-from sjdsl.trainers.policies import parameter_shapes
-from sjdsl.trainers.policy_file import write_policy
-from sjdsl.trainers.run_folder import describe_game
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.policies.policy_file import write_policy
+from sjdsl.trainers.runs.run_folder import describe_game
 
 BUSY = {"length": 30, "spawn": 0.3}
 

@@ -12,9 +12,9 @@ import pytest
 from report_folders import write_run
 
 from sjdsl.cli import run
-from sjdsl.trainers.curves import read_seeds
-from sjdsl.trainers.run_errors import RunError
-from sjdsl.trainers.stored_evaluation import read_evaluation
+from sjdsl.trainers.policies.stored_evaluation import read_evaluation
+from sjdsl.trainers.runs.curves import read_seeds
+from sjdsl.trainers.runs.run_errors import RunError
 
 DEEP = "[" * 100_000
 FIGURE = {"mean": 1.0, "low": 0.0, "high": 2.0}

@@ -18,15 +18,15 @@ from sjdsl.replay import DatasetWriter, Header, Recording
 from sjdsl.replay.recording import save_recording
 from sjdsl.studio.folder import Folder, digest
 from sjdsl.sweeps.locks import take
-from sjdsl.trainers.metrics_files import (
+from sjdsl.trainers.json_files import write_json
+from sjdsl.trainers.runs.metrics_files import (
     EVALUATIONS,
     METRICS_JSONL,
     append_line,
     cut_metrics,
     open_metrics,
 )
-from sjdsl.trainers.run_files import write_json
-from sjdsl.trainers.run_lock import LOCK, locked
+from sjdsl.trainers.runs.run_lock import LOCK, locked
 
 ROOT = Path(__file__).parents[2]
 GAME = "sj 1\ngame  tiny { }\n"

@@ -21,9 +21,9 @@ from sjdsl.replay import EpisodePlayer
 from sjdsl.results.page import inert, page_text
 from sjdsl.studio.folder import Folder
 from sjdsl.trainers import PolicyError
-from sjdsl.trainers.policy_file import policy_path
-from sjdsl.trainers.policy_names import split_name
-from sjdsl.trainers.run_state import run_state
+from sjdsl.trainers.policies.policy_file import policy_path
+from sjdsl.trainers.runs.run_state import run_state
+from sjdsl.trainers.settings.policy_names import split_name
 
 TITLES = [
     "</script><script>alert(1)</script>",

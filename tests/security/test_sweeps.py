@@ -21,7 +21,7 @@ from sjdsl.sweeps.folder import (
 from sjdsl.sweeps.plan import plan_sweep
 from sjdsl.sweeps.running import describe_with_make
 from sjdsl.sweeps.tables import results
-from sjdsl.trainers.extensions import NotAllowed
+from sjdsl.trainers.settings.extensions import NotAllowed
 
 STRANGE = [None, True, -1, 0.5, 10**400, "x", "\udcff", [], {}, [[]], [5], {"a": 1}]
 

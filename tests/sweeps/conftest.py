@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sjdsl.trainers import recorder
-from sjdsl.trainers.metrics_files import Row
+from sjdsl.trainers.runs import recorder
+from sjdsl.trainers.runs.metrics_files import Row
 
 
 def _leave_empty(folder: Path, rows: Sequence[Row], title: str) -> None:

@@ -21,8 +21,8 @@ from sjdsl.sweeps.folder import cells_of, progress_of, read_sweep
 from sjdsl.sweeps.running import Outcome, prepare, sweep
 from sjdsl.sweeps.work import Watch
 from sjdsl.trainers import evaluate, load_policy
-from sjdsl.trainers.evaluation import evaluation_key
-from sjdsl.trainers.run_errors import DiskError, RunError
+from sjdsl.trainers.policies.evaluation import evaluation_key
+from sjdsl.trainers.runs.run_errors import DiskError, RunError
 from tests.sweeps.described import GAME, TINY
 
 LOW, HIGH = "matrix_game_exchange_ratio-0.25", "matrix_game_exchange_ratio-0.75"

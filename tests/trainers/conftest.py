@@ -8,9 +8,10 @@ import pytest
 from probes import matching
 from run_outcomes import SHORT, compiled_once
 
-from sjdsl.trainers import recorder, train
-from sjdsl.trainers.learning_curve import LEARNING_CURVE, curve_panels
-from sjdsl.trainers.metrics_files import Row
+from sjdsl.trainers import train
+from sjdsl.trainers.runs import recorder
+from sjdsl.trainers.runs.learning_curve import LEARNING_CURVE, curve_panels
+from sjdsl.trainers.runs.metrics_files import Row
 
 
 @pytest.fixture(autouse=True)

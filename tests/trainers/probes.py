@@ -13,8 +13,8 @@ from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.trainers import Config, TrainState, VDNConfig, make_config, make_train
-from sjdsl.trainers.action_values import make_action_values
-from sjdsl.trainers.actor_critics import make_actor_critics
+from sjdsl.trainers.networks.action_values import make_action_values
+from sjdsl.trainers.networks.actor_critics import make_actor_critics
 
 MAX_STEPS = 5
 

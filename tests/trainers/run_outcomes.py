@@ -18,8 +18,9 @@ import jax.numpy as jnp
 import pytest
 from probes import QUICK, matching
 
-from sjdsl.trainers import Config, Train, TrainState, make_config, make_train, recorder, run
-from sjdsl.trainers.compiled import Compiled, compile_train
+from sjdsl.trainers import Config, Train, TrainState, make_config, make_train
+from sjdsl.trainers.runs import recorder, run
+from sjdsl.trainers.runs.compiled import Compiled, compile_train
 
 OF_THE_CLOCK = ("seconds", "steps_per_second", "rollout_share")
 
@@ -142,8 +143,8 @@ def compiled_matching(config: Config) -> Compiled:
 
 @cache
 def _evaluator(number: int) -> Callable[..., Any]:
-    from sjdsl.trainers.evaluation import make_evaluator
-    from sjdsl.trainers.policies import trained_policy
+    from sjdsl.trainers.policies.evaluation import make_evaluator
+    from sjdsl.trainers.policies.loading import trained_policy
 
     return make_evaluator(
         matching(), lambda parameters: trained_policy(matching(), SHORT, parameters), number

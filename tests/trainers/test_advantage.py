@@ -7,9 +7,9 @@ import pytest
 from jax import Array
 
 from sjdsl.trainers import PPOConfig
-from sjdsl.trainers.advantage import generalised_advantages, successor_values
-from sjdsl.trainers.losses import Batch
-from sjdsl.trainers.ppo import ppo_loss
+from sjdsl.trainers.algorithms.advantage import generalised_advantages, successor_values
+from sjdsl.trainers.algorithms.losses import Batch
+from sjdsl.trainers.algorithms.ppo import ppo_loss
 
 STEPS, ENVS, AGENTS = 23, 5, 3
 

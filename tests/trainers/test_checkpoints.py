@@ -11,7 +11,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.trainers.checkpoints import KEPT, CheckpointError, Checkpoints, _without_further_errors
+from sjdsl.trainers.runs.checkpoints import (
+    KEPT,
+    CheckpointError,
+    Checkpoints,
+    _without_further_errors,
+)
 
 
 @flax.struct.dataclass
@@ -72,7 +77,7 @@ def test_another_shape_is_refused(tmp_path: Path) -> None:
 
 def test_another_digest_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever the files say of themselves: the arrays are those that were written, or they are not used."""
-    from sjdsl.trainers import checkpoints as module
+    from sjdsl.trainers.runs import checkpoints as module
 
     checkpoints = Checkpoints(tmp_path)
     checkpoints.save(1, _state(1))

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from sjdsl.cli import run
+from sjdsl.render.line_plots import Line, draw_panels, split_lines
 from sjdsl.render.plot_style import apart
 from sjdsl.trainers import RunError
-from sjdsl.trainers.curves import curve_line, draw_curves, figures, in_words, read_seeds
-from sjdsl.trainers.learning_curve import curve_panels
-from sjdsl.trainers.learning_signs import FIGURES
-from sjdsl.trainers.metrics_files import known_row
-from sjdsl.trainers.panels import Line, draw_panels, split_lines
+from sjdsl.trainers.runs.curves import curve_line, draw_curves, figures, in_words, read_seeds
+from sjdsl.trainers.runs.learning_curve import curve_panels
+from sjdsl.trainers.runs.learning_signs import FIGURES
+from sjdsl.trainers.runs.metrics_files import known_row
 
 ROWS = [
     {
@@ -86,7 +86,7 @@ def test_runs_whose_folders_have_the_same_name_are_told_apart(
 ) -> None:
     drawn: list[str] = []
     monkeypatch.setattr(
-        "sjdsl.trainers.curves.draw_curves",
+        "sjdsl.trainers.runs.curves.draw_curves",
         lambda named, *_: drawn.extend(name for name, _ in named),
     )
     assert (

@@ -23,7 +23,9 @@ from run_outcomes import (
     start_sjdsl,
 )
 
-from sjdsl.trainers import ConfigError, PPOConfig, make_config, ppo, sharding
+from sjdsl.trainers import ConfigError, PPOConfig, make_config
+from sjdsl.trainers.algorithms import ppo
+from sjdsl.trainers.runs import sharding
 from tests.cli.command_line import GAME
 
 TWO = "--xla_force_host_platform_device_count=2"
@@ -36,7 +38,7 @@ def test_environments_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) 
         ConfigError,
         match="num_envs = 4 environments cannot be spread over 3 devices; choose a multiple",
     ):
-        sharding.make_placement(make_config(num_envs=4))
+        sharding.make_mesh(make_config(num_envs=4))
 
 
 def test_minibatches_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from probes import uneven
 
-from sjdsl.trainers.episodes import (
+from sjdsl.trainers.algorithms.episodes import (
     EpisodeSums,
     add_step,
     hand_over,
@@ -14,7 +14,7 @@ from sjdsl.trainers.episodes import (
     without_value,
     zero_sums,
 )
-from sjdsl.trainers.metric_rows import flatten_metrics
+from sjdsl.trainers.runs.metric_rows import flatten_metrics
 
 
 def played(

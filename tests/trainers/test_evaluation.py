@@ -10,7 +10,7 @@ import pytest
 from probes import matching, uneven
 
 from sjdsl.trainers import Evaluation, estimate, evaluate, random_policy, save_evaluation, summarise
-from sjdsl.trainers.evaluation import evaluation_key
+from sjdsl.trainers.policies.evaluation import evaluation_key
 
 EPISODES = 64
 

@@ -10,7 +10,7 @@ import pytest
 
 import sjdsl
 from sjdsl.trainers import Stage, check_stages, load_preset
-from sjdsl.trainers.extensions import find
+from sjdsl.trainers.settings.extensions import find
 
 ROOT = Path(__file__).parents[2]
 PRESETS = sorted(path.name for path in (ROOT / "examples").glob("stages_*.toml"))

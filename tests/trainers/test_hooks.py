@@ -41,13 +41,13 @@ from sjdsl.trainers import (
     random_policy,
     register,
     resume,
-    run,
     train,
 )
-from sjdsl.trainers.partners import Partners
-from sjdsl.trainers.policies import parameter_shapes
-from sjdsl.trainers.policy_names import UNTRAINED as NEED_NO_FILE
-from sjdsl.trainers.policy_names import split_name
+from sjdsl.trainers.algorithms.partners import Partners
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.runs import run
+from sjdsl.trainers.settings.policy_names import UNTRAINED as NEED_NO_FILE
+from sjdsl.trainers.settings.policy_names import split_name
 
 SMALL = {
     **QUICK,
@@ -171,7 +171,7 @@ def test_values_are_learnt_beside_a_partner() -> None:
 
 def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
     """By hand: Q is 1 for every action before, 2 after; one of two agents learns, so y = 3 + 0.5 * 2 and the error 3."""
-    from sjdsl.trainers.vdn import Transition, vdn_loss
+    from sjdsl.trainers.algorithms.vdn import Transition, vdn_loss
 
     class Network:
         @staticmethod

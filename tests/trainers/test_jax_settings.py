@@ -8,7 +8,7 @@ import pytest
 from probes import matching, quick, stream, uneven
 
 from sjdsl.trainers import make_train
-from sjdsl.trainers.metric_rows import flatten_metrics
+from sjdsl.trainers.runs.metric_rows import flatten_metrics
 
 KINDS: dict[str, dict[str, Any]] = {
     "ippo": {},

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sjdsl.trainers import make_config
-from sjdsl.trainers.learning_signs import LearningWarning, Signs, is_due, said_once
-from sjdsl.trainers.rollout import rewarded_steps
-from sjdsl.trainers.seeds_in_words import seeds_in_words
+from sjdsl.trainers.algorithms.rollout import rewarded_steps
+from sjdsl.trainers.runs.learning_signs import LearningWarning, Signs, is_due, said_once
+from sjdsl.trainers.runs.seeds_in_words import seeds_in_words
 
 
 def row(update: int, **changes: Any) -> dict[str, Any]:

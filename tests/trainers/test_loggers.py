@@ -11,10 +11,11 @@ from probes import matching
 from run_outcomes import SHORT, compiled_once, counting, read_lines
 
 from sjdsl.extras import MissingExtra
-from sjdsl.trainers import ConfigError, resume, run, train
-from sjdsl.trainers.loggers import check_loggers
-from sjdsl.trainers.run_errors import DiskError
-from sjdsl.trainers.updates import Update
+from sjdsl.trainers import ConfigError, resume, train
+from sjdsl.trainers.runs import run
+from sjdsl.trainers.runs.loggers import check_loggers
+from sjdsl.trainers.runs.run_errors import DiskError
+from sjdsl.trainers.runs.updates import Update
 
 UNEVALUATED = SHORT.model_copy(update={"evaluate_every": 0})
 TWO_SEEDS = UNEVALUATED.model_copy(update={"seeds": 2})

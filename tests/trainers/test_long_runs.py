@@ -13,12 +13,14 @@ from probes import matching
 from run_outcomes import read_lines
 
 import sjdsl
-from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_train, updates
-from sjdsl.trainers.checkpoint_pace import CheckpointPace
-from sjdsl.trainers.compiled import Compiled
-from sjdsl.trainers.metrics_files import read_rows, thinned_rows
-from sjdsl.trainers.recorder import open_recorders
-from sjdsl.trainers.training_functions import TrainState
+from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_train
+from sjdsl.trainers.algorithms.training_functions import TrainState
+from sjdsl.trainers.runs import updates
+from sjdsl.trainers.runs.checkpoint_pace import CheckpointPace
+from sjdsl.trainers.runs.compiled import Compiled
+from sjdsl.trainers.runs.metrics_files import read_rows, thinned_rows
+from sjdsl.trainers.runs.recorder import open_recorders
+from sjdsl.trainers.runs.run_stage import RunStage
 
 MINUTE = 60.0
 
@@ -122,9 +124,9 @@ def _play(
         None, collect, lambda state, _: (state, metrics), lambda _: parameters, None, 0.0, 0.0
     )  # type: ignore[arg-type]
     state: Any = {"replay": np.zeros(10)}
-    with open_recorders([folder], matching(), config, 0, (), "long") as recorders:  # type: ignore[arg-type]
-        keeping = updates.Keeping(recorders, save, lambda *_: None)  # type: ignore[arg-type]
-        updates.run_updates(compiled, state, updates.Progress(0), config, keeping)
+    stage = RunStage(matching(), config, folder, {"loggers": ()})
+    with open_recorders(stage, 0) as recorders:
+        updates.Loop(stage, compiled, state, recorders, save, lambda *_: None).run()
     return written
 
 

@@ -16,10 +16,10 @@ from sjdsl.results import ResultsWarning
 from sjdsl.results.loading import _run as read_run
 from sjdsl.sweeps.folder import diverged_in, is_finished
 from sjdsl.trainers import PolicyError, RunError, make_config
-from sjdsl.trainers.manifest import MANIFEST, read_manifest
-from sjdsl.trainers.resuming import check_same_run, extended
-from sjdsl.trainers.run_folder import describe_run
-from sjdsl.trainers.run_state import run_state
+from sjdsl.trainers.runs.manifest import MANIFEST, read_manifest
+from sjdsl.trainers.runs.resuming import check_same_run, extended
+from sjdsl.trainers.runs.run_folder import describe_run
+from sjdsl.trainers.runs.run_state import run_state
 
 STRANGE = [
     None,

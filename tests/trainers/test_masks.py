@@ -16,11 +16,11 @@ from probes import FAST_TO_COMPILE, matching, quick
 import sjdsl
 from sjdsl.render import play
 from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, evaluate, make_train, trained_policy
-from sjdsl.trainers.actor_critics import make_actor_critics
-from sjdsl.trainers.losses import Batch
-from sjdsl.trainers.masks import draw_any, masked, pack_mask, unpack_mask, wants_masks
-from sjdsl.trainers.ppo import ppo_loss
-from sjdsl.trainers.vdn import Transition, vdn_loss
+from sjdsl.trainers.algorithms.losses import Batch
+from sjdsl.trainers.algorithms.ppo import ppo_loss
+from sjdsl.trainers.algorithms.vdn import Transition, vdn_loss
+from sjdsl.trainers.networks.actor_critics import make_actor_critics
+from sjdsl.trainers.networks.masks import draw_any, masked, pack_mask, unpack_mask, wants_masks
 
 STEPS = 8
 VDN = {"algorithm": "vdn"}

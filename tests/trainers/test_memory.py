@@ -6,7 +6,8 @@ import pytest
 from probes import matching
 from run_outcomes import SHORT, counting, read_manifest
 
-from sjdsl.trainers import RunError, compiled, run, train
+from sjdsl.trainers import RunError, train
+from sjdsl.trainers.runs import compiled, run
 
 
 def test_what_does_not_fit_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

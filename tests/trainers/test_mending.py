@@ -10,9 +10,10 @@ from probes import matching
 from run_outcomes import SHORT, assert_same_end, copy_run, counting
 
 from sjdsl.results import ResultsWarning, load
-from sjdsl.trainers import RunError, resume, run, train
-from sjdsl.trainers.compiled import compile_train
-from sjdsl.trainers.metrics_files import read_rows
+from sjdsl.trainers import RunError, resume, train
+from sjdsl.trainers.runs import run
+from sjdsl.trainers.runs.compiled import compile_train
+from sjdsl.trainers.runs.metrics_files import read_rows
 
 JSONL, EVALUATIONS = "metrics.jsonl", "evaluations.jsonl"
 Damage = Callable[[Path], None]

@@ -12,9 +12,10 @@ import pytest
 from probes import FAST_TO_COMPILE
 
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.trainers.convolution import convolve
-from sjdsl.trainers.initialisation import orthogonal, orthonormal_columns
-from sjdsl.trainers.networks import ActionValues, ActorCritic
+from sjdsl.trainers import PPOConfig
+from sjdsl.trainers.networks.architectures import ActionValues, ActorCritic, Layers
+from sjdsl.trainers.networks.convolution import convolve
+from sjdsl.trainers.networks.initialisation import orthogonal, orthonormal_columns
 
 PLANES = (
     TokenPlane("content", "word", ("outside", "none", "mine")),
@@ -23,6 +24,10 @@ PLANES = (
 )
 ENVS, AGENTS, SIDE = 5, 2, 5
 FRESH = jnp.zeros((1, ENVS), bool)
+
+
+def layers(network: str, width: int, **settings: Any) -> Layers:
+    return Layers.of(PPOConfig(network=network, network_width=width, **settings))
 
 
 def _observations(key: jax.Array) -> jax.Array:
@@ -45,7 +50,8 @@ def kind(request: pytest.FixtureRequest) -> str:
 @cache
 def _read_changed(kind: str, central: bool) -> tuple[Any, jax.Array, jax.Array]:
     """Returns parameters, and logits and values `[1 + N * P, B, N, ...]` of `_changed_in_turn`."""
-    network = ActorCritic(7, AGENTS, PLANES, PLANES * AGENTS if central else None, kind, 16)
+    joint_planes = PLANES * AGENTS if central else None
+    network = ActorCritic(7, AGENTS, PLANES, joint_planes, layers(kind, 16))
 
     @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
     def read(key: jax.Array) -> tuple[Any, jax.Array, jax.Array]:
@@ -91,7 +97,7 @@ def test_every_plane_of_all_windows_reaches_a_central_critic(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", ["mlp", pytest.param("cnn", marks=pytest.mark.thorough)])
 def test_action_values_see_every_plane(kind: str) -> None:
-    network = ActionValues(7, PLANES, kind, 16)
+    network = ActionValues(7, PLANES, layers(kind, 16))
 
     @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
     def read(key: jax.Array) -> jax.Array:
@@ -109,7 +115,7 @@ def test_action_values_see_every_plane(kind: str) -> None:
 def test_bfloat16_is_of_the_layers_alone() -> None:
     """Parameters and outputs are float32, near those of float32: bfloat16 has 8 bits, so relative errors of 2^-8 a product."""
     exact, coarse = (
-        ActorCritic(7, AGENTS, PLANES, None, "mlp", 64, dtype=jnp.dtype(name))
+        ActorCritic(7, AGENTS, PLANES, None, layers("mlp", 64, precision=name))
         for name in ("float32", "bfloat16")
     )
 
@@ -140,9 +146,8 @@ def test_steps_read_one_by_one_or_together_are_the_same_and_memory_ends_with_an_
     central: bool,
 ) -> None:
     """Two pasts that differ in their first step are told apart until an episode begins, at step 3."""
-    network = ActorCritic(
-        3, AGENTS, PLANES[:1], PLANES[:1] if central else None, "mlp", 8, recurrent=True
-    )
+    joint_planes = PLANES[:1] if central else None
+    network = ActorCritic(3, AGENTS, PLANES[:1], joint_planes, layers("mlp", 8), recurrent=True)
     start = network.start_memory(ENVS)
     fresh = jnp.zeros((LENGTH, ENVS), bool).at[3].set(True)
 

@@ -37,11 +37,11 @@ from sjdsl.trainers import (
     make_train,
     ppo_loss,
     resume,
-    run,
     train,
 )
-from sjdsl.trainers.own_settings import taken_settings
-from sjdsl.trainers.policies import parameter_shapes
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.runs import run
+from sjdsl.trainers.settings.own_settings import taken_settings
 
 SMALL = {
     **QUICK,
@@ -181,7 +181,9 @@ def test_settings_reach_the_hooks_that_take_them() -> None:
         SMALL, algorithm=counting, reward=weighed, network=Wide, loss=penalised, own=own
     )
     assert dict(config.own) == own
-    assert {name: default for name, default, _ in taken_settings(config) if name != "factor"} == {
+    assert {
+        name: default for name, default, _ in taken_settings(config.hooks) if name != "factor"
+    } == {
         "start": 3,
         "weight": 0.5,
         "times": 1,
@@ -404,8 +406,8 @@ def test_the_commands(
 def test_a_policy_of_an_algorithm_that_was_typed_in_says_so(
     counted: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sjdsl.trainers.extensions._REGISTERED", {})
-    monkeypatch.setattr("sjdsl.trainers.extensions._ALLOWED", set())
+    monkeypatch.setattr("sjdsl.trainers.settings.extensions._REGISTERED", {})
+    monkeypatch.setattr("sjdsl.trainers.settings.extensions._ALLOWED", set())
     with pytest.raises(
         PolicyError,
         match=r"names an algorithm of your own, `test_own_algorithms:counting`.*--allow-code",

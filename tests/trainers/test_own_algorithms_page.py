@@ -14,7 +14,7 @@ from run_outcomes import read_lines, read_manifest
 import sjdsl
 from sjdsl.cli import run as command_line
 from sjdsl.trainers import make_config, make_train
-from sjdsl.trainers.own_settings import filled
+from sjdsl.trainers.settings.own_settings import filled
 
 PAGE = (Path(__file__).parents[2] / "docs" / "own_algorithms.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r'```\w+ title="([\w.]+)"\n(.*?)```', PAGE, re.DOTALL))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.trainers.packing import bits_of, make_packing
+from sjdsl.trainers.networks.packing import bits_of, make_packing
 
 WORDS_6 = TokenPlane("six", "word", tuple("abcdef"))
 WORDS_2 = TokenPlane("two", "word", tuple("ab"))

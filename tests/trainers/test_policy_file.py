@@ -23,13 +23,13 @@ from sjdsl.trainers import (
     evaluate,
     load_policy,
     make_config,
-    run,
     train,
     trained_policy,
 )
-from sjdsl.trainers.policies import parameter_shapes
-from sjdsl.trainers.policy_file import write_policy
-from sjdsl.trainers.run_folder import describe_game
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.policies.policy_file import write_policy
+from sjdsl.trainers.runs import run
+from sjdsl.trainers.runs.run_folder import describe_game
 
 ALWAYS_ONE = {
     "algorithm": "vdn",
@@ -150,7 +150,9 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
 def test_a_hash_of_an_earlier_version_is_known(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sjdsl.trainers.policy_file.current_hash", {"probe": "changed"}.get)
+    monkeypatch.setattr(
+        "sjdsl.trainers.policies.policy_file.current_hash", {"probe": "changed"}.get
+    )
     with warnings.catch_warnings(action="error"):
         load_policy(_store(tmp_path), dataclasses.replace(matching(), hash="changed"))
 

@@ -27,10 +27,10 @@ from sjdsl.trainers import (
     make_config,
     resume,
 )
-from sjdsl.trainers.digest import digest_of
-from sjdsl.trainers.policies import parameter_shapes
-from sjdsl.trainers.policy_file import DIGEST, digests_of, read_policy, write_policy
-from sjdsl.trainers.run_folder import describe_game, versions
+from sjdsl.trainers.policies.digest import digest_of
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.policies.policy_file import DIGEST, digests_of, read_policy, write_policy
+from sjdsl.trainers.runs.run_folder import describe_game, versions
 
 SMALL = {"algorithm": "ippo", "network": "mlp", "network_width": 4}
 SEEN = jnp.zeros((2, 1, 1, 1), jnp.uint8)

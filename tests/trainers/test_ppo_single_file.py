@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from sjdsl.trainers import PPOConfig
-from sjdsl.trainers.advantage import generalised_advantages
-from sjdsl.trainers.losses import Batch
-from sjdsl.trainers.ppo import ppo_loss
+from sjdsl.trainers.algorithms.advantage import generalised_advantages
+from sjdsl.trainers.algorithms.losses import Batch
+from sjdsl.trainers.algorithms.ppo import ppo_loss
 
 FILE = Path(__file__).parents[2] / "examples" / "ppo_single_file.py"
 

@@ -24,17 +24,15 @@ from probes import (
 )
 
 from sjdsl.trainers import PPOConfig, TrainState, make_train
-from sjdsl.trainers.actor_critics import make_actor_critics
-from sjdsl.trainers.losses import Batch
-from sjdsl.trainers.masks import NEVER
-from sjdsl.trainers.optimisers import (
+from sjdsl.trainers.algorithms.losses import Batch
+from sjdsl.trainers.algorithms.optimisers import (
     gradient_norms,
     learning_rate_schedule,
     make_optimiser,
     part_of_each,
     parts,
 )
-from sjdsl.trainers.ppo import (
+from sjdsl.trainers.algorithms.ppo import (
     Acting,
     draw_actions,
     draw_orders,
@@ -44,8 +42,10 @@ from sjdsl.trainers.ppo import (
     ppo_loss,
     take_epochs,
 )
-from sjdsl.trainers.rollout import Rollout
-from sjdsl.trainers.training_functions import keep_if_finite
+from sjdsl.trainers.algorithms.rollout import Rollout
+from sjdsl.trainers.algorithms.training_functions import keep_if_finite
+from sjdsl.trainers.networks.actor_critics import make_actor_critics
+from sjdsl.trainers.networks.masks import NEVER
 
 CENTRAL = {"algorithm": "mappo"}
 VARIANTS = {
@@ -282,7 +282,7 @@ def test_the_clip_range_may_be_divided_by_the_number_of_agents(
 ) -> None:
     seen = []
     monkeypatch.setattr(
-        "sjdsl.trainers.ppo.ppo_loss", lambda *given: seen.append(given[-1]) or 1 / 0
+        "sjdsl.trainers.algorithms.ppo.ppo_loss", lambda *given: seen.append(given[-1]) or 1 / 0
     )
     program = make_train(matching(), quick(scale_clip_epsilon=scaled))
     with pytest.raises(ZeroDivisionError):

@@ -10,8 +10,8 @@ import jax
 import pytest
 
 from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, register
-from sjdsl.trainers.minibatches import check_minibatches
-from sjdsl.trainers.policies import parameter_shapes
+from sjdsl.trainers.algorithms.minibatches import check_minibatches
+from sjdsl.trainers.policies.loading import parameter_shapes
 from tests.games.environments import NINE, environment
 
 PPO = tuple(

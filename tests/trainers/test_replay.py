@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sjdsl.trainers.replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
+from sjdsl.trainers.algorithms.replay_buffer import (
+    ReplayBuffer,
+    add_entries,
+    draw_entries,
+    empty_replay,
+)
 
 CAPACITY, ADDED = 12, 4
 ENTRY = {

@@ -25,9 +25,11 @@ from run_outcomes import (
 )
 
 from sjdsl.termination import Terminated
-from sjdsl.trainers import RunError, make_config, metrics_files, resume, run, train, updates
-from sjdsl.trainers.checkpoints import Checkpoints
-from sjdsl.trainers.recorder import Recorder
+from sjdsl.trainers import RunError, make_config, resume, train
+from sjdsl.trainers.runs import metrics_files, run
+from sjdsl.trainers.runs.checkpoints import Checkpoints
+from sjdsl.trainers.runs.recorder import Recorder
+from sjdsl.trainers.runs.updates import Loop
 
 pytestmark = pytest.mark.usefixtures("shared")
 
@@ -155,14 +157,14 @@ def test_a_signal_ends_the_update_and_saves_it(
     raised: type[BaseException],
 ) -> None:
     """In update 5, after which no checkpoint is due, and in 6, after which one is; `timeout` sends its signal twice."""
-    record = updates._record
+    record = Loop._record
 
-    def press(rows: Any, *others: Any) -> Any:
+    def press(loop: Loop, rows: Any) -> None:
         for number in signals if rows[0]["update"] == pressed_in else ():
             os.kill(os.getpid(), number)
-        return record(rows, *others)
+        record(loop, rows)
 
-    monkeypatch.setattr(updates, "_record", press)
+    monkeypatch.setattr(Loop, "_record", press)
     before = {number: signal.getsignal(number) for number in signals}
     run_dir = tmp_path / "run"
     with pytest.raises(raised) as stopped:
@@ -175,7 +177,7 @@ def test_a_signal_ends_the_update_and_saves_it(
     )
     assert (run_dir / "checkpoints" / str(pressed_in)).is_dir()
     assert (run_dir / "learning_curve.png").exists()
-    monkeypatch.setattr(updates, "_record", record)
+    monkeypatch.setattr(Loop, "_record", record)
     resume(matching(), run_dir, "lines")
     assert f"resuming after update {pressed_in}\n" in capsys.readouterr().out
     assert_same_end(run_dir, whole)
@@ -191,9 +193,9 @@ def test_a_run_without_a_checkpoint_says_that_it_starts_again(
 
 
 def test_a_handler_of_ones_own_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    record, received = updates._record, list[int]()
+    record, received = Loop._record, list[int]()
     monkeypatch.setattr(
-        updates, "_record", lambda *given: os.kill(os.getpid(), signal.SIGTERM) or record(*given)
+        Loop, "_record", lambda *given: os.kill(os.getpid(), signal.SIGTERM) or record(*given)
     )
     before = signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
     try:
@@ -299,7 +301,7 @@ def test_the_checkpoint_of_another_run_is_none_of_this_one(
 
 
 def _compile(program: Any, config: Any, parameters: Any) -> Any:
-    from sjdsl.trainers.compiled import compile_train
+    from sjdsl.trainers.runs.compiled import compile_train
 
     return compile_train(program, config, parameters)
 

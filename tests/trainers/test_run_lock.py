@@ -11,12 +11,13 @@ import pytest
 from probes import matching
 from run_outcomes import SHORT, counting, read_manifest
 
-from sjdsl.trainers import RunError, resume, run, train
-from sjdsl.trainers.run_lock import LOCK, is_unused
-from sjdsl.trainers.updates import Update
+from sjdsl.trainers import RunError, resume, train
+from sjdsl.trainers.runs import run
+from sjdsl.trainers.runs.run_lock import LOCK, is_unused
+from sjdsl.trainers.runs.updates import Update
 
 CONFIG = SHORT.model_copy(update={"evaluate_every": 0})
-HOLDS = "from sjdsl.trainers.run_lock import locked; from pathlib import Path; import sys, time\nwith locked(Path(sys.argv[1])): print('held', flush=True); time.sleep(600)"
+HOLDS = "from sjdsl.trainers.runs.run_lock import locked; from pathlib import Path; import sys, time\nwith locked(Path(sys.argv[1])): print('held', flush=True); time.sleep(600)"
 
 
 @pytest.fixture(autouse=True)

@@ -10,7 +10,7 @@ from jax import Array
 from probes import FAST_TO_COMPILE, learn, matching, quick, run_of
 
 from sjdsl.trainers import Config, make_train
-from sjdsl.trainers.compiled import compile_train
+from sjdsl.trainers.runs.compiled import compile_train
 
 VARIANTS: list[dict[str, Any]] = [
     {},

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import jax
@@ -13,9 +14,15 @@ import pytest
 from probes import tabled, tables_of, uneven
 
 from sjdsl.trainers import ConfigError, load_preset, make_config
-from sjdsl.trainers.checkpoints import Checkpoints
-from sjdsl.trainers.rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
-from sjdsl.trainers.shaping import Shaping, exchanged, kept_share, make_shaping, svo_deviation
+from sjdsl.trainers.algorithms.rollout import Actor, Rollout, Worlds, collect_rollout, start_worlds
+from sjdsl.trainers.algorithms.shaping import (
+    Shaping,
+    exchanged,
+    kept_share,
+    make_shaping,
+    svo_deviation,
+)
+from sjdsl.trainers.runs.checkpoints import Checkpoints
 
 REWARD = jnp.array([[[1.0, -2.0, 4.0]], [[0.0, 0.5, 0.0]]])  # [T=2, B=1, N=3]
 MODES = ("individual", "common", "svo", "exchange", "inequity")
@@ -24,7 +31,8 @@ MODES = ("individual", "common", "svo", "exchange", "inequity")
 def shaped(raw: jax.Array, trace: jax.Array | None = None, **values: object) -> np.ndarray:
     """Returns rewards `[..., N]` as a configuration shapes them; traces are the rewards unless given."""
     shaping = make_shaping(make_config(values), raw.shape[-1])
-    return np.asarray(shaping.shape(raw, raw if trace is None else trace))
+    step = SimpleNamespace(reward=raw, trace=raw if trace is None else trace)
+    return np.asarray(shaping.shape(step))
 
 
 MEAN = [[[1.0] * 3], [[0.5 / 3] * 3]]
@@ -111,7 +119,8 @@ def test_the_released_preset_penalises_as_the_released_code(own: float, other: f
     config = load_preset("released", {"reward": "svo"}, "coins").config
     angle = math.atan2(other, own) if own or other else 0.0
     expected = 2 * (own - config.svo_weight * (abs(angle - math.pi / 2) - math.pi / 2))
-    found = make_shaping(config, 2).shape(jnp.array([own, other]), jnp.array([own, other]))
+    paid = jnp.array([own, other])
+    found = make_shaping(config, 2).shape(SimpleNamespace(reward=paid, trace=paid))
     assert found[0] == pytest.approx(expected, rel=1e-5)
 
 
@@ -233,7 +242,7 @@ def player(
         del key
         return (), jnp.zeros((worlds.fresh.shape[0], 2), jnp.int32), None
 
-    actor = Actor(act, pack=lambda observation: observation, follow=lambda _, __, ___: ())
+    actor = Actor(act, pack=lambda observation: observation, follow=lambda _, __: ())
     play = jax.jit(partial(collect_rollout, env, actor, num_steps=num_steps, shaping=shaping))
     return start_worlds(env, 8, (), jax.random.key(7)), lambda worlds, key: play(
         worlds=worlds, key=key
@@ -256,7 +265,7 @@ def played(shaping: Shaping, rollouts: int) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("smoothing", [pytest.param(0.0, marks=pytest.mark.slow), 0.5])
 def test_traces_decay_and_end_with_the_episode(smoothing: float) -> None:
     """Agent 0 is paid 1 a step, agent 1 nothing."""
-    found = played(Shaping(lambda _, trace: trace, smoothing), 6)
+    found = played(Shaping(lambda step: step.trace, smoothing), 6)
     assert found["done"].any(axis=0).all()
     for env in range(8):
         trace = np.zeros(2)

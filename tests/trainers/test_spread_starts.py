@@ -7,7 +7,7 @@ import pytest
 from probes import Probe, quick
 
 from sjdsl.trainers import make_train
-from sjdsl.trainers.compiled import compile_train, with_spread_starts
+from sjdsl.trainers.runs.compiled import compile_train, with_spread_starts
 
 LENGTH = 4
 

@@ -10,7 +10,7 @@ import pytest
 from probes import FAST_TO_COMPILE, Probe, endless_riches, learn, matching, opposite, quick, windows
 
 from sjdsl.trainers import ConfigError, PPOConfig, make_train
-from sjdsl.trainers.actor_critics import ActorCritics, make_actor_critics
+from sjdsl.trainers.networks.actor_critics import ActorCritics, make_actor_critics
 
 CENTRAL = {"algorithm": "mappo"}
 
@@ -26,17 +26,17 @@ def three(**changes: Any) -> tuple[Probe, ActorCritics]:
 @pytest.mark.parametrize(
     ("changes", "teams"),
     [
-        ({}, ((0, 1, 2),)),
-        ({"sharing": "per_agent"}, ((0,), (1,), (2,))),
-        ({"partners": "1=random"}, ((0, 2),)),
-        ({"sharing": "per_agent", "partners": "1=random"}, ((0,), (2,))),
+        ({}, [[0, 1, 2]]),
+        ({"sharing": "per_agent"}, [[0], [1], [2]]),
+        ({"partners": "1=random"}, [[0, 2]]),
+        ({"sharing": "per_agent", "partners": "1=random"}, [[0], [2]]),
     ],
 )
 def test_agents_that_learn_share_a_network_or_have_one_each(
-    changes: dict[str, Any], teams: tuple[tuple[int, ...], ...]
+    changes: dict[str, Any], teams: list[list[int]]
 ) -> None:
     _, networks = three(**changes)
-    assert networks.teams.agents == teams
+    assert networks.teams.tolist() == teams
 
 
 class _Blind:
@@ -196,7 +196,7 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
             parameters, start, seen, networks.joint(seen, None), fresh
         )
         apart = []
-        for index, agents in enumerate(networks.teams.agents):
+        for index, agents in enumerate(networks.teams):
             own = jax.tree.map(lambda leaf: leaf[index], parameters)  # noqa: B023
             network = networks.network
             apart.append(

@@ -21,15 +21,14 @@ from sjdsl.trainers import (
     load_policy,
     make_config,
     make_train,
-    recorder,
     resume,
-    run,
     train,
 )
-from sjdsl.trainers.compiled import compile_train
-from sjdsl.trainers.device import device_name
-from sjdsl.trainers.learning_curve import draw_learning_curve
-from sjdsl.trainers.progress import ProgressStyle, show_progress
+from sjdsl.trainers.devices.device import device_name
+from sjdsl.trainers.runs import recorder, run
+from sjdsl.trainers.runs.compiled import compile_train
+from sjdsl.trainers.runs.learning_curve import draw_learning_curve
+from sjdsl.trainers.runs.progress import ProgressStyle, show_progress
 
 CONFIG = make_config(
     {
@@ -155,7 +154,7 @@ def test_a_stored_policy_acts_as_it_learnt(result: Result) -> None:
         matching(), load_policy(result.run_dir, matching(), greedy=True), jax.random.key(1), 200
     )
     early = evaluate(
-        matching(), load_policy(result.run_dir, matching(), update=8), jax.random.key(1), 200
+        matching(), load_policy(result.run_dir, matching(), which=8), jax.random.key(1), 200
     )
     assert greedy.returns.mean() == 1.0
     assert 0.6 < early.returns.mean() < sampled

@@ -20,13 +20,13 @@ from sjdsl.trainers import (
     load_preset,
     make_config,
     resume,
-    run,
     train,
 )
-from sjdsl.trainers.curves import read_seeds
-from sjdsl.trainers.learning_curve import curve_panels
-from sjdsl.trainers.metrics_files import run_rows
-from sjdsl.trainers.recorder import Recorder
+from sjdsl.trainers.runs import run
+from sjdsl.trainers.runs.curves import read_seeds
+from sjdsl.trainers.runs.learning_curve import curve_panels
+from sjdsl.trainers.runs.metrics_files import run_rows
+from sjdsl.trainers.runs.recorder import Recorder
 
 SMALL = {
     **QUICK,

@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, get_args
 
 import jax
@@ -22,13 +23,13 @@ from sjdsl.trainers import (
     register,
     resume,
 )
-from sjdsl.trainers.config import dependent_settings
-from sjdsl.trainers.extensions import RewardMode
-from sjdsl.trainers.manifest import MANIFEST
-from sjdsl.trainers.policy_file import read_policy, write_policy
-from sjdsl.trainers.run_files import write_json
-from sjdsl.trainers.run_folder import describe_run
-from sjdsl.trainers.shaping import make_shaping
+from sjdsl.trainers.algorithms.shaping import make_shaping
+from sjdsl.trainers.json_files import write_json
+from sjdsl.trainers.policies.policy_file import read_policy, write_policy
+from sjdsl.trainers.runs.manifest import MANIFEST
+from sjdsl.trainers.runs.run_folder import describe_run
+from sjdsl.trainers.settings.config import dependent_settings
+from sjdsl.trainers.settings.extensions import RewardMode
 
 
 def test_what_nothing_reads_is_refused_however_it_is_set() -> None:
@@ -180,9 +181,10 @@ def test_rewards_read_what_they_are_said_to(algorithm: str, reward: str) -> None
 
     def program(config: Config) -> str:
         shaping = make_shaping(config, 2)
-        return text_of(jax.make_jaxpr(shaping.shape)(np.ones(2), np.ones(2))) + (
-            str(shaping.smoothing) if reward in ("svo", "inequity") else ""
-        )
+        traced = jax.make_jaxpr(
+            lambda reward, trace: shaping.shape(SimpleNamespace(reward=reward, trace=trace))
+        )(np.ones(2), np.ones(2))
+        return text_of(traced) + (str(shaping.smoothing) if reward in ("svo", "inequity") else "")
 
     config = make_config(algorithm=algorithm, reward=reward)
     for name, mark in dependent_settings(type(config)).items():

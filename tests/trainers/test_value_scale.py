@@ -9,8 +9,14 @@ import pytest
 from probes import delayed, judge, learn, matching, quick
 
 from sjdsl.trainers import PPOConfig
-from sjdsl.trainers.actor_critics import make_actor_critics
-from sjdsl.trainers.value_scale import LEAST_VARIANCE, RATE, converted, follow_targets, value_unit
+from sjdsl.trainers.networks.actor_critics import make_actor_critics
+from sjdsl.trainers.networks.value_scale import (
+    LEAST_VARIANCE,
+    RATE,
+    converted,
+    follow_targets,
+    value_unit,
+)
 
 NORMALISED = {"normalise_values": True}
 

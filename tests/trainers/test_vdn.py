@@ -18,11 +18,11 @@ from probes import (
 )
 
 from sjdsl.trainers import ConfigError, TrainState, VDNConfig, make_config, make_train
-from sjdsl.trainers.action_values import exploration
-from sjdsl.trainers.optimisers import learning_rate_schedule
-from sjdsl.trainers.rollout import Rollout
-from sjdsl.trainers.vdn import Transition, ValueLearner, follow_target, vdn_loss
-from sjdsl.trainers.vdn_on_policy import Steps, team_loss, with_targets
+from sjdsl.trainers.algorithms.optimisers import learning_rate_schedule
+from sjdsl.trainers.algorithms.rollout import Rollout
+from sjdsl.trainers.algorithms.vdn import Transition, ValueLearner, follow_target, vdn_loss
+from sjdsl.trainers.algorithms.vdn_on_policy import Steps, team_loss, with_targets
+from sjdsl.trainers.networks.action_values import exploration
 
 VDN = {"algorithm": "vdn"}
 ON_POLICY = {"replay": "none"}

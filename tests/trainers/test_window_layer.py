@@ -9,9 +9,9 @@ from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
-from sjdsl.trainers import window_rows
-from sjdsl.trainers.window_layer import WindowLayer
-from sjdsl.trainers.window_rows import groups_of, rows_of
+from sjdsl.trainers.networks import window_rows
+from sjdsl.trainers.networks.window_layer import WindowLayer
+from sjdsl.trainers.networks.window_rows import groups_of, rows_of
 
 PLANES = (
     TokenPlane("content", "word", ("floor", "wall", "apple")),

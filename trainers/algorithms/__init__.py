@@ -1,0 +1,1 @@
+"""How agents learn: PPO and value decomposition, and the parts that they share."""

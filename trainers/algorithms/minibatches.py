@@ -1,0 +1,70 @@
+"""How a rollout divides into minibatches: which of its steps a gradient step learns from."""
+
+import math
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from ..devices.data_parallel import own_keys, own_share
+from ..settings.config import ConfigError, PPOConfig, VDNConfig
+
+
+def check_minibatches(config: PPOConfig | VDNConfig) -> None:
+    """Raises ConfigError if the rollout doesn't divide into minibatches, or these into devices."""
+    devices = len(jax.devices())
+    parts = config.num_minibatches
+    if _remembers(config) and config.num_envs % parts:
+        raise ConfigError(
+            f"networks with memory learn from whole rollouts: num_envs = {config.num_envs} cannot "
+            f"be split into num_minibatches = {parts} equal parts; "
+            f"the largest that works is {max(config.num_envs // devices, 1)}"
+        )
+    if not _remembers(config) and config.steps_per_update % parts:
+        raise ConfigError(
+            f"num_envs x num_steps = {config.num_envs} x {config.num_steps} = "
+            f"{config.steps_per_update} steps cannot be split "
+            f"into num_minibatches = {parts} equal parts"
+        )
+    size = minibatch_size(config)
+    if size % devices:
+        unit = "environments" if _remembers(config) else "steps"
+        raise ConfigError(
+            f"a minibatch of {size} {unit} cannot be spread over {devices} devices; "
+            "choose num_minibatches so that it is a multiple"
+        )
+
+
+def minibatch_size(config: PPOConfig | VDNConfig) -> int:
+    """Returns the number of sequences in a minibatch: steps, or whole rollouts with memory."""
+    sequences = config.num_envs if _remembers(config) else config.steps_per_update
+    return sequences // config.num_minibatches
+
+
+def _remembers(config: PPOConfig | VDNConfig) -> bool:
+    return isinstance(config, PPOConfig) and config.memory != "none"
+
+
+def draw_orders(key: Array, number: int, config: PPOConfig | VDNConfig) -> Array:
+    """Returns the sequences of each minibatch, `[G, epochs, minibatches, m]` int32.
+
+    They are all sequences once an epoch, in a new order. Environments are divided into the most
+    groups that divide a minibatch too, and a minibatch has equally many sequences of each group, so
+    the order doesn't depend on the number of devices. On several devices, the sequences are those
+    of this device's environments.
+    """
+    size = minibatch_size(config)
+    all_groups = math.gcd(config.num_envs, size)
+    envs = config.num_envs // all_groups  # of a group
+    sequences = size * config.num_minibatches // all_groups  # of a group
+    keys = own_keys(key, own_share(all_groups))
+    keys = jax.vmap(lambda key: jax.random.split(key, (number, config.num_epochs)))(keys)
+    draw = partial(jax.random.permutation, x=jnp.arange(sequences, dtype=jnp.int32))
+    step, env = jnp.divmod(jax.vmap(jax.vmap(jax.vmap(draw)))(keys), envs)
+    # steps one after another, each of the environments of all groups
+    groups = len(keys)
+    group = jnp.arange(groups)[:, None, None, None]
+    orders = (step * groups + group) * envs + env
+    orders = orders.reshape(groups, number, config.num_epochs, config.num_minibatches, -1)
+    return jnp.moveaxis(orders, 0, 3).reshape(number, config.num_epochs, config.num_minibatches, -1)

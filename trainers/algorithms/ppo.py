@@ -1,0 +1,389 @@
+"""Proximal policy optimisation (PPO) of N agents.
+
+Runs of IPPO and MAPPO, with shared or separate networks, and the clipped loss.
+"""
+
+from dataclasses import replace
+from itertools import accumulate
+from typing import Any, cast
+
+import flax
+import jax
+import jax.numpy as jnp
+from flax.training.train_state import TrainState as Learner
+from jax import Array
+
+from ..devices.data_parallel import (
+    ALL,
+    OF_ENVS,
+    SECOND_OF_ENVS,
+    mean_of_all,
+    over_devices,
+    own_keys,
+)
+from ..environment import Environment
+from ..networks.actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
+from ..networks.architectures import Memory
+from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask
+from ..networks.teams import learning_agents, over_teams
+from ..networks.value_scale import follow_targets, value_unit
+from ..settings.config import ConfigError, PPOConfig
+from ..settings.own_settings import filled
+from .advantage import generalised_advantages, successor_values
+from .episodes import FinishedEpisodes
+from .losses import Apply, Batch, Loss, clipped_surrogate, mean_entropy, normalised, value_loss
+from .minibatches import check_minibatches, draw_orders
+from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser, start_learner
+from .partners import Partners
+from .rollout import (
+    Actor,
+    Rollout,
+    Worlds,
+    chosen_log_probability,
+    collect_rollout,
+    rollout_metrics,
+    start_worlds,
+)
+from .shaping import make_shaping
+from .training_functions import Metrics, Train, TrainState, keep_if_finite
+
+
+@flax.struct.dataclass
+class Acting:
+    """What a rollout stores of acting."""
+
+    log_probability: Array  # [..., B, N] float32, of the drawn action
+    value: Array  # [..., B, N] float32, of the observation
+    allowed: Array | None = None  # [..., B, N, bytes] uint8, the allowed actions, packed; None: all
+
+
+@flax.struct.dataclass
+class Played:
+    """One rollout of an update."""
+
+    rollout: Rollout
+    memory: Memory  # of the agents before the rollout
+    finished: FinishedEpisodes  # total over the episodes that ended
+    measured: dict[str, Array]  # the game's metrics, name -> [] float32, averaged over its steps
+
+
+def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
+    """Returns the pure functions of a run.
+
+    Raises:
+      ConfigError: the rollout doesn't divide into minibatches, or the configuration doesn't fit the
+        environment.
+    """
+    check_minibatches(config)
+    if config.scale_clip_epsilon:
+        config = config.model_copy(update={"clip_epsilon": config.clip_epsilon / env.num_agents})
+    networks = make_actor_critics(env, config)
+    shaping = make_shaping(config, env.num_agents)
+    optimiser = make_optimiser(config)
+    learning = jnp.asarray(learning_agents(env.num_agents, config))
+
+    def init(key: Array) -> TrainState:
+        key, network_key, worlds_key = jax.random.split(key, 3)
+        memory = networks.start_memory(config.num_envs)
+        worlds = start_worlds(env, config.num_envs, memory, worlds_key, partners)
+        parameters = networks.init(network_key, env)
+        learner = jax.vmap(lambda own: start_learner(own, optimiser))(parameters)
+        return TrainState.start(key, learner, worlds)
+
+    def play(parameters: Any, worlds: Worlds, key: Array) -> Any:
+        actor = make_actor(env, networks, parameters)
+        return collect_rollout(env, actor, worlds, key, config.num_steps, shaping, partners)
+
+    def collect(state: TrainState) -> tuple[TrainState, Played]:
+        key, rollout_key = jax.random.split(state.key)
+        play_all = over_devices(
+            play, given=(ALL, OF_ENVS, ALL), returned=(OF_ENVS, SECOND_OF_ENVS, ALL, ALL)
+        )
+        worlds, rollout, finished, measured = play_all(
+            state.learner.params, state.worlds, rollout_key
+        )
+        after = replace(state, key=key, worlds=worlds)
+        return after, Played(rollout, state.worlds.memory, finished, measured)
+
+    def take_steps(
+        learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array
+    ) -> Any:
+        """Returns the learner, its losses, and values `[L, M, N]` with their targets."""
+        _, _, last_value = _read(
+            networks, learner.params, worlds.memory, worlds.observation, worlds.state, worlds.fresh
+        )
+        batch = make_batch(rollout, memory, last_value, config)
+        learner, losses = learn_teams(learner, batch, key, networks, config)
+        return learner, losses, batch.value[..., learning], batch.target[..., learning]
+
+    def learn(state: TrainState, played: Played) -> tuple[TrainState, Metrics]:
+        rollout = played.rollout
+        before = state.learner
+        key, shuffle_key = jax.random.split(state.key)
+        take_steps_of_all = over_devices(
+            take_steps,
+            given=(ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL),
+            returned=(ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS),
+        )
+        learner, losses, value, target = take_steps_of_all(
+            before, state.worlds, rollout, played.memory, shuffle_key
+        )
+        learner, losses["loss"] = keep_if_finite(losses["loss"], learner, before, state.diverged)
+        metrics = {
+            **rollout_metrics(rollout, played.finished, played.measured),
+            **losses,
+            "explained_variance": explained_variance(value, target),
+            "learning_rate": learning_rate_schedule(config)(before.step.ravel()[0]),
+        }
+        return state.after_update(key, learner, losses["loss"]), metrics
+
+    def adopt(state: TrainState, parameters: Any) -> TrainState:
+        return replace(state, learner=replace(state.learner, params=parameters))
+
+    return Train(init, collect, learn, lambda state: state.learner.params, adopt)
+
+
+def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Actor:
+    """Returns how agents with these parameters act: each draws its action independently."""
+
+    def act(worlds: Worlds, key: Array) -> tuple[Memory, Array, Acting]:
+        memory, logits, value = _read(
+            networks, parameters, worlds.memory, worlds.observation, worlds.state, worlds.fresh
+        )
+        allowed = allowed_in(env, networks.masks, worlds.state)
+        logits = masked(logits, allowed)
+        action = draw_actions(key, logits)
+        log_probability = chosen_log_probability(logits, action)
+        return memory, action, Acting(log_probability, value, pack_mask(allowed))
+
+    def follow(memory: Memory, info: dict[str, Any]) -> Array:
+        """Returns the values `[B, N]` of the observations at which episodes were cut."""
+        truncated = info["truncated"]
+        if networks.state_vector is not None and "terminal_state" not in info:
+            raise ConfigError(
+                f"`{env.name}` gives no terminal_state in the info of a step; "
+                'choose critic = "observations"'
+            )
+
+        def read_last() -> Array:
+            observation, state = info["terminal_observation"], info.get("terminal_state")
+            fresh = jnp.zeros_like(truncated)
+            return _read(networks, parameters, memory, observation, state, fresh)[2]
+
+        def read_nothing() -> Array:
+            return jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32)
+
+        # Most steps end no episode, and then the second forward pass is skipped.
+        values: Array = jax.lax.cond(truncated.any(), read_last, read_nothing)
+        return values
+
+    return Actor(act, networks.packing.pack, follow, keeps_state=networks.state_vector is not None)
+
+
+def draw_actions(key: Array, logits: Array) -> Array:
+    """Returns actions `[B, N]` int32, drawn independently from logits `[B, N, A]`.
+
+    It inverts the cumulative distribution, which needs one random number for each drawn action;
+    `jax.random.categorical` draws one for each possible action.
+    """
+    num_envs, num_agents, _ = logits.shape
+    keys = own_keys(key, num_envs)
+    drawn = jax.vmap(lambda key: jax.random.uniform(key, (num_agents,)))(keys)
+    # summed in order: a share of 0 changes no sum, and is not drawn
+    *before, total = accumulate(jnp.moveaxis(jax.nn.softmax(logits), -1, 0))
+    action: Array = sum((drawn * total >= shares).astype(jnp.int32) for shares in before)
+    return action
+
+
+def _read(
+    networks: ActorCritics,
+    parameters: Any,
+    memory: Memory,
+    observation: Array,
+    state: Any,
+    fresh: Array,
+) -> tuple[Memory, Array, Array]:
+    """Returns the memory afterwards, logits `[B, N, A]` and values `[B, N]` of one step."""
+    observation, state, fresh = jax.tree.map(lambda leaf: leaf[None], (observation, state, fresh))
+    joint = networks.joint(observation, state)
+    memory, logits, value = networks.apply(parameters, memory, observation, joint, fresh)
+    return memory, logits[0], value[0]
+
+
+def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOConfig) -> Batch:
+    """Returns the rollout as sequences with their advantages.
+
+    Args:
+      rollout: T steps of B environments.
+      memory: of the agents before its first step.
+      last_value: `[B, N]`, values of the observations after its last step.
+    """
+    acting: Acting = rollout.acting
+    successors = successor_values(
+        acting.value, last_value, rollout.ending, rollout.done, rollout.truncated
+    )
+    advantage = generalised_advantages(
+        rollout.shaped_reward,
+        acting.value,
+        successors,
+        rollout.done,
+        config.gamma,
+        config.gae_lambda,
+    )
+    steps = {
+        "observation": rollout.observation,
+        "joint": rollout.state,
+        "fresh": rollout.fresh,
+        "action": rollout.action,
+        "log_probability": acting.log_probability,
+        "value": acting.value,
+        "advantage": advantage,
+        "target": acting.value + advantage,
+        "allowed": acting.allowed,
+    }
+    if config.memory == "none":
+        steps = jax.tree.map(lambda leaf: leaf.reshape(1, -1, *leaf.shape[2:]), steps)
+    return Batch(memory=memory, **steps)
+
+
+def learn_teams(
+    learner: Learner, batch: Batch, key: Array, networks: ActorCritics, config: PPOConfig
+) -> tuple[Learner, Metrics]:
+    """Returns the learner `[G, ...]` after its epochs, and its losses, as means over teams."""
+    number = len(networks.teams)
+
+    def learn_team(
+        learner: Learner, orders: Array, agents: Array, memory: Memory
+    ) -> tuple[Learner, Metrics]:
+        of_team = replace(batch, memory=memory)
+        apply = cast(Apply, networks.network.apply)
+        return take_epochs(learner, of_team, orders, agents, apply, networks, config)
+
+    learn = over_teams(learn_team, number, in_axes=(0, 0, 0, 1), out_axes=(0, 0))
+    orders = draw_orders(key, number, config)
+    learner, losses = learn(learner, orders, jnp.asarray(networks.teams), batch.memory)
+    return learner, jax.tree.map(jnp.mean, losses)
+
+
+def take_epochs(
+    learner: Learner,
+    batch: Batch,
+    orders: Array,
+    agents: Array,
+    apply: Apply,
+    networks: ActorCritics,
+    config: PPOConfig,
+) -> tuple[Learner, Metrics]:
+    """Takes `num_epochs * num_minibatches` gradient steps of one team.
+
+    Args:
+      learner: the learner of the team.
+      batch: the rollout of all agents, with the team's memory `[M, ...]`.
+      orders: `[epochs, minibatches, m]` of `draw_orders`.
+      agents: `[S]` numbers of the team's agents.
+      apply: the network of the team.
+    """
+    loss = jax.value_and_grad(loss_of(config), has_aux=True)
+
+    def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
+        minibatch = sample(batch, indices, agents, networks)
+        (value, losses), gradients = mean_of_all(
+            loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
+        )
+        losses = {**losses, "loss": value, **gradient_norms(gradients, config)}
+        return learner.apply_gradients(grads=gradients), losses
+
+    if config.normalise_values:
+        is_first = jnp.equal(learner.step, 0)
+        params = follow_targets(learner.params, batch.target[..., agents], is_first)
+        learner = learner.replace(params=params)
+    learner, losses = jax.lax.scan(take_step, learner, orders.reshape(-1, orders.shape[-1]))
+    return learner, jax.tree.map(jnp.mean, losses)
+
+
+def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) -> Batch:
+    """Returns the sequences `[m]` of a team's agents `[S]`, and the input of its critic.
+
+    Only indices are shuffled, so nothing outside the minibatch is copied.
+    """
+    # Unsorted, XLA fuses the shuffle into the loop that unpacks bytes, which is slow on a CPU.
+    # The order within a minibatch doesn't matter.
+    indices = jax.lax.platform_dependent(indices, cpu=jnp.sort, default=lambda unsorted: unsorted)
+    is_everybody = agents.shape[0] == batch.action.shape[AGENTS_AXIS]
+
+    def of_sequences(leaf: Array) -> Array:
+        return leaf[:, indices]
+
+    def of_team(leaf: Array) -> Array:
+        return leaf[:, indices] if is_everybody else leaf[:, indices[:, None], agents]
+
+    all_windows = networks.packing.unpack(of_sequences(batch.observation))
+    return Batch(
+        observation=networks.packing.unpack(of_team(batch.observation)),
+        joint=networks.joint(all_windows, jax.tree.map(of_sequences, batch.joint)),
+        fresh=of_sequences(batch.fresh),
+        memory=jax.tree.map(lambda leaf: leaf[indices], batch.memory),
+        action=of_team(batch.action),
+        log_probability=of_team(batch.log_probability),
+        value=of_team(batch.value),
+        advantage=of_team(batch.advantage),
+        target=of_team(batch.target),
+        allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.num_actions),
+    )
+
+
+def loss_of(config: PPOConfig) -> Loss:
+    """Returns the loss that gradient steps minimise; a user's own is checked when it is traced."""
+    if config.loss == "ppo":
+        return ppo_loss
+    own_loss = filled("loss", config.loss, config.own)
+
+    def checked(*arguments: Any) -> tuple[Array, Metrics]:
+        result = own_loss(*arguments)
+        match result:
+            case (value, dict() as parts) if not any(map(jnp.ndim, (value, *parts.values()))):
+                return value, parts
+        shapes = jax.tree.map(jnp.shape, result)
+        raise ConfigError(
+            f"the loss `{config.loss}` must return a number and a dict of numbers, its metrics, "
+            f"not {shapes}"
+        )
+
+    return checked
+
+
+def ppo_loss(
+    parameters: Any, apply: Apply, batch: Batch, config: PPOConfig
+) -> tuple[Array, Metrics]:
+    """Returns the loss of one minibatch, and its parts.
+
+    Source: Schulman et al. 2017, equations 7 and 9; value clipping and the KL estimate as in Huang
+    et al. 2022.
+    """
+    _, logits, value = apply(parameters, batch.memory, batch.observation, batch.joint, batch.fresh)
+    logits = masked(logits, batch.allowed)
+
+    log_ratio = chosen_log_probability(logits, batch.action) - batch.log_probability
+    ratio = jnp.exp(log_ratio)
+    advantage = normalised(batch.advantage, config)
+    policy_loss = -clipped_surrogate(ratio, advantage, config.clip_epsilon).mean()
+    unit = value_unit(parameters) if config.normalise_values else 1.0
+    critic_loss = value_loss(value, batch.value, batch.target, unit, config)
+    entropy = mean_entropy(logits)
+    loss = policy_loss + config.value_coefficient * critic_loss
+    loss = loss - config.entropy_coefficient * entropy
+    return loss, {
+        "loss": loss,
+        "policy_loss": policy_loss,
+        "value_loss": critic_loss,
+        "entropy": entropy,
+        "kl": (ratio - 1.0 - log_ratio).mean(),
+        "clip_fraction": (jnp.abs(ratio - 1.0) > config.clip_epsilon).mean(),
+    }
+
+
+def explained_variance(value: Array, target: Array) -> Array:
+    """Returns the share of the targets' variance that the values explain; 0 if they don't vary."""
+    variance = target.var()
+    explained = 1.0 - (target - value).var() / jnp.maximum(variance, 1e-12)
+    return jnp.where(variance > 0, explained, 0.0)

@@ -1,0 +1,194 @@
+"""Rollouts: T steps of B environments with the current policies, `[T, B, N, …]`."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import flax
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from ..devices.data_parallel import mean_of_all, own_keys, sum_of_all
+from ..environment import Environment
+from .episodes import (
+    EpisodeSums,
+    FinishedEpisodes,
+    add_step,
+    hand_over,
+    mean_episode,
+    zero_sums,
+)
+from .partners import NOBODY, Partners
+from .shaping import Shaping
+from .step_record import Step
+
+
+@flax.struct.dataclass
+class Worlds:
+    """The B environments between two rollouts."""
+
+    state: Any  # [B, ...] the environments' states
+    observation: Array  # [B, N, P, V, V] uint8
+    fresh: Array  # [B] bool, an episode begins with the next step
+    trace: Array  # [B, N] float32, smoothed raw rewards of the episode under way
+    memory: Any  # of the agents; depends on the algorithm
+    sums: EpisodeSums  # [B, ...] of the episodes under way
+    partners: Any = ()  # [B, ...] memory of the agents that are held fixed
+
+
+@flax.struct.dataclass
+class Rollout:
+    """T steps to learn from."""
+
+    observation: Array  # [T, B, N, bytes] uint8, acted on, packed
+    state: Any  # [T, B, ...] acted in, for critics of the state; None if there are none
+    fresh: Array  # [T, B] bool, the episode began with this step
+    action: Array  # [T, B, N] int32
+    reward: Array  # [T, B, N] float32, raw
+    shaped_reward: Array  # [T, B, N] float32, learnt from
+    done: Array  # [T, B] bool, the episode ended with this step
+    truncated: Array  # [T, B] bool, by the time limit
+    acting: Any  # [T, B, ...] what the actor kept of acting
+    ending: Any  # [T, B, ...] what the actor kept of where the step led
+
+
+@dataclass(frozen=True)
+class Actor:
+    """How agents act in B environments, and what they keep for learning.
+
+    act: `(worlds, key) -> memory, action [B, N], kept`.
+    pack: packs an observation for the rollout.
+    follow: `(memory, info) -> kept` after the step; `info` as the step gave it.
+    keeps_state: whether the rollout keeps the environments' states.
+    """
+
+    act: Callable[[Worlds, Array], tuple[Any, Array, Any]]
+    pack: Callable[[Array], Array]
+    follow: Callable[[Any, dict[str, Any]], Any]
+    keeps_state: bool = False
+
+
+def start_worlds(
+    env: Environment, num_envs: int, memory: Any, key: Array, partners: Partners = NOBODY
+) -> Worlds:
+    """Returns `num_envs` fresh environments; `memory` is the agents' before their first step."""
+    observation, state = jax.vmap(env.reset)(jax.random.split(key, num_envs))
+    return Worlds(
+        state=state,
+        observation=observation,
+        fresh=jnp.ones(num_envs, bool),
+        trace=jnp.zeros((num_envs, env.num_agents), jnp.float32),
+        memory=memory,
+        sums=zero_sums(env, num_envs),
+        partners=partners.start(num_envs),
+    )
+
+
+def chosen_log_probability(logits: Array, action: Array) -> Array:
+    """Returns the log probability `[...]` of each action under logits `[..., A]`."""
+    return jnp.take_along_axis(jax.nn.log_softmax(logits), action[..., None], axis=-1)[..., 0]
+
+
+def rewarded_steps(reward: Array) -> Array:
+    """Returns the share of steps in which some agent's reward isn't 0, of rewards `[T, B, N]`."""
+    return (reward != 0).any(axis=-1).mean()
+
+
+def rollout_metrics(
+    rollout: Rollout, finished: FinishedEpisodes, measured: dict[str, Array]
+) -> dict[str, Any]:
+    """Returns the metrics of what was played, as `collect_rollout` returns it."""
+    return {
+        **mean_episode(finished),
+        "reward_per_step": rollout.reward.sum(axis=-1).mean(),
+        "rewarded_steps": rewarded_steps(rollout.reward),
+        "metric": measured,
+    }
+
+
+def collect_rollout(
+    env: Environment,
+    actor: Actor,
+    worlds: Worlds,
+    key: Array,
+    num_steps: int,
+    shaping: Shaping,
+    partners: Partners = NOBODY,
+) -> tuple[Worlds, Rollout, FinishedEpisodes, dict[str, Array]]:
+    """Plays `num_steps` steps in every environment.
+
+    Args:
+      env: one environment; its `step` starts a new episode when one ends.
+      actor: how agents act.
+      worlds: where the last rollout left off.
+      key: consumed.
+      num_steps: T.
+      shaping: how raw rewards become shaped ones.
+      partners: agents that act by a given policy, instead of the actor's actions.
+    Returns:
+      the worlds afterwards, the rollout, the total over the episodes that finished in it, and the
+      game's metrics averaged over all its steps.
+    """
+
+    def advance(
+        worlds: Worlds, key: Array
+    ) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
+        action_key, env_key, *others = jax.random.split(key, 3 if partners.agents else 2)
+        memory, action, acting = actor.act(worlds, action_key)
+        partners_memory = worlds.partners
+        if partners.agents:
+            (partners_key,) = others
+            partners_memory, taken = partners.act(
+                env,
+                partners_memory,
+                partners_key,
+                worlds.observation,
+                worlds.state,
+                worlds.fresh,
+            )
+            action = partners.in_place(action, taken)
+        env_keys = own_keys(env_key, action.shape[0])
+        observation, state, reward, done, info = jax.vmap(env.step)(env_keys, worlds.state, action)
+        trace = shaping.smoothing * worlds.trace + reward
+        step = Step(
+            reward=reward,
+            trace=trace,
+            action=action,
+            observation=worlds.observation,
+            state=worlds.state,
+            next_state=info.get("terminal_state"),
+            events=info["events"],
+            metrics=info["metrics"],
+            done=done,
+            truncated=info["truncated"],
+        )
+        shaped_reward = shaping.shape(step)
+        sums, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
+        played = Rollout(
+            observation=actor.pack(worlds.observation),
+            state=worlds.state if actor.keeps_state else None,
+            fresh=worlds.fresh,
+            action=action,
+            reward=reward,
+            shaped_reward=shaped_reward,
+            done=done,
+            truncated=info["truncated"],
+            acting=acting,
+            ending=actor.follow(memory, info),
+        )
+        after = Worlds(
+            state=state,
+            observation=observation,
+            fresh=done,
+            trace=jnp.where(done[:, None], 0.0, trace),
+            memory=memory,
+            sums=sums,
+            partners=partners_memory,
+        )
+        return after, (played, finished, info["metrics"])
+
+    keys = jax.random.split(key, num_steps)
+    worlds, (rollout, finished, metrics) = jax.lax.scan(advance, worlds, keys)
+    total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), finished)
+    return worlds, rollout, sum_of_all(total), mean_of_all(jax.tree.map(jnp.mean, metrics))

@@ -1,0 +1,1 @@
+"""From observations to action logits and values: networks, layers, and which agents share them."""

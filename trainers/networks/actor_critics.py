@@ -1,0 +1,194 @@
+"""Actor-critic networks of all agents: who shares parameters, and what critics observe."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, cast
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from sjdsl.runtime.planes import TokenPlane
+
+from ..environment import Environment, ObservableEnvironment, abstract_key, reset_shapes
+from ..settings.config import ConfigError, PPOConfig
+from .architectures import ActorCritic, Layers, Memory
+from .masks import wants_masks
+from .packing import Packing, make_packing
+from .teams import make_teams, over_teams
+
+AGENTS_AXIS = 2  # of observations, logits and values `[L, M, N, ...]`
+
+
+@dataclass(frozen=True)
+class ActorCritics:
+    """The networks of G teams of S agents, which differ in their parameters."""
+
+    teams: np.ndarray  # [G, S] int32, numbers of agents
+    network: ActorCritic
+    joint_shape: tuple[int, ...] | None  # of a central critic's input; None: critics are local
+    # of one state `[K]` float32, if that is the critic's input
+    state_vector: Callable[[Any], Array] | None
+    packing: Packing  # of the observations in a rollout
+    masks: bool  # whether forbidden actions are never taken
+    num_actions: int  # A
+
+    def init(self, key: Array, env: Environment) -> Any:
+        """Returns initial parameters, leaves `[G, ...]`, drawn with a key for each team."""
+        observation, _ = reset_shapes(env)
+        number, size = self.teams.shape
+        seen = jnp.zeros((1, 1, size, *observation.shape[1:]), observation.dtype)
+        fresh = jnp.ones((1, 1), bool)
+        memory = self.network.start_memory(1)
+        agents = jnp.asarray(self.teams[0])
+        drawn = [
+            self.network.init(team_key, memory, seen, self.blank_joint(), fresh, agents)
+            for team_key in jax.random.split(key, number)
+        ]
+        return jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn)
+
+    def start_memory(self, num_envs: int) -> Memory:
+        """Returns the memory before the first step of B environments: leaves `[B, G, ...]`."""
+        memory = self.network.start_memory(num_envs)
+        return jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(self.teams), axis=1), memory)
+
+    def joint(self, observation: Array, state: Any) -> Array | None:
+        """Returns the input of central critics `[L, M, ...]`, or None.
+
+        It is all windows `[L, M, N, P, V, V]`, plane after plane, or states `[L, M, ...]` as
+        vectors.
+        """
+        if self.joint_shape is None:
+            return None
+        if self.state_vector is not None:
+            return jax.vmap(jax.vmap(self.state_vector))(state)
+        return observation.reshape(*observation.shape[:2], *self.joint_shape)
+
+    def blank_joint(self) -> Array | None:
+        """Returns zeros `[1, 1, ...]` in place of `joint`, where the values aren't used."""
+        if self.joint_shape is None:
+            return None
+        dtype = jnp.uint8 if self.state_vector is None else jnp.float32
+        return jnp.zeros((1, 1, *self.joint_shape), dtype)
+
+    def apply(
+        self, parameters: Any, memory: Memory, observation: Array, joint: Array | None, fresh: Array
+    ) -> tuple[Memory, Array, Array]:
+        """Reads L steps of M environments with all networks.
+
+        Args:
+          parameters: of `init`.
+          memory: of `start_memory` or the step before.
+          observation: `[L, M, N, P, V, V]` uint8.
+          joint: of `joint`, `[L, M, ...]`.
+          fresh: `[L, M]` bool, whether the episode starts with this step.
+        Returns:
+          the memory afterwards, logits `[L, M, N, A]`, values `[L, M, N]`.
+        """
+        number, size = self.teams.shape
+        num_agents = observation.shape[AGENTS_AXIS]
+        if number == 1 and size == num_agents:  # one team of everybody, in order
+            observation = observation[:, :, None]
+        else:
+            observation = observation[:, :, jnp.asarray(self.teams)]
+        apply = over_teams(
+            self.network.apply,
+            number,
+            in_axes=(0, 1, AGENTS_AXIS, None, None, 0),
+            out_axes=(1, AGENTS_AXIS, AGENTS_AXIS),
+        )
+        agents = jnp.asarray(self.teams)
+        memory, logits, values = apply(parameters, memory, observation, joint, fresh, agents)
+        return memory, self._by_agent(logits, num_agents), self._by_agent(values, num_agents)
+
+    def _by_agent(self, results: Array, num_agents: int) -> Array:
+        """Returns results `[L, M, G, S, ...]` of all teams as `[L, M, N, ...]`.
+
+        They are zeros for agents in no team, which don't learn.
+        """
+        results = results.reshape(*results.shape[:2], -1, *results.shape[4:])
+        if self.teams.size == num_agents:
+            return results
+        shape = (*results.shape[:2], num_agents, *results.shape[3:])
+        return jnp.zeros(shape, results.dtype).at[:, :, self.teams.ravel()].set(results)
+
+
+def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
+    """Returns the networks for the environment's observations and actions.
+
+    Raises:
+      ConfigError: the environment has no token observations, or no state vector for the critic;
+        `partners` don't fit the agents.
+    """
+    planes = token_planes(env)
+    joint_planes: tuple[TokenPlane, ...] | None = None
+    joint_shape: tuple[int, ...] | None = None
+    state_vector: Callable[[Any], Array] | None = None
+    central = config.algorithm == "mappo"
+    if central and config.critic == "state":
+        joint_planes, joint_shape = (), state_shape(env)
+        state_vector = cast(ObservableEnvironment, env).state_vector
+    elif central:
+        observation, _ = reset_shapes(env)
+        joint_planes = planes * env.num_agents
+        joint_shape = (len(joint_planes), *observation.shape[2:])
+    teams = make_teams(env, config)
+    network = ActorCritic(
+        num_actions=env.num_actions,
+        num_agents=teams.shape[1],
+        planes=planes,
+        joint_planes=joint_planes,
+        layers=Layers.of(config),
+        recurrent=config.memory == "gru",
+        numbers=env.num_agents if config.agent_id else 0,
+        normalise_values=config.normalise_values,
+    )
+    return ActorCritics(
+        teams,
+        network,
+        joint_shape,
+        state_vector,
+        packing_of(env),
+        wants_masks(env, config),
+        env.num_actions,
+    )
+
+
+def token_planes(env: Environment) -> tuple[TokenPlane, ...]:
+    """Returns the environment's planes.
+
+    Raises:
+      ConfigError: it has no token observations.
+    """
+    observation, _ = reset_shapes(env)
+    if observation.dtype != jnp.uint8 or observation.shape[1] != len(env.token_planes):
+        raise ConfigError(
+            f"trainers read token observations, uint8 with {len(env.token_planes)} planes, "
+            f"but `{env.name}` gives {observation.dtype} {observation.shape}; "
+            'make it with observation="tokens"'
+        )
+    return tuple(env.token_planes)
+
+
+def packing_of(env: Environment) -> Packing:
+    """Returns how rollouts store the environment's observations."""
+    observation, _ = reset_shapes(env)
+    return make_packing(token_planes(env), observation.shape[-2:])
+
+
+def state_shape(env: Environment) -> tuple[int, ...]:
+    """Returns the shape `(K,)` of an environment's state as a vector.
+
+    Raises:
+      ConfigError: it has none.
+    """
+    if not hasattr(env, "state_vector"):
+        raise ConfigError(
+            f"`{env.name}` has no state_vector for a critic of the state; "
+            'choose critic = "observations"'
+        )
+    result: tuple[int, ...] = jax.eval_shape(
+        lambda key: env.state_vector(env.reset(key)[1]), abstract_key()
+    ).shape
+    return result

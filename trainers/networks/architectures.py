@@ -1,0 +1,286 @@
+"""Neural networks (flax): from token observations to action logits, state or action values."""
+
+import inspect
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import flax.linen as nn
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.tokens import to_channels
+
+from ..settings.config import Config
+from ..settings.config_errors import ConfigError
+from ..settings.own_settings import filled
+from .convolution import convolve
+from .initialisation import orthogonal
+from .window_layer import WindowLayer
+
+HIDDEN_GAIN = 2.0**0.5
+ACTOR_GAIN = 0.01
+CRITIC_GAIN = 1.0
+
+Planes = tuple[TokenPlane, ...]
+Memory = Any  # recurrent state passed from step to step: arrays `[M, ...]`; `()` without memory
+
+
+@dataclass(frozen=True)
+class Layers:
+    """How the layers of a network are made; the fields are settings of a configuration."""
+
+    network: str  # mlp, cnn, or the name of a custom network
+    width: int
+    dtype: Any
+    sides: tuple[int, ...]
+    channels: int
+    own: tuple[tuple[str, Any], ...]  # settings that a custom network may take
+    norm: bool
+
+    @classmethod
+    def of(cls, config: Config) -> "Layers":
+        return cls(
+            network=config.network,
+            width=config.network_width,
+            dtype=jnp.dtype(config.precision),
+            sides=config.convolution_sides,
+            channels=config.convolution_channels,
+            own=config.own,
+            norm=getattr(config, "layer_norm", False),
+        )
+
+
+class Torso(nn.Module):
+    """Features of windows of tokens, or of vectors.
+
+    Tokens become channels inside the network, so that rollouts store bytes. `mlp` flattens a
+    window; `cnn` applies convolutions first. Vectors, which have no planes, go straight to the
+    dense layer. Source of the three convolutions: SocialJax.
+    """
+
+    planes: Planes
+    layers: Layers
+
+    @nn.compact
+    def __call__(self, observation: Array) -> Array:
+        """Returns features `[..., width]`.
+
+        Args:
+          observation: `[..., P, V, V]` uint8, or `[..., K]` float32 if there are no planes.
+        """
+        layers = self.layers
+        if not self.planes:
+            return dense(observation.astype(layers.dtype), layers)
+        lead = observation.shape[:-3]
+        windows = observation.reshape(-1, *observation.shape[-3:])
+        if layers.network == "mlp":
+            layer = WindowLayer(
+                layers.width, self.planes, HIDDEN_GAIN, layers.dtype, name="Dense_0"
+            )
+            return activate(layer(observation), layers)
+        if layers.network == "cnn":
+            return dense(self._convolutions(windows).reshape(*lead, -1), layers)
+        return self._own(windows).reshape(*lead, -1).astype(layers.dtype)
+
+    def _convolutions(self, windows: Array) -> Array:
+        dtype = self.layers.dtype
+        features = to_channels(windows, self.planes, dtype, scale_numbers=True)
+        features = jnp.moveaxis(features, 1, -1)  # convolutions expect channels last
+        for index, side in enumerate(self.layers.sides):
+            name = f"convolution_{index}"
+            shape = (side, side, features.shape[-1], self.layers.channels)
+            kernel = self.param(name, orthogonal(HIDDEN_GAIN), shape)
+            bias = self.param(f"{name}_bias", nn.initializers.zeros, shape[-1:], jnp.float32)
+            features = nn.relu(convolve(features, kernel.astype(dtype)) + bias.astype(dtype))
+        return features
+
+    def _own(self, tokens: Array) -> Array:
+        """Returns the features `[M, K]` of tokens `[M, P, V, V]` uint8 from a custom module.
+
+        It is created with those of `planes`, `width`, `dtype` and the user's own settings for which
+        it has fields or arguments.
+        """
+        layers = self.layers
+        make = filled("network", layers.network, layers.own)
+        known = {"planes": self.planes, "width": layers.width, "dtype": layers.dtype}
+        fields = inspect.signature(make).parameters
+        module = make(**{name: value for name, value in known.items() if name in fields})
+        if module.scope is None:  # created beforehand and registered
+            module = module.clone(parent=self, name="own")
+        features: Array = module(tokens)
+        if features.ndim != 2 or features.shape[0] != tokens.shape[0]:
+            raise ConfigError(
+                f"the network `{layers.network}` must return features [M, K] for tokens "
+                f"[M, planes, rows, columns], here {tokens.shape}; it returned {features.shape}"
+            )
+        return features
+
+
+def dense(features: Array, layers: Layers) -> Array:
+    """Returns a hidden layer `[..., width]` of features, inside a module's `__call__`."""
+    layer = nn.Dense(layers.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=layers.dtype)
+    return activate(layer(features), layers)
+
+
+def activate(features: Array, layers: Layers) -> Array:
+    """Returns the positive part of features, normalised if the layers are."""
+    if layers.norm:
+        features = nn.LayerNorm(dtype=layers.dtype)(features)
+    return nn.relu(features)
+
+
+def with_numbers(features: Array, agents: Array | None, number: int) -> Array:
+    """Returns features `[..., S, K]` with the numbers of their agents: `[..., S, K + number]`.
+
+    The numbers `[S]`, one-hot, are appended after the torso, so that the later layers, memory
+    included, can differ by agent. With `number` 0 nothing is appended.
+    """
+    if number == 0:
+        return features
+    one_hot = jax.nn.one_hot(agents, number, dtype=features.dtype)
+    numbers = jnp.broadcast_to(one_hot, (*features.shape[:-1], number))
+    return jnp.concatenate([features, numbers], axis=-1)
+
+
+class Recurrence(nn.Module):
+    """A gated recurrent unit along the first axis, reset at the start of an episode."""
+
+    width: int
+    dtype: Any
+
+    @partial(
+        nn.scan, variable_broadcast="params", split_rngs={"params": False}, in_axes=0, out_axes=0
+    )
+    @nn.compact
+    def __call__(self, memory: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Returns the memory afterwards and outputs `[L, ..., width]`.
+
+        Args:
+          memory: `[..., width]`.
+          step: features `[L, ..., K]`, and `[L, ...]` bool, whether an episode starts.
+        """
+        features, fresh = step
+        memory = jnp.where(fresh[..., None], jnp.zeros_like(memory), memory)
+        cell = nn.GRUCell(self.width, dtype=self.dtype, recurrent_kernel_init=orthogonal())
+        result: tuple[Array, Array] = cell(memory, features)
+        return result
+
+
+class Head(nn.Module):
+    """A hidden layer and a linear layer with float32 outputs.
+
+    Of a critic whose values are normalised, it also has their scale (`value_scale`).
+    """
+
+    outputs: int
+    layers: Layers
+    gain: float
+    normalised: bool = False
+
+    @nn.compact
+    def __call__(self, features: Array) -> Array:
+        hidden = dense(features, self.layers)
+        last = nn.Dense(
+            self.outputs, kernel_init=orthogonal(self.gain), dtype=self.layers.dtype, name="out"
+        )
+        outputs = last(hidden).astype(jnp.float32)
+        if not self.normalised:
+            return outputs
+        mean = self.param("mean", nn.initializers.zeros, (), jnp.float32)
+        deviation = self.param("deviation", nn.initializers.ones, (), jnp.float32)
+        return outputs * jax.lax.stop_gradient(deviation) + jax.lax.stop_gradient(mean)
+
+
+class ActorCritic(nn.Module):
+    """The network that S agents share: a policy given an agent's window, and a value.
+
+    With a local critic, policy and value share one torso, and the value depends on the agent's own
+    window. With a central one, the critic is a separate network that sees `joint`, the same for all
+    agents, and returns all S values at once, so it doesn't need agents' numbers.
+    """
+
+    num_actions: int
+    num_agents: int  # S
+    planes: Planes
+    joint_planes: Planes | None  # None: a local critic; (): joint is a vector
+    layers: Layers
+    recurrent: bool = False
+    numbers: int = 0  # N if the agents' numbers are an input, else 0
+    normalise_values: bool = False
+
+    @nn.compact
+    def __call__(
+        self,
+        memory: Memory,
+        observation: Array,
+        joint: Array | None,
+        fresh: Array,
+        agents: Array | None = None,
+    ) -> tuple[Memory, Array, Array]:
+        """Reads L steps of M environments.
+
+        Args:
+          memory: from the previous step; initially from `start_memory`.
+          observation: `[L, M, S, P, V, V]` uint8.
+          joint: `[L, M, ...]`, the input of a central critic; None for a local one.
+          fresh: `[L, M]` bool, whether the episode starts with this step.
+          agents: `[S]` int32, the numbers of the agents; used only if they are an input.
+        Returns:
+          the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
+        """
+        critic = partial(
+            Head,
+            layers=self.layers,
+            gain=CRITIC_GAIN,
+            normalised=self.normalise_values,
+            name="critic",
+        )
+        features = Torso(self.planes, self.layers, name="torso")(observation)
+        features = with_numbers(features, agents, self.numbers)
+        of_agents = jnp.broadcast_to(fresh[..., None], features.shape[:-1])
+        memory, features = self._remember("memory", memory, features, of_agents)
+        logits = Head(self.num_actions, self.layers, ACTOR_GAIN, name="actor")(features)
+        if self.joint_planes is None:
+            return memory, logits, critic(1)(features)[..., 0]
+        assert joint is not None
+        features = Torso(self.joint_planes, self.layers, name="critic_torso")(joint)
+        memory, features = self._remember("critic_memory", memory, features, fresh)
+        return memory, logits, critic(self.num_agents)(features)
+
+    def _remember(
+        self, name: str, memory: Memory, features: Array, fresh: Array
+    ) -> tuple[Memory, Array]:
+        if not self.recurrent:
+            return memory, features
+        recurrence = Recurrence(self.layers.width, self.layers.dtype, name=name)
+        after, features = recurrence(memory[name], (features, fresh))
+        return {**memory, name: after}, features
+
+    def start_memory(self, num_envs: int) -> Memory:
+        """Returns the memory before the first step of M environments."""
+        if not self.recurrent:
+            return ()
+        width, dtype = self.layers.width, self.layers.dtype
+        memory = {"memory": jnp.zeros((num_envs, self.num_agents, width), dtype)}
+        if self.joint_planes is not None:
+            memory["critic_memory"] = jnp.zeros((num_envs, width), dtype)
+        return memory
+
+
+class ActionValues(nn.Module):
+    """The value of each action given an agent's window; all agents share the network."""
+
+    num_actions: int
+    planes: Planes
+    layers: Layers
+    numbers: int = 0  # N if the agents' numbers are an input, else 0
+
+    @nn.compact
+    def __call__(self, observation: Array) -> Array:
+        """Returns `[..., N, A]` float32 for the observations `[..., N, P, V, V]` of all agents."""
+        features = Torso(self.planes, self.layers, name="torso")(observation)
+        features = with_numbers(features, jnp.arange(self.numbers), self.numbers)
+        return Head(self.num_actions, self.layers, CRITIC_GAIN, name="values")(features)

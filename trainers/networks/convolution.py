@@ -1,0 +1,96 @@
+"""A 2-D convolution whose gradients are fast inside a loop and for many networks under `vmap`.
+
+Inside a `while` loop, XLA's CPU compiler uses a naive implementation for the transposed
+convolutions of a gradient (JAX 0.10: 38 ms instead of 2.5 ms for 32 windows of 11 x 11 x 32 under a
+3 x 3 kernel). Written as plain convolutions of transposed arrays, they use the fast one. Other
+devices have kernels for the transposed form and keep it. A batch of kernels would become a grouped
+convolution, which has no fast form on a CPU either; there they are computed one after the other.
+"""
+
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.custom_batching import custom_vmap
+
+
+@jax.custom_vjp
+def convolve(features: Array, kernel: Array) -> Array:
+    """Returns features under a kernel, padded to the same size: `[M, H, W, D]`.
+
+    Args:
+      features: `[M, H, W, C]`.
+      kernel: `[K, K, C, D]`, K odd.
+    """
+    result: Array = _convolution(kernel.shape[0] // 2)(features, kernel)
+    return result
+
+
+def _plain(features: Array, kernel: Array, padding: int) -> Array:
+    return jax.lax.conv_general_dilated(
+        features,
+        kernel,
+        (1, 1),
+        [(padding, padding)] * 2,
+        dimension_numbers=("NHWC", "HWIO", "NHWC"),
+    )
+
+
+def _convolution(padding: int) -> Any:
+    """Returns the convolution, with its rule for batches of features, of kernels or of both."""
+
+    @custom_vmap
+    def convolution(features: Array, kernel: Array) -> Array:
+        return _plain(features, kernel, padding)
+
+    @convolution.def_vmap
+    def batched(size: int, in_batched: Any, features: Array, kernel: Array) -> tuple[Array, bool]:
+        features_batched, kernel_batched = in_batched
+        if not kernel_batched:
+            together = convolution(features.reshape(-1, *features.shape[2:]), kernel)
+            return together.reshape(size, -1, *together.shape[1:]), True
+        if not features_batched:
+            features = jnp.broadcast_to(features, (size, *features.shape))
+
+        plain = partial(_plain, padding=padding)
+        one_by_one = partial(jax.lax.map, lambda both: plain(*both))
+        return jax.lax.platform_dependent(
+            (features, kernel), cpu=one_by_one, default=lambda both: jax.vmap(plain)(*both)
+        ), True
+
+    return convolution
+
+
+def _forward(features: Array, kernel: Array) -> tuple[Array, tuple[Array, Array]]:
+    return convolve(features, kernel), (features, kernel)
+
+
+def _backward(inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, Array]:
+    result: tuple[Array, Array] = jax.lax.platform_dependent(
+        *inputs, gradient, cpu=_gradients_as_convolutions, default=_gradients
+    )
+    return result
+
+
+def _gradients(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:
+    _, pull_back = jax.vjp(
+        lambda image, weights: _plain(image, weights, kernel.shape[0] // 2), features, kernel
+    )
+    result: tuple[Array, Array] = pull_back(gradient)
+    return result
+
+
+def _gradients_as_convolutions(
+    features: Array, kernel: Array, gradient: Array
+) -> tuple[Array, Array]:
+    padding = kernel.shape[0] // 2
+    of_features = _convolution(padding)(gradient, jnp.flip(kernel, (0, 1)).swapaxes(2, 3))
+    of_kernel = _convolution(padding)(
+        features.transpose(3, 1, 2, 0), gradient.transpose(1, 2, 0, 3)
+    )
+    return of_features, of_kernel.transpose(1, 2, 0, 3)
+
+
+convolve.defvjp(_forward, _backward)

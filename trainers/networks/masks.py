@@ -1,0 +1,58 @@
+"""Action masks: actions that the game forbids now are neither drawn, nor valued, nor learnt from.
+
+In a compiled game, a forbidden action does the same as `stay`: a mask takes nothing from an agent,
+but saves it from learning which actions do nothing now.
+"""
+
+from typing import Any, cast
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from ..environment import Environment, MaskedEnvironment
+from ..settings.config import Config
+
+# a logit or a value whose probability is exactly 0 in float32; unlike with -inf, gradients and
+# entropies are finite
+NEVER = -1e9
+
+
+def wants_masks(env: Environment, config: Config) -> bool:
+    """Whether actions are masked: the configuration asks for it, and the game forbids some."""
+    return (
+        config.mask_actions
+        and hasattr(env, "allowed_actions")
+        and getattr(env, "forbids_actions", True)
+    )
+
+
+def allowed_in(env: Environment, masks: bool, state: Any) -> Array | None:
+    """Returns which actions agents of B environments may take, `[B, N, A]` bool, or None."""
+    return jax.vmap(cast(MaskedEnvironment, env).allowed_actions)(state) if masks else None
+
+
+def masked(scores: Array, allowed: Array | None) -> Array:
+    """Returns logits or values `[..., A]`, so low for forbidden actions that none is ever taken."""
+    return scores if allowed is None else jnp.where(allowed, scores, NEVER)
+
+
+def draw_any(key: Array, shape: tuple[int, ...], num_actions: int, allowed: Array | None) -> Array:
+    """Returns actions `shape` int32, drawn from the allowed ones with equal probability."""
+    if allowed is None:
+        return jax.random.randint(key, shape, 0, num_actions, jnp.int32)
+    return jax.random.categorical(
+        key, masked(jnp.zeros(allowed.shape, jnp.float32), allowed)
+    ).astype(jnp.int32)
+
+
+def pack_mask(allowed: Array | None) -> Array | None:
+    """Returns masks `[..., A]` bool as bits `[..., bytes]` uint8, to be stored."""
+    return None if allowed is None else jnp.packbits(allowed, axis=-1)
+
+
+def unpack_mask(packed: Array | None, num_actions: int) -> Array | None:
+    """Returns the masks that `pack_mask` packed."""
+    return (
+        None if packed is None else jnp.unpackbits(packed, axis=-1, count=num_actions).astype(bool)
+    )

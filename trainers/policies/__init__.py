@@ -1,0 +1,1 @@
+"""Policies by name and in files, and how well they do."""

@@ -1,0 +1,61 @@
+"""The names of policies, on the command line, in a configuration and in Python.
+
+random                        every action with equal probability
+stay                          always the action `stay`
+NAME                          a policy that the game's file declares
+RUN                           the last policy of a run, by its folder; of several seeds RUN/seed_2
+RUN@best, RUN@120             its best, or that of an update
+FILE.safetensors              a stored policy, with its .json beside it
+FILE.py:NAME                  a user's function, also by a registered name
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from sjdsl.near_names import meant
+
+from .extensions import is_own, lasting, name_of
+
+UNTRAINED = ("random", "stay")  # they need no file: `sjdsl.runtime.policy.UNTRAINED`
+LARGEST_DESCRIPTION = 2**20  # bytes of the .json beside a stored policy
+KNOWN = (
+    "random, stay, a policy of the game's file, the folder RUN of a run, RUN@best, RUN@UPDATE, "
+    "RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
+)
+
+
+def split_name(name: str) -> tuple[Path, str | int]:
+    """Returns the folder or file of a name, and which policy: `last`, `best` or an update."""
+    run, at, which = name.rpartition("@")
+    if not at or Path(name).exists():
+        return Path(name), "last"
+    return Path(run), int(which) if which.isdecimal() else which
+
+
+def lasting_name(policy: Any) -> str:
+    """Returns a policy's name as it works from every folder; a function gets a name."""
+    if not isinstance(policy, str | Path):
+        return name_of("policy", policy)
+    path, _ = split_name(str(policy))
+    if str(policy) and path.exists():
+        return f"{path.resolve()}{str(policy)[len(str(path)) :]}"
+    return lasting("policy", str(policy))
+
+
+def might_be_named(name: str, declared: Sequence[str] = ()) -> bool:
+    """Whether a text can be the name of a policy: a known word, a path, or a user's own.
+
+    Args:
+      declared: names of the policies that the game's file declares.
+    """
+    path, _ = split_name(name)
+    return name in (*UNTRAINED, *declared) or path.exists() or is_own("policy", name)
+
+
+def unknown_policy(name: str, declared: Sequence[str] = ()) -> str:
+    """Returns the message about a text that names no policy."""
+    near = meant(name, (*UNTRAINED, *declared), "")
+    if near:
+        return f"there is no policy `{name}`{near} A policy is {KNOWN}"
+    return f"there is no policy `{name}`; a policy is {KNOWN}"

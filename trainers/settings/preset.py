@@ -1,0 +1,306 @@
+"""Presets: TOML files that say which game to train and how, some of them in this package.
+
+# Optional: another preset, or a file beside this one; values here win over its values.
+extends = "paper"
+game = "coins"          # optional: the game to train in if none is named
+only_listed = true      # optional: refuse games without a table
+
+[environment]           # further arguments of sjdsl.make, for the preset's game if it names one
+num_agents = 2
+
+[config]                # keys of the configuration
+learning_rate = 1e-3
+
+[config.own]            # settings for the user's own algorithm, loss, network or reward
+bonus = 0.1
+
+[algorithm.mappo]       # as [config], for one algorithm; a user's own has the settings of ippo
+[reward.svo]            # for one reward
+[algorithm.ippo.reward.common]  # for one algorithm with one reward
+[games.coins.config]    # for one game, by the name in its file; so too .environment, .reward.NAME
+                        # and .algorithm.NAME
+
+# Optional: a run in stages, each of which continues from the policy of the one before.
+[[stages]]
+environment.map = "small.txt"       # what this stage has otherwise: tables as above, but `games`
+config.total_timesteps = 1_000_000  # of this stage
+
+# The last stage: its game is that of the run, in which policies are evaluated.
+[[stages]]
+config.total_timesteps = 4_000_000
+
+[[games.coins.stages]]  # for one game, instead of those for all
+
+Later tables win over earlier ones, those of a stage over all others, and the command line over all;
+but it can't change what a stage sets. A preset may have settings that some rewards, networks or
+algorithms don't read: with those, they are left out.
+"""
+
+import tomllib
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, get_args
+
+from sjdsl.files import MEGABYTE, read_bytes
+from sjdsl.near_names import meant
+
+from .config import KEYS_OF, Config, ConfigError, make_config, only_of_others
+from .extensions import Algorithm, RewardMode
+from .own_settings import OWN, spread
+from .stage_settings import STAGES, check_settings
+
+FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
+ENVIRONMENT = {"variant": str, "map": str, "num_agents": int, "params": dict}
+FOR_A_GAME = {**FOR_ANY, STAGES: list}
+SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_A_GAME}
+NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
+LARGEST = MEGABYTE  # bytes of a preset's file
+MEANS = {
+    str: "text",
+    int: "a whole number",
+    bool: "true or false",
+    dict: "a table",
+    list: "a list of tables",
+}
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A game and how to train in it; of a preset with stages, in its last one."""
+
+    game: str | None  # first argument of `sjdsl.make`; None: any
+    environment: Mapping[str, Any]  # its other arguments
+    config: Config
+    left_out: tuple[str, ...] = ()  # its settings that nothing reads in `config`
+    unread: frozenset[str] = frozenset()  # these, and changes that nothing reads
+    earlier: tuple["Preset", ...] = ()  # the stages before this one
+    place: str = ""  # of its stages: `mine.toml: games.coins.stages`
+    of_stages: frozenset[str] = (
+        frozenset()
+    )  # what stages set: keys of the configuration, `map`, `param.X` and so on
+
+    def refuse_of_stages(self, names: Collection[str]) -> None:
+        """Raises ConfigError if a stage sets one of these keys or arguments of the environment."""
+        if refused := [name for name in names if name in self.of_stages]:
+            raise ConfigError(f"{self.place} set `{refused[0]}` themselves: change it there")
+
+
+def load_preset(
+    name: str | Path,
+    changes: Mapping[str, Any] | None = None,
+    game: str | None = None,
+    asked: Collection[str] | None = None,
+) -> Preset:
+    """Returns a preset, with `changes` in place of values of its configuration.
+
+    Args:
+      name: of a preset in this package, such as `two_cores`, or the path of a `.toml` file.
+      changes: configuration keys and their new values; text such as `"3e-4"` is read as a number.
+        They hold in all stages, except that only the first one starts from the policy `init_from`.
+      game: name of a game, or the path of its file, instead of the preset's own.
+      asked: those of `changes` that are refused if nothing reads them, as in `make_config`; None:
+        all.
+    Raises:
+      ConfigError: no such preset, a wrong key or value, a change that nothing reads or that a stage
+        sets, stages that can't follow each other, or a game that the preset has no table for.
+    """
+    content = _content(name)
+    games = content.get("games", {})
+    chosen = game or content.get("game")
+    stem = Path(chosen).stem if chosen else None
+    of_game = games.get(stem, {})
+    if content.get("only_listed") and stem is not None and not of_game:
+        raise ConfigError(
+            f"the preset `{name}` has no table for `{stem}`; it has {', '.join(games)}"
+        )
+    for_all = content
+    if "game" in content and stem != Path(content["game"]).stem:
+        for_all = {**content, "environment": {}}
+    tables = (for_all, of_game)
+    changes = spread(changes or {})
+    asked = changes if asked is None else asked
+    stages = of_game.get(STAGES, content.get(STAGES, ()))
+    if not stages:
+        return _resolved(chosen, tables, changes, asked)
+    place = f"{name}: games.{stem}.{STAGES}" if STAGES in of_game else f"{name}: {STAGES}"
+    loaded: list[Preset] = []
+    for number, stage in enumerate(stages, 1):
+        of_stage = dict(changes)
+        if number > 1:
+            of_stage.pop("init_from", None)
+        try:
+            loaded.append(_resolved(chosen, (*tables, stage), of_stage, ()))
+        except ConfigError as error:
+            raise ConfigError(f"{place}[{number}]: {error}") from None
+    check_settings([stage.config for stage in loaded], place)
+    *earlier, last = loaded
+    of_stages = frozenset(name for stage in stages for name in _names_in(stage))
+    whole = replace(last, earlier=tuple(earlier), place=place, of_stages=of_stages)
+    whole.refuse_of_stages(changes)
+    needless = [name for name in asked if all(name in stage.unread for stage in loaded)]
+    if needless:
+        _resolved(chosen, (*tables, stages[-1]), changes, needless)  # raises
+    return whole
+
+
+def _resolved(
+    game: str | None,
+    tables: Sequence[Mapping[str, Any]],
+    changes: Mapping[str, Any],
+    asked: Collection[str],
+) -> Preset:
+    """Returns a preset, or a stage of one. tables: later ones win."""
+    values = _layered(tables, changes)
+    config = make_config(values, asked=asked)
+    unread = {
+        *config.unread,
+        *(key for key in values if key.startswith(OWN) or only_of_others(key, type(config))),
+    }
+    unread -= {f"{OWN}{name}" for name, _ in config.own}
+    environment: Mapping[str, Any] = {}
+    for table in tables:
+        environment = _over(environment, table.get("environment", {}))
+    left_out = tuple(key for key in values if key in unread and key not in changes)
+    return Preset(game, environment, config, left_out, frozenset(unread))
+
+
+def _names_in(stage: Mapping[str, Any]) -> Iterator[str]:
+    """Yields what a stage sets: keys of the configuration and environment, and `param.X`."""
+    environment = stage.get("environment", {})
+    yield from environment.keys() - {"params"}
+    yield from (f"param.{name}" for name in environment.get("params", {}))
+    tables = [stage.get("config", {}), *stage.get("reward", {}).values()]
+    for of_algorithm in stage.get("algorithm", {}).values():
+        tables += [of_algorithm, *_of_rewards(of_algorithm).values()]
+    for table in tables:
+        yield from (name for name, value in spread(table).items() if not isinstance(value, dict))
+
+
+def _content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict[str, Any]:
+    """Returns the tables of a preset, merged with those of the presets that it extends."""
+    if _identity(name) in map(_identity, extended_by):
+        raise ConfigError(
+            f"{extended_by[0]}: presets extend each other in a circle: "
+            f"{' -> '.join(map(str, (*extended_by, name)))}"
+        )
+    try:
+        content = tomllib.loads(_read(name))
+    except ValueError as error:  # also an integer of too many digits
+        raise ConfigError(f"{name}: {error}") from None
+    except RecursionError:
+        raise ConfigError(f"{name}: it is nested too deep") from None
+    _check_tables(content, SECTIONS, str(name), f"{name}: ")
+    games = content.get("games", {})
+    _check(games, dict.fromkeys(games, dict), f"{name}: games")
+    for game, tables in games.items():
+        _check_tables(tables, FOR_A_GAME, f"{name}: games.{game}", f"{name}: games.{game}.")
+    if "extends" not in content:
+        return content
+    extended = content["extends"]
+    under = Path(name).parent / extended if Path(extended).suffix == ".toml" else extended
+    return _over(_content(under, (*extended_by, name)), content)
+
+
+def _identity(name: str | Path) -> str | Path:
+    """Returns a file by its one whole path, a preset of this package by its name."""
+    return Path(name).resolve() if Path(name).suffix == ".toml" else str(name)
+
+
+def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns two trees of tables merged; values of `above` win."""
+    merged = {**under, **above}
+    for name in under.keys() & above.keys():
+        if isinstance(above[name], dict):
+            merged[name] = _over(under[name], above[name])
+    return merged
+
+
+def _layered(layers: Sequence[Mapping[str, Any]], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the values of the configuration: those of each layer, then the changes."""
+    for_all: dict[str, Any] = {}
+    for tables in layers:
+        for_all |= tables.get("config", {})
+    for_all |= changes
+    algorithm = _name_in(for_all, "algorithm", "ippo")
+    if algorithm not in KEYS_OF:
+        algorithm = "ippo"  # whose settings a user's own algorithm has
+    reward = _name_in(for_all, "reward", KEYS_OF[algorithm]["reward"].default)
+    values: dict[str, Any] = {}
+    for tables in layers:
+        for table in _tables_for(algorithm, reward, tables):
+            values |= spread(table)
+    return values | dict(changes)
+
+
+def _tables_for(algorithm: str, reward: str, tables: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yields the settings for all runs, for the algorithm, for the reward and for both together."""
+    of_algorithm = tables.get("algorithm", {}).get(algorithm, {})
+    of_rewards = _of_rewards(of_algorithm)
+    yield tables.get("config", {})
+    yield {key: value for key, value in of_algorithm.items() if value is not of_rewards}
+    yield tables.get("reward", {}).get(reward, {})
+    yield of_rewards.get(reward, {})
+
+
+def _name_in(values: Mapping[str, Any], key: str, default: str) -> str:
+    """Returns the name in a value; the configuration refuses what is none."""
+    value = values.get(key, default)
+    return value if isinstance(value, str) else default
+
+
+def _of_rewards(of_algorithm: Mapping[str, Any]) -> dict[Any, Any]:
+    """Returns the tables of rewards in that of an algorithm, whose key `reward` may be a value."""
+    tables = of_algorithm.get("reward")
+    return tables if isinstance(tables, dict) else {}
+
+
+def _check_tables(
+    tables: Mapping[str, Any], known: Mapping[str, type], where: str, of_stages: str = ""
+) -> None:
+    """Raises ConfigError for an unknown key, a value of the wrong type, or a stage with either.
+
+    Args:
+      where: in messages, the place of the tables.
+      of_stages: what comes before `stages` there.
+    """
+    _check(tables, known, where)
+    _check(tables.get("environment", {}), ENVIRONMENT, f"{where}: environment")
+    for section, names in NAMES.items():
+        _check(tables.get(section, {}), dict.fromkeys(names, dict), f"{where}: {section}")
+    for algorithm, values in tables.get("algorithm", {}).items():
+        rewards = dict.fromkeys(NAMES["reward"], dict)
+        _check(_of_rewards(values), rewards, f"{where}: algorithm.{algorithm}.reward")
+    for number, stage in enumerate(tables.get(STAGES, ()), 1):
+        place = f"{of_stages}{STAGES}[{number}]"
+        if not isinstance(stage, dict):
+            raise ConfigError(f"{place} must be a table, not {stage!r}")
+        _check_tables(stage, FOR_ANY, place)
+
+
+def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> None:
+    """Raises ConfigError for an unknown key, or a value of the wrong type."""
+    for key, value in tables.items():
+        if key not in known:
+            raise ConfigError(f"{where}: unknown key `{key}`{meant(key, known, 'the keys are')}")
+        if not isinstance(value, known[key]):
+            raise ConfigError(f"{where}: `{key}` must be {MEANS[known[key]]}, not {value!r}")
+
+
+def _read(name: str | Path) -> str:
+    if Path(name).suffix == ".toml":
+        try:
+            return read_bytes(Path(name), LARGEST).decode()
+        except FileNotFoundError:
+            raise ConfigError(f"{name} does not exist") from None
+        except OSError as error:
+            raise ConfigError(
+                f"{name} can't be read: {(error.strerror or 'unknown reason').lower()}"
+            ) from None
+    packaged = {
+        file.name.removesuffix(".toml"): file for file in (files(__package__) / "presets").iterdir()
+    }
+    if name not in packaged:
+        raise ConfigError(f"unknown preset `{name}`{meant(str(name), packaged, 'the presets are')}")
+    return packaged[str(name)].read_text(encoding="utf-8")
