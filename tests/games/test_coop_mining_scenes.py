@@ -7,7 +7,6 @@ import pytest
 from sjdsl.testing import Scene, Stage
 
 from .environments import BRIEFLY
-from .frames import check_moves
 
 ROWS = ("OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOO#O", "OOOOOOO", "PPPPPPP")
 EMPTY = "OOOOOOO"
@@ -118,16 +117,6 @@ def test_iron_is_mined_up_to_three_cells_ahead(stage: Stage, heading: int, dista
 
 
 @BOTH
-def test_the_ray_is_straight(stage: Stage) -> None:
-    scene = put(
-        stage, EMPTY, "iiOiiOO", "iiOiiOO", "ii^iiOO", "iiiiiOO", "OOOOO#O", EMPTY, "vvvvvPP"
-    ).step("mine")
-    scene.shows(EMPTY, "iiOiiOO", "iiOiiOO", "ii^iiOO", "iiiiiOO", "OOOOO#O", EMPTY, "vvvvvPP").has(
-        {"reward": 0}
-    )
-
-
-@BOTH
 def test_the_ray_passes_agents(stage: Stage) -> None:
     """And ore under an agent is ore."""
     scene = put(
@@ -183,60 +172,10 @@ def test_the_ray_ends_at_the_first_ore(stage: Stage, nearest: str) -> None:
 
 
 @BOTH
-def test_two_irons_in_line_are_mined_one_after_the_other(stage: Stage) -> None:
-    scene = put(
-        stage, EMPTY, "OOOiOOO", "OOOiOOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP"
-    )
-    scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
-    scene.shows(EMPTY, "OOOiOOO", EMPTY, "OOO^OOO", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP")
-    scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
-    scene.step("mine").has({"reward": 0})
-
-
-@BOTH
 def test_walls_end_the_ray(stage: Stage) -> None:
     for column in (3, 4):  # the wall two cells ahead, and one
         scene = placed(stage, [(5, column, ">")], {(5, 6): "i"}).step("mine")
         assert (ores(scene), scene.reward) == ("iron", [0] * 6)
-
-
-@BOTH
-def test_ones_own_cell_is_not_mined(stage: Stage) -> None:
-    scene = placed(stage, [(3, 3, "^")], {}, under={0: "i"}).step("mine")
-    scene.has({"reward": 0})
-    assert scene.under(0) == "i"
-
-
-@BOTH
-def test_rays_do_not_leave_the_map(stage: Stage) -> None:
-    picture = (
-        "O^OiO^O",
-        "iOOOOOO",
-        "iOOOOO>",
-        "iOOOOOO",
-        "<OOOOOO",
-        "iOOOO#O",
-        "iOOOOOi",
-        "OOvOOvP".replace("O", "P"),
-    )
-    scene = put(stage, *picture).step(", ".join(["mine"] * 6))
-    assert scene.reward == [0] * 6
-    scene.shows(*picture)
-
-
-@BOTH
-def test_ore_blocks_nobody_and_stays(stage: Stage) -> None:
-    scene = put(
-        stage, EMPTY, "OOOiOOO", "OOOgOOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP"
-    )
-    scene.step("forward").has({"reward": 0}).step("forward").has({"reward": 0}).step("forward")
-    scene.shows("OOO^OOO  0", "OOOiOOO", "OOOgOOO", EMPTY, EMPTY, "OOOOO#O", EMPTY, "vvvvvPP")
-
-
-@BOTH
-def test_a_mining_agent_stays_and_keeps_its_heading(stage: Stage) -> None:
-    scene = placed(stage, [(3, 3, ">")], {(3, 4): "i"}).step("mine")
-    assert (scene.places()[0], scene.headings()[0]) == ((3, 3), "east")
 
 
 # Iron
@@ -254,20 +193,6 @@ def test_contested_iron_goes_to_one_of_the_miners(stage: Stage, miners: int, run
         assert ores(scene) == ""
         winners.add(scene.reward.index(1))
     assert miners > 2 or winners == ({0} if stage is RELEASED else {0, 1})
-
-
-@BOTH
-def test_each_ore_is_settled_for_itself(stage: Stage) -> None:
-    """Two irons and a gold in one step."""
-    scene = placed(
-        stage,
-        [(1, 0, ">"), (3, 0, ">"), (5, 0, ">"), (5, 2, "<")],
-        {(1, 1): "i", (3, 2): "i", (5, 1): "g"},
-    )
-    scene.step(mine(0, 1, 2, 3)).has(
-        {"reward": [1, 1, *gold(stage, 0, 1)[:2], 0, 0], "event ores_shared": 1}
-    )
-    assert ores(scene) == ""
 
 
 # Gold
@@ -394,36 +319,6 @@ def test_as_released_gold_pays_who_completes_it(
     assert sum(scene.events["gold_mined"]) == 2 * paid
 
 
-@BOTH
-def test_two_windows_run_for_themselves(stage: Stage) -> None:
-    """The gold of agent 0 is opened a step before that of agent 1, and closes a step before."""
-    scene = (
-        placed(stage, [(1, 0, ">"), (3, 0, ">")], {(1, 1): "g", (3, 1): "g"})
-        .step(mine(0))
-        .step(mine(1))
-    )
-    scene.has(
-        {"rock.ore": {(1, 1): "partial", (3, 1): "partial"}, "rock.left": {(1, 1): 1, (3, 1): 2}}
-    )
-    scene.step().has({"rock.ore": {(1, 1): "gold", (3, 1): "partial"}})
-    scene.step().has({"rock.ore": {(1, 1): "gold", (3, 1): "gold"}})
-
-
-def test_numbers_of_miners_and_payments_are_parameters() -> None:
-    params = {"fewest": 3, "most": 3, "patience": 1, "gold_pays": 5, "iron_pays": 2}
-    for miners, paid, ore in (
-        (2, 0, "gold"),
-        (3, 5, ""),
-        (4, 0, "gold"),
-    ):  # a window of one step: this one
-        scene = around(miners, STAGES[None]).change(**params).step(mine(*range(miners)))
-        scene.has({"reward": [paid if agent < miners else 0 for agent in range(6)]})
-        assert ores(scene) == ore
-    around(1, STAGES[None], under="i").change(**params).step(mine(0)).has(
-        {"reward": [2, 0, 0, 0, 0, 0]}
-    )
-
-
 # Growth
 
 
@@ -497,20 +392,7 @@ def test_ore_grows_last(stage: Stage) -> None:
     scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
 
 
-@BOTH
-def test_a_partial_ore_stays_a_partial_ore(stage: Stage) -> None:
-    scene = (
-        around(1, stage).change(spawn_iron=1).step(mine(0)).has({"rock.ore": {(3, 3): "partial"}})
-    )
-    scene.step().has({"rock.ore": {(3, 3): "partial"}}).step().has({"rock.ore": {(3, 3): "gold"}})
-
-
 # Moves, starts, what is seen
-
-
-@pytest.mark.parametrize(("variant", "compass"), [(None, False), ("socialjax", True)])
-def test_moves(variant: str | None, compass: bool) -> None:
-    check_moves(STAGES[variant], (*ROWS[:3], "OOO^OOO", *ROWS[4:-1], "vvvvvPP"), compass)
 
 
 def test_what_is_seen() -> None:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from sjdsl.testing import Scene, Stage
-from sjdsl.trainers import evaluate, find_policy
 
 from .chance import BATCH, assert_shares, assert_uniform
 from .environments import environment, placed, places
@@ -160,24 +159,3 @@ def test_as_released_food_is_lost_where_it_cannot_lie() -> None:
     assert_shares(np.bincount((food > 0).sum(axis=1), minlength=5), shares, within=0.05)
     assert_uniform([(food == level).sum() for level in (1, 2, 3)], within=0.2)
     assert_uniform((food > 0).sum(axis=0), within=0.6)
-
-
-@pytest.mark.thorough
-def test_who_meets_earns_more_than_who_goes_alone() -> None:
-    """The policies of the game's file: together they take the food that nobody can take alone."""
-    env = environment(GAME)
-    earned = {
-        name: evaluate(
-            env, find_policy(name, env), jax.random.key(1), num_episodes=64
-        ).collective_returns.mean()
-        for name in ("cooperator", "defector", "random", "stay")
-    }
-    assert (
-        earned["cooperator"]
-        > 1.3 * earned["defector"]
-        > 1.3 * max(earned["random"], earned["stay"])
-    )
-    assert earned["stay"] == 0
-    assert earned["cooperator"] > 0.75 * 4 * 2, (
-        "most of what there is: four pieces of level two on average"
-    )

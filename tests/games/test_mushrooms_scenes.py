@@ -8,7 +8,6 @@ import pytest
 from sjdsl.testing import Scene, Stage
 
 from .environments import BRIEFLY
-from .frames import check_moves
 
 ROWS = ("R.......", "........", "........", "........", "........", "........")
 EMPTY = "........"
@@ -122,23 +121,6 @@ def test_digestion(stage: Stage, kind: str) -> None:
         scene.step("turn_left", times=steps - 2).step("forward").has({"allowed zap": {0: False}})
         scene.step("forward").has({"agent.row": {0: 2}, "agent.heading": {0: "north"}})
     scene.step("forward").has({"agent.row": {0: 1}})
-
-
-@BOTH
-def test_who_digests_does_not_zap(stage: Stage) -> None:
-    scene = put(
-        stage,
-        EMPTY,
-        EMPTY,
-        "..v.....  1",
-        "..^.....  0",
-        EMPTY,
-        ".....vvv",
-        fields={"agent.digesting": {0: 1}},
-    )
-    scene.step("zap").has({"event hits": 0, "agent.row": {1: 2}})
-    assert scene.value("marks fire") == set()
-    scene.step("zap").has({"event hits": [1, 0, 0, 0, 0]})
 
 
 @BOTH
@@ -262,22 +244,6 @@ def test_every_floor_cell_is_a_site(stage: Stage, start: tuple[int, int]) -> Non
     assert grown(scene) == counts(red=2, orange=48 - 5 - 2)
 
 
-@BOTH
-def test_kinds_grow_in_turn_while_there_is_room(stage: Stage) -> None:
-    """After a blue meal there are three bare cells: red has two, green one, blue none."""
-    scene = put(stage, *full((0, 1), (1, 5), eaten="B"), regrow=CERTAIN).step("forward")
-    if stage is RELEASED:
-        scene.step()
-    assert grown(scene) == counts(red=2, green=1, orange=48 - 5 - 3)
-
-
-@BOTH
-def test_a_chance_of_nought_lets_nothing_grow(stage: Stage) -> None:
-    for kind in KINDS:
-        scene = meal(stage, "B", "O", regrow={**CERTAIN, kind: 0}).step(eat(2)).step()
-        assert grown(scene) == counts(red=4, green=2, blue=2, orange=1) | {kind: 0}
-
-
 # Zapping
 
 
@@ -309,28 +275,6 @@ def test_the_four_cells_of_the_beam(stage: Stage, arrow: str) -> None:
         assert (scene.places()[1] == (row, column)) != hit
         assert scene.places()[0] == (2, 3)
         assert scene.under(1) == "." or not hit
-
-
-@BOTH
-def test_the_beam_passes_agents_and_spares_mushrooms(stage: Stage) -> None:
-    """Two in line and two beside are hit; each is sent to a place of its own, and eats nothing there."""
-    scene = put(
-        stage,
-        f"R{EMPTY[1:]}",
-        "..v.....  1",
-        ".BvG....  2",
-        "..^.....  0",
-        "RGBORGBO",
-        "....vv..  34",
-    )
-    scene.step("zap").has({"event hits": [2, 0, 0, 0, 0], "reward": 0, "event eaten[red]": 0})
-    assert len(set(scene.places())) == 5
-    assert grown(scene) == counts(red=3, green=3, blue=3, orange=2)
-    scene = put(stage, EMPTY, EMPTY, ".vvv....  123", "..^.....  0", EMPTY, "......v.  4").step(
-        "zap"
-    )
-    scene.has({"event hits": [3, 0, 0, 0, 0]})
-    assert len(set(scene.places())) == 5
 
 
 def test_who_is_hit_goes_to_bare_floor_where_nobody_stands() -> None:
@@ -372,23 +316,7 @@ def test_beams_leave_the_map_only_as_released(picture: tuple[str, ...], hit: set
         assert {agent for agent in range(5) if scene.places()[agent] != before[agent]} == gone
 
 
-@BOTH
-def test_two_hit_each_other(stage: Stage) -> None:
-    scene = put(stage, EMPTY, EMPTY, "..v.....  1", "..^.....  0", EMPTY, ".....vvv").step(
-        "zap, zap"
-    )
-    scene.has({"event hits": [1, 1, 0, 0, 0], "reward": 0})
-    assert scene.places()[0] != (3, 2) and scene.places()[1] != (2, 2)
-
-
 # Episodes, moves, what is seen
-
-
-@pytest.mark.parametrize(
-    ("stage", "compass"), [(DEFAULT, False), (RELEASED, True)], ids=["default", "socialjax"]
-)
-def test_moves(stage: Stage, compass: bool) -> None:
-    check_moves(stage, (EMPTY, EMPTY, "...^....", EMPTY, EMPTY, "....vvvv"), compass)
 
 
 def test_what_is_seen() -> None:

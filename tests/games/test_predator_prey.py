@@ -9,7 +9,6 @@ from sjdsl.testing import Scene, Stage
 
 from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import placed
-from .map_reading import find, read_map, regions
 
 pytestmark = pytest.mark.optimised
 
@@ -154,12 +153,6 @@ def test_predators_eat_predators_for_nothing() -> None:
     assert outcomes == {False, True}
 
 
-def test_prey_does_not_bite() -> None:
-    row("..^<.....", "03").step("stay, stay, stay, bite").has(
-        {"reward": 0, "agent.away": False, "marks hunt": set()}
-    )
-
-
 def test_who_has_eaten_rests_five_steps() -> None:
     scene = (
         row("..>^.....", "03")
@@ -274,23 +267,4 @@ def test_chances() -> None:
     assert_uniform(seen["caught"], 0.05)
 
 
-def test_starts() -> None:
-    """Predators begin in lairs, prey in nests."""
-    for seed in range(5):
-        scene = STAGE.start(seed)
-        assert [scene.under(agent) for agent in range(6)] == ["X"] * 3 + ["P"] * 3
-        scene.has({"agent.role": ["predator"] * 3 + ["prey"] * 3})
-
-
 # The map
-
-
-def test_the_map_has_a_field_between_two_strips_of_grass() -> None:
-    """Ours, in Melting Pot's size of 19 rows and 23 columns: grass in the two outer rows of each end, and what it is for."""
-    rows = read_map("predator_prey")
-    assert (len(rows), {len(line) for line in rows}) == (19, {23})
-    counts = {glyph: len(find("predator_prey", glyph)) for glyph in "#PgXan."}
-    assert counts == {"#": 80, "P": 42, "g": 42, "X": 34, "a": 141, "n": 12, ".": 86}
-    assert find("predator_prey", "P") == {(r, c) for r in (1, 17) for c in range(1, 22)}
-    assert find("predator_prey", "g") == {(r, c) for r in (2, 16) for c in range(1, 22)}
-    assert len(regions(find("predator_prey", "PgXan."))) == 1

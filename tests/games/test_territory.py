@@ -9,7 +9,6 @@ from sjdsl.testing import Scene, Stage
 
 from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import placed
-from .map_reading import box, find, read_map, regions, span
 
 ROWS = ("P.....#.", ".RR..R..", "........", "P.R.R..P")
 STAGE = Stage("territory", ROWS, 3)
@@ -173,12 +172,6 @@ def test_bricks_stop_zaps_until_they_are_broken(damage: int) -> None:
     )
 
 
-def test_posts_stop_zaps() -> None:
-    put("P....>#^  01", ".RR..R..", ".<......  2", "P.R.R..P").step("zap").has(
-        {"agent.hits": 0, "brick.damage": {RIGHT: 1}}
-    )
-
-
 def test_damage_mends_after_a_while() -> None:
     scene = (
         put("P.....#.", ".RR<.R..", "....<...", "P.R.R..<", params={"mending": 3, "mend": 1})
@@ -261,12 +254,6 @@ def test_a_second_hit_within_fifty_steps_throws_out(wait: int, thrown_out: bool)
     )
 
 
-def test_two_hits_at_once_throw_out() -> None:
-    put("P.....#.", ".RR..R..", ".>^<....  012", "P.R.R..P").step("zap, stay, zap").has(
-        {"agent.away": [False, True, False], "metric owned": 0}
-    )
-
-
 # What is seen
 
 
@@ -326,21 +313,3 @@ def test_chances() -> None:
 
 
 # The map
-
-
-def test_the_map_is_nine_rooms_that_share_their_walls() -> None:
-    """Ours: 3 x 3 rooms of 5 x 5 cells (Melting Pot's size), a start in the middle of each, a brick between any two."""
-    rows = read_map("territory")
-    assert (len(rows), {len(row) for row in rows}) == (19, {19})
-    assert {glyph: len(find("territory", glyph)) for glyph in "#RP."} == {
-        "#": 16,
-        "R": 24 * 5,
-        "P": 9,
-        ".": 9 * 24,
-    }
-    rooms = regions(find("territory", ".P"))
-    assert [len(room) for room in rooms] == [25] * 9
-    assert [room & find("territory", "P") for room in rooms] == [
-        {(r, c)} for r in (3, 9, 15) for c in (3, 9, 15)
-    ]
-    assert find("territory", "#") == box(span(0, 18)[::6], span(0, 18)[::6])
