@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import shutil
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -84,19 +83,6 @@ def test_values_are_played_by_their_best_actions_unless_drawn(
     assert actions.any() == explores
 
 
-def test_the_evaluation_of_a_run_plays_values_by_their_best_actions() -> None:
-    """Equal values, the first action best: paid where it is the cue. Exploring, agents would differ."""
-    config = make_config(ALWAYS_ONE, epsilon_end=1.0)
-    parameters = jax.tree.map(
-        lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config)
-    )
-    evaluation = evaluate(
-        matching(), trained_policy(matching(), config, parameters), jax.random.key(0), 32
-    )
-    assert set(evaluation.collective_returns) == {0.0, 2.0}
-    assert not evaluation.events["second_action"].any()
-
-
 @pytest.mark.parametrize(
     "damage", ["cut", "empty", "flipped", "no json", "json cut", "json of a future version"]
 )
@@ -145,14 +131,6 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
         load_policy(path, others)
     with pytest.raises(PolicyError, match="does not exist"):
         load_policy(tmp_path / "none.safetensors", matching())
-
-
-def test_a_hash_of_an_earlier_version_is_known(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sjdsl.trainers.policy_file.current_hash", {"probe": "changed"}.get)
-    with warnings.catch_warnings(action="error"):
-        load_policy(_store(tmp_path), dataclasses.replace(matching(), hash="changed"))
 
 
 def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
