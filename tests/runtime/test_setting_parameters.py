@@ -135,12 +135,6 @@ def test_sizes_are_refused_too(market: Path, given: dict[str, Any]) -> None:
         sjdsl.make(market, params=given)
 
 
-def test_a_size_counts_in_the_sums(market: Path) -> None:
-    assert sjdsl.make(market, params={"sellers": 2, "rest": 2**30 - 1}).num_agents == 2
-    with pytest.raises(ValueError, match="`rest` is 1073741823, and can be 536870911 at most"):
-        sjdsl.make(market, params={"sellers": 4, "rest": 2**30 - 1})
-
-
 WITH: dict[str, tuple[dict[str, Any], str]] = {
     "a Python number too large": ({"price": 2**40}, "^`price` is 1099511627776, outside"),
     "an array too large": (
@@ -210,13 +204,6 @@ def test_with_params_takes_what_make_takes(env: Environment, market: Path) -> No
         env.with_params(sjdsl.make("coins").params)
 
 
-def test_without_a_compiler_shapes_and_dtypes_are_looked_at(env: Environment) -> None:
-    alone = Environment(env.module, env.module.default_params())
-    assert int(alone.with_params(env.params.replace(price=jnp.int32(8))).params.price) == 8
-    with pytest.raises(ValueError, match=r"^`price` is float32\[\]"):
-        alone.with_params(env.params.replace(price=jnp.float32(8)))
-
-
 def played(env: Environment, params: Any) -> Any:
     other = env.with_params(params)
     _, state = other.reset(jax.random.key(0))
@@ -241,12 +228,6 @@ def test_traced_parameters_are_taken(env: Environment, trace: Callable[[Any], An
         trace(lambda price: played(env, env.params.replace(price=price)))(
             prices.astype(jnp.float32)
         )
-
-
-def test_known_numbers_stay_known_where_others_are_traced(env: Environment) -> None:
-    assert (
-        jax.jit(lambda x: x + env.with_params(env.params.replace(days=12)).episode_length)(1) == 12
-    )
 
 
 def test_a_reward_can_be_differentiated(env: Environment) -> None:
