@@ -9,10 +9,8 @@ import pytest
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax import rules
-from sjdsl.compiler.syntax.parse import ALSO_READ, VERSION, parse, parser, read_tree
+from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, STATEMENTS
 
 GAMES = sorted((Path(__file__).parents[2] / "games").glob("*.sj"))
 COINS = next(path for path in GAMES if path.stem == "coins").read_text("utf-8")
@@ -128,16 +126,6 @@ def test_games_parse_and_every_node_knows_its_text(path: Path) -> None:
 def test_expressions(text: str, tree: str) -> None:
     (let,) = statements(f"let a = {text}")
     assert plain(let) == f"Let(a, {tree})"
-
-
-def test_spans_of_chains_and_brackets() -> None:
-    text = in_phase("let a = (a + b) * c - 1")
-    (let,) = statements("let a = (a + b) * c - 1")
-    assert isinstance(let, ast.Let)
-    assert isinstance(let.value, ast.Binary)
-    whole, left = let.value.span, let.value.left.span
-    assert text[whole.start : whole.end] == "(a + b) * c - 1"
-    assert text[left.start : left.end] == "(a + b) * c"
 
 
 @pytest.mark.parametrize(
@@ -276,42 +264,6 @@ def test_declarations(text: str, tree: str) -> None:
     assert plain(section) == tree
 
 
-@pytest.mark.parametrize(
-    ("head", "tree"),
-    [
-        ("x", "Game(x, -, -, [])"),
-        ('x "T"', 'Game(x, "T", -, [])'),
-        ('x extends "b.sj"', 'Game(x, -, "b.sj", [])'),
-        ('x "T" extends "b.sj"', 'Game(x, "T", "b.sj", [])'),
-    ],
-)
-def test_heads(head: str, tree: str) -> None:
-    assert plain(parse(Source("game.sj", f"sj 1 game {head} {{ }}"))) == f"File(1, {tree})"
-
-
-def test_every_rule_has_a_builder() -> None:
-    all_rules = {
-        str(rule.alias or rule.origin.name)
-        for rule in parser().rules
-        if rule.alias or not rule.options.expand1
-    }
-    named = {name for name in all_rules if not name.startswith("_")}
-    assert named <= {*rules.RULES, *rules.CLAUSES, "names"} | single_children()
-
-
-def single_children() -> set[str]:
-    """Rules that always stand for their only child (`?stmt: let | draw | ...`) leave no node."""
-    rules = [rule for rule in parser().rules if not rule.alias]
-    return {str(r.origin.name) for r in rules} - {
-        str(r.origin.name) for r in rules if len(r.expansion) != 1
-    }
-
-
-def test_statement_keywords_of_the_repair_are_words_of_the_language() -> None:
-    words = {terminal.name for terminal in parser().terminals}
-    assert words >= STATEMENTS | SECTIONS | ENTRIES
-
-
 # ---- wrong texts
 
 
@@ -375,16 +327,6 @@ def test_reserved_words_as_names(word: str) -> None:
 )
 def test_another_version_is_all_that_is_said(text: str) -> None:
     assert codes(text) == ["SJ001"]
-
-
-@pytest.mark.parametrize("version", ALSO_READ)
-def test_versions_from_before_the_first_release_mean_the_same(version: str) -> None:
-    older, plain = (
-        read_tree(Source("coins.sj", COINS.replace("sj 1\n", f"sj {number}\n", 1)))[1]
-        for number in (version, VERSION)
-    )
-    assert older.children[0] != plain.children[0]
-    assert older.children[1:] == plain.children[1:]
 
 
 @pytest.mark.parametrize(
