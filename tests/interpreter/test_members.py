@@ -5,7 +5,7 @@ import pytest
 from sjdsl.compiler import ir
 from sjdsl.interpreter import members, shapes
 from sjdsl.interpreter.evaluate import lanes, members_of, nearest_members
-from sjdsl.interpreter.state import Away, Cell
+from sjdsl.interpreter.state import Cell
 
 from . import games as g
 
@@ -64,19 +64,6 @@ def test_cells_of_a_kind_and_of_a_group_are_numbered_in_reading_order():
     assert members.radix(group, i.board) == 4
 
 
-def test_where_leaves_numbers_alone():
-    row = ir.Attribute(type=g.INT, owner=g.cell("soil"), name="row")
-    domain = g.cells("soil", where=g.compare(row, ">", g.number(0)))
-    assert found(domain, here(*PLACES)) == [((1, 0), 1), ((2, 3), 2)]
-
-
-def test_all_agents_but_those_away():
-    i = here(*PLACES)
-    i.world.position[1], i.world.away[1] = None, Away(2, None, None)
-    assert found(g.agents(), i) == [(0, 0), (2, 2), (3, 3)]
-    assert members.radix(g.agents(), i.board) == 4
-
-
 def test_agents_on_a_kind_bind_the_cell_as_well():
     on = members_of(g.agents("one", on=g.cell("soil", "under")), here(*PLACES))
     assert [m.names for m in on] == [
@@ -115,11 +102,6 @@ def test_an_open_door_lets_the_lane_through():
     i = here((1, 1), (2, 0), (0, 0), (0, 2), headings=(1,), agent=0)
     i.world.cells["door", "state"] = ["open"]
     assert [s.cell for s in lanes(g.near("ray", g.agent()), i)[0]] == [(1, 2), (1, 3)]
-
-
-def test_nothing_blocks_a_see_through_shape():
-    i = here((1, 1), (2, 0), (0, 0), (0, 2), headings=(1,), agent=0)
-    assert [s.cell for s in lanes(g.near("sight", g.agent()), i)[0]] == [(1, 2), (1, 3)]
 
 
 def test_shape_cells_keep_their_numbers_when_others_are_off_the_map():

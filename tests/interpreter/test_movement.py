@@ -70,54 +70,6 @@ def test_a_kind_may_block_some_agents_only():
     assert spread(world) == [(0, 0), (1, 1)]
 
 
-def test_agents_do_not_swap():
-    world = run(("..",), [(0, 0), (0, 1)], [g.FORWARD] * 2, (EAST, WEST))
-    assert (spread(world), world.moved) == ([(0, 0), (0, 1)], [False, False])
-
-
-@pytest.mark.parametrize(("words", "winner"), [({}, 1), ({(3, 0): 0x100}, 0), ({(3, 0): 0xFF}, 1)])
-def test_one_of_several_wins_a_cell(words, winner):
-    world = run(("...",), [(0, 0), (0, 2)], [g.FORWARD] * 2, (EAST, WEST), words)
-    assert spread(world) == [(0, 1) if winner == 0 else (0, 0), (0, 1) if winner == 1 else (0, 2)]
-
-
-def test_followers_follow_and_a_blocked_leader_blocks_them():
-    places, actions = [(0, 0), (0, 1), (0, 2)], [g.FORWARD] * 3
-    assert spread(run(("....",), places, actions)) == [(0, 1), (0, 2), (0, 3)]
-    assert spread(run(("...#",), places, actions)) == places
-
-
-def test_cycles_turn():
-    places = [(0, 0), (0, 1), (1, 1), (1, 0)]
-    world = run(("..", ".."), places, [g.FORWARD] * 4, (EAST, SOUTH, WEST, NORTH))
-    assert spread(world) == [(0, 1), (1, 1), (1, 0), (0, 0)]
-
-
-def test_a_swapping_pair_holds_up_its_followers_and_gives_no_way():
-    world = run(("...",), [(0, 1), (0, 2), (0, 0)], [g.FORWARD] * 3, (EAST, WEST, EAST))
-    assert spread(world) == [(0, 1), (0, 2), (0, 0)]
-
-
-def test_the_loser_of_a_cell_holds_up_its_follower():
-    # 2 follows 0; 0 and 1 want the middle; 1 wins.
-    world = run(("....",), [(0, 1), (0, 3), (0, 0)], [g.FORWARD] * 3, (EAST, WEST, EAST))
-    assert spread(world) == [(0, 1), (0, 2), (0, 0)]
-
-
-def test_a_winner_whose_cell_stays_taken_moves_nobody_else_in():
-    # 0 stands in the middle and stays; 1 would have won against 2, but both are stopped.
-    world = run(
-        ("...",), [(0, 1), (0, 0), (0, 2)], [g.STAY, g.FORWARD, g.FORWARD], (EAST, EAST, WEST)
-    )
-    assert spread(world) == [(0, 1), (0, 0), (0, 2)]
-
-
-def test_the_one_outranked_does_not_move_up_when_the_winner_is_stopped_by_a_swap():
-    # 0 and 1 swap and stay; 2 wants the cell of 0 and stays as well.
-    world = run(("...", "..."), [(0, 1), (0, 2), (1, 1)], [g.FORWARD] * 3, (EAST, WEST, NORTH))
-    assert spread(world) == [(0, 1), (0, 2), (1, 1)]
-
-
 def test_only_the_agents_of_the_domain_move_and_turn():
     some = g.phase(ir.Move(domain=g.agents(where=g.is_agent(1)), stream=3), name="walk")
     world = run(("...", "..."), [(0, 0), (1, 0)], [g.FORWARD] * 2, turn=some)

@@ -41,19 +41,6 @@ def fruit(**facts):
 CELL_AGE = ir.Observable(what="cell", kind="soil", field="age", type=AGE)
 
 
-def test_kinds_without_visible_fields_have_one_value():
-    game = small()
-    first = planes(game)[0]
-    assert (first.name, first.encoding, first.labels) == (
-        "content",
-        "word",
-        ("outside", "floor", "soil", "wall"),
-    )
-    world = g.world_of(game, (1, 1), (2, 2))
-    assert plane(game, world, "content")[0] == [[1, 1, 3], [1, 2, 1], [2, 1, 1]]
-    assert plane(game, world, "content")[1] == [[2, 1, 0], [1, 1, 0], [0, 0, 0]]
-
-
 @pytest.mark.parametrize(
     ("heading", "window"),
     [
@@ -68,14 +55,6 @@ def test_the_window_turns_so_that_forward_is_up(heading, window):
     assert (
         plane(game, g.world_of(game, (1, 1), (2, 2), headings=(heading,)), "content")[0] == window
     )
-
-
-def test_the_window_may_be_longer_to_one_side():
-    game = small(window=ir.Window(ahead=2, behind=0, left=0, right=1))
-    world = g.world_of(game, (1, 1), (2, 2), headings=(0, 3))
-    assert observe(game, world).shape == (2, 2, 3, 2)
-    assert plane(game, world, "content")[0] == [[0, 0], [1, 3], [2, 1]]
-    assert plane(game, world, "content")[1] == [[2, 1], [1, 2], [1, 1]]
 
 
 def test_visible_fields_are_multiplied_the_first_one_slowest():
@@ -127,19 +106,6 @@ def test_a_hidden_field_is_a_state_of_its_own():
     world = g.world_of(game, (1, 1), (1, 0))
     assert plane(game, world, "content")[0][1][1] == 2
     assert plane(game, world, "content")[1][1][2] == 4
-
-
-@pytest.mark.parametrize("turn", range(4))
-@pytest.mark.parametrize("own", range(4))
-def test_headings_of_others_are_relative_to_ones_own(own, turn):
-    game = small(HEADING)
-    assert (
-        planes(game)[1].labels[2 + turn]
-        == "other " + ("same heading", "turned right", "opposite", "turned left")[turn]
-    )
-    world = g.world_of(game, (1, 1), (0, 1), headings=(own, (own + turn) % 4))
-    values = plane(game, world, "agent")[0]
-    assert sorted(v for row in values for v in row if v) == [1, 2 + turn]
 
 
 def test_marks_have_one_bit_for_each_marking_phase():

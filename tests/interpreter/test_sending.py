@@ -81,36 +81,12 @@ def test_a_heading_may_be_given(facing, heading):
     assert world.heading == [heading]
 
 
-def test_being_sent_home_twice_is_the_same_as_once():
-    zapper = g.agents("zapper", where=g.chose(g.ZAP, "zapper"))
-    victims = g.agents("victim", where=g.is_agent(2, "victim"))
-    fire = g.phase(
-        g.each(zapper, g.each(victims, g.send(g.cells("den"), g.agent("victim")))), name="fire"
-    )
-    world = run(den_game(fire), [(0, 0), (0, 1), (1, 0)], [g.ZAP, g.ZAP, g.STAY])
-    assert world.position == [(0, 0), (0, 1), (0, 2)]
-
-
 def test_two_destinations_for_one_agent_are_a_mistake():
     fire = g.phase(
         g.each(ZAPPED, g.send(g.cells("den")), g.send(g.cells("floor"), pool=1)), name="fire"
     )
     with pytest.raises(AssertionError, match="two places"):
         run(den_game(fire), [(0, 0), (0, 1), (1, 0)])
-
-
-def test_two_pools_have_words_each():
-    fire = g.phase(
-        g.each(g.agents(where=g.is_agent(0)), g.send(g.cells("den"))),
-        g.each(g.agents(where=g.is_agent(1)), g.send(g.cells("floor"), pool=1)),
-        name="fire",
-    )
-    world = run(
-        den_game(fire),
-        [(0, 0), (0, 1), (1, 0)],
-        draws=g.Table({(1000, 0): g.turn(2, 3), (1001, 1): g.turn(3, 4)}),
-    )
-    assert world.position == [(2, 2), (2, 1), (1, 0)]
 
 
 def test_agents_take_cells_that_fit_them_in_id_order():
@@ -178,12 +154,6 @@ def test_a_delay_takes_an_agent_away_until_its_tick():
     assert {u.stream for u in draws.used} == {return_stream(1000), return_stream(2000)}
 
 
-def test_a_delay_of_nought_is_no_delay():
-    assert run(den_game(ir.Tick(), home(after=g.number(0)), agents=1), [(0, 0)]).position == [
-        (0, 2)
-    ]
-
-
 def test_a_delay_before_the_tick_is_one_shorter():
     assert run(den_game(home(after=g.number(1)), ir.Tick(), agents=1), [(0, 0)]).position == [
         (0, 2)
@@ -219,28 +189,6 @@ def test_several_come_back_in_id_order():
     world = advance(game, world, [g.STAY] * 3, g.Table({(return_stream(1000), 0): g.LAST}))
     assert world.position == [(2, 2), (0, 2), (1, 2)]
     assert world.heading == [2, 2, 2]
-
-
-def test_two_pools_that_come_back_together_do_not_collide():
-    def fire(who, pool):
-        where = ir.Logic(fn="and", args=(g.chose(g.ZAP), g.is_agent(who)))
-        return g.phase(
-            g.each(g.agents(where=where), g.send(g.cells("den"), pool=pool, after=g.number(1))),
-            name=f"f{who}",
-        )
-
-    game = den_game(ir.Tick(), fire(0, 0), fire(1, 1), agents=2)
-    world = run(game, [(0, 0), (0, 1)])
-    assert advance(game, world, [g.STAY] * 2).position == [(0, 2), (1, 2)]
-
-
-def test_removed_agents_never_come_back():
-    remove = g.phase(g.each(ZAPPED, ir.Remove(who=g.agent())), name="out")
-    game = den_game(ir.Tick(), remove, agents=2)
-    world = run(game, [(0, 0), (0, 1)], [g.ZAP, g.STAY])
-    for _ in range(3):
-        world = advance(game, world, [g.STAY, g.STAY])
-    assert world.position == [None, (0, 1)]
 
 
 def shift(direction=None, steps=1, facing="same", stream=3000, who=None, quarters=0, other=None):
@@ -311,13 +259,3 @@ def test_of_two_sent_to_one_cell_the_larger_rank_enters():
             ).position
             == wanted
         )
-
-
-def test_two_exchange_their_places():
-    fire = g.phase(
-        g.each(g.agents(where=g.is_agent(0)), shift("south")),
-        g.each(g.agents(where=g.is_agent(1)), shift("north", stream=3001)),
-        name="fire",
-    )
-    game = g.game(fire, rows=("...", "...", "..."), kinds=(FLOOR,), number_of_agents=2)
-    assert run(game, [(0, 1), (1, 1)]).position == [(1, 1), (0, 1)]

@@ -3,8 +3,8 @@
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.state import copied, default_params
-from sjdsl.interpreter.step import action_mask, read, reset, step
+from sjdsl.interpreter.state import default_params
+from sjdsl.interpreter.step import action_mask, reset, step
 
 from . import games as g
 
@@ -138,15 +138,6 @@ def test_the_episode_is_truncated_at_its_length_and_terminated_by_end():
     assert ends == [(False, False), (False, True), (True, False)]
 
 
-def test_a_step_leaves_the_state_it_started_from_alone():
-    game = g.game(g.phase(ir.Move(domain=g.agents(), stream=3), name="walk"), rows=("..",))
-    world = g.world_of(game, (0, 0), headings=(1,))
-    before = copied(world)
-    after, _ = step(game, world, [g.FORWARD], {}, g.Table())
-    assert world == before
-    assert after != before
-
-
 def test_reset_starts_from_the_declared_values_and_the_maps_own():
     fruit = g.word_type("none", "ripe")
     tree = g.kind(
@@ -205,12 +196,3 @@ def test_default_params_have_the_types_of_the_language():
         int,
         np.float32,
     ]
-
-
-def test_checks_can_be_read():
-    game = g.game(events=ZAPS)
-    always = g.compare(
-        ir.EventTotal(type=g.INT, name="zaps"), "<=", ir.Count(type=g.INT, domain=g.cells("floor"))
-    )
-    assert read(game, g.world_of(game), always, {("zaps", None): 3}) is True
-    assert read(game, g.world_of(game), always, {("zaps", None): 4}) is False
