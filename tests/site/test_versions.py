@@ -5,11 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-from mkdocs.config import load_config
-
-from website import gallery
-
 ROOT = Path(__file__).parents[2]
 VERSION = '[{"version": "0.1", "title": "0.1", "aliases": ["latest"]}]'
 
@@ -57,22 +52,3 @@ def test_the_first_page_leads_to_the_latest_version(tmp_path: Path) -> None:
     assert git(here, "rev-parse", "gh-pages~1") == git(here, "rev-parse", "origin/gh-pages"), (
         "nothing is pushed"
     )
-
-
-def test_the_table_of_contents_is_made_without_reading_a_game(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Every command of mike asks for it; to read all games would take half a minute of each."""
-
-    def read(*_: object) -> None:
-        raise AssertionError("a game is read")
-
-    monkeypatch.setattr("website.gallery.read_written", read)
-    monkeypatch.setattr("website.gallery.shown_games", read)
-    config = load_config(str(ROOT / "mkdocs.yml"))
-    config = config.plugins.run_event("config", config)
-    (games,) = (section["Gallery"] for section in config.nav if "Gallery" in section)
-    assert games == [
-        gallery.INDEX,
-        *(f"{gallery.FOLDER}/{name}.md" for name in gallery.shown_names()),
-    ]
