@@ -55,30 +55,6 @@ def test_last_observations_of_episodes() -> None:
             )
 
 
-def test_common_rewards_are_sums_of_an_environment() -> None:
-    own, common = VectorGame("coins", 8), VectorGame("coins", 8, common_reward=True)
-    own.reset(seed=2), common.reset(seed=2)
-    seen = False
-    for step in range(150):
-        raw = own.step(actions_of(own, step))[1].reshape(8, 2)
-        paid = common.step(actions_of(common, step))[1].reshape(8, 2)
-        np.testing.assert_array_equal(paid, np.repeat(raw.sum(axis=1, keepdims=True), 2, axis=1))
-        seen |= bool((raw[:, 0] != raw[:, 1]).any())
-    assert seen
-
-
-def test_its_wrappers_work() -> None:
-    """Returns by Gymnasium's own statistics, over episodes of one length."""
-    env = gymnasium.wrappers.vector.RecordEpisodeStatistics(VectorGame("coins", 2, **SHORT))
-    env.reset(seed=3)
-    total = np.zeros(4)
-    for step in range(LENGTH):
-        _, reward, _, _, info = env.step(actions_of(env.unwrapped, step))
-        total += reward
-    np.testing.assert_allclose(info["episode"]["r"], total)
-    assert info["episode"]["l"].tolist() == [LENGTH] * 4
-
-
 @pytest.fixture(scope="module")
 def certain(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Returns a game of one agent without chance, which ends when both trees are eaten or after 20 steps."""

@@ -123,17 +123,6 @@ def test_others_may_be_a_stored_policy(tmp_path: Path) -> None:
     )
 
 
-def test_pictures_and_texts(capsys: pytest.CaptureFixture[str]) -> None:
-    env = AgentGame("coins", render_mode="rgb_array", **SHORT)
-    with pytest.raises(RuntimeError, match="call reset before render"):
-        env.render()
-    env.reset(seed=0)
-    picture = env.render()
-    assert picture.dtype == np.uint8 and picture.ndim == 3
-    AgentGame("coins", render_mode="human", **SHORT).reset(seed=0)
-    assert capsys.readouterr().out.count("\n") >= 16
-
-
 def test_wrong_calls_are_refused() -> None:
     env = AgentGame("coins", **SHORT)
     with pytest.raises(RuntimeError, match="the episode is over or not started; call reset"):
