@@ -393,30 +393,3 @@ def test_ore_grows_last(stage: Stage) -> None:
 
 
 # Moves, starts, what is seen
-
-
-def test_what_is_seen() -> None:
-    """Ore in its three states; nothing of who has hit it or how long it stays open; the ray in one observation."""
-    scene = put(
-        STAGES[None],
-        "OOOiOOO",
-        "OOOgOOO",
-        "OOO^OOO  0",
-        "OO>Ov<O  342",
-        EMPTY,
-        "OOOOO#O",
-        EMPTY,
-        "vPPPPP^  15",
-    )
-    scene.step("mine")
-    assert [scene.seen(0, "content", ahead=n) for n in (3, 2, 1, 0)] == [
-        "outside",
-        "rock ore=iron",
-        "rock ore=partial",
-        "rock ore=none",
-    ]
-    assert {plane.name for plane in scene.env.token_planes} == {"content", "agent", "marks"}
-    assert scene.seen(0, "agent", ahead=-1, right=-1) == "other turned right"
-    assert scene.seen(0, "content", ahead=-1, right=5) == "outside"
-    assert (scene.seen(0, "marks", ahead=1), scene.seen(0, "marks", ahead=-1)) == ("mine", "")
-    assert scene.step().seen(0, "marks", ahead=1) == ""

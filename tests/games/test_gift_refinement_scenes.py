@@ -282,33 +282,6 @@ def test_tokens_come_on_bare_ground_where_nobody_stands(stage: Stage) -> None:
 # Moves, starts, what is seen
 
 
-def test_what_is_seen() -> None:
-    """Tokens on the ground and one's own bag, not that of others; in the released rules no bag at all."""
-    scene = put(
-        DEFAULT,
-        "TTTTrTTT",
-        "TTTT^TTT  0",
-        "TT#T^TTT  1",
-        ROWS[3],
-        "vvvPPPPP",
-        bags={0: (1, 2, 3), 1: (4, 5, 6)},
-    )
-    assert [scene.seen(0, "content", ahead=n) for n in (2, 1, 0)] == [
-        "outside",
-        "ground token=raw",
-        "ground token=none",
-    ]
-    assert [scene.seen(0, f"agent.bag[{level}]") for level in LEVELS] == [1, 2, 3]
-    assert [scene.seen(1, f"agent.bag[{level}]") for level in LEVELS] == [4, 5, 6]
-    assert scene.seen(1, "agent", ahead=1) == "other same heading"
-    assert {plane.name for plane in RELEASED.env.token_planes} == {
-        "content",
-        "agent",
-        "marks",
-        "agent.heading",
-    }
-
-
 def test_held_tokens_are_counted_as_released_before_they_are_consumed() -> None:
     """Released code: after gifts, before consumption; by default at the end of the step."""
     for stage, held in ((DEFAULT, 0), (RELEASED, 5)):

@@ -317,25 +317,3 @@ def test_beams_leave_the_map_only_as_released(picture: tuple[str, ...], hit: set
 
 
 # Episodes, moves, what is seen
-
-
-def test_what_is_seen() -> None:
-    """Each kind of mushroom, one's own digestion, the beam in one observation."""
-    scene = put(
-        DEFAULT,
-        EMPTY,
-        "..RGBO..",
-        "..vR....  1",
-        "..^.....  0",
-        EMPTY,
-        "....v^>.  342",
-        fields={"agent.digesting": {1: 7}},
-    )
-    seen = [scene.seen(0, "content", ahead=2, right=right) for right in range(5)]
-    assert seen == [f"ground grows={kind}" for kind in (*KINDS, "none")]
-    assert scene.seen(0, "content", ahead=-3 + 2, right=-3) == "outside"
-    assert [scene.seen(agent, "agent.digesting") for agent in (0, 1)] == [0, 7]
-    scene.step("zap, zap").has({"event hits": [1, 0, 0, 0, 0]})
-    assert scene.value("marks fire") == {(2, 2), (1, 2), (2, 1), (2, 3)}
-    assert scene.seen(0, "marks", ahead=2) == "fire"
-    assert scene.step().value("marks fire") == set()

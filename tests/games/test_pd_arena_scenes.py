@@ -334,19 +334,6 @@ def test_resources_come_back_in_place_where_nobody_stands(stage: Stage) -> None:
 # Moves, starts, what is seen
 
 
-def test_what_is_seen() -> None:
-    """Resources, one's own bag and whether one is held."""
-    picture = (EMPTY, "..Cd....", "..^^....  01", *ROWS[3:5], "vvPPPPPP  23")
-    scene = put(DEFAULT, *picture, bags={0: (2, 3), 1: (4, 100)}, held={1: 50})
-    assert scene.seen(0, "content", ahead=1) == "patch class=coop stock=ripe"
-    assert scene.seen(1, "content", ahead=1) == "patch class=defect stock=none"
-    assert [
-        scene.seen(agent, f"agent.bag[{word}]") for agent in (0, 1) for word in ("coop", "defect")
-    ] == [2, 3, 4, 100]
-    assert [scene.seen(agent, "agent.resting") for agent in (0, 1)] == ["free", "held"]
-    assert own_planes(DEFAULT) == {"agent.bag[coop]", "agent.bag[defect]", "agent.resting"}
-
-
 def test_as_released_everybody_sees_every_bag_and_nobody_who_is_held() -> None:
     """In every cell of everybody's window, also of agents far away: all that can be taken to cooperate, then all to defect."""
     bags = {0: (2, 3), 1: (4, 100), 2: (0, 0), 3: (7, 1)}

@@ -105,25 +105,3 @@ def test_autoreset_is_gymnasiums(certain: str) -> None:
         assert_alike(made, theirs.step(actions))
         ends += made[2] | made[3]
     assert len(set(ends.tolist())) > 1 and ends.min() > 1
-
-
-def test_wrong_calls_are_refused() -> None:
-    env = VectorGame("coins", 2, **SHORT)
-    with pytest.raises(RuntimeError, match="call reset before step"):
-        env.step(actions_of(env, 0))
-    env.reset(seed=0)
-    with pytest.raises(
-        ValueError, match=r"the action of slot 1 must be a whole number from 0 to 6, not 7"
-    ):
-        env.step(np.array([0, 7, 0, 0]))
-    with pytest.raises(ValueError, match=r"expected actions of shape \(4,\), got \(2,\)"):
-        env.step(np.zeros(2, int))
-    with pytest.raises(TypeError, match="the seed must be a whole number of 0 or more"):
-        env.reset(seed=[1, 2, 3, 4])
-    with pytest.raises(TypeError, match="there is no option `reset_mask`"):
-        env.reset(options={"reset_mask": np.ones(4, bool)})
-    with pytest.raises(ValueError, match="num_envs must be at least 1"):
-        VectorGame("coins", 0)
-    env.close()
-    with pytest.raises(RuntimeError, match="the environment is closed"):
-        env.step(actions_of(env, 0))

@@ -1,6 +1,5 @@
 """The PettingZoo adapter: PettingZoo's own tests, and what they do not ask for."""
 
-import re
 from functools import partial
 
 import numpy as np
@@ -77,23 +76,3 @@ def test_the_returns_are_the_games() -> None:
     assert env.agents == []
     assert env.step({}) == ({}, {}, {}, {}, {})
     assert rewards.sum() <= counts.sum()
-
-
-@pytest.mark.parametrize(
-    ("actions", "error", "message"),
-    [
-        ({"agent_0": 1}, KeyError, "no action for agent_1"),
-        (
-            {"agent_0": 1, "agent_1": 7},
-            ValueError,
-            "the action of agent_1 must be a whole number from 0 to 6, not 7",
-        ),
-    ],
-)
-def test_wrong_actions_are_refused(
-    actions: dict[str, int], error: type[Exception], message: str
-) -> None:
-    env = coins()
-    env.reset(seed=0)
-    with pytest.raises(error, match=re.escape(message)):
-        env.step(actions)

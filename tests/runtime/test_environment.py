@@ -53,12 +53,6 @@ def at(tree: Any, index: int) -> Any:
     return jax.tree.map(lambda leaf: np.asarray(leaf)[index], tree)
 
 
-def some_states(env: Environment, number: int = 4) -> Any:
-    """Returns a batch of states in different steps of an episode; the last two are one step from its end."""
-    states = stacked([env.reset(key)[1] for key in keys(3, number)])
-    return states.replace(step=jnp.array([0, 2, *[LENGTH - 1] * (number - 2)], jnp.int32))
-
-
 # What it says about itself
 
 
@@ -164,39 +158,6 @@ def test_old_style_keys_are_typed_keys(env: Environment, seed: int) -> None:
 
 
 # Transformations
-
-
-def test_jit_scan_and_loop_agree(env: Environment) -> None:
-    """Two episodes and a half."""
-    steps = 15
-    _, state = env.reset(jax.random.key(0))
-    actions = random_actions(2, steps)
-
-    def advance(state: Any, given: tuple[jax.Array, jax.Array]) -> tuple[Any, Any]:
-        observation, state, reward, done, info = env.step(given[0], state, given[1])
-        return state, (observation, state, reward, done, info)
-
-    _, scanned = jax.jit(lambda s, k, a: jax.lax.scan(advance, s, (k, a)))(
-        state, keys(1, steps), actions
-    )
-    looped = []
-    for t, key in enumerate(keys(1, steps)):
-        looped.append(env.step(key, state, actions[t]))
-        state = looped[-1][1]
-    assert_same(scanned, stacked(looped))
-    assert scanned[3].tolist() == [t % LENGTH == LENGTH - 1 for t in range(steps)]
-
-
-def test_vmap_is_a_loop(env: Environment) -> None:
-    """Of four environments two end their episode."""
-    states, actions = some_states(env), random_actions(5, 4)
-    batch = jax.jit(jax.vmap(env.step))(keys(4, 4), states, actions)
-    assert batch[3].tolist() == [False, False, True, True]
-    assert_same(
-        batch,
-        stacked([env.step(key, at(states, i), actions[i]) for i, key in enumerate(keys(4, 4))]),
-    )
-    assert_same(jax.vmap(env.reset)(keys(4, 4)), stacked([env.reset(key) for key in keys(4, 4)]))
 
 
 # Ends of episodes

@@ -83,8 +83,6 @@ def test_place(cells: int, agents: int) -> None:
             site.tolist(), *(x[case].tolist() for x in (free, word, position, sent))
         )
         assert (found[case].tolist(), placed[case].tolist()) == expected
-        new = found[case][placed[case]]
-        assert len(set(new.tolist())) == len(new) <= free[case].sum()
 
 
 @pytest.mark.parametrize(("cells", "agents"), [(1, 3), (3, 5), (60, 7)])
@@ -306,21 +304,7 @@ def test_pair(left: int, right: int, alike: bool) -> None:
     paired = jax.jit(jax.vmap(lambda r: (pair(r, alike),)))
     (found,) = same_in_both_forms(paired, jnp.asarray(rank, jnp.uint32))
     for case in range(cases):
-        partner = found[case].tolist()
-        assert partner == references.pair(rank[case].tolist(), alike)
-        lefts, rights = (
-            {a for a, b in enumerate(partner) if b < right},
-            [b for b in partner if b < right],
-        )
-        assert len(set(rights)) == len(rights)
-        if alike:
-            assert not lefts & set(rights)
-        busy = (lefts | set(rights), lefts | set(rights)) if alike else (lefts, set(rights))
-        assert not [
-            (a, b)
-            for a, b in np.argwhere(rank[case] > 0).tolist()
-            if a not in busy[0] and b not in busy[1]
-        ]
+        assert found[case].tolist() == references.pair(rank[case].tolist(), alike)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from probes import QUICK, matching
-from run_outcomes import counting
 
 from sjdsl.cli.evaluate import stored_policy
 from sjdsl.runtime.planes import TokenPlane
@@ -22,8 +21,6 @@ from sjdsl.trainers import (
     evaluate,
     load_policy,
     make_config,
-    run,
-    train,
     trained_policy,
 )
 from sjdsl.trainers.policies import parameter_shapes
@@ -148,15 +145,6 @@ def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
         load_policy(tmp_path, matching())
 
 
-def test_folders_of_seeds_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    config = make_config(QUICK, total_timesteps=16 * 16 * 2, seeds=2, seed=7)
-    train(matching(), config, tmp_path / "run", "none")
-    with pytest.raises(PolicyError, match=r"several seeds; name one: .*run/seed_7, .*run/seed_8"):
-        load_policy(tmp_path / "run", matching())
-    assert (tmp_path / "run" / "seed_8" / "policies" / "last.safetensors").is_file()
-
-
 def test_a_policy_with_memory_starts_each_episode_afresh() -> None:
     """And is told from one without: its actions come with what it remembers."""
     config = make_config({**QUICK, "memory": "gru"})
@@ -203,17 +191,4 @@ def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, number: float) 
     with pytest.raises(
         PolicyError, match=r"best\.safetensors holds non-finite numbers, in .*kernel"
     ):
-        load_policy(path, matching())
-
-
-def test_a_file_of_an_earlier_version_is_read_with_a_warning(tmp_path: Path) -> None:
-    """It has no digest, and its configuration a key that is gone."""
-    from safetensors.numpy import load_file, save_file
-
-    path = _store(tmp_path)
-    save_file(load_file(path), path)
-    described = json.loads(path.with_suffix(".json").read_text())
-    described["config"]["checkpoint_every"] = 50
-    path.with_suffix(".json").write_text(json.dumps(described))
-    with pytest.warns(UserWarning, match=r"best\.safetensors has no digest"):
         load_policy(path, matching())
