@@ -73,10 +73,6 @@ def compare(left: ir.Expr, fn: str, right: ir.Expr) -> ir.Compare:
     return ir.Compare(fn=fn, left=left, right=right)
 
 
-def same(left: ir.Expr, right: ir.Expr) -> ir.Same:
-    return ir.Same(left=left, right=right)
-
-
 def index(who: str = "agent") -> ir.Attribute:
     return ir.Attribute(type=INT, owner=agent(who), name="index")
 
