@@ -48,22 +48,3 @@ def test_all_committed_diagrams_are_in_the_results() -> None:
         for folders in ([DATA], DIAGRAMS)
     )
     assert here - there == set(), "take them in as docs/reports.md says"
-
-
-def test_cross_play_is_of_the_policies_of_the_diagrams() -> None:
-    """Both play a policy with itself by the same keys, so that A is the difference of two mixtures, to the digits that are kept."""
-    data = load(DATA)
-    met, diagrams = (data[data.record == record] for record in ("mixture", "diagram"))
-    earned = {(row.hash, row.mixture): row["mean"] for _, row in met.iterrows()}
-    found = 0
-    for _, row in diagrams.iterrows():
-        both = [
-            earned.get((row.hash, f"{row.num_agents} x {policy}"))
-            for policy in (row.cooperators, row.defectors)
-        ]
-        if None not in both:
-            assert pytest.approx(both[0] - both[1], abs=1e-3) == row.A_mean
-            found += 1
-    assert found
-    trained = {policy for policy in met.policy if policy.startswith("runs/")}
-    assert trained <= {*diagrams.cooperators, *diagrams.defectors}

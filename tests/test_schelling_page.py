@@ -42,12 +42,3 @@ def test_diagrams_are_of_the_rules_of_the_file(folder: Path) -> None:
     assert stored["game"]["hash"] == rules, (
         "the rules have changed since: play the diagram again by the command in docs/schelling.md"
     )
-
-
-@pytest.mark.parametrize("folder", DIAGRAMS, ids=lambda folder: folder.name)
-def test_diagrams_name_no_place_and_are_small(folder: Path) -> None:
-    text = (folder / "schelling.json").read_text(encoding="utf-8")
-    assert not any(json.loads(text)[side].startswith("/") for side in ("cooperators", "defectors"))
-    assert all(
-        (folder / name).stat().st_size < 90_000 for name in ("schelling.json", "schelling.svg")
-    )

@@ -10,13 +10,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import pytest
-from click.testing import CliRunner
 from jax import Array
 from jax.experimental.compilation_cache import compilation_cache
 
-from bench.speed.__main__ import main
-from sjdsl.bench import Report, Task, game_task, measure, yardstick_task
-from sjdsl.bench.compilation import compile_step
+from sjdsl.bench import Report, Task, game_task, measure
 from sjdsl.bench.loop import make_loop
 from sjdsl.cli import run
 from sjdsl.runtime.env import Environment
@@ -75,10 +72,6 @@ def test_the_report_can_be_stored(report: Report) -> None:
     assert {speed["observation"] for speed in stored["speeds"]} == {"tokens"}
 
 
-def test_one_step_is_what_is_compiled(meadow_env: Environment) -> None:
-    assert compile_step(meadow_env, "m").name == "m"
-
-
 def test_the_loop_adds_all_rewards_and_the_last_observations() -> None:
     """One environment counts its steps and shows the count: of four, with two agents, after n steps."""
 
@@ -113,18 +106,6 @@ def test_episodes_begin_anew_in_the_loop(meadow_env: Environment) -> None:
         unseeing,
     )
     assert 0 < rewards(3) < rewards(9) < rewards(18)
-
-
-def test_the_yardstick_plays() -> None:
-    task = yardstick_task()
-    start = jax.eval_shape(task.reset)
-    actions = jax.ShapeDtypeStruct((7,), "int32")
-    state, reward, tokens = jax.eval_shape(
-        task.step, start, actions, jax.eval_shape(lambda: jax.random.key(0))
-    )
-    assert state == start
-    assert (reward.shape, reward.dtype) == ((7,), "float32")
-    assert (tokens.shape, tokens.dtype) == ((7, 11, 11), "uint8")
 
 
 @pytest.fixture
@@ -178,26 +159,3 @@ def test_the_command_prints_and_stores_a_table_and_keeps_no_program(
         assert part in shown
     assert json.loads(Path("out.json").read_text())["repeats"] == 1
     assert sorted(keeping.iterdir()) == kept
-
-
-@pytest.mark.thorough
-@pytest.mark.usefixtures("folder")
-def test_the_command_measures_several_forms_of_which_a_page_is_made(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    Path("docs").mkdir()
-    Path("docs/page.md").write_text(
-        "Speed.\n<!-- speed cpu -->\n<!-- end speed cpu -->\nThat was it.\n"
-    )
-    asked = "race meadow.sj --observation tokens,onehot --crowd --envs 2 --steps 2 --repeats 1 --json race.json"
-    monkeypatch.setattr("sys.argv", ["bench.speed", *asked.split()])
-    assert CliRunner().invoke(main, asked.split()).exit_code == 0
-    assert (
-        CliRunner().invoke(main, ["tables", "race.json", "--markdown", "docs/page.md"]).exit_code
-        == 0
-    )
-    page = Path("docs/page.md").read_text()
-    assert f"`python -m bench.speed {asked}`" in page
-    assert "| meadow | 2 | onehot |" in page
-    assert "meadow.sj can't have 20 agents: " in page
-    assert page.startswith("Speed.") and page.endswith("That was it.\n")

@@ -86,9 +86,3 @@ def test_one_number_of_the_world_is_kept_in_32_bits(ballot: Path) -> None:
 def test_a_ballot_of_128_environments_compiles(ballot: Path) -> None:
     done = compiled_alone(str(ballot))
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.thorough
-def test_hidden_agenda_compiles_for_128_environments() -> None:
-    done = compiled_alone("hidden_agenda")
-    assert done.returncode == 0, done.stderr

@@ -6,18 +6,16 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from bench.speed import resuming
 from bench.speed.__main__ import main
-from bench.speed.everything import Part, measure_everything, parts_of
+from bench.speed.everything import Part, measure_everything
 from bench.speed.kernels import Kernels, StepKernels
-from bench.speed.resuming import Resume, differences, train_in_this_process
+from bench.speed.resuming import Resume, differences
 from bench.speed.stored import Found, joined, read_found
 from bench.speed.sweep import Sweep
 from bench.speed.tables import tables_of
 from bench.speed.training import Split, Training
-from sjdsl.bench import Compilation, Report, Speed, game_task
+from sjdsl.bench import Compilation, Report, Speed
 from sjdsl.bench.stored import write_found
-from sjdsl.runtime.env import Environment
 
 MACHINE = {
     "platform": "gpu",
@@ -103,23 +101,6 @@ def test_figures_of_one_sort_are_joined() -> None:
         joined(TRAINING, speeds(1))
 
 
-def test_the_parts_begin_with_what_tells_most(meadow_env: Environment) -> None:
-    one_hot = Environment(meadow_env.module, meadow_env.params, "onehot", meadow_env.game)
-    assert [
-        part.name
-        for part in parts_of([game_task(meadow_env), game_task(one_hot)], "meadow.sj", (4, 8))
-    ] == [
-        "speed_tokens_4",
-        "speed_tokens_8",
-        "kernels",
-        "resuming",
-        "training_mlp_meadow",
-        "speed_onehot_4",
-        "speed_onehot_8",
-        "training_cnn_meadow",
-    ]
-
-
 def test_a_page_is_made_of_the_files(tmp_path: Path) -> None:
     """Nothing is measured; figures of one section are joined, and what no mark is for is refused."""
     parts = [
@@ -173,21 +154,3 @@ def test_runs_differ_where_a_number_does(tmp_path: Path) -> None:
     )
     (tmp_path / "resumed" / "metrics.jsonl").write_text(lines[0] + "\n")
     assert differences(tmp_path / "whole", tmp_path / "resumed")[0] == "2 and 1 rows of metrics"
-
-
-@pytest.mark.thorough
-def test_a_run_that_is_resumed_ends_as_one_that_was_not_stopped(
-    meadow: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(resuming, "UPDATES", 4)
-    monkeypatch.setattr(
-        resuming,
-        "SETTINGS",
-        {"total_timesteps": 4 * 4 * 8, "num_envs": 4, "num_steps": 8, "evaluate_every": 0},
-    )
-    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
-    train_in_this_process(str(meadow), str(whole), "train")
-    train_in_this_process(str(meadow), str(stopped), "stop")
-    assert differences(whole, stopped)[0] == "4 and 2 rows of metrics"
-    train_in_this_process(str(meadow), str(stopped), "resume")
-    assert differences(whole, stopped) == ()

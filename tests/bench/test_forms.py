@@ -1,10 +1,5 @@
 """Which forms of the games are measured: with many agents too, both observations; nothing is compiled by XLA here."""
 
-from pathlib import Path
-
-import click
-import pytest
-
 from bench.speed.__main__ import forms_of
 from tests.games.environments import NINE
 
@@ -25,15 +20,6 @@ def test_a_game_without_room_comes_as_its_crowd_and_one_that_refuses_is_named() 
     )
 
 
-def test_each_observation_is_a_task() -> None:
-    tasks, refused = forms_of(["coins"], ["tokens", "onehot"], crowd=False)
-    assert [(task.name, task.observation) for task in tasks] == [
-        ("coins", "tokens"),
-        ("coins", "onehot"),
-    ]
-    assert refused == []
-
-
 def test_all_nine_but_coins_come_with_twenty_agents() -> None:
     tasks, refused = forms_of(NINE, ["tokens"], crowd=True)
     crowds = [task for task in tasks if task.crowd]
@@ -42,9 +28,3 @@ def test_all_nine_but_coins_come_with_twenty_agents() -> None:
     ]
     assert {task.num_agents for task in crowds} == {20}
     assert len(refused) == 1
-
-
-def test_what_is_wrong_with_a_game_is_no_refusal_of_a_number(tmp_path: Path) -> None:
-    (tmp_path / "wrong.sj").write_text("sj 1\ngame wrong {")
-    with pytest.raises(click.ClickException):
-        forms_of([str(tmp_path / "wrong.sj")], ["tokens"], crowd=True)

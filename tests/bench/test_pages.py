@@ -10,7 +10,7 @@ import pytest
 from bench.speed.sweep import Sweep
 from bench.speed.tables import sweep_table, tables_of
 from sjdsl.bench import Compilation, Report, Speed, Task
-from sjdsl.bench.markdown import markdown_section, replace_section, write_section
+from sjdsl.bench.markdown import markdown_section, replace_section
 from sjdsl.bench.tables import speed_tables
 from sjdsl.bench.timing import Round, speed_of
 
@@ -91,29 +91,3 @@ def test_only_the_text_between_the_marks_is_replaced() -> None:
     assert replace_section(replace_section(page, "speed cpu", ""), "speed cpu", "old\n") == page
     with pytest.raises(ValueError, match="<!-- speed tpu -->"):
         replace_section(page, "speed tpu", "")
-
-
-def test_a_section_is_written_again(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text("<!-- speed cpu -->\n<!-- end speed cpu -->\n")
-    write_section(page, "speed cpu", "first\n")
-    write_section(page, "speed cpu", "second\n")
-    assert page.read_text() == "<!-- speed cpu -->\nsecond\n<!-- end speed cpu -->\n"
-
-
-@pytest.mark.parametrize("sort", ["cpu", "gpu"])
-@pytest.mark.parametrize(
-    ("section", "made"),
-    [
-        ("speed", "--observation tokens,onehot"),
-        ("sweep harvest_open regrow_3", "sweep harvest_open regrow_3"),
-        ("sweep pd_arena payoff", "sweep pd_arena payoff"),
-    ],
-)
-def test_the_page_of_speeds_has_marks_for_what_make_bench_measures(
-    section: str, made: str, sort: str
-) -> None:
-    root = Path(__file__).parents[2]
-    page = (root / "docs" / "performance.md").read_text(encoding="utf-8")
-    assert "newly measured" in replace_section(page, f"{section} {sort}", "newly measured\n")
-    assert made in (root / "Makefile").read_text(encoding="utf-8")

@@ -1,6 +1,5 @@
 """Environments split over devices: every one of them is played, each device draws its own actions, and what cannot be split is refused."""
 
-import json
 import os
 import re
 import subprocess
@@ -68,25 +67,6 @@ def test_the_example_of_the_page_of_speeds_runs(tmp_path: Path) -> None:
     ended = run_alone(["-c", f"{example}\n{shown}"], tmp_path)
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.strip() == "(1024, 100, 6) 2 True"
-
-
-@pytest.mark.thorough
-def test_the_command_splits_environments(meadow: Path, tmp_path: Path) -> None:
-    (tmp_path / "meadow.sj").write_text(meadow.read_text(encoding="utf-8"), encoding="utf-8")
-    (tmp_path / "page.md").write_text(
-        "<!-- speed 2 devices cpu -->\n<!-- end speed 2 devices cpu -->\n", encoding="utf-8"
-    )
-    asked = "race meadow.sj --devices 2 --envs 4 --steps 2 --repeats 1 --json out.json"
-    ended = run_alone(["-m", "bench.speed", *asked.split()], tmp_path, JAX_NUM_CPU_DEVICES="2")
-    assert ended.returncode == 0, ended.stderr
-    assert (
-        json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["machine"]["devices"] == 2
-    )
-    shown = run_alone(
-        ["-m", "bench.speed", "tables", "out.json", "--markdown", "page.md"], tmp_path
-    )
-    assert "2 devices" in shown.stdout
-    assert "CPU cores, 2 devices, JAX" in (tmp_path / "page.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Sweeps: one program with many values plays as the programs with one value each do."""
 
-import json
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +10,7 @@ from click.testing import CliRunner
 
 import sjdsl
 from bench.speed.__main__ import main
-from bench.speed.sweep import make_sweep_loop, measure_sweep, swept_params
+from bench.speed.sweep import make_sweep_loop, swept_params
 from sjdsl.bench import game_task
 from sjdsl.bench.loop import make_loop
 from sjdsl.runtime.env import Environment
@@ -52,20 +50,6 @@ def env(file: Path) -> Environment:
     return sjdsl.make(file)
 
 
-def test_values_lie_evenly_around_the_games_own(env: Environment) -> None:
-    assert [float(params.apple) for params in swept_params(env, "apple", 3)] == [1.5, 2, 2.5]
-    assert [int(params.rest) for params in swept_params(env, "rest", 3)] == [
-        8,
-        10,
-        12,
-    ]  # whole, and within the limits
-
-
-def test_a_table_is_varied_as_a_whole(env: Environment) -> None:
-    worth = [params.worth.tolist() for params in swept_params(env, "worth", 3)]
-    assert worth == [[0.75, -1.5], [1, -2], [1.25, -2.5]]
-
-
 @pytest.mark.parametrize(
     ("name", "number", "said"),
     [
@@ -94,42 +78,6 @@ def test_values_as_arguments_play_as_constants_do(env: Environment) -> None:
         together(own, own, own, own)
         < together(own, own, dear, own)
         < together(dear, dear, dear, dear)
-    )
-
-
-@pytest.mark.slow
-def test_a_sweep_is_measured_both_ways(env: Environment) -> None:
-    sweep = measure_sweep(
-        game_task(env), "apple", swept_params(env, "apple", 4), 2, repeats=3, num_steps=2, apart=2
-    )
-    assert (sweep.name, sweep.param, sweep.num_values, sweep.num_envs) == ("orchard", "apple", 4, 2)
-    assert len(sweep.apart_compile_s) == 2
-    for rates in (sweep.together, sweep.apart, sweep.constant):
-        assert len(rates) == 3 and min(rates) > 0
-    assert min(sweep.together_compile_s, sweep.constant_compile_s, *sweep.apart_compile_s) > 0
-    assert json.loads(json.dumps(asdict(sweep)))["together_memory_bytes"] > 0
-
-
-@pytest.mark.thorough
-def test_the_command_writes_a_sweep(
-    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    page = tmp_path / "page.md"
-    page.write_text("<!-- sweep orchard apple cpu -->\n<!-- end sweep orchard apple cpu -->\n")
-    figures = str(tmp_path / "sweep.json")
-    asked = [
-        "sweep",
-        str(file),
-        "apple",
-        *["--values", "2", "--envs", "2", "--steps", "2", "--repeats", "1", "--json"],
-        figures,
-    ]
-    monkeypatch.setattr("sys.argv", ["bench.speed", *asked])
-    found = CliRunner().invoke(main, asked)
-    assert "2 values of apple of orchard, 2 environments each" in found.output
-    assert CliRunner().invoke(main, ["tables", figures, "--markdown", str(page)]).exit_code == 0
-    assert page.read_text().startswith(
-        "<!-- sweep orchard apple cpu -->\n`python -m bench.speed sweep "
     )
 
 

@@ -102,33 +102,6 @@ def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
     expect(part(playground, "verdict")).to_have_text("", timeout=30_000)
 
 
-def test_the_board_steps_back_and_forth(playground: Page) -> None:
-    for _ in range(3):
-        part(playground, "forward").click()
-    expect(part(playground, "step")).to_have_text("step 3", timeout=30_000)
-    part(playground, "back").click()
-    expect(part(playground, "step")).to_have_text("step 2", timeout=30_000)
-    drawn = part(playground, "board").evaluate(
-        "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
-    )
-    assert drawn > 20, "the board is drawn in colours"
-
-
-def test_another_example_is_opened_and_its_panels_filled(playground: Page) -> None:
-    open_game(playground, "example:coins.sj")
-    expect(part(playground, "title")).to_have_text("Coins", timeout=30_000)
-    part(playground, "forward").click()
-    for panel, text in (
-        ("why", "The last step"),
-        ("state", "World"),
-        ("seen", "plane by plane"),
-        ("python", "jax"),
-        ("rules", "Coins"),
-    ):
-        playground.locator(f'[data-panel="{panel}"]').click()
-        expect(part(playground, "panel")).to_contain_text(text, timeout=60_000)
-
-
 def test_a_copy_is_kept_and_can_be_downloaded(playground: Page) -> None:
     open_game(playground, "example:coins.sj")
     write(playground, "sj 1", "\n# mine")
@@ -153,14 +126,6 @@ def test_what_takes_too_long_is_stopped_and_python_begins_again(playground: Page
     expect(playground.locator("body")).to_have_attribute("data-compiles", "true")
     part(playground, "forward").click(timeout=LOADED)
     expect(part(playground, "step")).to_have_text("step 1", timeout=LOADED)
-
-
-def test_the_episode_is_shared_as_a_file(playground: Page) -> None:
-    with playground.expect_download() as download:
-        part(playground, "share").click()
-    assert '<script type="application/json" id="episode">' in download.value.path().read_text(
-        encoding="utf-8"
-    )
 
 
 def test_a_language_server_that_begins_again_ends_the_one_before(playground: Page) -> None:

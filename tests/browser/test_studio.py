@@ -2,9 +2,9 @@
 
 import re
 
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
-from tests.browser.studio_page import GAME, Studio, open_game, opened, part, studio, type_over
+from tests.browser.studio_page import GAME, Studio, opened, part, studio, type_over
 
 __all__ = ["opened", "studio"]  # fixtures
 
@@ -18,29 +18,6 @@ def test_a_mistake_is_told_and_its_repair_changes_the_board(opened: Page) -> Non
     expect(part(opened, "verdict")).to_have_text("")
     opened.wait_for_timeout(500)
     assert part(opened, "board").evaluate("board => board.height / board.width") > before
-
-
-def test_words_have_the_colours_of_the_grammar(opened: Page) -> None:
-    def coloured(name: str) -> list[str]:
-        return opened.locator(f".text .tok-{name}").all_inner_texts()
-
-    type_over(opened, GAME.replace("episode 50", "episode 50  # short"))
-    expect(opened.locator(".text .tok-comment")).to_have_text("# short")
-    assert coloured("typeName")[:4] == ["yard", "fine", "reward", "floor"]
-    assert coloured("keyword")[:8] == [
-        "sj",
-        "game",
-        "param",
-        "in",
-        "episode",
-        "kind",
-        "kind",
-        "field",
-    ]
-    assert coloured("number")[:5] == ["1", "1", "0", "5", "50"]
-    assert coloured("string")[:3] == ['"Yard"', '"."', '"A"']
-    assert coloured("atom") == ["north"]
-    assert coloured("macroName") == ["count", "count"]
 
 
 def test_the_board_plays_back_and_forth(opened: Page) -> None:
@@ -121,24 +98,6 @@ def test_panels_are_of_the_text_as_it_is(opened: Page) -> None:
     expect(part(opened, "panel")).to_contain_text("passed")
 
 
-def test_an_episode_is_exported_and_opened_without_the_studio(
-    opened: Page, studio: Studio, browser: Browser
-) -> None:
-    part(opened, "forward").click()
-    expect(part(opened, "step")).to_have_text("step 1")
-    with opened.expect_download() as download:
-        part(opened, "share").click()
-    path = studio.folder / "shared.html"
-    download.value.save_as(path)
-    studio.stop()
-    alone = browser.new_page()
-    alone.goto(path.as_uri())
-    expect(part(alone, "step")).to_have_text("step 0")
-    part(alone, "forward").click()
-    expect(part(alone, "step")).to_have_text("step 1")
-    alone.close()
-
-
 def test_the_page_comes_back_with_the_server(opened: Page, studio: Studio) -> None:
     type_over(opened, GAME.replace("Yard", "Garden"))
     expect(part(opened, "title")).to_have_text("Garden")
@@ -170,20 +129,6 @@ def test_saving_writes_the_file_and_nothing_of_others(opened: Page, studio: Stud
     opened.get_by_role("button", name="Write mine over it").click()
     expect(part(opened, "save")).to_be_disabled()
     assert '"Mine again"' in path.read_text(encoding="utf-8")
-
-
-def test_an_example_is_opened_and_saved_as_a_copy(opened: Page, studio: Studio) -> None:
-    open_game(opened, "example:harvest_closed.sj")
-    expect(part(opened, "title")).to_have_text("Commons Harvest: Closed")
-    expect(part(opened, "verdict")).to_have_text("")
-    opened.locator(".cm-content").press("Control+End")
-    opened.keyboard.insert_text("# mine\n")
-    part(opened, "save").click()
-    opened.get_by_role("textbox", name="Name").fill("closed.sj")
-    opened.locator("dialog").get_by_role("button", name="Save").click()
-    expect(part(opened, "name")).to_have_text("closed.sj")
-    assert "# mine" in (studio.folder / "closed.sj").read_text(encoding="utf-8")
-    expect(part(opened, "title")).to_have_text("Commons Harvest: Closed")
 
 
 def test_of_two_hundred_fast_edits_the_last_is_shown(opened: Page) -> None:

@@ -1,7 +1,5 @@
 """The studio's page in use: mistakes and their repairs, the line of tools, numbers and the text, dark, keys, and screen readers."""
 
-import os
-import signal
 from collections.abc import Iterator
 
 import pytest
@@ -56,21 +54,6 @@ def test_a_mistake_beside_the_text_is_told_too(opened: Page) -> None:
     expect(part(opened, "warned")).to_have_text("No problems")
 
 
-@pytest.mark.parametrize("like", ["", "example:coins.sj"], ids=["template", "bundled"])
-def test_a_new_game_is_made_and_opened(opened: Page, studio: Studio, like: str) -> None:
-    part(opened, "new").click()
-    opened.get_by_role("textbox", name="Name").fill("mine")
-    opened.get_by_label("Start from").select_option(like)
-    opened.get_by_role("button", name="Create").click()
-    expect(part(opened, "name")).to_have_text("mine.sj")
-    expect(part(opened, "verdict")).to_have_text("")
-    assert "game mine " in (studio.folder / "mine.sj").read_text(encoding="utf-8")
-    part(opened, "new").click()
-    opened.get_by_role("textbox", name="Name").fill("mine")
-    opened.get_by_role("button", name="Create").click()
-    expect(opened.locator("dialog [role=alert]")).to_contain_text("already")
-
-
 def test_a_number_is_refused_put_back_and_written(opened: Page) -> None:
     type_over(opened, GAME.replace("checks {", "checks { require fine < 4 "))
     expect(part(opened, "verdict")).to_have_text("")
@@ -88,27 +71,6 @@ def test_a_number_is_refused_put_back_and_written(opened: Page) -> None:
     opened.get_by_role("button", name="Reset fine").click()
     expect(fine).to_have_value("3")
     expect(opened.locator(".cm-content")).to_contain_text("= 3 in")
-
-
-def test_curves_follow_the_episode_and_scrubbing_asks_seldom(opened: Page) -> None:
-    sent: list[str] = []
-    opened.on(
-        "websocket", lambda socket: socket.on("framesent", lambda frame: sent.append(str(frame)))
-    )
-    opened.reload()
-    opened.locator("body[data-compiles=true]").wait_for()
-    for _ in range(6):
-        part(opened, "forward").click()
-    expect(part(opened, "step")).to_have_text("step 6")
-    expect(part(opened, "returns")).to_have_attribute(
-        "aria-label", "Returns by step. Agent 0: 0, Agent 1: 0"
-    )
-    sent.clear()
-    part(opened, "scrub").evaluate(
-        "slider => { for (let i = 0; i < 100; i++) { slider.value = i % 7; slider.dispatchEvent(new Event('input')); } }"
-    )
-    expect(part(opened, "step")).to_have_text("step 1")
-    assert len([frame for frame in sent if '"go"' in frame]) <= 3
 
 
 def test_tabs_cells_and_panes_by_keys(opened: Page) -> None:
@@ -181,14 +143,3 @@ def test_axe_finds_nothing(shaded: Page) -> None:
     look()
     part(page, "files").click()
     look()
-
-
-def test_what_takes_longer_than_a_second_shows_a_spinner(opened: Page, studio: Studio) -> None:
-    expect(part(opened, "busy")).to_be_hidden()
-    os.killpg(studio.process.pid, signal.SIGSTOP)
-    try:
-        part(opened, "forward").click()
-        expect(part(opened, "busy")).to_be_visible()
-    finally:
-        os.killpg(studio.process.pid, signal.SIGCONT)
-    expect(part(opened, "busy")).to_be_hidden()

@@ -5,14 +5,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.studio_page import GAME, Studio, open_game, opened, part, studio, type_over
+from tests.browser.studio_page import GAME, Studio, opened, part, studio, type_over
 
 __all__ = ["opened", "studio"]  # fixtures
-TABLES = GAME.replace(
-    "param fine : reward = 1 in 0 .. 5",
-    "param fine : reward = 1 in 0 .. 5\n  param pay : reward = { none: { none: 1, ripe: 2 }, ripe: { none: 3, ripe: 4 } }\n"
-    "  param wage : reward = { none: 0, ripe: 1 } in 0 .. 9",
-).replace("give fine", "give fine + pay[ripe][none] + wage[ripe]")
 
 
 def choose_panel(page: Page, name: str) -> None:
@@ -52,63 +47,6 @@ def test_the_tour_is_read_and_its_games_are_opened(opened: Page) -> None:
     expect(opened.locator(".cm-content")).to_contain_text("tally eaten for agent")
     expect(part(opened, "verdict")).to_have_text("")
     expect(panel).to_contain_text("The one rule to remember")
-
-
-def test_what_a_variant_changes_stands_beside(opened: Page) -> None:
-    expect(part(opened, "diff")).to_be_hidden()
-    type_over(
-        opened,
-        GAME.replace(
-            "  policy idler", '  variant poor "pays less" { set fine = 0 }\n  policy idler'
-        ),
-    )
-    expect(part(opened, "variant").locator("option")).to_have_count(2)
-    part(opened, "variant").select_option("poor")
-    part(opened, "diff").click()
-    expect(part(opened, "panel")).to_contain_text("fine: 1 -> 0")
-
-
-def test_tables_act_at_once(opened: Page) -> None:
-    type_over(opened, TABLES)
-    cell = opened.get_by_label("pay ripe none", exact=True)
-    expect(cell).to_have_value("3")
-    part(opened, "others").select_option("stay")
-    drag_agent_to_soil(opened)
-    cell.fill("10")
-    opened.get_by_label("wage ripe", exact=True).fill("5")
-    cell.fill("")  # no number: nothing is set
-    part(opened, "forward").click()
-    rewards = part(opened, "agents").locator("tr td:nth-child(3)")
-    expect(rewards.filter(has_text="16")).to_have_count(1)
-    type_over(opened, TABLES + "# mine\n")
-    expect(opened.get_by_label("pay ripe none", exact=True)).to_have_value("10")
-
-
-def drag_agent_to_soil(page: Page) -> None:
-    choose_panel(page, "state")
-    place = part(page, "panel").locator("tr", has_text="place").first
-    expect(place).to_be_visible()
-    row, col = (int(part) for part in place.inner_text().split("(")[1].rstrip(")").split(","))
-    box = part(page, "board").bounding_box()
-    assert box is not None
-    side = box["width"] / 3
-    page.mouse.move(box["x"] + (col + 0.5) * side, box["y"] + (row + 0.5) * side)
-    page.mouse.down()
-    page.mouse.move(box["x"] + 2.5 * side, box["y"] + 0.5 * side, steps=3)
-    page.mouse.up()
-    expect(place).to_contain_text("(0, 2)")
-
-
-def test_another_game_is_not_opened_over_unsaved_work(opened: Page) -> None:
-    type_over(opened, GAME.replace("Yard", "Mine"))
-    open_game(opened, "example:clean_up.sj")
-    expect(part(opened, "message")).to_contain_text("changes that are not saved")
-    expect(part(opened, "name")).to_have_text("yard.sj")
-    opened.get_by_role("button", name="Stay here").click()
-    expect(part(opened, "title")).to_have_text("Mine")
-    open_game(opened, "example:clean_up.sj")
-    opened.get_by_role("button", name="and lose them").click()
-    expect(part(opened, "title")).to_have_text("Clean Up")
 
 
 @pytest.mark.parametrize("edited", [False, True], ids=["as it was", "edited"])

@@ -1,7 +1,5 @@
 """`sjdsl compile`: the same bytes for the same game, and a check that they are there."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -39,19 +37,6 @@ def test_bytes_do_not_depend_on_the_folder(
     assert str(folder).encode() not in first
 
 
-def test_bytes_do_not_depend_on_the_process(folder: Path) -> None:
-    program = "from sjdsl.cli import run; run(['compile', 'orchard.sj', '-o', '{}'])"
-    for seed in ("1", "2"):
-        environment = {"PYTHONHASHSEED": seed}
-        subprocess.run(
-            [sys.executable, "-c", program.format(f"{seed}.py")],
-            cwd=folder,
-            check=True,
-            env=environment,
-        )
-    assert (folder / "1.py").read_bytes() == (folder / "2.py").read_bytes()
-
-
 def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> None:
     assert "generated/orchard.py is missing" in sjdsl("compile", "orchard.sj", "--check").out
     assert not (folder / "generated").exists()
@@ -63,10 +48,3 @@ def test_check_finds_what_differs_or_is_missing(sjdsl: Sjdsl, folder: Path) -> N
     shown = sjdsl("compile", "orchard.sj", "--check")
     assert shown.status == 1
     assert "generated/orchard.py differs from what its game compiles to now" in shown.out
-
-
-def test_two_games_do_not_share_a_file(sjdsl: Sjdsl, folder: Path) -> None:
-    (folder / "copy.sj").write_text(GAME)
-    shown = sjdsl("compile", "orchard.sj", "copy.sj")
-    assert shown.status == 1
-    assert "generated/orchard.py" in shown.err

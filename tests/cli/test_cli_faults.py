@@ -75,13 +75,6 @@ def test_no_help_and_nothing_that_only_reads_a_game_waits_for_jax(tmp_path: Path
     assert done.returncode == 0, done.stderr
 
 
-def test_the_package_runs_as_a_module() -> None:
-    shown = subprocess.run(
-        [sys.executable, "-m", "sjdsl", "--version"], check=True, capture_output=True, text=True
-    )
-    assert shown.stdout.startswith("sjdsl ")
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no such pipe")
 @pytest.mark.parametrize("arguments", ["check game.sj", "list", "--help"])
 def test_a_reader_that_has_closed_gets_no_traceback(arguments: str, tmp_path: Path) -> None:
@@ -99,10 +92,3 @@ def test_a_reader_that_has_closed_gets_no_traceback(arguments: str, tmp_path: Pa
     )
     os.close(write)
     assert (done.returncode, done.stderr) == (1, b"")
-
-
-def test_a_message_does_not_control_the_terminal(sjdsl: Sjdsl, folder: Path) -> None:
-    (folder / "mine.toml").write_text('game = "\\u001b]0;owned\\u0007\\u009b31m"\n')
-    shown = sjdsl("train", "--preset", "mine.toml")
-    assert shown.status == 1
-    assert "\\x1b]0;owned\\x07\\x9b31m" in shown.err

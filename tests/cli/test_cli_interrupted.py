@@ -78,26 +78,3 @@ def test_sigterm_keeps_recorded_episodes(folder: Path) -> None:
     assert process.wait(60) == 143
     assert len(Dataset(folder / "orchard.npz")) >= 100
     assert not list(folder.glob("*.unfinished"))
-
-
-def test_sigterm_in_python_ends_with_its_status() -> None:
-    script = "import os, signal\nfrom sjdsl.termination import *\nwith raising_on_sigterm(): os.kill(os.getpid(), signal.SIGTERM)"
-    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
-    assert (ended.returncode, ended.stdout + ended.stderr) == (143, b"")
-
-
-def test_the_language_server_ends_at_once(folder: Path) -> None:
-    process = subprocess.Popen(
-        [sys.executable, "-m", "sjdsl", "lsp"],
-        cwd=folder,
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-    )
-    assert process.stdin is not None
-    assert process.stdout is not None
-    request = b'{"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": {"capabilities": {}}}'
-    process.stdin.write(b"Content-Length: %d\r\n\r\n%s" % (len(request), request))
-    process.stdin.flush()
-    process.stdout.readline()
-    process.terminate()
-    assert process.wait(10) == -signal.SIGTERM

@@ -1,17 +1,11 @@
 """`sjdsl test` says verdicts as they are decided, and when interrupted what is decided and what is not."""
 
-import json
-import os
-import signal
-import subprocess
-import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import GAME, INTERRUPTIBLE, Sjdsl
+from command_line import GAME, Sjdsl
 
 from sjdsl.properties import Verification
 
@@ -101,42 +95,3 @@ def test_an_interruption_leaves_a_summary(
                 if line.startswith("  ") and f"  {word}" in line and "checked.sj:" in line
             )
             assert line.strip().startswith(marks), line
-
-
-@pytest.mark.usefixtures("game")
-def test_json_of_an_interruption_has_both(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
-    interrupting(monkeypatch, "0 steps")
-    shown = sjdsl("test", "checked.sj", "--json")
-    assert shown.status == 130
-    (document,) = json.loads(shown.out)
-    assert [check["check"].split()[0] for check in document["checks"]] == ["require", "symmetric"]
-    assert [check["check"].split()[0] for check in document["undecided"]] == [
-        "always",
-        "always",
-        "expect",
-    ]
-
-
-def test_ctrl_c_ends_it_with_130_and_no_traceback(game: Path) -> None:
-    """The signal itself, to a process of its own, once its first verdict has come through a pipe."""
-    command = [sys.executable, "-c", INTERRUPTIBLE, "test", str(game), "--examples", "100000"]
-    process = subprocess.Popen(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "JAX_PLATFORMS": "cpu"},
-    )
-    assert process.stdout is not None
-    assert process.stdout.readline().strip().endswith("checked.sj")
-    assert process.stdout.readline().startswith("  passed")
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
-    out, err = process.communicate()
-    assert process.returncode == 130
-    assert "Traceback" not in out + err
-    assert "interrupted: " in out.splitlines()[-1]
-    assert [line for line in err.splitlines() if line] == [
-        f"testing the checks of {game}",
-        "interrupted",
-    ]

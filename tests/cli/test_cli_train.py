@@ -151,37 +151,6 @@ def test_seeds_have_folders(trained: Path, sjdsl: Sjdsl) -> None:
     assert "--set total_timesteps=… makes it longer" in shown.err
 
 
-@pytest.mark.slow
-def test_the_best_policy_is_evaluated_and_filmed(trained: Path, sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl("evaluate", f"{trained / 'seed_5'}@best", "--episodes", "2", "--film", "x.gif")
-    assert shown.status == 0, shown.text
-    assert "x.gif  7 frames" in shown.out, "an episode of six steps, and its start"
-    assert (folder / "x.gif").read_bytes().startswith(b"GIF8")
-
-
-def test_a_film_without_its_package(
-    folder: Path, sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sjdsl.extras.find_spec", lambda _: None)
-    for call in (["evaluate", folder, "--film", "x.mp4"], ["render", "orchard.sj", "-o", "x.mp4"]):
-        shown = sjdsl(*call)
-        assert shown.status == 1
-        assert "pip install 'sjdsl[video]'" in shown.err
-    shown = sjdsl("evaluate", folder, "--film", "x.avi")
-    assert shown.status == 2
-    assert "must end in .gif, .mp4 or .html" in shown.err
-
-
-def test_what_nothing_reads_of_a_preset_is_said(sjdsl: Sjdsl) -> None:
-    Path("p.toml").write_text("[config]\nexchange_ratio = 0.9\n")
-    shown = sjdsl("train", "--preset", "p.toml", "--keys")
-    assert shown.status == 0
-    assert shown.err == "the preset's `exchange_ratio` has no effect while `reward` is individual\n"
-    assert "exchange_ratio = 0.5  # read" in shown.out
-    shown = sjdsl("train", "--preset", "p.toml", "--keys", "--reward", "exchange")
-    assert (shown.err, "exchange_ratio = 0.9\n" in shown.out) == ("", True)
-
-
 def _stop() -> None:
     import click
 
@@ -237,40 +206,6 @@ def test_the_end_says_which_seeds_stopped(
     assert (
         "no learning curve was drawn, as no episode ended within the 640 steps of each environment"
         in said
-    )
-
-
-def test_an_evaluation_notes_once_how_the_training_of_its_seeds_ended(tmp_path: Path) -> None:
-    from sjdsl.cli.evaluate import notes_on_training
-
-    diverged = [{"seed": seed, "update": 2} for seed in (0, 2)]
-    for state, said in (
-        ({"status": "interrupted"}, "{} may not have finished its training: interrupted"),
-        (
-            {"diverged": diverged},
-            "seeds 0 and 2 of {} diverged (non-finite loss) in update 2; played is the policy from before that",
-        ),
-    ):
-        (tmp_path / "manifest.json").write_text(json.dumps(state))
-        assert list(notes_on_training(tmp_path, "last")) == [said.format(tmp_path)]
-    assert list(notes_on_training(tmp_path, 1)) == []
-
-
-def test_a_total_below_one_update_is_said_before(
-    sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from sjdsl.cli import train as module
-
-    monkeypatch.setattr(module, "make_environment", lambda _: _stop())
-    few = sjdsl("train", "orchard.sj", "--set", "total_timesteps=10")
-    assert (
-        "training 8,192 environment steps (total_timesteps=10 is rounded up to whole updates): 1 update of 64 environments x 128 steps"
-        in few.err
-    )
-    whole = sjdsl("train", "orchard.sj", "--set", "total_timesteps=16384", "--seeds", "2")
-    assert (
-        "training 16,384 environment steps of each seed: 2 updates of 64 environments x 128 steps"
-        in whole.err
     )
 
 
@@ -365,37 +300,3 @@ def test_a_run_in_stages_goes_on_in_its_stage(sjdsl: Sjdsl, folder: Path) -> Non
     assert json.loads((folder / "run/evaluation.json").read_text())["episodes"] == 2
     rows = [json.loads(line) for line in (folder / "run/metrics.jsonl").read_text().splitlines()]
     assert [(row["stage"], row["env_steps"]) for row in rows] == [(2, 144)]
-
-
-@pytest.mark.parametrize(
-    ("stage", "options", "message"),
-    [
-        ("environment.num_agents = 900", (), r"p.toml: stages[2]:"),
-        ("config.init_from = 'random'", (), "p.toml: stages[2]: leave `init_from` out"),
-        (
-            "environment.num_agents = 3",
-            ("--agents", "2"),
-            "p.toml: stages set `num_agents` themselves: change it there",
-        ),
-        (
-            "environment.params.apple = 3",
-            ("--param", "apple=2"),
-            "p.toml: stages set `param.apple` themselves: change it there",
-        ),
-        (
-            "environment.num_agents = 3",
-            ("--set", "sharing=per_agent"),
-            "p.toml: stages[2]: its networks have other shapes",
-        ),
-    ],
-)
-def test_stages_are_refused_with_their_place(
-    sjdsl: Sjdsl, folder: Path, stage: str, options: tuple[str, ...], message: str
-) -> None:
-    (folder / "p.toml").write_text(f"[[stages]]\n[[stages]]\n{stage}\n")
-    refused = sjdsl("train", "orchard.sj", "--preset", "p.toml", *QUICK, *options, "--run", "run")
-    assert (refused.status, message in refused.err, (folder / "run").exists()) == (
-        1,
-        True,
-        False,
-    ), refused.text

@@ -36,14 +36,6 @@ def test_what_an_encoding_lacks_is_spelt(
     assert written.getvalue().decode(encoding) == shown + "\n"
 
 
-def test_a_name_that_is_no_text_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    written = io.BytesIO()
-    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, "utf-8"))
-    accept_any_text()
-    click.echo(os.fsdecode(b"a\xff.sj"))
-    assert written.getvalue() == b"a\\udcff.sj\n"
-
-
 @pytest.mark.parametrize("encoding", ["latin-1", "ascii"])
 @pytest.mark.parametrize(
     "arguments", [["train", "--help"], ["doc", "garden.sj"], ["check", "mistake.sj"]]

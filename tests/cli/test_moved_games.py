@@ -79,11 +79,6 @@ def test_a_file_of_that_name_with_other_rules_is_not_taken(project: Path) -> Non
         locate_game(stored, rules, moved / "runs/one")
 
 
-def test_bundled_games_and_rows_are_no_files() -> None:
-    stored = {"game": "coins", "map": ["###", "#.#", "###"]}
-    assert locate_game(stored, "of another version", Path("runs/one")) == stored
-
-
 def a_run(folder: Path, stored: dict[str, Any], rules: str) -> None:
     manifest = {"provenance": stored, "game": {"hash": rules}, "config": {}, "versions": {}}
     (folder / "manifest.json").write_text(json.dumps(manifest))
@@ -124,24 +119,6 @@ def test_a_missing_game_is_named_with_the_remedy(
     assert other.status == 1
     assert "orchard.sj has the rules" in other.err
     assert rules in other.err
-
-
-def test_a_missing_base_is_named(project: Path, sjdsl: Sjdsl) -> None:
-    a_run(project / "runs/one", *described(project / "games/short.sj"))
-    (project / "games/grove.sj").unlink()
-    refused = sjdsl("evaluate", "project/runs/one")
-    assert (refused.status, "there is no file `grove.sj` beside this game" in refused.err) == (
-        1,
-        True,
-    )
-
-
-def test_a_run_takes_no_other_option_of_a_game(project: Path, sjdsl: Sjdsl) -> None:
-    a_run(project / "runs/one", *described(project / "games/short.sj"))
-    refused = sjdsl(
-        "evaluate", "project/runs/one", "--game", "project/games/short.sj", "--param", "apple=2"
-    )
-    assert (refused.status, "--param is for a policy that isn't a run" in refused.err) == (2, True)
 
 
 @pytest.mark.thorough

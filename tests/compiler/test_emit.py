@@ -2,19 +2,17 @@
 
 import ast
 import re
-from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sjdsl.compiler import compile_source
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.emit.expressions import PYTHON_PRECEDENCE, pieces, text
-from sjdsl.compiler.emit.layout import WIDTH, layout
+from sjdsl.compiler.emit.expressions import PYTHON_PRECEDENCE, text
+from sjdsl.compiler.emit.layout import WIDTH
 from sjdsl.compiler.emit.statements import statement_lines
 from sjdsl.compiler.program.expressions import (
     DTYPES,
@@ -31,18 +29,15 @@ from sjdsl.compiler.program.expressions import (
     Mapping,
     Name,
     Reduce,
-    Return,
     Sequence,
     Slice,
     Unary,
     Update,
     Where,
-    live,
     path,
 )
 from sjdsl.library.factory import load_module
 
-GENERATED = Path(__file__).parents[2] / "generated"
 OPERATORS: dict[str, type[ast.operator] | type[ast.cmpop] | type[ast.unaryop]] = {
     "+": ast.Add, "-": ast.Sub, "*": ast.Mult, "/": ast.Div, "//": ast.FloorDiv, "%": ast.Mod,
     "&": ast.BitAnd, "|": ast.BitOr, "^": ast.BitXor, "<<": ast.LShift, ">>": ast.RShift,
@@ -205,58 +200,6 @@ def test_broken_lines_are_read_as_they_were_meant_and_fit(node: Any) -> None:
         len(re.sub(r"[^([{]", "", text(node))) < 12
     ):  # brackets deep in brackets may be indented beyond any width
         assert max(map(len, lines)) <= WIDTH
-
-
-def test_brackets_stand_where_they_are_needed_or_help() -> None:
-    a, b, c = map(Name, "abc")
-    for node, expected in (
-        (Binary("+", Binary("+", a, b), c), "a + b + c"),
-        (Binary("-", a, Binary("-", b, c)), "a - (b - c)"),
-        (Binary("*", Binary("+", a, b), c), "(a + b) * c"),
-        (Binary("&", Binary("&", a, b), c), "a & b & c"),
-        (Binary("&", Binary("==", a, b), Unary("~", c)), "(a == b) & ~c"),
-        (Binary("&", Binary("+", a, b), Literal(3)), "(a + b) & 3"),
-        (Binary("<", Binary(">>", a, Literal(1)), b), "(a >> 1) < b"),
-        (Cast(Unary("~", a), "u8"), "(~a).astype(jnp.uint8)"),
-        (Index(Cast(a, "i32"), (Slice(), Literal(None))), "a.astype(jnp.int32)[:, None]"),
-        (Attribute(Literal(7), "real"), "(7).real"),
-        (Sequence((a,)), "(a,)"),
-    ):
-        assert text(node) == expected
-
-
-def test_long_calls_are_broken_at_their_arguments() -> None:
-    names = [Name(f"argument_number_{i}") for i in range(9)]
-    value = Binary("+", Name("reward"), Call(path("jnp.sum"), tuple(names)))
-    lines = layout(pieces(value), 9, 0, 0).split("\n")
-    assert lines[0] == "reward + jnp.sum("
-    assert lines[1:-1] == [f"    argument_number_{i}," for i in range(9)]
-    assert lines[-1] == ")"
-
-
-def test_what_nothing_reads_is_left_out() -> None:
-    a, b, state = map(Name, ("a", "b", "state"))
-    again = Assign(("a",), Binary("+", a, Literal(1)))
-    body = [
-        Assign(("a",), Literal(1)),
-        Assign(("b",), a),
-        again,
-        Assign(("b",), Literal(2)),
-        Return((state, b)),
-    ]
-    assert live(body) == (body[3], body[4])
-    assert live([*body[:3], Return((a,))]) == (body[0], again, Return((a,)))
-
-
-@pytest.mark.parametrize("path_", sorted(GENERATED.glob("*.py")), ids=lambda p: p.stem)
-def test_generated_modules_are_tidy(path_: Path) -> None:
-    lines = path_.read_text("utf-8").splitlines()
-    assert [line for line in lines if len(line) > WIDTH] == []
-    idle = re.compile(r"(\* 1|\+ 0|- 0|<< 0|>> 0)(?![\w.])")
-    assert [line for line in lines if idle.search(line.split("  #")[0])] == []
-    assert not re.search(
-        r'"""\n    return state, out\n', path_.read_text("utf-8")
-    )  # a phase that does nothing
 
 
 MANY = """sj 1

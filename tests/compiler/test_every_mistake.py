@@ -7,8 +7,6 @@ import pytest
 from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.near_names import either, meant, nearest
-from tests.editor.asked import opened
 
 GAME = (Path(__file__).parents[2] / "examples" / "orchard.sj").read_text(encoding="utf-8")
 RULE = "set tree.fruit = none\n      give 1 to agent"
@@ -72,50 +70,3 @@ def test_words_of_a_declaration_with_a_mistake_are_not_missed() -> None:
     misspelt(
         game.replace(RULE, "when tree.fruit is ripe { set tree.friut = ripe }"), ["rpie", "friut"]
     )
-
-
-@pytest.mark.parametrize(
-    ("name", "known", "near"),
-    [
-        ("eest", ["north", "east", "south", "west"], ("east", "west")),
-        ("est", ["north", "east", "south", "west"], ("east", "west")),
-        ("ripee", ["none", "ripe"], ("ripe",)),
-        ("cat", ["bat", "hat", "rat", "dog"], ("bat", "hat", "rat")),
-        ("cat", ["cat", "cart"], ("cart",)),
-        ("zebra", ["north", "east"], ()),
-        ("zebra", [], ()),
-    ],
-)
-def test_all_that_are_equally_near_are_meant(
-    name: str, known: list[str], near: tuple[str, ...]
-) -> None:
-    assert nearest(name, known) == near
-
-
-def test_alternatives_are_listed() -> None:
-    assert [either(names) for names in ((), ("a",), ("a", "b"), ("a", "b", "c"))] == [
-        "",
-        "`a`",
-        "`a` or `b`",
-        "`a`, `b` or `c`",
-    ]
-    assert meant("eest", ["east", "west"]) == "; did you mean `east` or `west`?"
-
-
-def test_messages_offer_all_that_are_equally_near() -> None:
-    game = GAME.replace(
-        "size  players", "param bet : reward = 1\n  param bat : reward = 1\n  size  players"
-    ).replace("give 1 to", "give bit to")
-    (mistake,) = found(game)
-    assert mistake.hint == "did you mean `bat` or `bet`?"
-    assert [suggestion.says for suggestion in mistake.suggestions] == ["write `bat`", "write `bet`"]
-    game = GAME.replace(RULE, "when agent.heading is eest { give 1 to agent }")
-    (mistake,) = found(game)
-    assert mistake.hint.startswith("did you mean `east` or `west`? the words are")
-    session, uri = opened(game)
-    (shown,) = [d for d in session.diagnostics(uri) if d.severity == 1]
-    fixes = session.quick_fixes(uri, shown.range)
-    assert [(fix.title, fix.is_preferred) for fix in fixes] == [
-        ("Write `east`", False),
-        ("Write `west`", False),
-    ]

@@ -1,45 +1,29 @@
 """The table of functions and operators: the interpreter means the same by each row, what a row says of itself holds, and nobody else knows one."""
 
-import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import product
-from math import inf
-from pathlib import Path
 from random import Random
 
 import numpy as np
 import pytest
 
-from sjdsl.compiler import build, compile_build, ir
-from sjdsl.compiler.checks.start_values import holds_at_start
-from sjdsl.compiler.checks.value_ranges import Here, Played, interval_of
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
+from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir import evaluate_constant
-from sjdsl.compiler.ir.implications import facts, narrowed
 from sjdsl.compiler.ir.operations import (
     CALCULATIONS,
     COMPARISONS,
     FUNCTIONS,
-    INFIX,
-    OPERATIONS,
     PAYOFF_CLASSES,
-    PREFIX,
-    REDUCTIONS,
     Calculation,
     Function,
     Moving,
 )
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.ranges import range_of
-from sjdsl.editor.highlighting import patterns
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.evaluate import is_of_class
-from sjdsl.properties.monotonicity import decide_monotone
 from tests.fuzz.together import interpret, on_numpy, random_play, run
-from tests.verify_ir import verify
 
-ROOT = Path(__file__).parents[2]
 WHOLE = (-7, -2, -1, 0, 1, 2, 3, 9)
 REAL = (-2.5, -1.5, -0.5, 0.0, 0.5, 1.0, 2.5, 3.75)
 by_row = pytest.mark.parametrize("row", CALCULATIONS.values(), ids=lambda row: row.name)
@@ -121,15 +105,6 @@ def test_every_value_is_in_its_interval_and_in_its_range(row: Calculation) -> No
 
 
 @by_row
-def test_intervals_that_contradictory_conditions_leave_empty_are_accepted(row: Calculation) -> None:
-    """`when n > 0 { when n <= 0 { … n … } }`: the lower end of what `n` can be is above the upper one."""
-    for ends in ((1, 0), (0, -1), (5, -5), (inf, 0), (0, -inf), (1.5, 0.0), (0.0, -1e-45)):
-        for number in (row.least, row.most):
-            low, high = row.interval(*[ends] * min(number, 3))
-            assert low == low and high == high, ends  # no NaN
-
-
-@by_row
 def test_every_slope_is_the_direction_that_values_go_in(row: Calculation) -> None:
     decided = 0
     for box, whole in boxes(row):
@@ -155,14 +130,6 @@ def test_every_slope_is_the_direction_that_values_go_in(row: Calculation) -> Non
         is None
         for _ in "a"
     )
-
-
-@by_row
-def test_what_is_called_a_sum_is_one(row: Calculation) -> None:
-    for of in arguments(row):
-        assert not row.factors or row.fold(*of) == sum(
-            factor * x for factor, x in zip(row.factors, of, strict=True)
-        ), of
 
 
 GAME = """sj 1
@@ -270,143 +237,3 @@ def test_a_define_of_a_games_own_keeps_its_meaning(row: Function) -> None:
 
 
 # ---- nobody else knows an operation
-
-
-def without(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Takes a row out of the table."""
-    for table in (CALCULATIONS, FUNCTIONS, REDUCTIONS, PAYOFF_CLASSES):
-        monkeypatch.delitem(table, name, raising=False)
-    for signs in (INFIX, PREFIX):
-        for sign in [sign for sign, row in signs.items() if row.name == name]:
-            monkeypatch.delitem(signs, sign)
-
-
-@by_row
-def test_without_its_row_nothing_can_be_done_with_a_calculation(
-    row: Calculation, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    source = every_row()
-    built = build(source)
-    numbers = [ir.Number(type=ir.Type(kind="int", low=n, high=n), value=n) for n in (5, 2, 3)][
-        : row.most
-    ]
-    made: ir.Expr = node(row, list(numbers), True).model_copy(
-        update={"type": ir.Type(kind="int", low=-9, high=9)}
-    )
-    test = ir.Compare(fn=">", left=made, right=numbers[0])
-    consumers: dict[str, Callable[[], object]] = {
-        "elaboration": lambda: build(source),
-        "checks of the IR": lambda: verify(built.game),
-        "the printer": lambda: text(made),
-        "`require`": lambda: evaluate_constant.holds(test, {}),
-        "facts": lambda: narrowed(
-            made, facts(ir.Compare(fn="<", left=numbers[0], right=numbers[0]))
-        ),
-        "ranges": lambda: range_of(made),
-        "ranges of play": lambda: interval_of(made, Here(Played(built.game, {}))),
-        "starts": lambda: holds_at_start(test, {}, built.game),
-        "lowering": lambda: compile_build(built, source),
-        "slopes": lambda: decide_monotone(
-            ir.Check(sort="monotone", words=("rising",), values=(made, local("a", (1, 2), True))),
-            built.game,
-        ),
-    }
-    for consumer in consumers.values():
-        consumer()
-    without(row.name, monkeypatch)
-    assert [name for name, consumer in consumers.items() if not fails(consumer)] == []
-
-
-def fails(consumer: Callable[[], object]) -> bool:
-    try:
-        consumer()
-    except (KeyError, CompileError):
-        return True
-    return False
-
-
-@pytest.mark.parametrize("row", OPERATIONS, ids=lambda row: row.name)
-def test_without_its_row_editors_and_pages_do_not_know_a_function(
-    row: Function, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if row.name not in FUNCTIONS:
-        return
-    assert f"|{row.name}|" in coloured()
-    without(row.name, monkeypatch)
-    assert f"|{row.name}|" not in coloured()
-
-
-def coloured() -> str:
-    """Returns the functions that a grammar for editors knows, between bars."""
-    found = next(
-        p["match"]
-        for p in patterns()
-        if p.get("captures", {}).get("1", {}).get("name") == "support.function.sj"
-    )
-    return f"|{found.partition('(')[2].partition(')')[0]}|"
-
-
-NAMES = {row.name for row in OPERATIONS} | {*INFIX, *PREFIX}
-OF_OPERATIONS = {"Arithmetic", "SumRow", "Extreme", "MatrixClass", "Call", "Unary"}
-# What stands before the table: the grammar's texts, and words that people try. The interpreter has its own meaning of each row.
-NOT_READING = (
-    "sjdsl/interpreter",
-    "sjdsl/compiler/ir/operations.py",
-    "sjdsl/compiler/syntax",
-    "sjdsl/compiler/diagnostics",
-    "sjdsl/compiler/elaborate/regrouping.py",  # which writes products
-    "sjdsl/runtime",
-)
-
-
-def names_matched(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Yields where a program asks whether something is a certain operation, and which."""
-    for n in ast.walk(tree):
-        asked: list[ast.AST] = []
-        match n:
-            case ast.Compare(left=left, comparators=others):
-                sides = [left, *others]
-                if any(
-                    isinstance(side, ast.Attribute) and side.attr in ("fn", "op", "text")
-                    for side in sides
-                ):
-                    asked = [*sides]
-            case ast.MatchClass(
-                cls=ast.Attribute(attr=kind), kwd_attrs=keys, kwd_patterns=found
-            ) if kind in OF_OPERATIONS:
-                asked = [
-                    p for key, p in zip(keys, found, strict=True) if key in ("fn", "op", "name")
-                ]
-            case ast.Match(subject=ast.Attribute(attr="fn" | "op" | "text"), cases=cases):
-                asked = [case.pattern for case in cases]
-            case ast.Subscript(
-                value=ast.Dict(keys=keys), slice=ast.Attribute(attr="fn" | "op" | "text")
-            ):
-                asked = [key for key in keys if key is not None]
-        for part in asked:
-            for inner in ast.walk(part):
-                if isinstance(inner, ast.Constant) and inner.value in NAMES:
-                    yield inner.lineno, str(inner.value)
-
-
-def test_nobody_asks_for_an_operation_by_its_name() -> None:
-    found = []
-    for path in sorted((ROOT / "sjdsl").rglob("*.py")):
-        name = path.relative_to(ROOT).as_posix()
-        if not name.startswith(NOT_READING) and "/trainers/" not in name:
-            found += [
-                f"{name}:{line} asks for {what}"
-                for line, what in names_matched(ast.parse(path.read_text("utf-8")))
-            ]
-    assert found == []
-
-
-@pytest.mark.parametrize(
-    "program",
-    [
-        'e.fn == "+"', 'e.fn in ("min", "max")', '"round" == call.name.text', '{"sum": 1, "min": 2}[e.fn]',
-        'match e:\n    case ir.Arithmetic(fn="%" | "quotient" as fn):\n        pass', 'match e.fn:\n    case "min" | "max":\n        pass',
-    ],
-)  # fmt: skip
-def test_asking_for_an_operation_by_its_name_is_seen(program: str) -> None:
-    assert list(names_matched(ast.parse(program))) != []

@@ -1,11 +1,10 @@
 """What diagnostics look like: as text, and as data."""
 
 import json
-import pickle
 
 import pytest
 
-from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.report import WIDTH, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
 
@@ -50,62 +49,6 @@ def test_one_line_with_help() -> None:
     )
 
 
-def test_an_exception_says_where_what_and_what_to_write_instead() -> None:
-    text = "sj 1\ngame pond { fish }\n"
-    odd = Odd(Source("game.sj", text).span(0, 2))
-    error = CompileError([wrong(text, "fish", better="dish"), odd])
-    said = "game.sj:1:1: warning[SJ998]: this is odd\ngame.sj:2:13: error[SJ999]: `fish` is wrong\n  help: write `dish`"
-    assert str(error) == said
-    assert str(pickle.loads(pickle.dumps(error))) == said, "as it comes from another process"
-
-
-def test_labels_stand_in_the_order_of_the_file() -> None:
-    lines = [f"line {n}" for n in range(1, 13)]
-    text = "\n".join(lines)
-    out = shown(text, wrong(text, "line 10", ("line 9", "near"), ("line 2", "far")))
-    assert out.split("\n")[2:-2] == [
-        "     |",
-        "   2 | line 2",
-        "     | ------ far",
-        "  ...",
-        "   9 | line 9",
-        "     | ------ near",
-        "  10 | line 10",
-        "     | ^^^^^^^",
-    ]
-
-
-def test_a_label_in_the_same_line() -> None:
-    text = "give (1 + 2 to agent"
-    out = shown(text, wrong(text, "to", ("(", "opened here")))
-    assert out.split("\n")[3:6] == [
-        "  1 | give (1 + 2 to agent",
-        "    |      - opened here",
-        "    |             ^^",
-    ]
-
-
-def test_a_span_of_some_lines_and_of_many() -> None:
-    text = 'map { "..."\n\n      "..." }\n'
-    out = shown(text, wrong(text, text[:-1]))
-    assert out.split("\n")[3:8] == [
-        '  1 | map { "..."',
-        "    | ^^^^^^^^^^^",
-        "  ...",
-        '  3 |       "..." }',
-        "    |       ^^^^^^^",
-    ]
-    many = "\n".join(f"  row {n}" for n in range(9))
-    out = shown(many, wrong(many, many[2:]))
-    assert out.split("\n")[3:8] == [
-        "  1 |   row 0",
-        "    |   ^^^^^",
-        "  ...",
-        "  9 |   row 8",
-        "    |   ^^^^^",
-    ]
-
-
 def test_the_end_of_the_file_has_a_caret() -> None:
     text = "game pond {\n"
     end = Source("game.sj", text).span(len(text), len(text))
@@ -136,49 +79,6 @@ def test_long_lines_are_cut_around_the_mark(place: int) -> None:
     assert excerpt[at : at + len(carets.strip())] == "target"
     assert excerpt.startswith("…") == (place > WIDTH)
     assert excerpt.endswith("…") == (place < 4900)
-
-
-def test_marks_wider_than_the_excerpt_end_with_it() -> None:
-    line = "x" * 5000
-    lines = shown(line, wrong(line, line)).split("\n")
-    assert all(len(text) <= WIDTH + 6 for text in lines[3:5])
-
-
-def test_windows_line_ends_do_not_show() -> None:
-    text = "sj 1\r\ngame pond\r\n"
-    assert shown(text, wrong(text, "pond")).split("\n")[3] == "  2 | game pond"
-
-
-def test_other_files_and_files_without_text() -> None:
-    own, base = Source("game.sj", "abc"), Source("base.sj", "first\nsecond\n")
-    labels = (
-        Label(base.span(6, 12), "declared here"),
-        Label(Span("gone.sj", 0, 1, 7, 1), "and here"),
-    )
-    out = render([Odd(own.span(0, 3), labels=labels)], {"game.sj": own, "base.sj": base}, False)
-    assert out.split("\n")[2:] == [
-        "    |",
-        "  1 | abc",
-        "    | ^^^",
-        "   --> base.sj:2:1",
-        "    |",
-        "  2 | second",
-        "    | ------ declared here",
-        "  gone.sj:7: and here",
-        "",
-        "1 warning",
-    ]
-    assert (
-        render([Odd(own.span(0, 3))], {}, False)
-        == "warning[SJ998] game.sj:1:1\n  this is odd\n\n1 warning"
-    )
-
-
-def test_the_last_line_counts() -> None:
-    text = "a b"
-    out = shown(text, wrong(text, "a"), wrong(text, "b"), Odd(Source("game.sj", text).span(0, 1)))
-    assert out.endswith("\n2 errors, 1 warning")
-    assert shown(text) == ""
 
 
 def test_colours_only_add_to_the_text() -> None:
@@ -242,8 +142,3 @@ def test_as_data() -> None:
         },
     }
     json.dumps(data)
-
-
-def test_as_data_without_the_text() -> None:
-    (data,) = to_json([Odd(Span("game.sj", 4, 7, 2, 1))])
-    assert (data["end_line"], data["end_column"], data["fix"], data["labels"]) == (2, 4, None, [])

@@ -117,12 +117,6 @@ def test_it_needs_jax_and_numpy_alone(tmp_path: Path) -> None:
     assert done.stdout.strip() == "(3, 7, 3, 11, 11)"
 
 
-def test_the_text_is_tidy(tmp_path: Path) -> None:
-    text = written("harvest_open", tmp_path).read_text()
-    assert not [line for line in text.splitlines() if line != line.rstrip()]
-    assert text == written("harvest_open", tmp_path).read_text()
-
-
 def test_a_wrong_observation_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="observation is `tokens` or `onehot`, not 'rgb'"):
         loaded(written("coins", tmp_path)).Environment("rgb")

@@ -4,7 +4,6 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.doc import read_written, rule_sheet
 from sjdsl.doc.wording import number, table, table_value
-from sjdsl.doc.written import comments
 
 
 def test_numbers_and_tables() -> None:
@@ -73,38 +72,6 @@ def test_a_variant_names_the_source_of_what_it_changes() -> None:
     )
 
 
-def test_comments_are_not_found_in_texts() -> None:
-    source = Source("pit.sj", 'kind grass "#"  # one\nkind wall "##"\n')
-    assert comments(source.span(0, 4), {"pit.sj": source}) == "one"
-    assert comments(source.span(22, 30), {"pit.sj": source}) == ""
-
-
-def test_a_glyph_that_means_something_to_markdown() -> None:
-    text = (
-        BEFORE
-        + NUMBERS
-        + AFTER.replace('kind grass "#"', 'kind grass "|"')
-        .replace('"##"', '"||"')
-        .replace("A pit", "A pit")
-    )
-    rows = rule_sheet(
-        read_written(Source("pit.sj", text.replace('"A pit"', '"A *pit*"')))
-    ).splitlines()
-    assert rows[0] == "# A \\*pit\\*"
-    assert "| `\\|` | grass | 2 |" in rows
-
-
-def test_a_map_of_backticks_stays_in_its_fence() -> None:
-    text = (
-        (BEFORE + NUMBERS + AFTER)
-        .replace('kind grass "#"', 'kind grass "`"')
-        .replace('"##"', '"````"')
-    )
-    rows = rule_sheet(read_written(Source("pit.sj", text))).splitlines()
-    place = rows.index("````")
-    assert rows[place - 1 : place + 2] == ["`````text", "````", "`````"]
-
-
 PIT = BEFORE + NUMBERS + AFTER
 
 
@@ -144,21 +111,6 @@ def test_rules_are_quoted_with_their_comments() -> None:
         "```",
     ]
     assert lines_of("Process overview: one step", text)[1:3] == ["schedule rest", "episode 5"]
-
-
-def test_a_section_without_content_is_left_out() -> None:
-    assert not {"## Checks", "## Policies", "## Scenarios", "## Metrics", "### Movers"} & set(
-        sheet_lines()
-    )
-
-
-def test_the_states_of_a_kind_are_said_once() -> None:
-    kind = 'kind grass "#" { field owner : { none, me } = none  field wet : { no, yes } = no }'
-    lines = lines_of("Observation", PIT.replace('kind grass "#"', kind))
-    assert (
-        "| 0 | `content` | 0 outside, 1 to 4 grass: owner none/me × wet no/yes (the last fastest) |"
-        in lines
-    )
 
 
 def test_an_observation_that_cannot_be_compiled_is_said() -> None:

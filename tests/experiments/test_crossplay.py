@@ -8,13 +8,11 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from small_games import OTHER, STAY, matrix_game, public_goods
+from small_games import matrix_game, public_goods
 from stored_policies import store, store_pool
 
 from sjdsl.experiments import ExperimentError, cross_play, schelling_diagram
 from sjdsl.experiments.lineups import play_key
-from sjdsl.experiments.mixtures import report_of
-from sjdsl.experiments.pictures import draw_matrix
 from sjdsl.experiments.summaries import crossplay_text
 from sjdsl.trainers import evaluate, find_policy
 from tests.trainers.probes import constant, hidden, recalled
@@ -88,23 +86,6 @@ def test_a_line_up_of_one_policy_is_its_evaluation(tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
-def test_a_mixture_of_one_policy_with_itself_is_its_evaluation_among_others_too(
-    tmp_path: Path,
-) -> None:
-    env = matrix_game()
-    names = [
-        *(str(store(tmp_path / str(seed), env, seed, memory="gru")) for seed in range(2)),
-        "random",
-    ]
-    found = cross_play(env, policies=names, mix="pairs", episodes=6, seed=4)
-    for number, name in enumerate(names):
-        alone = next(part for part in found.parts if part.lineup == (number, number))
-        np.testing.assert_array_equal(
-            alone.played.returns, evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns
-        )
-
-
-@pytest.mark.thorough
 def test_of_a_mixture_without_a_trained_policy_episodes_are_the_samples(tmp_path: Path) -> None:
     env = matrix_game()
     pool = str(store_pool(tmp_path / "run", env, (4, 5, 6)))
@@ -129,48 +110,6 @@ def test_of_a_mixture_without_a_trained_policy_episodes_are_the_samples(tmp_path
         "over 3 training seeds; of mixtures without a trained policy over 24 episodes"
         in crossplay_text(found)
     )
-
-
-def test_tables_name_policies_in_short_and_say_once_what_they_are(tmp_path: Path) -> None:
-    env = matrix_game()
-    first, second = (
-        str(store(tmp_path / name / "trained", env, 0)) for name in ("envious", "calm")
-    )
-    found = cross_play(env, policies=[first, second, "stay"], mix="pairs", episodes=2)
-    lines = [line.split() for line in crossplay_text(found).splitlines()]
-    assert ["1", "x", "envious,", "1", "x", "calm"] in [line[:6] for line in lines]
-    assert lines[-3:] == [["the", "policies"], ["envious", first], ["calm", second]]
-    assert crossplay_text(found).count(str(tmp_path)) == 2
-    assert [tick.get_text() for tick in draw_matrix(found).axes[0].get_xticklabels()] == [
-        "envious",
-        "calm",
-        "stay",
-    ]
-    assert report_of(found)["mixtures"][1]["mixture"] == f"1 x {first}, 1 x {second}", (
-        "the files keep the paths"
-    )
-    unchanged = cross_play(env, policies=["stay", OTHER], episodes=2)
-    assert "the policies" not in crossplay_text(unchanged)
-
-
-def test_a_given_line_up_stays_as_it_is() -> None:
-    found = cross_play(matrix_game(), slots=[STAY, OTHER], episodes=3)
-    assert found.parts[0].played.returns.tolist() == [[0, 20]] * 3
-    found = cross_play(matrix_game(), policies=[STAY, OTHER], episodes=12)
-    mixed = next(part for part in found.parts if part.lineup == (0, 1))
-    assert set(map(tuple, mixed.played.returns.tolist())) == {(0, 20), (20, 0)}
-    assert mixed.returns.tolist() == [[0, 20]] * 12
-
-
-@pytest.mark.thorough
-def test_a_matrix_of_pairs(tmp_path: Path) -> None:
-    found = cross_play(
-        matrix_game(), policies=["stay", OTHER], mix="pairs", episodes=2, folder=tmp_path / "pairs"
-    )
-    assert found.matrix().tolist() == [[12, 0], [20, 4]]
-    assert (tmp_path / "pairs/matrix.png").read_bytes().startswith(b"\x89PNG")
-    goods = cross_play(public_goods(4), policies=["stay", OTHER], mix="pairs", episodes=2)
-    assert goods.matrix().tolist() == [[2, 2 * (2 / 4 - 1)], [2 * 2 * 3 / 4, 0]]
 
 
 def test_files_have_every_episode_and_slot(tmp_path: Path) -> None:

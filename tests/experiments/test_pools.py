@@ -1,14 +1,13 @@
 """Pools: the seeds of a run, single policies and functions by their names; what does not fit is refused."""
 
-import json
 from pathlib import Path
 
 import pytest
-from small_games import STAY, matrix_game, public_goods
+from small_games import matrix_game
 from stored_policies import store, store_pool
 
 from sjdsl.experiments import ExperimentError, find_pool
-from sjdsl.experiments.players import LEARNING, pair_pools, player_of, replicates_of
+from sjdsl.experiments.players import LEARNING, player_of
 from sjdsl.experiments.playing import find_pools
 from sjdsl.experiments.schelling import plan_diagram
 from sjdsl.trainers import PolicyError, PPOConfig, VDNConfig
@@ -76,53 +75,6 @@ def test_seeds_that_diverged_are_left_out_and_named(tmp_path: Path) -> None:
         find_pool(none_left, env)
 
 
-def test_a_run_of_one_seed_that_diverged_is_refused(tmp_path: Path) -> None:
-    env = matrix_game()
-    store(tmp_path / "run", env, 4)
-    manifest = {"status": "failed: the loss became nan", "diverged": [{"seed": 4, "update": 7}]}
-    (tmp_path / "run/manifest.json").write_text(json.dumps(manifest))
-    with pytest.raises(ExperimentError, match=r"run diverged \(non-finite loss\) in update 7"):
-        find_pool(tmp_path / "run", env)
-    several = store_pool(tmp_path / "several", env, (0, 1), diverged=(1,))
-    with pytest.raises(ExperimentError, match=r"seed_1 diverged \(non-finite loss\) in update 3"):
-        find_pool(f"{several}/seed_1", env)
-    assert find_pool(f"{several}/seed_0", env).notes == ()
-    assert find_pool(str(several / "seed_1/policies/last.safetensors"), env).notes == (), (
-        "a file is what was asked for"
-    )
-
-
-def test_runs_that_have_not_ended_are_noted(tmp_path: Path) -> None:
-    env = matrix_game()
-    folder = store_pool(tmp_path / "run", env, (0, 1))
-    for status in ("running", "interrupted", "failed: out of memory"):
-        (folder / "manifest.json").write_text(json.dumps({"status": status}))
-        for name in (str(folder), f"{folder}/seed_1"):
-            with pytest.warns(UserWarning, match=f"may not have finished its training: {status}"):
-                assert find_pool(name, env).notes == (
-                    f"{name} may not have finished its training: {status}",
-                )
-    (folder / "manifest.json").write_text('{"status": "finis')
-    for name in (str(folder), f"{folder}/seed_1"):
-        with pytest.raises(
-            PolicyError, match=r"manifest.json can't be read .*, so the run may not have ended"
-        ):
-            find_pool(name, env)
-
-
-def test_names_without_training(tmp_path: Path) -> None:
-    env = matrix_game()
-    (tmp_path / "mine.py").write_text(
-        "def betray(key, observation):\n    return observation[:, 0, 0, 0] * 0 + 1\n"
-    )
-    own = find_pool(f"{tmp_path}/mine.py:betray", env)
-    assert own.players[0].digest is not None
-    assert [
-        pool.is_trained
-        for pool in (own, find_pool("random", env), find_pool("stay", env), find_pool(STAY, env))
-    ] == [False] * 4
-
-
 def test_what_is_no_policy_is_refused(tmp_path: Path) -> None:
     env = matrix_game()
     with pytest.raises(
@@ -166,49 +118,6 @@ def test_policies_of_another_game_are_refused(tmp_path: Path) -> None:
         file = store(tmp_path / key, env, 0, game={key: value})
         with pytest.raises(ExperimentError, match=f"was trained on {said}"):
             find_pool(str(file), env)
-
-
-def test_another_form_of_the_game_is_noted(tmp_path: Path) -> None:
-    env = matrix_game()
-    file = store(tmp_path, env, 0, game={"hash": "0123456789abcdef"})
-    with pytest.warns(UserWarning, match="another form of the game: matrix_game 0123456789abcdef"):
-        pool = find_pool(str(file), env)
-    assert "another form of the game" in pool.notes[0]
-    with pytest.warns(UserWarning, match="another form of the game"):
-        described = plan_diagram(env, str(file), STAY, 2, 0).describe()
-    assert described["notes"] == list(pool.notes), "it is in the files, too"
-
-
-@pytest.mark.filterwarnings("ignore")
-def test_what_is_true_of_several_seeds_is_noted_once(tmp_path: Path) -> None:
-    env = matrix_game()
-    one, two = (
-        store_pool(tmp_path / "one", env, range(6), diverged=(1, 2)),
-        store_pool(tmp_path / "two", env, range(6)),
-    )
-    for seed in (0, 4, 5):
-        store(one / f"seed_{seed}", env, seed, game={"hash": "0123456789abcdef"})
-    _, notes = played_together(one, two)
-    assert [note.split(", not ")[0] for note in notes] == [
-        "left out of one: seeds 1 and 2, which diverged (non-finite loss) in update 3",
-        "seeds 0, 4 and 5: one was trained on another form of the game: matrix_game 0123456789abcdef",
-        "left out of two: seeds 1 and 2, which another pool lacks",
-    ]
-
-
-def test_unequal_pools_are_refused(tmp_path: Path) -> None:
-    env = public_goods(3)
-    two, three = (find_pool(store_pool(tmp_path / str(n), env, range(n)), env) for n in (2, 3))
-    one = find_pool(str(store(tmp_path / "one", env, 0)), env)
-    chance = find_pool("random", env)
-    assert [
-        replicates_of(pools) for pools in ([two, two], [three, chance], [one, chance], [chance])
-    ] == [2, 3, 1, 1]
-    for pools in ([two, three], [one, two]):
-        with pytest.raises(ExperimentError, match="pools must have the same seeds"):
-            pair_pools(pools)
-    assert [player_of(three, replicate).seed for replicate in range(3)] == [0, 1, 2]
-    assert player_of(chance, 2) is chance.players[0]
 
 
 def played_together(first: Path, second: Path) -> tuple[list[tuple[int | None, ...]], list[str]]:

@@ -1,7 +1,6 @@
 """Scenarios: who is focal, what focal and background agents earn in games whose payoffs are known, the score, and what is refused."""
 
 import json
-import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,7 @@ from sjdsl.experiments import ExperimentError, play_scenarios
 from sjdsl.experiments.lineups import orders_of, play_key
 from sjdsl.experiments.scenario_scores import ScenarioScore, ScenarioScores
 from sjdsl.experiments.scenarios import plan_scenarios
-from sjdsl.experiments.summaries import scenarios_text
-from sjdsl.trainers import PolicyError, evaluate, find_policy, make_config, train
+from sjdsl.trainers import PolicyError, evaluate, find_policy
 from tests.trainers.probes import constant
 
 VISITORS = GAMES / "visitors.sj"
@@ -127,19 +125,6 @@ def test_the_files_and_a_second_time(played: tuple[ScenarioScores, Path]) -> Non
             play_scenarios(env, policy, FITTING, EPISODES, SEED, folder)
 
 
-def test_the_text(played: tuple[ScenarioScores, Path]) -> None:
-    found, _ = played
-    text = scenarios_text(found)
-    assert (
-        f"focal agents play giver; mean returns of an agent, with 95 % intervals over {EPISODES} episodes, of this policy only"
-        in text
-    )
-    rows = {line.split()[0]: line.split() for line in text.splitlines() if line.startswith("  ")}
-    assert rows["visitor"][1:4] == ["1", "of", "4"]
-    assert rows["alone"][-3:] == ["5,", "giver", "1"]
-    assert "none" in rows["alone"]
-
-
 def scored(focal: Any, **baselines: list[float]) -> ScenarioScore:
     """Returns a scenario with given returns."""
     slots = (ir.Slots(number=1), ir.Slots(number=1, policy="stay"))
@@ -215,54 +200,6 @@ def test_networks_with_memory_of_their_own_and_several_seeds(tmp_path: Path) -> 
         [5, 6],
     )
     assert np.shape(stored["scenarios"]["visitor"]["returns"]["focal"]) == (2, EPISODES)
-
-
-@pytest.mark.thorough
-def test_who_learns_to_keep_scores_as_who_keeps(tmp_path: Path) -> None:
-    env = visitors(4, 0.0)
-    values = {
-        "network": "mlp",
-        "network_width": 8,
-        "num_envs": 32,
-        "num_steps": 8,
-        "num_minibatches": 1,
-        "learning_rate": 0.02,
-    }
-    train(
-        env,
-        make_config(values, total_timesteps=10_240, anneal_learning_rate=False, seed=1),
-        tmp_path / "run",
-        progress="none",
-    )
-    found = play_scenarios(env, tmp_path / "run", "visitor", 20)
-    assert found["visitor"].best == "keeper"
-    score = found["visitor"].score
-    assert score is not None
-    assert score > 0.8
-
-
-def test_the_example_of_the_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Three who give have 3 * 2 / 3 - 1 each in four steps."""
-    monkeypatch.chdir(tmp_path)
-    page = (Path(__file__).parents[2] / "docs/experiments.md").read_text(encoding="utf-8")
-    (example,) = (
-        block
-        for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-        if "play_scenarios" in block
-    )
-    names: dict[str, Any] = {}
-    exec(example, names)
-    visitor = names["visitor"]
-    assert visitor.focal.mean == visitor.background.mean == pytest.approx(4.0)
-    assert (visitor.best, visitor.score) == (
-        "stay",
-        pytest.approx(
-            (4.0 - visitor.baseline("random").mean) / (16 / 3 - visitor.baseline("random").mean)
-        ),
-    )
-    assert "Estimate(mean=" in capsys.readouterr().out
 
 
 def test_what_is_refused() -> None:

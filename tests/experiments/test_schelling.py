@@ -1,7 +1,7 @@
 """Schelling diagrams of games whose payoffs are known: exact figures, the right slots, and a stopped one that goes on."""
 
 import json
-from dataclasses import astuple, replace
+from dataclasses import replace
 from pathlib import Path
 
 import jax
@@ -12,12 +12,9 @@ from jax import Array
 from small_games import OTHER, STAY, matrix_game, public_goods, threshold_goods
 
 from sjdsl.experiments import ExperimentError, schelling_diagram
-from sjdsl.experiments.contrasts import Returns
 from sjdsl.experiments.lineups import orders_of, play_key
-from sjdsl.experiments.pictures import draw_diagram
 from sjdsl.experiments.playing import Experiment, play_experiment
 from sjdsl.experiments.schelling import plan_diagram, play_diagram
-from sjdsl.experiments.summaries import diagram_text
 from sjdsl.trainers import evaluate
 
 STEPS = 4
@@ -180,43 +177,6 @@ def test_figures_are_in_the_files(tmp_path: Path) -> None:
     assert (tmp_path / "diagram/schelling.png").read_bytes().startswith(b"\x89PNG")
     assert "<svg" in (tmp_path / "diagram/schelling.svg").read_text()
     assert found.population == "2 episodes, of these policies only"
-
-
-def test_a_verdict_from_samples_without_spread_says_so_everywhere(tmp_path: Path) -> None:
-    """On the terminal, in the JSON and in the picture; of seeds and of episodes; and not where samples differ."""
-    env = matrix_game("deadlock")
-    found = schelling_diagram(env, STAY, OTHER, episodes=3, folder=tmp_path / "diagram")
-    said = (
-        "This rests on samples without spread: A has the same value in all 3 episodes. The intervals have no width, but up to 63 % of "
-        "further episodes may differ (95 % upper bound). To check it, play more, with --episodes 300 and another folder."
-    )
-    assert found.caution == said
-    stored = json.loads((tmp_path / "diagram/schelling.json").read_text())["verdict"]
-    assert (stored["outcome"], stored["without_spread"], stored["caution"]) == (
-        "no dilemma",
-        ["A"],
-        said,
-    )
-    assert f"verdict: no dilemma: the upper bound of A is not above 0\n{said}" in diagram_text(
-        found
-    )
-    assert "the verdict rests on samples without spread" in draw_diagram(found).axes[0].get_title(
-        loc="left"
-    )
-
-    seeds = replace(
-        found, returns=Returns(*(np.repeat(values, 2, axis=1) for values in astuple(found.returns)))
-    )
-    assert "up to" in (seeds.caution or "")
-    assert (
-        "train more seeds of each pool, or play one seed of each, such as RUN/seed_0, with --episodes 300"
-        in (seeds.caution or "")
-    )
-
-    noise = np.random.default_rng(0).normal(0, 0.01, (3, 1, 3))
-    spread = replace(found, returns=Returns(*(values + noise for values in astuple(found.returns))))
-    assert (spread.verdict.outcome, spread.caution) == ("no dilemma", None)
-    assert "spread" not in draw_diagram(spread).axes[0].get_title(loc="left")
 
 
 def test_another_experiment_is_refused_in_the_folder(tmp_path: Path) -> None:

@@ -162,6 +162,3 @@ class World:
     def words(self) -> list[tuple[str, ...]]:
         """Returns the sets of words, the headings among them."""
         return [*self.word_sets, HEADINGS]
-
-
-NUMBER = ir.Type(kind="int", unit="number")

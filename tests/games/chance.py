@@ -67,11 +67,6 @@ def assert_shares(counts: Any, probabilities: Any, within: float) -> None:
         assert probabilities[outcome] > 0 or found == 0, f"{outcome} is impossible"
 
 
-def times(outcomes: Any, number: int) -> np.ndarray:
-    """Returns how often each of the outcomes 0 .. number - 1 came."""
-    return np.bincount(np.asarray(outcomes).reshape(-1), minlength=number)
-
-
 def many(
     env: Environment, look: Callable[[Any, Any, Any], Any], batch: int = BATCH
 ) -> Callable[..., Any]:

@@ -9,9 +9,8 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .chance import BATCH, assert_share, assert_uniform, distance, many
+from .chance import BATCH, assert_share, distance, many
 from .environments import cells_of, placed
-from .map_reading import find, read_map, regions
 
 pytestmark = pytest.mark.optimised
 
@@ -180,13 +179,6 @@ def test_hits_are_forgotten_after_fifty_steps() -> None:
     scene.has({"agent.hits": 0}).step("zap").has({"reward": 0, "agent.hits": [0, 1, 0]})
 
 
-def test_coats_and_hits_are_seen_and_tastes_are_not() -> None:
-    scene = put("rgb.<^..  01", "........", "..rrgb..", ".>......  2").step("sow_red")
-    assert scene.seen(1, "other.coat", right=-1) == "red"
-    assert "other.taste" not in [plane.name for plane in STAGE.env.token_planes]
-    assert (scene.seen(0, "agent.taste"), scene.seen(1, "agent.taste")) == ("red", "green")
-
-
 # Growth, counted
 
 
@@ -218,35 +210,4 @@ def test_a_berry_ripens_the_faster_the_more_have_its_colour() -> None:
     assert float(env.params.growth) == np.float32(0.000005)
 
 
-def test_of_two_who_sow_each_plants_as_often() -> None:
-    env = STAGE.env
-    state = placed(env, [(1, 4), (3, 4), (0, 7)], [2, 0, 0])
-    red, blue = (env.action_names.index(f"sow_{hue}") for hue in ("red", "blue"))
-
-    def look(_: Any, after: Any, __: Any) -> Any:
-        return jnp.stack([after.bush_colour[5] == 0, after.bush_colour[5] == 2])
-
-    assert_uniform(many(env, look)(1, state, [red, blue, STAY], env.params, 4), 0.06)
-
-
 # The map
-
-
-def test_the_map_has_as_many_bushes_of_each_colour() -> None:
-    """Melting Pot's figures: 30 rows of 29 cells, 348 bushes, 116 of each colour; ours: everybody can go everywhere."""
-    rows = read_map("allelopathic_harvest")
-    assert (len(rows), {len(row) for row in rows}) == (30, {29})
-    assert {hue: len(find("allelopathic_harvest", hue)) for hue in "rgb."} == {
-        "r": 116,
-        "g": 116,
-        "b": 116,
-        ".": 870 - 348,
-    }
-    assert len(regions(find("allelopathic_harvest", "rgb."))) == 1
-    quarters = [
-        {(r, c) for r, c in find("allelopathic_harvest", "rgb") if (r < 15, c < 15) == part}
-        for part in ((a, b) for a in (True, False) for b in (True, False))
-    ]
-    assert all(
-        70 <= len(quarter) <= 104 for quarter in quarters
-    )  # scattered evenly: a fifth more or less than 87

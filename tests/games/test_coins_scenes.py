@@ -4,8 +4,6 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .frames import check_moves
-
 LOOKS = {"r": "tile coin=red", "g": "tile coin=green"}
 STAGE = Stage("coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, looks=LOOKS)
 RED, GREEN = 0, 1  # agent 0 is red, agent 1 green
@@ -42,11 +40,6 @@ def test_payments(red_takes: str, green_takes: str, reward: list[float]) -> None
     assert scene.step("stay, stay").reward == [0, 0]
 
 
-def test_payments_are_parameters() -> None:
-    scene = put("CCCCP", ">gCCC", "CCCr<", "PCCCC", coin=3, harm=-5)
-    assert scene.step("forward, forward").reward == [-2, -2]
-
-
 def test_a_coin_that_two_want_goes_to_one() -> None:
     winners = set()
     for seed in range(12):
@@ -56,25 +49,6 @@ def test_a_coin_that_two_want_goes_to_one() -> None:
         assert scene.reward == ([1, -2] if red_won else [0, 1])
         winners.add(red_won)
     assert winners == {True, False}
-
-
-def test_a_coin_stays_until_it_is_taken() -> None:
-    scene = put("rCCCP", "C>gCC", "CCCC<", "PCCCC")
-    for _ in range(3):
-        assert scene.step("turn_left, turn_right").reward == [0, 0]
-    scene.shows("rCCCP", "CvgCC", "CCCCv", "PCCCC")
-
-
-def test_a_colour_is_its_agents() -> None:
-    """Agent 0 is red whichever corner it left."""
-    scene = put("CCCrv  0", "CCCCC", "CCCCC", "^rCCC  1")
-    assert scene.step("step_right, step_right").reward == [-1, 1]
-    scene = put("CCCrv  1", "CCCCC", "CCCCC", "^rCCC  0")
-    assert scene.step("step_right, step_right").reward == [-1, 1]
-
-
-def test_moves() -> None:
-    check_moves(STAGE, ("CCCCP", "CC^CC", "CCCCC", "PCCC<"), compass=False)
 
 
 # Where coins come
@@ -97,12 +71,6 @@ def test_a_coin_that_comes_can_be_taken_in_the_same_step() -> None:
     assert scene.reward[RED] == 1
 
 
-def test_coins_do_not_change() -> None:
-    for seed in range(5):
-        scene = put("rrrrP", "ggg>r", "rr<gg", "Prrrr", spawn=0.5, seed=seed).step("stay, stay")
-        scene.shows("rrrrP", "ggg>r", "rr<gg", "Prrrr")
-
-
 # What the two see
 
 
@@ -115,13 +83,3 @@ def test_colours_are_mine_and_theirs() -> None:
     assert scene.seen(1, "content", ahead=3, right=2) == "tile coin=theirs"
     assert scene.seen(1, "content", ahead=3, right=4) == "corner"
     assert scene.seen(1, "content", ahead=1) == "tile coin=none"
-
-
-def test_both_see_their_own_coins_alike() -> None:
-    """With the agents and the coins changed over, each sees exactly what the other saw."""
-    one = put("CCrCP", "CCgCC", "CC^CC  0", "PCCC^  1")
-    two = put("CCgCP", "CCrCC", "CC^CC  1", "PCCC^  0")
-    assert (one.observation[RED] == two.observation[GREEN]).all()
-    assert (one.observation[GREEN] == two.observation[RED]).all()
-    same_coins = put("CCrCP", "CCgCC", "CC^CC  1", "PCCC^  0")
-    assert (one.observation[RED] != same_coins.observation[GREEN]).any()

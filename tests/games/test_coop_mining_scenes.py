@@ -7,7 +7,6 @@ import pytest
 from sjdsl.testing import Scene, Stage
 
 from .environments import BRIEFLY
-from .frames import check_moves
 
 ROWS = ("OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOO#O", "OOOOOOO", "PPPPPPP")
 EMPTY = "OOOOOOO"
@@ -118,51 +117,6 @@ def test_iron_is_mined_up_to_three_cells_ahead(stage: Stage, heading: int, dista
 
 
 @BOTH
-def test_the_ray_is_straight(stage: Stage) -> None:
-    scene = put(
-        stage, EMPTY, "iiOiiOO", "iiOiiOO", "ii^iiOO", "iiiiiOO", "OOOOO#O", EMPTY, "vvvvvPP"
-    ).step("mine")
-    scene.shows(EMPTY, "iiOiiOO", "iiOiiOO", "ii^iiOO", "iiiiiOO", "OOOOO#O", EMPTY, "vvvvvPP").has(
-        {"reward": 0}
-    )
-
-
-@BOTH
-def test_the_ray_passes_agents(stage: Stage) -> None:
-    """And ore under an agent is ore."""
-    scene = put(
-        stage,
-        EMPTY,
-        "OOOiOOO",
-        EMPTY,
-        "OOOvOOO  1",
-        "OOO^OOO  0",
-        "OOOOO#O",
-        EMPTY,
-        "vvvvPPP",
-        under={1: "O"},
-    ).step("mine")
-    scene.shows(EMPTY, *[EMPTY] * 2, "OOOvOOO  1", "OOO^OOO  0", "OOOOO#O", EMPTY, "vvvvPPP").has(
-        {"reward": [1, 0, 0, 0, 0, 0]}
-    )
-    scene = put(
-        stage,
-        EMPTY,
-        "OOOiOOO",
-        EMPTY,
-        "OOOvOOO  1",
-        "OOO^OOO  0",
-        "OOOOO#O",
-        EMPTY,
-        "vvvvPPP",
-        under={1: "i"},
-    ).step("mine")
-    scene.has({"reward": [1, 0, 0, 0, 0, 0]}).shows(
-        EMPTY, "OOOiOOO", EMPTY, "OOOvOOO", "OOO^OOO", "OOOOO#O", EMPTY, "vvvvPPP", under={1: "O"}
-    )
-
-
-@BOTH
 @pytest.mark.parametrize("nearest", ["i", "g", "p"])
 def test_the_ray_ends_at_the_first_ore(stage: Stage, nearest: str) -> None:
     scene = put(
@@ -182,63 +136,6 @@ def test_the_ray_ends_at_the_first_ore(stage: Stage, nearest: str) -> None:
     scene.has({"event iron_mined": [int(nearest == "i"), 0, 0, 0, 0, 0]})
 
 
-@BOTH
-def test_two_irons_in_line_are_mined_one_after_the_other(stage: Stage) -> None:
-    scene = put(
-        stage, EMPTY, "OOOiOOO", "OOOiOOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP"
-    )
-    scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
-    scene.shows(EMPTY, "OOOiOOO", EMPTY, "OOO^OOO", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP")
-    scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
-    scene.step("mine").has({"reward": 0})
-
-
-@BOTH
-def test_walls_end_the_ray(stage: Stage) -> None:
-    for column in (3, 4):  # the wall two cells ahead, and one
-        scene = placed(stage, [(5, column, ">")], {(5, 6): "i"}).step("mine")
-        assert (ores(scene), scene.reward) == ("iron", [0] * 6)
-
-
-@BOTH
-def test_ones_own_cell_is_not_mined(stage: Stage) -> None:
-    scene = placed(stage, [(3, 3, "^")], {}, under={0: "i"}).step("mine")
-    scene.has({"reward": 0})
-    assert scene.under(0) == "i"
-
-
-@BOTH
-def test_rays_do_not_leave_the_map(stage: Stage) -> None:
-    picture = (
-        "O^OiO^O",
-        "iOOOOOO",
-        "iOOOOO>",
-        "iOOOOOO",
-        "<OOOOOO",
-        "iOOOO#O",
-        "iOOOOOi",
-        "OOvOOvP".replace("O", "P"),
-    )
-    scene = put(stage, *picture).step(", ".join(["mine"] * 6))
-    assert scene.reward == [0] * 6
-    scene.shows(*picture)
-
-
-@BOTH
-def test_ore_blocks_nobody_and_stays(stage: Stage) -> None:
-    scene = put(
-        stage, EMPTY, "OOOiOOO", "OOOgOOO", "OOO^OOO  0", EMPTY, "OOOOO#O", EMPTY, "vvvvvPP"
-    )
-    scene.step("forward").has({"reward": 0}).step("forward").has({"reward": 0}).step("forward")
-    scene.shows("OOO^OOO  0", "OOOiOOO", "OOOgOOO", EMPTY, EMPTY, "OOOOO#O", EMPTY, "vvvvvPP")
-
-
-@BOTH
-def test_a_mining_agent_stays_and_keeps_its_heading(stage: Stage) -> None:
-    scene = placed(stage, [(3, 3, ">")], {(3, 4): "i"}).step("mine")
-    assert (scene.places()[0], scene.headings()[0]) == ((3, 3), "east")
-
-
 # Iron
 
 
@@ -254,20 +151,6 @@ def test_contested_iron_goes_to_one_of_the_miners(stage: Stage, miners: int, run
         assert ores(scene) == ""
         winners.add(scene.reward.index(1))
     assert miners > 2 or winners == ({0} if stage is RELEASED else {0, 1})
-
-
-@BOTH
-def test_each_ore_is_settled_for_itself(stage: Stage) -> None:
-    """Two irons and a gold in one step."""
-    scene = placed(
-        stage,
-        [(1, 0, ">"), (3, 0, ">"), (5, 0, ">"), (5, 2, "<")],
-        {(1, 1): "i", (3, 2): "i", (5, 1): "g"},
-    )
-    scene.step(mine(0, 1, 2, 3)).has(
-        {"reward": [1, 1, *gold(stage, 0, 1)[:2], 0, 0], "event ores_shared": 1}
-    )
-    assert ores(scene) == ""
 
 
 # Gold
@@ -343,25 +226,6 @@ def test_who_has_hit_is_paid_wherever_it_is(stage: Stage) -> None:
     scene.step(mine(0)).has({"reward": gold(stage, 2, 0)})
 
 
-@pytest.mark.parametrize(("first", "then", "paid"), [(1, 3, 8), (1, 4, 0), (1, 5, 0)])
-def test_all_miners_of_the_window_count(first: int, then: int, paid: float) -> None:
-    """One opens the ore, the others come a step later: four in all share it, five get nothing and the ore is whole again."""
-    scene = (
-        around(6, STAGES[None]).step(mine(*range(first))).step(mine(*range(first, first + then)))
-    )
-    scene.has(
-        {
-            "reward": [paid if agent < first + then else 0 for agent in range(6)],
-            "rock.miners": {(3, 3): set()},
-            "rock.left": 0,
-        }
-    )
-    assert ores(scene) == ("" if paid else "gold")
-    if not paid:
-        scene.step(mine(0)).has({"reward": 0, "rock.miners": {(3, 3): {0}}})
-        scene.step(mine(1)).has({"reward": [8, 8, 0, 0, 0, 0]})
-
-
 # Who mines in each step -> whom the released code pays in the last one, at commit 9df972d
 RELEASED_GOLD: list[tuple[list[list[int]], list[float]]] = [
     ([[0, 1]], [0, 8, 0, 0, 0, 0]),
@@ -392,36 +256,6 @@ def test_as_released_gold_pays_who_completes_it(
     )
     assert ores(scene) == ("" if paid else "partial")
     assert sum(scene.events["gold_mined"]) == 2 * paid
-
-
-@BOTH
-def test_two_windows_run_for_themselves(stage: Stage) -> None:
-    """The gold of agent 0 is opened a step before that of agent 1, and closes a step before."""
-    scene = (
-        placed(stage, [(1, 0, ">"), (3, 0, ">")], {(1, 1): "g", (3, 1): "g"})
-        .step(mine(0))
-        .step(mine(1))
-    )
-    scene.has(
-        {"rock.ore": {(1, 1): "partial", (3, 1): "partial"}, "rock.left": {(1, 1): 1, (3, 1): 2}}
-    )
-    scene.step().has({"rock.ore": {(1, 1): "gold", (3, 1): "partial"}})
-    scene.step().has({"rock.ore": {(1, 1): "gold", (3, 1): "gold"}})
-
-
-def test_numbers_of_miners_and_payments_are_parameters() -> None:
-    params = {"fewest": 3, "most": 3, "patience": 1, "gold_pays": 5, "iron_pays": 2}
-    for miners, paid, ore in (
-        (2, 0, "gold"),
-        (3, 5, ""),
-        (4, 0, "gold"),
-    ):  # a window of one step: this one
-        scene = around(miners, STAGES[None]).change(**params).step(mine(*range(miners)))
-        scene.has({"reward": [paid if agent < miners else 0 for agent in range(6)]})
-        assert ores(scene) == ore
-    around(1, STAGES[None], under="i").change(**params).step(mine(0)).has(
-        {"reward": [2, 0, 0, 0, 0, 0]}
-    )
 
 
 # Growth
@@ -464,77 +298,4 @@ def test_gold_grows_where_no_iron_does(stage: Stage) -> None:
     assert set(ores(grown).split()) == {"gold"} and len(ores(grown).split()) == 48
 
 
-@BOTH
-def test_ore_grows_last(stage: Stage) -> None:
-    """On a cell that was mined in this step and on one that was left in it; and it is not mined yet.
-
-    Not on one that was entered, unless ore grows under agents.
-    """
-    under = "iron" if stage is RELEASED else "none"
-    scene = put(
-        stage,
-        EMPTY,
-        EMPTY,
-        "OOOiOOO",
-        "OOO^O^O  01",
-        EMPTY,
-        "OOOOO#O",
-        EMPTY,
-        "vvvvPPP",
-        spawn_iron=1,
-    ).step("mine, forward")
-    scene.has(
-        {
-            "reward": [1, 0, 0, 0, 0, 0],
-            "rock.ore": {(2, 3): "iron", (3, 5): "iron", (2, 5): under, (3, 3): under},
-        }
-    )
-    scene = (
-        put(stage, *ROWS[:3], "OOO^OOO  0", *ROWS[4:-1], "vvvvvPP", spawn_iron=1)
-        .step("mine")
-        .has({"reward": 0})
-    )
-    scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
-
-
-@BOTH
-def test_a_partial_ore_stays_a_partial_ore(stage: Stage) -> None:
-    scene = (
-        around(1, stage).change(spawn_iron=1).step(mine(0)).has({"rock.ore": {(3, 3): "partial"}})
-    )
-    scene.step().has({"rock.ore": {(3, 3): "partial"}}).step().has({"rock.ore": {(3, 3): "gold"}})
-
-
 # Moves, starts, what is seen
-
-
-@pytest.mark.parametrize(("variant", "compass"), [(None, False), ("socialjax", True)])
-def test_moves(variant: str | None, compass: bool) -> None:
-    check_moves(STAGES[variant], (*ROWS[:3], "OOO^OOO", *ROWS[4:-1], "vvvvvPP"), compass)
-
-
-def test_what_is_seen() -> None:
-    """Ore in its three states; nothing of who has hit it or how long it stays open; the ray in one observation."""
-    scene = put(
-        STAGES[None],
-        "OOOiOOO",
-        "OOOgOOO",
-        "OOO^OOO  0",
-        "OO>Ov<O  342",
-        EMPTY,
-        "OOOOO#O",
-        EMPTY,
-        "vPPPPP^  15",
-    )
-    scene.step("mine")
-    assert [scene.seen(0, "content", ahead=n) for n in (3, 2, 1, 0)] == [
-        "outside",
-        "rock ore=iron",
-        "rock ore=partial",
-        "rock ore=none",
-    ]
-    assert {plane.name for plane in scene.env.token_planes} == {"content", "agent", "marks"}
-    assert scene.seen(0, "agent", ahead=-1, right=-1) == "other turned right"
-    assert scene.seen(0, "content", ahead=-1, right=5) == "outside"
-    assert (scene.seen(0, "marks", ahead=1), scene.seen(0, "marks", ahead=-1)) == ("mine", "")
-    assert scene.step().seen(0, "marks", ahead=1) == ""

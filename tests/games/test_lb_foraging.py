@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from sjdsl.testing import Scene, Stage
-from sjdsl.trainers import evaluate, find_policy
 
 from .chance import BATCH, assert_shares, assert_uniform
 from .environments import environment, placed, places
@@ -91,21 +90,6 @@ def test_only_who_stands_beside_food_loads_it(cell: Cell, reaches: bool) -> None
     scene.has({"reward": [int(reaches), 0, 0, 0], "event vain": [0] * 4})
 
 
-def test_one_load_is_for_all_food_around() -> None:
-    """Source: SocialJax, released code, which looks at each food for itself: one is taken, the other is too much."""
-    scene = put({0: (1, 3)}, {(0, 3): 1, (1, 2): 2, (1, 4): 3, **FAR}, [2, 1, 1, 1]).step(load(0))
-    scene.has({"reward": [2.9, 0, 0, 0], "event taken": 2, "event vain": [1, 0, 0, 0]})
-
-
-def test_who_comes_loads_where_it_arrives() -> None:
-    """Moves are made first; but who moves does not load."""
-    scene = put({0: (0, 2), 1: (1, 2)}, {SPOT: 2, **FAR}, [1, 1, 1, 1]).step(
-        "step_right, load, stay, stay"
-    )
-    scene.has({"reward": [0, -0.1, 0, 0]})
-    scene.step(load(0, 1)).has({"reward": [1, 1, 0, 0]})
-
-
 def test_food_is_in_the_way() -> None:
     scene = put({0: (1, 2)}, {SPOT: 1, **FAR}, [1, 1, 1, 1]).step("step_right, stay, stay, stay")
     assert scene.places()[0] == (1, 2)
@@ -160,24 +144,3 @@ def test_as_released_food_is_lost_where_it_cannot_lie() -> None:
     assert_shares(np.bincount((food > 0).sum(axis=1), minlength=5), shares, within=0.05)
     assert_uniform([(food == level).sum() for level in (1, 2, 3)], within=0.2)
     assert_uniform((food > 0).sum(axis=0), within=0.6)
-
-
-@pytest.mark.thorough
-def test_who_meets_earns_more_than_who_goes_alone() -> None:
-    """The policies of the game's file: together they take the food that nobody can take alone."""
-    env = environment(GAME)
-    earned = {
-        name: evaluate(
-            env, find_policy(name, env), jax.random.key(1), num_episodes=64
-        ).collective_returns.mean()
-        for name in ("cooperator", "defector", "random", "stay")
-    }
-    assert (
-        earned["cooperator"]
-        > 1.3 * earned["defector"]
-        > 1.3 * max(earned["random"], earned["stay"])
-    )
-    assert earned["stay"] == 0
-    assert earned["cooperator"] > 0.75 * 4 * 2, (
-        "most of what there is: four pieces of level two on average"
-    )

@@ -29,14 +29,6 @@ MINE = Stage(
     interpreted=True,
 )
 FOREST = Stage("mushrooms", ("........", "........"), 2, variant="meltingpot", interpreted=True)
-GLADE = Stage(
-    "mushrooms",
-    ("....", "...."),
-    2,
-    variant="meltingpot",
-    params={"respawn_delay": 1},
-    interpreted=True,
-)
 
 
 @pytest.mark.thorough
@@ -97,24 +89,3 @@ def test_orange_kills_each_red_one_alike() -> None:
         assert scene.value("ground.grows")[7] == "green"
         gone += 5 - reds
     assert_share(gone, 5 * (RUNS // 3), 0.5, 0.3)
-
-
-@pytest.mark.thorough
-def test_who_is_hit_twice_comes_back_on_any_bare_cell() -> None:
-    """Agent 1 was hit before; it is away for a step, and then stands on each free cell without a mushroom equally often."""
-    found: Counter[tuple[int, int]] = Counter()
-    hit = {"agent.hits": {1: 1}, "agent.recovering": {1: 30}, "ground.fresh": 9}
-    for seed in range(2 * RUNS):
-        scene = (
-            GLADE.put("...G", ">.<.  01", seed=seed, fields=hit)
-            .step("zap")
-            .has({"agent.away": [False, True], "agent.hits": 0})
-        )
-        place = scene.step().places()[1]
-        assert place is not None
-        found[place] += 1
-    bare = [
-        (row, col) for row in range(2) for col in range(4) if (row, col) not in {(0, 3), (1, 0)}
-    ]
-    assert set(found) <= set(bare)
-    assert_uniform([found[cell] for cell in bare], 0.8)

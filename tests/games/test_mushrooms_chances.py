@@ -1,4 +1,4 @@
-"""The chances of Mushrooms, counted: what grows after a meal and where, where a zapped agent comes to."""
+"""The chances of Mushrooms, counted: what grows after a meal."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -10,13 +10,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from .chance import BATCH, assert_share, assert_shares, assert_uniform, many
-from .environments import Cell, cells_of, environment, frame_cells, placed
+from .chance import assert_shares, many
+from .environments import Cell, environment, placed
 
 pytestmark = pytest.mark.optimised
 
 GAME = "mushrooms"
-FLOOR = 276  # cells. Source: the released code's map
 RED, GREEN, BLUE, ORANGE = KINDS = 1, 2, 3, 4
 NAMES = {RED: "red", GREEN: "green", BLUE: "blue", ORANGE: "orange"}
 ZAP, STAY, FORWARD = 7, 6, 4
@@ -31,9 +30,7 @@ TRIALS_OF_THREE = {RED: (3, 0, 0, 0), GREEN: (3, 3, 0, 0), BLUE: (3, 3, 3, 0), O
 
 @cache
 def counter(variant: str | None) -> Any:
-    """Counts, over many steps from one state: how many of each kind came, all at once and by cell, and how agents 0 to 2 stand."""
-    env = environment(GAME, variant)
-    sizes = env.module.FRAME[0] * env.module.FRAME[1]
+    """Counts how many mushrooms of each kind came, over many steps from one state."""
 
     def look(before: Any, after: Any, _: Any) -> Any:
         new = (after.ground_grows[None] == jnp.array(KINDS, jnp.uint8)[:, None]) & (
@@ -45,13 +42,9 @@ def counter(variant: str | None) -> Any:
             "new": new,
             "numbers": jax.nn.one_hot(together, MOST**3, dtype=jnp.int32),
             "orange": jax.nn.one_hot(number[3], MOST, dtype=jnp.int32),
-            "place": jax.nn.one_hot(after.position[:3], sizes, dtype=jnp.int32),
-            "headings": jax.nn.one_hot(
-                after.heading[1] * 4 + after.heading[2], 16, dtype=jnp.int32
-            ),
         }
 
-    return many(env, look)
+    return many(environment(GAME, variant), look)
 
 
 def binomial(trials: int, probability: float) -> np.ndarray:
@@ -104,30 +97,6 @@ def test_what_grows_after_a_meal(kind: int, variant: str | None) -> None:
 
 
 @pytest.mark.thorough
-def test_every_floor_cell_is_a_site() -> None:
-    """But those with mushrooms or agents; also where a mushroom stood at first. All trials succeed: two of each kind, all apart."""
-    env = environment(GAME)
-    cells = cells_of(env, "ground")
-    assert len(cells) == FLOOR
-    state, actions = before_meals([BLUE])
-    bare = cells.index(first_of(ORANGE))
-    grows = np.array(state.ground_grows)
-    grows[bare] = 0
-    sure = env.params.replace(regrow=jnp.ones(4))
-    seen = counter(None)(4, state.replace(ground_grows=jnp.asarray(grows)), actions, sure, 12)
-    under = [cells.index(cell) for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]]
-    free = [i for i in range(FLOOR) if grows[i] == 0 and i not in under]
-    assert bare in free
-    assert len(free) == 263
-    steps = 12 * BATCH
-    assert seen["numbers"].reshape(MOST, MOST, MOST)[2, 2, 2] == steps
-    for kind in range(3):
-        assert seen["new"][kind].sum() == seen["new"][kind][free].sum() == 2 * steps
-        for site in free:
-            assert_share(seen["new"][kind][site], steps, 2 / 263, 0.35)
-
-
-@pytest.mark.thorough
 @pytest.mark.parametrize("kind", KINDS, ids=NAMES.get)
 def test_as_released_spores_come_a_step_later(kind: int) -> None:
     """Two trials of red, after orange too; nothing in the step of the meal. Source: the released code."""
@@ -141,39 +110,3 @@ def test_as_released_spores_come_a_step_later(kind: int) -> None:
         TRIALS[kind],
         0.03,
     )
-
-
-def test_where_tells_nothing_of_whether() -> None:
-    """With trials that may fail: the first half of the sites gets its part of what grows."""
-    env = environment(GAME)
-    state, actions = before_meals([BLUE])
-    seen = counter(None)(5, state, actions, env.params, 6)
-    under = [
-        cells_of(env, "ground").index(cell)
-        for cell in [first_of(BLUE), *[(0, c) for c in range(4)]]
-    ]
-    free = [i for i in range(FLOOR) if state.ground_grows[i] == 0 and i not in under]
-    for kind in range(3):
-        assert_share(seen["new"][kind][free[:131]].sum(), seen["new"][kind].sum(), 131 / 262, 0.06)
-
-
-@pytest.mark.parametrize("variant", [None, "socialjax"])
-def test_home_is_every_free_bare_cell_alike(variant: str | None) -> None:
-    """Two are hit in every step: each comes to any floor cell without mushroom and agent, and looks any way."""
-    env = environment(GAME, variant)
-    places = [(6, 1), (6, 2), (6, 3), (11, 21), (11, 22)]
-    state = placed(env, places, [1, 0, 2, 0, 0])
-    seen = counter(variant)(6, state, [ZAP, STAY, STAY, STAY, STAY], env.params, 16)
-    bare = [
-        c
-        for c, grows in zip(cells_of(env, "ground"), state.ground_grows, strict=True)
-        if grows == 0 and c not in places
-    ]
-    assert len(bare) == 261
-    assert not seen["new"].any()
-    assert seen["place"][0, frame_cells(env, places[0])] == 16 * BATCH
-    for victim in (1, 2):
-        homes = seen["place"][victim, frame_cells(env, bare)]
-        assert homes.sum() == 16 * BATCH
-        assert_uniform(homes, 0.45)
-    assert_uniform(seen["headings"], 0.1)

@@ -7,10 +7,6 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .chance import BATCH, assert_share, assert_uniform, many
-from .environments import placed
-from .map_reading import find, read_map, regions
-
 pytestmark = pytest.mark.optimised
 
 FIELD = (
@@ -25,7 +21,6 @@ FIELD = (
 )
 STAGE = Stage("predator_prey", (*FIELD, "#########", "PPPPPP###", "XXXXXX###"), 6)
 LONG = replace(STAGE, interpreted=True)  # for hundreds of steps
-BITE, STAY = 7, 6
 
 
 def put(
@@ -154,12 +149,6 @@ def test_predators_eat_predators_for_nothing() -> None:
     assert outcomes == {False, True}
 
 
-def test_prey_does_not_bite() -> None:
-    row("..^<.....", "03").step("stay, stay, stay, bite").has(
-        {"reward": 0, "agent.away": False, "marks hunt": set()}
-    )
-
-
 def test_who_has_eaten_rests_five_steps() -> None:
     scene = (
         row("..>^.....", "03")
@@ -236,61 +225,7 @@ def test_an_acorn_is_worth_eighteen_and_takes_twenty_six_steps() -> None:
     )
 
 
-def test_one_acorn_at_a_time() -> None:
-    scene = put(
-        *FIELD[:3], "....^....  3", *FIELD[4:], fields={"agent.mouth": {3: "holding"}}
-    ).step("stay, stay, stay, forward")
-    scene.has({"oak.fruit": "ripe", "agent.mouth": {3: "holding"}})
-
-
 # Chances
 
 
-@pytest.mark.thorough
-def test_chances() -> None:
-    """Apples 0.007, acorns 0.01, none under agents; of two predators each has the prey as often. Source: Melting Pot."""
-    env, steps = STAGE.env, 16 * BATCH
-    state = placed(
-        env,
-        [(5, 2), (5, 4), (10, 0), (5, 3), (2, 2), (9, 0)],
-        [1, 3, 0, 0, 0, 0],
-        tree_fruit=[0, 0],
-        oak_fruit=[0],
-    )
-
-    def look(_: Any, after: Any, reward: Any) -> Any:
-        return {
-            "trees": after.tree_fruit == 1,
-            "oak": after.oak_fruit[0] == 1,
-            "caught": reward[:2] == 1,
-            "ate": reward[4],
-        }
-
-    seen = many(env, look)(0, state, [BITE, BITE, *[STAY] * 4], env.params, 16)
-    assert seen["trees"][0] == 0
-    assert seen["ate"] == 0
-    assert_share(seen["trees"][1], steps, 0.007, 0.3)
-    assert_share(seen["oak"], steps, 0.01, 0.25)
-    assert_uniform(seen["caught"], 0.05)
-
-
-def test_starts() -> None:
-    """Predators begin in lairs, prey in nests."""
-    for seed in range(5):
-        scene = STAGE.start(seed)
-        assert [scene.under(agent) for agent in range(6)] == ["X"] * 3 + ["P"] * 3
-        scene.has({"agent.role": ["predator"] * 3 + ["prey"] * 3})
-
-
 # The map
-
-
-def test_the_map_has_a_field_between_two_strips_of_grass() -> None:
-    """Ours, in Melting Pot's size of 19 rows and 23 columns: grass in the two outer rows of each end, and what it is for."""
-    rows = read_map("predator_prey")
-    assert (len(rows), {len(line) for line in rows}) == (19, {23})
-    counts = {glyph: len(find("predator_prey", glyph)) for glyph in "#PgXan."}
-    assert counts == {"#": 80, "P": 42, "g": 42, "X": 34, "a": 141, "n": 12, ".": 86}
-    assert find("predator_prey", "P") == {(r, c) for r in (1, 17) for c in range(1, 22)}
-    assert find("predator_prey", "g") == {(r, c) for r in (2, 16) for c in range(1, 22)}
-    assert len(regions(find("predator_prey", "PgXan."))) == 1

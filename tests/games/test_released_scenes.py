@@ -5,13 +5,9 @@ import pytest
 from sjdsl.testing import Stage
 
 from .environments import BRIEFLY
-from .frames import check_moves
 
 FIELD = ("QQPPP", ".....", "..#..", ".....", ".....")
 RIVER = ("HHHHHS", "HHHHHS", "HHH#HH", "......", "PPP.#.", "BBBBBB")
-COINS = Stage(
-    "coins", ("CCCCP", "CCCCC", "CCCCC", "PCCCC"), 2, variant="socialjax", interpreted=BRIEFLY
-)
 HARVEST = Stage("harvest_open", FIELD, 3, variant="socialjax", interpreted=BRIEFLY)
 CLEAN_UP = Stage("clean_up", RIVER, 3, variant="socialjax", interpreted=BRIEFLY)
 ORCHARD = Stage(
@@ -22,17 +18,6 @@ ORCHARD = Stage(
     looks={"a": "soil fruit=none"},
     interpreted=BRIEFLY,
 )
-MOVES = [  # agent 0 with room around it
-    (COINS, ("CCCCP", "CC^CC", "CCCCC", "PCCC<")),
-    (HARVEST, ("QQPvv", ".....", "..#..", ".^...  0", ".....")),
-    (CLEAN_UP, (*RIVER[:3], "..^...  0", *RIVER[4:5], "BB<<BB")),
-]
-NAMES = ["coins", "harvest", "clean_up"]
-
-
-@pytest.mark.parametrize(("stage", "picture"), MOVES, ids=NAMES)
-def test_moves_go_by_the_compass(stage: Stage, picture: tuple[str, ...]) -> None:
-    check_moves(stage, picture, compass=True)
 
 
 def test_zaps_pass_walls() -> None:
@@ -126,15 +111,6 @@ def test_marks_are_seen_on_bare_cells_alone() -> None:
     scene = HARVEST.put("QQPPP", ".....", "..#..", "..^..  0", "vv...  12").step("zap")
     assert (scene.seen(0, "marks", ahead=1), scene.seen(0, "marks", ahead=2)) == ("", "fire")
     assert scene.seen(0, "content", ahead=1) == "outside"
-
-
-def test_in_the_river_zaps_pass_walls_too() -> None:
-    scene = (
-        CLEAN_UP.put("HHHHHS", "HHHvHS  1", "HHH#HH", "...^..  0", "^PP.#.", "BBBBBB")
-        .step("zap")
-        .has({"event hits": [1, 0, 0]})
-    )
-    assert scene.places()[1] in {(4, 1), (4, 2)}
 
 
 # The values of the scenes below are those of the released code, commit 9df972d, played from the same states.

@@ -9,12 +9,14 @@ from sjdsl.testing import Scene, Stage
 
 from .chance import BATCH, assert_share, assert_uniform, many
 from .environments import placed
-from .map_reading import box, find, read_map, regions, span
 
 ROWS = ("P.....#.", ".RR..R..", "........", "P.R.R..P")
 STAGE = Stage("territory", ROWS, 3)
-# bricks in reading order
-BRICKS = LEFT, SECOND, RIGHT, LOW, CORNER = (1, 1), (1, 2), (1, 5), (3, 2), (3, 4)
+# Bricks.
+LEFT = (1, 1)
+SECOND = (1, 2)
+RIGHT = (1, 5)
+LOW = (3, 2)
 STAY, ZAP, PAINT = 6, 7, 8
 
 
@@ -64,14 +66,6 @@ def test_paint_reaches_two_bricks_and_no_third_cell() -> None:
     scene.has({"brick.owner": [0, 0, None, None, 2], "event claimed": [2, 0, 1]})
     put("P.....#.", ".RR>.R..  0", "v.....v.", "P.R.R..P").step("paint").has(
         {"brick.owner": {RIGHT: 0}}
-    )
-
-
-def test_posts_stop_paint() -> None:
-    stage = Stage("territory", ("P#RR.PP",), 2)
-    stage.put(">#RR.P<", under={0: "P", 1: "P"}).step("paint").has({"brick.owner": None})
-    stage.put("P#RR<P<", under={1: "P"}).step("paint").has(
-        {"brick.owner": 0, "event claimed": [2, 0]}
     )
 
 
@@ -173,12 +167,6 @@ def test_bricks_stop_zaps_until_they_are_broken(damage: int) -> None:
     )
 
 
-def test_posts_stop_zaps() -> None:
-    put("P....>#^  01", ".RR..R..", ".<......  2", "P.R.R..P").step("zap").has(
-        {"agent.hits": 0, "brick.damage": {RIGHT: 1}}
-    )
-
-
 def test_damage_mends_after_a_while() -> None:
     scene = (
         put("P.....#.", ".RR<.R..", "....<...", "P.R.R..<", params={"mending": 3, "mend": 1})
@@ -219,16 +207,6 @@ def test_the_first_in_a_lane_is_hit_and_stunned() -> None:
     scene.step("stay, turn_left, stay").has({"agent.heading": {1: "north"}})
 
 
-def test_who_zaps_is_hot_for_four_steps() -> None:
-    scene = (
-        put("P.....#.", ".RR<.R..", "....>...", "P.R.R..<")
-        .step("zap")
-        .step("zap", times=4)
-        .has({"brick.damage": {SECOND: 1}})
-    )
-    scene.step("zap").has({"brick.damage": {SECOND: 2}})
-
-
 @pytest.mark.parametrize(("wait", "thrown_out"), [(0, True), (49, True), (50, False)])
 def test_a_second_hit_within_fifty_steps_throws_out(wait: int, thrown_out: bool) -> None:
     """For ever, and all that was its own is free again at once."""
@@ -261,28 +239,7 @@ def test_a_second_hit_within_fifty_steps_throws_out(wait: int, thrown_out: bool)
     )
 
 
-def test_two_hits_at_once_throw_out() -> None:
-    put("P.....#.", ".RR..R..", ".>^<....  012", "P.R.R..P").step("zap, stay, zap").has(
-        {"agent.away": [False, True, False], "metric owned": 0}
-    )
-
-
 # What is seen
-
-
-def test_one_sees_what_is_ones_own_and_what_is_broken() -> None:
-    fields = owned((LEFT, 0), (SECOND, 1), paint="wet") | {
-        "brick.damage": {SECOND: 1, RIGHT: 2},
-        "brick.wetness": 5,
-    }
-    scene = put(
-        "P.....#.", ".RR.^R..  0", "......<.  1", "^.R.R..P  2", fields=fields, under={2: "P"}
-    )
-    scene.step()
-    assert scene.seen(0, "content", right=-3) == "brick paint=wet owner=mine damage=whole"
-    assert scene.seen(0, "content", right=-2) == "brick paint=wet owner=theirs damage=cracked"
-    assert scene.seen(1, "content", ahead=1, right=1) == "brick paint=none owner=free damage=gone"
-    assert scene.seen(1, "content", ahead=4, right=1) == "brick paint=wet owner=mine damage=cracked"
 
 
 # Chances
@@ -326,21 +283,3 @@ def test_chances() -> None:
 
 
 # The map
-
-
-def test_the_map_is_nine_rooms_that_share_their_walls() -> None:
-    """Ours: 3 x 3 rooms of 5 x 5 cells (Melting Pot's size), a start in the middle of each, a brick between any two."""
-    rows = read_map("territory")
-    assert (len(rows), {len(row) for row in rows}) == (19, {19})
-    assert {glyph: len(find("territory", glyph)) for glyph in "#RP."} == {
-        "#": 16,
-        "R": 24 * 5,
-        "P": 9,
-        ".": 9 * 24,
-    }
-    rooms = regions(find("territory", ".P"))
-    assert [len(room) for room in rooms] == [25] * 9
-    assert [room & find("territory", "P") for room in rooms] == [
-        {(r, c)} for r in (3, 9, 15) for c in (3, 9, 15)
-    ]
-    assert find("territory", "#") == box(span(0, 18)[::6], span(0, 18)[::6])

@@ -101,17 +101,6 @@ def test_configurations_and_roles() -> None:
         build("harvest_open", ["boss"])
 
 
-def test_wrong_actions_are_refused() -> None:
-    env = Substrate("coins", seed=0, **SHORT)
-    env.reset()
-    with pytest.raises(ValueError, match="expected 2 actions, one for each player, got 1"):
-        env.step([0])
-    with pytest.raises(
-        ValueError, match=r"the action of player 1 must be a whole number from 0 to 6, not 9"
-    ):
-        env.step([0, 9])
-
-
 def test_substrates_are_taken_by_their_names() -> None:
     config = get_config("bach_or_stravinsky_in_the_matrix__repeated")
     assert config.default_player_roles == ("bach_fan", "stravinsky_fan")

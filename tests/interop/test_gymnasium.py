@@ -55,30 +55,6 @@ def test_last_observations_of_episodes() -> None:
             )
 
 
-def test_common_rewards_are_sums_of_an_environment() -> None:
-    own, common = VectorGame("coins", 8), VectorGame("coins", 8, common_reward=True)
-    own.reset(seed=2), common.reset(seed=2)
-    seen = False
-    for step in range(150):
-        raw = own.step(actions_of(own, step))[1].reshape(8, 2)
-        paid = common.step(actions_of(common, step))[1].reshape(8, 2)
-        np.testing.assert_array_equal(paid, np.repeat(raw.sum(axis=1, keepdims=True), 2, axis=1))
-        seen |= bool((raw[:, 0] != raw[:, 1]).any())
-    assert seen
-
-
-def test_its_wrappers_work() -> None:
-    """Returns by Gymnasium's own statistics, over episodes of one length."""
-    env = gymnasium.wrappers.vector.RecordEpisodeStatistics(VectorGame("coins", 2, **SHORT))
-    env.reset(seed=3)
-    total = np.zeros(4)
-    for step in range(LENGTH):
-        _, reward, _, _, info = env.step(actions_of(env.unwrapped, step))
-        total += reward
-    np.testing.assert_allclose(info["episode"]["r"], total)
-    assert info["episode"]["l"].tolist() == [LENGTH] * 4
-
-
 @pytest.fixture(scope="module")
 def certain(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Returns a game of one agent without chance, which ends when both trees are eaten or after 20 steps."""
@@ -129,25 +105,3 @@ def test_autoreset_is_gymnasiums(certain: str) -> None:
         assert_alike(made, theirs.step(actions))
         ends += made[2] | made[3]
     assert len(set(ends.tolist())) > 1 and ends.min() > 1
-
-
-def test_wrong_calls_are_refused() -> None:
-    env = VectorGame("coins", 2, **SHORT)
-    with pytest.raises(RuntimeError, match="call reset before step"):
-        env.step(actions_of(env, 0))
-    env.reset(seed=0)
-    with pytest.raises(
-        ValueError, match=r"the action of slot 1 must be a whole number from 0 to 6, not 7"
-    ):
-        env.step(np.array([0, 7, 0, 0]))
-    with pytest.raises(ValueError, match=r"expected actions of shape \(4,\), got \(2,\)"):
-        env.step(np.zeros(2, int))
-    with pytest.raises(TypeError, match="the seed must be a whole number of 0 or more"):
-        env.reset(seed=[1, 2, 3, 4])
-    with pytest.raises(TypeError, match="there is no option `reset_mask`"):
-        env.reset(options={"reset_mask": np.ones(4, bool)})
-    with pytest.raises(ValueError, match="num_envs must be at least 1"):
-        VectorGame("coins", 0)
-    env.close()
-    with pytest.raises(RuntimeError, match="the environment is closed"):
-        env.step(actions_of(env, 0))

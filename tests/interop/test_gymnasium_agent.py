@@ -14,7 +14,7 @@ from gymnasium.utils.env_checker import check_env
 
 import sjdsl
 from sjdsl.interop.gymnasium import AgentGame, environment_id
-from sjdsl.trainers import PolicyError, PPOConfig, load_policy
+from sjdsl.trainers import PPOConfig, load_policy
 from sjdsl.trainers.policies.loading import parameter_shapes
 from sjdsl.trainers.policies.policy_file import write_policy
 from sjdsl.trainers.runs.run_folder import describe_game
@@ -121,35 +121,6 @@ def test_others_may_be_a_stored_policy(tmp_path: Path) -> None:
         AgentGame("coins", others=str(stored), **SHORT).reset(seed=1)[0].shape
         == env.observation_space.shape
     )
-
-
-def test_pictures_and_texts(capsys: pytest.CaptureFixture[str]) -> None:
-    env = AgentGame("coins", render_mode="rgb_array", **SHORT)
-    with pytest.raises(RuntimeError, match="call reset before render"):
-        env.render()
-    env.reset(seed=0)
-    picture = env.render()
-    assert picture.dtype == np.uint8 and picture.ndim == 3
-    AgentGame("coins", render_mode="human", **SHORT).reset(seed=0)
-    assert capsys.readouterr().out.count("\n") >= 16
-
-
-def test_wrong_calls_are_refused() -> None:
-    env = AgentGame("coins", **SHORT)
-    with pytest.raises(RuntimeError, match="the episode is over or not started; call reset"):
-        env.step(0)
-    env.reset(seed=0)
-    with pytest.raises(ValueError, match=r"the action must be a whole number from 0 to 6, not 7"):
-        env.step(7)
-    with pytest.raises(ValueError, match="coins has no agent 2; its agents are 0 to 1"):
-        AgentGame("coins", agent=2)
-    with pytest.raises(ValueError, match="render_mode is None, human, ansi, rgb_array"):
-        AgentGame("coins", render_mode="film")
-    with pytest.raises(
-        PolicyError,
-        match=r"there is no policy `randm`; did you mean `random`\? A policy is random, stay",
-    ):
-        AgentGame("coins", others="randm")
 
 
 PROCESSES = """

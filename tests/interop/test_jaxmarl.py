@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from jaxmarl.environments import MultiAgentEnv
 from jaxmarl.environments.spaces import Space
-from jaxmarl.wrappers.baselines import CTRolloutManager, LogWrapper
 
 import sjdsl
 from sjdsl.interop.jaxmarl import JaxMARLGame, register
@@ -100,60 +99,6 @@ def test_a_chosen_state_follows_an_episode(coins: JaxMARLGame) -> None:
     assert done["__all__"]
     assert jax.tree.all(jax.tree.map(jnp.array_equal, after, chosen))
     np.testing.assert_array_equal(observation["agent_0"], coins.get_obs(chosen)["agent_0"])
-
-
-def test_without_resets_the_end_stays(coins: JaxMARLGame) -> None:
-    _, state = coins.reset(jax.random.key(5))
-    late = state.replace(step=coins.max_steps - 1)
-    _, ended, _, done, _ = coins.step_env(jax.random.key(6), late, actions_of(coins, 0))
-    assert done["__all__"] and ended.done and int(ended.step) == LENGTH
-
-
-def test_its_log_wrapper_adds_up_returns(coins: JaxMARLGame) -> None:
-    env = LogWrapper(coins)
-    _, state = env.reset(jax.random.key(7))
-    total = np.zeros(2)
-    for number, key in enumerate(jax.random.split(jax.random.key(8), LENGTH)):
-        _, state, reward, _, info = env.step(key, state, actions_of(coins, number))
-        total += [float(r) for r in reward.values()]
-    assert info["returned_episode"].all()
-    np.testing.assert_allclose(info["returned_episode_returns"], total)
-    assert info["returned_episode_lengths"].tolist() == [LENGTH] * 2
-
-
-def test_its_rollout_manager_plays_batches(coins: JaxMARLGame) -> None:
-    manager = CTRolloutManager(coins, batch_size=3)
-    observation, state = manager.batch_reset(jax.random.key(9))
-    size = coins.observation_space().shape[0]
-    assert observation["agent_0"].shape == (3, size + 2)
-    for key in jax.random.split(jax.random.key(10), 4):
-        act, step = jax.random.split(key)
-        actions = {
-            a: manager.batch_sample(k, a)
-            for a, k in zip(coins.agents, jax.random.split(act), strict=True)
-        }
-        observation, state, reward, _, info = manager.batch_step(step, state, actions)
-    assert observation["__all__"].shape == (3, 2 * size)
-    np.testing.assert_allclose(reward["__all__"], reward["agent_0"] + reward["agent_1"])
-    assert info["own_coins"].shape == (3, 2)
-    assert manager.get_valid_actions(state.game)["agent_1"].shape == (3, 7)
-
-
-def test_world_states_for_central_critics() -> None:
-    of_all = JaxMARLGame("coins", world_state="observations", **SHORT)
-    observation, state = of_all.reset(jax.random.key(11))
-    assert observation["world_state"].shape == (2, of_all.world_state_size())
-    np.testing.assert_array_equal(
-        observation["world_state"][1],
-        jnp.concatenate([observation["agent_0"], observation["agent_1"]]),
-    )
-    of_state = JaxMARLGame("coins", world_state="state", **SHORT)
-    seen = of_state.get_obs(state)["world_state"]
-    np.testing.assert_array_equal(seen[0], of_state.env.state_vector(state.game))
-    with pytest.raises(ValueError, match="there is no world state"):
-        JaxMARLGame("coins", **SHORT).world_state_size()
-    with pytest.raises(ValueError, match="world_state must be None, `observations` or `state`"):
-        JaxMARLGame("coins", world_state="all", **SHORT)
 
 
 def test_common_and_shaped_rewards() -> None:

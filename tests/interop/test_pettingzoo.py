@@ -1,6 +1,5 @@
 """The PettingZoo adapter: PettingZoo's own tests, and what they do not ask for."""
 
-import re
 from functools import partial
 
 import numpy as np
@@ -77,59 +76,3 @@ def test_the_returns_are_the_games() -> None:
     assert env.agents == []
     assert env.step({}) == ({}, {}, {}, {}, {})
     assert rewards.sum() <= counts.sum()
-
-
-@pytest.mark.parametrize(
-    ("actions", "error", "message"),
-    [
-        ({"agent_0": 1}, KeyError, "no action for agent_1"),
-        (
-            {"agent_0": 1, "agent_1": 7},
-            ValueError,
-            "the action of agent_1 must be a whole number from 0 to 6, not 7",
-        ),
-    ],
-)
-def test_wrong_actions_are_refused(
-    actions: dict[str, int], error: type[Exception], message: str
-) -> None:
-    env = coins()
-    env.reset(seed=0)
-    with pytest.raises(error, match=re.escape(message)):
-        env.step(actions)
-
-
-def test_pictures() -> None:
-    env = coins(render_mode="rgb_array")
-    env.reset(seed=0)
-    picture = env.render()
-    assert picture.dtype == np.uint8
-    assert picture.ndim == 3
-    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 5
-    assert coins().render() is None
-
-
-def test_boards_in_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    text = coins(render_mode="ansi")
-    text.reset(seed=0)
-    shown = text.render()
-    assert shown.count("\n") == 16
-    assert "C>CCCCCCCCC  0\n" in shown
-    assert capsys.readouterr().out == ""
-    seen = coins(render_mode="human")
-    seen.reset(seed=0)
-    assert capsys.readouterr().out == shown + "\n"
-    seen.step(actions_of(seen, 0))
-    assert capsys.readouterr().out.count("\n") == 17
-    assert seen.render() is None
-    with pytest.raises(
-        ValueError, match="render_mode is None, human, ansi, rgb_array, not 'video'"
-    ):
-        coins(render_mode="video")
-
-
-def test_calls_before_reset_are_refused() -> None:
-    env = coins(render_mode="rgb_array")
-    for call in (lambda: env.step({}), env.state, env.render):
-        with pytest.raises(RuntimeError, match="call reset before"):
-            call()

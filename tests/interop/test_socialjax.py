@@ -84,15 +84,6 @@ def test_moves_follow_the_suites_compass(name: str, compass: dict[int, tuple[int
             assert (row[0] - centre[0], col[0] - centre[1]) == (down, right), (heading, action)
 
 
-def test_numbers_out_of_range_mean_nothing() -> None:
-    env = socialjax.make("coin_game")
-    _, state = resets(env, 4)
-    key = jax.random.key(5)
-    _, idle, *_ = env.step(key, state, [STAY, STAY])
-    _, wrong, *_ = env.step(key, state, [-1, 9])
-    assert jax.tree.all(jax.tree.map(jnp.array_equal, idle, wrong))
-
-
 def expected_harvest(env: Any, state: Any, agent: int) -> np.ndarray:
     """The 15 channels of one agent by a loop over its window; agents hide what is beneath."""
     rows = env.env.game.rows
@@ -158,30 +149,6 @@ def test_the_arena_shows_all_bags() -> None:
     assert seen[0, 9, 0, 15:19].tolist() == [0, 4, 2, 6]
 
 
-def test_refined_tokens_are_logged_ten_times_before_they_are_consumed() -> None:
-    env = socialjax.make("gift")
-    _, state = resets(env, 3)
-    bags = (
-        jnp.zeros_like(state.game.agent_bag)
-        .at[0]
-        .set(jnp.asarray([4, 2, 1], state.game.agent_bag.dtype))
-    )
-    *_, info = env.step(
-        jax.random.key(1), state.replace(game=state.game.replace(agent_bag=bags)), [8, *[STAY] * 4]
-    )
-    assert info["level_two_and_three_tokens"].tolist() == [30.0] * 5
-
-
-def test_clean_water_is_logged_as_it_was_at_the_start_of_the_step() -> None:
-    """Released code: 68 of its 147 cells of water are clean in the first step, whatever is cleaned in it."""
-    env = socialjax.make("clean_up")
-    _, state = resets(env, 3)
-    *_, info = env.step(
-        jax.random.key(1), with_agent(env, state, [(5, c) for c in range(7)], [0] * 7), [8] * 7
-    )
-    assert info["cleaned_water"].tolist() == [68.0] * 7
-
-
 def paid(raw: list[float], **mode: Any) -> np.ndarray:
     """Returns what the agents of a mode are paid for these raw rewards, at time step 0 of the training."""
     from sjdsl.interop.socialjax_rewards import Mode, make_rewards
@@ -227,23 +194,6 @@ def test_the_suites_scales() -> None:
         paid([1.0, 0.0, 0.0], inequity_aversion=True, inequity_aversion_target_agents=[0])[1:],
         [0, 0],
     )
-
-
-def test_exchange_follows_its_schedule() -> None:
-    from sjdsl.interop.socialjax_rewards import Mode, make_rewards
-
-    mode = Mode(
-        shared_rewards=False,
-        interest=True,
-        s_interest_schedule=[1.0, 0.5],
-        s_interest_change_every=100,
-    )
-    rewards = make_rewards(mode, 2)
-    kept = [
-        float(rewards(jnp.asarray([1.0, 0.0]), jnp.int32(t))[1]["s_interest"][0])
-        for t in (0, 99, 100, 199, 200)
-    ]
-    assert kept == [1.0, 1.0, 0.5, 0.5, 1.0]
 
 
 def test_episodes_within_episodes() -> None:
@@ -300,15 +250,6 @@ def test_figures_that_scripts_log() -> None:
     assert own > 0 and own % 2 == 0
 
 
-def test_maps_in_the_suites_letters() -> None:
-    rows = ["W" * 12, "WQQ  AA    W", "W    AA    W", "WPPPPPPPPPPW", "W" * 12]
-    env = socialjax.make("harvest_common_open", map_ASCII=rows, num_agents=3)
-    assert env.env.game.rows[1] == "#QQ..AA....#"
-    assert resets(env, 20)[0].shape == (3, 11, 11, 15)
-    with pytest.raises(ValueError, match="map_ASCII can't have the letter `X`"):
-        socialjax.make("harvest_common_open", map_ASCII=["XX"])
-
-
 @pytest.mark.parametrize(
     ("name", "theirs", "ours"),
     [
@@ -355,14 +296,6 @@ def test_what_there_is_not(
 ) -> None:
     with pytest.raises(error, match=re.escape(message)):
         socialjax.make(name, **kwargs)
-
-
-def test_flat_observations_and_pictures() -> None:
-    env = socialjax.make("coin_game", cnn=False)
-    observation, state = resets(env, 21)
-    assert observation.shape == (2, 11 * 11 * 14)
-    picture = env.render(state)
-    assert picture.dtype == np.uint8 and picture.ndim == 3
 
 
 # Level-Based Foraging: figures of the released code, in loops over its cells
@@ -464,19 +397,6 @@ def test_foragers_see_and_earn_what_they_do_in_the_released_code(
         4 * wanted,
         atol=1e-5,
     )
-
-
-@pytest.mark.parametrize(
-    ("action", "cell"),
-    [(NORTH, (2, 2)), (SOUTH, (4, 2)), (WEST, (3, 1)), (EAST, (3, 3)), (LOAD, (3, 2))],
-)
-def test_foragers_go_where_they_do_in_the_released_code(action: int, cell: tuple[int, int]) -> None:
-    env, state = foragers([(3, 2), (1, 5)], [1, 1], {(5, 1): 3})
-    _, after, *_ = env.step_env(jax.random.key(1), state, [action, FORAGER_STAY])
-    assert after.agent_locs[0, :2].tolist() == [*cell]
-    env, state = foragers([(3, 2), (1, 5)], [1, 1], {cell: 3} if action != LOAD else {(5, 1): 3})
-    _, after, *_ = env.step_env(jax.random.key(1), state, [action, FORAGER_STAY])
-    assert after.agent_locs[0, :2].tolist() == [3, 2], "food is in the way"
 
 
 def test_the_last_food_ends_an_episode_of_foraging() -> None:
@@ -581,16 +501,3 @@ def test_spaces_are_those_that_the_suites_wrappers_test_for(suite: Path) -> None
     assert (
         env.observation_spaces == env.action_spaces == {}
     )  # its manager fills them itself where they are empty
-
-
-def test_without_the_suite_spaces_are_ours() -> None:
-    env = socialjax.make("coin_game")
-    assert isinstance(env.observation_space()[0], spaces.Box) and isinstance(
-        env.action_space(), spaces.Discrete
-    )
-
-
-def test_a_suite_that_cannot_be_imported_is_passed_over(suite: Path) -> None:
-    (suite / "__init__.py").write_text("import jax\n\njax.tree_map_of_long_ago\n")
-    with pytest.warns(UserWarning, match="installed but cannot be imported .*tree_map_of_long_ago"):
-        assert isinstance(socialjax.make("coin_game").action_space(), spaces.Discrete)

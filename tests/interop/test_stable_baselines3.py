@@ -9,9 +9,8 @@ from sb3_contrib import MaskablePPO
 from sb3_contrib.common.maskable.utils import is_masking_supported
 from stable_baselines3 import PPO
 from stable_baselines3.common.preprocessing import is_image_space, preprocess_obs
-from stable_baselines3.common.vec_env import VecFrameStack, VecMonitor
+from stable_baselines3.common.vec_env import VecMonitor
 
-from examples.stable_baselines3_ppo import WindowCNN
 from sjdsl.interop.gymnasium import AgentGame
 from sjdsl.interop.stable_baselines3 import VecGame
 
@@ -57,19 +56,6 @@ def test_ppo_learns_to_eat() -> None:
     assert model.predict(env.reset(), deterministic=True)[0].shape == (14,)
 
 
-def test_what_slots_do_not_have() -> None:
-    env = VecGame("coins", 1, **SHORT)
-    assert env.get_attr("num_agents") == [2, 2]
-    assert env.get_attr("render_mode", [0]) == [None]
-    assert env.env_is_wrapped(object) == [False, False]
-    with pytest.raises(AttributeError, match="can't be set for a slot"):
-        env.set_attr("length", 3)
-    with pytest.raises(AttributeError, match="a slot has no method `play`"):
-        env.env_method("play")
-    with pytest.raises(RuntimeError, match="call step_async before step_wait"):
-        env.step_wait()
-
-
 @pytest.mark.parametrize("observation", ["onehot", "tokens"])
 def test_observations_reach_networks_as_they_are(observation: str) -> None:
     """By its own preprocessing: not divided by 255, not turned round; the same for one agent's environment of Gymnasium."""
@@ -84,46 +70,6 @@ def test_observations_reach_networks_as_they_are(observation: str) -> None:
     alone = AgentGame("coins", observation=observation, **SHORT)
     assert alone.observation_space == env.observation_space
     assert env.observation_space.contains(seen[0])
-
-
-def test_frames_are_stacked_along_channels() -> None:
-    """The newest frame is the last channels, the one before it those before."""
-    plain, stacked = VecGame("coins", 2, **SHORT), VecFrameStack(VecGame("coins", 2, **SHORT), 3)
-    rows, cols, depth = plain.observation_space.shape
-    assert stacked.observation_space.shape == (rows, cols, 3 * depth)
-    plain.seed(4), stacked.seed(4)
-    frames = [plain.reset()]
-    seen = stacked.reset()
-    for step in range(3):
-        actions = actions_of(plain, step)
-        frames.append(plain.step(actions)[0])
-        seen = stacked.step(actions)[0]
-    np.testing.assert_array_equal(seen, np.concatenate(frames[-3:], axis=-1))
-
-
-def test_convolutions_train_on_stacked_frames(tmp_path: Path) -> None:
-    """Its `CnnPolicy` with the features of the example; saved and loaded, the policy is the same. The features depend on where a thing is."""
-    env = VecFrameStack(VecGame("coins", 2, **SHORT), 2)
-    model = PPO(
-        "CnnPolicy",
-        env,
-        policy_kwargs={"features_extractor_class": WindowCNN},
-        n_steps=8,
-        batch_size=16,
-        n_epochs=1,
-        seed=0,
-    )
-    model.learn(64)
-    model.save(tmp_path / "policy.zip")
-    seen = env.reset()
-    np.testing.assert_array_equal(
-        PPO.load(tmp_path / "policy.zip").predict(seen, deterministic=True)[0],
-        model.predict(seen, deterministic=True)[0],
-    )
-    cnn = model.policy.features_extractor
-    assert cnn.layers[0].in_channels == env.observation_space.shape[-1]
-    turned = torch.as_tensor(np.rot90(seen, axes=(1, 2)).copy()).float()
-    assert not torch.allclose(cnn(turned), cnn(torch.as_tensor(seen).float()))
 
 
 def test_masked_actions_are_never_taken() -> None:

@@ -65,22 +65,12 @@ def of_world(name: str, type_: ir.Type = INT) -> ir.FieldRead:
     return ir.FieldRead(type=type_, owner=None, held_by=ir.Sort("world"), name=name)
 
 
-def at(row: ir.Expr, key: str | ir.Expr) -> ir.At:
-    if isinstance(key, str):
-        key = ir.Word(type=word_type(*row.type.by[0].names), value=key)
-    return ir.At(type=row.type.model_copy(update={"by": row.type.by[1:]}), row=row, key=key)
-
-
 def plus(*args: ir.Expr, fn: str = "+", type_: ir.Type = INT) -> ir.Arithmetic:
     return ir.Arithmetic(type=type_, fn=fn, args=args)
 
 
 def compare(left: ir.Expr, fn: str, right: ir.Expr) -> ir.Compare:
     return ir.Compare(fn=fn, left=left, right=right)
-
-
-def same(left: ir.Expr, right: ir.Expr) -> ir.Same:
-    return ir.Same(left=left, right=right)
 
 
 def index(who: str = "agent") -> ir.Attribute:
@@ -109,10 +99,6 @@ def near(shape: str, anchor: ir.Member) -> ir.Near:
 
 def each(domain: ir.Domain, *body: ir.Statement) -> ir.Each:
     return ir.Each(domain=domain, body=body)
-
-
-def when(test: ir.Expr, *body: ir.Statement, otherwise: tuple[ir.Statement, ...] = ()) -> ir.When:
-    return ir.When(branches=(ir.Branch(test=test, body=body),), otherwise=otherwise)
 
 
 def send(to: ir.Domain, who: ir.Expr | None = None, *, pool: int = 0, **facts: object) -> ir.Send:

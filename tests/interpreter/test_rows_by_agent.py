@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.interpreter.numbers import real
@@ -88,32 +87,11 @@ def test_memory_of_partners_follows_a_plain_loop() -> None:
         assert all(row == tuple(kept) for row in world.agents["kept"])
 
 
-def test_tables_fit_other_numbers_of_agents() -> None:
-    assert param_values(made(number=2), {})["taste"] == (2.0, 0.5)
-    assert param_values(made(number=6), {})["taste"] == (2.0, 0.5, 5.0, 0.5, 0.5, 0.5)
-    assert param_values(made(), {})["pace"] == (1, 1, 2, 3)
-
-
 @pytest.mark.parametrize(
     "given", [{0: 7.0, 2: 1}, {"0": 7.0, "2": 1}, [7.0, 0.5, 1, 0.5], np.array([7, 0.5, 1, 0.5])]
 )
 def test_entries_are_given_by_number(given: object) -> None:
     assert param_values(made(), {"taste": given})["taste"] == (7.0, 0.5, 1.0, 0.5)
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"taste": {4: 1}}, "`taste` has no entry `4`; its entries are the agents 0 .. 3"),
-        ({"pace": {9: 1}}, "`pace` has no entry `9`; its entries are 0 .. 3"),
-        ({"pace": [1]}, "`pace` wants 4 values: its entries are 0 .. 3"),
-        ({"pace": {2: 9}}, r"`pace\[2\]` is 9, outside 0 .. 3"),
-        ({"wage": {"baker": 1}}, "`wage` has no entry `baker`; its words are farmer, cleaner"),
-    ],
-)
-def test_entries_that_are_not_there_are_refused(given: dict[str, object], said: str) -> None:
-    with pytest.raises(ValueError, match=said):
-        param_values(made(), given)
 
 
 def test_a_changed_entry_pays() -> None:
@@ -127,43 +105,3 @@ def test_a_changed_entry_pays() -> None:
     world, _ = step(game, world, [HELP, STAY, STAY, STAY], params, Threefry(1, 0))
     _, outcome = step(game, world, [HELP, STAY, STAY, STAY], params, Threefry(1, 1))
     assert [float(r) for r in outcome.reward] == [0, 11, 8, 1.5]
-
-
-VARIANT = "  variant other {{ {change} }}\n}}\n"
-
-
-@pytest.mark.parametrize(
-    ("change", "taste"),
-    [
-        ("set taste[2] = 9", (2, 0.5, 9, 0.5)),
-        ("set taste[1] = 9", (2, 9, 5, 0.5)),
-        ("set taste = 4", (4, 4, 4, 4)),
-        ("set taste = 4  set taste[3] = 1", None),
-        ("set taste[7] = 9", (2, 0.5, 5, 0.5)),
-    ],
-)
-def test_variants_change_entries(change: str, taste: tuple[float, ...] | None) -> None:
-    text = GAME.rstrip().removesuffix("}") + VARIANT.format(change=change)
-    if taste is None:  # one thing is changed twice
-        with pytest.raises(CompileError):
-            build(Source("frame.sj", text), ("other",))
-        return
-    found = build(Source("frame.sj", text), ("other",))
-    assert param_values(found.game, {})["taste"] == taste
-    assert [d.code for d in found.warnings] == (["SJ504"] if "7" in change else [])
-
-
-@pytest.mark.parametrize(
-    ("table", "code"),
-    [
-        ("{ 0: 1, 0: 2, otherwise: 3 }", "SJ203"),
-        ("{ 0: 1, 1: 2 }", "SJ203"),
-        ("{ otherwise: 3, 0: 1 }", "SJ203"),
-        ("{ 0: 1, farmer: 2, otherwise: 3 }", "SJ203"),
-    ],
-)
-def test_tables_with_gaps_are_refused(table: str, code: str) -> None:
-    text = GAME.replace("{ 0: 2, 2: 5, otherwise: 0.5 }", table)
-    with pytest.raises(CompileError) as refused:
-        made(text)
-    assert {d.code for d in refused.value.diagnostics} == {code}

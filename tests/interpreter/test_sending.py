@@ -3,7 +3,7 @@
 import pytest
 
 from sjdsl.compiler import ir
-from sjdsl.interpreter.state import Away, Cell, Pool
+from sjdsl.interpreter.state import Away, Pool
 from sjdsl.interpreter.step import step
 from sjdsl.interpreter.threefry import Recorded, return_stream
 
@@ -44,21 +44,6 @@ def test_agents_take_free_cells_in_id_order():
     assert world.position == [(0, 0), (0, 2), (1, 2)]
 
 
-def test_an_occupied_cell_is_not_free_but_that_of_a_sent_agent_is():
-    draws = g.Table({(1000, 0): g.turn(1, 2)})
-    world = run(den_game(home()), [(0, 0), (1, 2), (1, 0)], [g.ZAP, g.STAY, g.STAY], draws)
-    assert world.position[0] == (2, 2)
-    draws = g.Table({(1000, 0): g.turn(1, 3), (1000, 1): g.turn(1, 2)})
-    world = run(den_game(home()), [(0, 0), (1, 2), (1, 0)], [g.ZAP, g.ZAP, g.STAY], draws)
-    assert world.position[:2] == [(1, 2), (2, 2)]
-
-
-def test_a_destination_may_depend_on_the_cell():
-    low = g.compare(ir.Attribute(type=g.INT, owner=g.cell("den"), name="row"), ">", g.number(1))
-    phase = g.phase(g.each(ZAPPED, g.send(g.cells("den", where=low))), name="fire")
-    assert run(den_game(phase, agents=1), [(0, 0)]).position == [(2, 2)]
-
-
 @pytest.mark.parametrize(
     ("word", "heading"), [(0, 0), (0x40000000, 1), (0x80000000, 2), (g.LAST, 3)]
 )
@@ -72,45 +57,6 @@ def test_headings_are_drawn_by_agent(word, heading):
         headings=(3, 3, 3),
     )
     assert world.heading == [3, heading, 3]
-
-
-@pytest.mark.parametrize(("facing", "heading"), [("north", 0), ("west", 3), ("same", 2)])
-def test_a_heading_may_be_given(facing, heading):
-    draws = g.Table(rest=0x40000000)
-    world = run(den_game(home(facing=facing), agents=1), [(0, 0)], draws=draws, headings=(2,))
-    assert world.heading == [heading]
-
-
-def test_being_sent_home_twice_is_the_same_as_once():
-    zapper = g.agents("zapper", where=g.chose(g.ZAP, "zapper"))
-    victims = g.agents("victim", where=g.is_agent(2, "victim"))
-    fire = g.phase(
-        g.each(zapper, g.each(victims, g.send(g.cells("den"), g.agent("victim")))), name="fire"
-    )
-    world = run(den_game(fire), [(0, 0), (0, 1), (1, 0)], [g.ZAP, g.ZAP, g.STAY])
-    assert world.position == [(0, 0), (0, 1), (0, 2)]
-
-
-def test_two_destinations_for_one_agent_are_a_mistake():
-    fire = g.phase(
-        g.each(ZAPPED, g.send(g.cells("den")), g.send(g.cells("floor"), pool=1)), name="fire"
-    )
-    with pytest.raises(AssertionError, match="two places"):
-        run(den_game(fire), [(0, 0), (0, 1), (1, 0)])
-
-
-def test_two_pools_have_words_each():
-    fire = g.phase(
-        g.each(g.agents(where=g.is_agent(0)), g.send(g.cells("den"))),
-        g.each(g.agents(where=g.is_agent(1)), g.send(g.cells("floor"), pool=1)),
-        name="fire",
-    )
-    world = run(
-        den_game(fire),
-        [(0, 0), (0, 1), (1, 0)],
-        draws=g.Table({(1000, 0): g.turn(2, 3), (1001, 1): g.turn(3, 4)}),
-    )
-    assert world.position == [(2, 2), (2, 1), (1, 0)]
 
 
 def test_agents_take_cells_that_fit_them_in_id_order():
@@ -133,14 +79,6 @@ def test_agents_take_cells_that_fit_them_in_id_order():
     ]
 
 
-def test_a_destination_that_an_agent_comes_back_to_may_depend_on_it():
-    den = ir.Attribute(type=g.INT, owner=g.cell("den"), name="row")
-    own = g.cells("den", where=g.compare(den, "==", g.index()))
-    fire = g.phase(g.each(ZAPPED, g.send(own, after=g.number(1), stay=True)), name="fire")
-    game = den_game(fire, ir.Tick())
-    assert run(game, [(0, 0), (0, 1), (1, 0)]).position == [(0, 2), (1, 2), (2, 2)]
-
-
 def test_pools_that_share_cells_are_filled_one_after_the_other():
     fire = g.phase(
         g.each(g.agents(where=g.is_agent(1)), g.send(g.cells("den"))),
@@ -151,15 +89,6 @@ def test_pools_that_share_cells_are_filled_one_after_the_other():
     world = run(den_game(fire), [(0, 0), (0, 1), (1, 0)], [g.ZAP] * 3, draws)
     assert world.position == [(2, 2), (1, 2), (1, 0)]
     assert [len(chosen.left) for chosen in draws.chosen] == [3, 2]
-
-
-def test_without_room_an_agent_stays_where_it_was_and_keeps_its_heading():
-    game = den_game(home(stay=True), rows=("...", "..Q"))
-    world = run(game, [(0, 0), (0, 1), (1, 0)], headings=(1, 1, 1))
-    assert world.position == [(1, 2), (0, 1), (1, 0)]
-    assert world.heading == [0, 1, 1]
-    with pytest.raises(AssertionError, match="agent 1 is sent to den, where no cell is free"):
-        run(den_game(home(), rows=("...", "..Q")), [(0, 0), (0, 1), (1, 0)])
 
 
 def test_a_delay_takes_an_agent_away_until_its_tick():
@@ -178,40 +107,6 @@ def test_a_delay_takes_an_agent_away_until_its_tick():
     assert {u.stream for u in draws.used} == {return_stream(1000), return_stream(2000)}
 
 
-def test_a_delay_of_nought_is_no_delay():
-    assert run(den_game(ir.Tick(), home(after=g.number(0)), agents=1), [(0, 0)]).position == [
-        (0, 2)
-    ]
-
-
-def test_a_delay_before_the_tick_is_one_shorter():
-    assert run(den_game(home(after=g.number(1)), ir.Tick(), agents=1), [(0, 0)]).position == [
-        (0, 2)
-    ]
-
-
-def test_who_is_away_does_nothing_and_blocks_nothing():
-    count = ir.Measure(name="here", mean=True, value=ir.Count(type=g.INT, domain=g.agents()))
-    walk = g.phase(ir.Move(domain=g.agents(), stream=3), name="walk")
-    game = den_game(walk, ir.Tick(), measures=(count,), agents=2)
-    world = g.world_of(game, (0, 0), None, headings=(1, 0))
-    world.away[1] = Away(5, FIRE, None)
-    world, outcome = step(game, world, [g.FORWARD, g.LEFT], {}, g.Table())
-    assert outcome.measures == {"here": 1}
-    assert (world.position, world.heading) == ([(0, 1), None], [1, 0])
-    assert world.away[1] == Away(4, FIRE, None)
-
-
-def test_without_room_an_agent_waits_for_the_next_tick():
-    game = den_game(ir.Tick(), home(after=g.number(1), stay=True), rows=("..Q",), agents=2)
-    world = run(game, [(0, 2), (0, 0)], [g.STAY, g.ZAP])
-    assert world.position[1] is None
-    world = advance(game, world, [g.STAY, g.STAY])
-    assert (world.position[1], world.away[1]) == (None, Away(1, FIRE, None))
-    world.position[0] = Cell(0, 1)
-    assert advance(game, world, [g.STAY, g.STAY]).position[1] == (0, 2)
-
-
 def test_several_come_back_in_id_order():
     game = den_game(ir.Tick(), home(after=g.number(1), facing="south"))
     world = run(game, [(0, 0), (0, 1), (1, 0)])
@@ -219,28 +114,6 @@ def test_several_come_back_in_id_order():
     world = advance(game, world, [g.STAY] * 3, g.Table({(return_stream(1000), 0): g.LAST}))
     assert world.position == [(2, 2), (0, 2), (1, 2)]
     assert world.heading == [2, 2, 2]
-
-
-def test_two_pools_that_come_back_together_do_not_collide():
-    def fire(who, pool):
-        where = ir.Logic(fn="and", args=(g.chose(g.ZAP), g.is_agent(who)))
-        return g.phase(
-            g.each(g.agents(where=where), g.send(g.cells("den"), pool=pool, after=g.number(1))),
-            name=f"f{who}",
-        )
-
-    game = den_game(ir.Tick(), fire(0, 0), fire(1, 1), agents=2)
-    world = run(game, [(0, 0), (0, 1)])
-    assert advance(game, world, [g.STAY] * 2).position == [(0, 2), (1, 2)]
-
-
-def test_removed_agents_never_come_back():
-    remove = g.phase(g.each(ZAPPED, ir.Remove(who=g.agent())), name="out")
-    game = den_game(ir.Tick(), remove, agents=2)
-    world = run(game, [(0, 0), (0, 1)], [g.ZAP, g.STAY])
-    for _ in range(3):
-        world = advance(game, world, [g.STAY, g.STAY])
-    assert world.position == [None, (0, 1)]
 
 
 def shift(direction=None, steps=1, facing="same", stream=3000, who=None, quarters=0, other=None):
@@ -311,13 +184,3 @@ def test_of_two_sent_to_one_cell_the_larger_rank_enters():
             ).position
             == wanted
         )
-
-
-def test_two_exchange_their_places():
-    fire = g.phase(
-        g.each(g.agents(where=g.is_agent(0)), shift("south")),
-        g.each(g.agents(where=g.is_agent(1)), shift("north", stream=3001)),
-        name="fire",
-    )
-    game = g.game(fire, rows=("...", "...", "..."), kinds=(FLOOR,), number_of_agents=2)
-    assert run(game, [(0, 1), (1, 1)]).position == [(1, 1), (0, 1)]

@@ -114,30 +114,6 @@ def test_what_is_seen_by_distance_and_place() -> None:
     assert ahead(found["content"]) == [[1, 2, 1, 3, 6], [1, 3, 4, 0, 0]]
 
 
-@pytest.mark.parametrize(
-    ("line", "code"),
-    [
-        ("show thing.owner  show brick.owner", "SJ115"),
-        ("show thing.worth", "SJ104"),
-        ("show agent.away", "SJ113"),
-        ("show tile.owner.index", "SJ213"),
-        ("show king.index", "SJ213"),
-        ("window ahead 2  window ahead 3", "SJ115"),
-        ("window ahead 40 when agent.far is yes_", "SJ214"),
-        ("window ahead 2 when 3", "SJ213"),
-        ("hide brick", "SJ213"),
-        ("hide other", "SJ113"),
-        ("hide other when other on bush", "SJ113"),
-        ("hide other.heading", "SJ113"),
-        ("show other.heading when other.far is yes_", "SJ113"),
-    ],
-)
-def test_what_cannot_be_seen_is_refused(line: str, code: str) -> None:
-    with pytest.raises(CompileError) as refused:
-        build(Source("sight.sj", GAME.format(observe=line)))
-    assert code in [diagnostic.code for diagnostic in refused.value.diagnostics]
-
-
 def test_agents_block_shapes_only() -> None:
     text = GAME.replace("acts stay", "acts stay  blocks agents")
     with pytest.raises(CompileError, match="agents always block each other") as refused:

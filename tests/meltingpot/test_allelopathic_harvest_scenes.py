@@ -57,13 +57,6 @@ def test_a_berry_that_ripens_under_a_player_is_eaten_by_it_once() -> None:
     )
 
 
-def test_who_comes_to_an_unripe_bush_may_eat_there() -> None:
-    scene = put(
-        "123..<..  1", "^.......  0", "..1123..", "......<<  23", fields={"agent.fed": {0: "yes"}}
-    ).step("forward")
-    scene.has({"agent.fed": {0: "no"}, "reward": 0})
-
-
 def test_eating_may_cost_the_coat() -> None:
     """With the share of the colours that are not the commonest: four of seven here; in 40 runs, five standard deviations are 0.39."""
     picture = ("R23..<..  1", "^.......  0", "..1123..", "......<<  23")
@@ -144,13 +137,3 @@ def test_growth_is_by_the_number_of_bushes_of_a_colour() -> None:
     fruit = scene.value("bush.fruit")
     assert abs(fruit[:100].count("ripe") / 100 - 0.1) < 0.15
     assert abs(fruit[100:].count("ripe") / 200 - 0.2) < 0.15
-
-
-def test_the_field_has_no_edge() -> None:
-    """Who walks off it comes back at the other side, and seeds fall there."""
-    scene = put("123..>..  0", "........", "<.1123..  1", ".v.....>  23").step(
-        "sow_blue, forward, forward, forward"
-    )
-    scene.has(
-        {"bush.colour": {(0, 0): "blue"}, "agent.row": [0, 2, 0, 3], "agent.col": [5, 7, 1, 0]}
-    )

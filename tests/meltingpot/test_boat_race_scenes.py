@@ -95,12 +95,6 @@ def test_who_enters_a_seat_rows_and_cannot_walk() -> None:
     )
 
 
-def test_only_a_boat_can_be_boarded_and_only_boats_float() -> None:
-    put({0: (8, 1)}, fields={"dock.boat": "none"}).step("forward").has(
-        {"agent.row": {0: 8}, "agent.state": "ashore"}
-    )
-
-
 def test_a_boat_glides_when_both_row_at_once() -> None:
     """And then not for four steps; apples over the water are eaten by who passes."""
     scene = (
@@ -125,13 +119,6 @@ def test_who_rows_while_the_other_flails_is_hurt(moves: int) -> None:
     afloat(params={"flail_moves": 1}).step("flail, flail").has(
         {"reward": 0, "agent.row": {0: 6, 1: 6}}
     )
-
-
-def test_one_stroke_alone_moves_nothing() -> None:
-    afloat(params={"flail_moves": 1}).step("row").has({"agent.row": {0: 7, 1: 7}, "reward": 0})
-    put({0: (7, 1)}, fields={"agent.state": {0: "rowing"}}, params={"flail_moves": 1}).step(
-        "flail"
-    ).has({"agent.row": {0: 7}})
 
 
 def test_a_boat_that_arrives_lands_its_rowers_behind_the_barrier() -> None:
@@ -186,8 +173,3 @@ def test_when_all_are_out_the_episode_ends_at_the_next_hundred() -> None:
         .has({"agent.away": True, "terminated": False})
     )
     scene.step(times=3).has({"terminated": False}).step().has({"terminated": True})
-
-
-def test_apples_grow_on_the_far_bank_only() -> None:
-    scene = put({}, fields={"tree.fruit": "none"}, params={"regrow": 1}).step()
-    scene.has({"tree.fruit": ["ripe"] * 4 + ["none"] * 4})

@@ -19,23 +19,6 @@ def cook(hand: str, tomatoes: int = 0, heat: int = 0, **params: float) -> Scene:
     return KITCHEN.put(*AT_POT, fields=fields, params=params)
 
 
-def test_stores_never_run_out() -> None:
-    scene = KITCHEN.put("#C#D#", "O<.^T  01", "#.P.#", "P.P.P").step("interact, interact")
-    scene.has(
-        {
-            "agent.hand": ["tomato", "dish"],
-            "counter.item": ["none", "none", "dish", "none", "tomato", "none", "none"],
-        }
-    )
-
-
-def test_a_full_hand_takes_nothing() -> None:
-    scene = KITCHEN.put(
-        "#C#D#", "O<.^T  01", "#.P.#", "P.P.P", fields={"agent.hand": ["dish", "soup"]}
-    ).step("interact, interact")
-    scene.has({"agent.hand": ["dish", "soup"], "event passed": 0})
-
-
 def test_things_are_passed_over_a_counter() -> None:
     scene = DESK.put("P>#<P", "O.#.D", fields={"agent.hand": ["tomato", "none"]}).step(
         "interact, stay"
@@ -56,15 +39,6 @@ def test_one_cook_a_counter_and_step(seed: int) -> None:
     )
     hands = scene.value("agent.hand")
     assert hands in (["none", "none"], ["tomato", "none"])
-
-
-def test_a_pause_of_one_step() -> None:
-    scene = (
-        KITCHEN.put("#C#D#", "O<.^T  01", "#.P.#", "P.P.P")
-        .step("interact, stay")
-        .has({"allowed interact": [False, True]})
-    )
-    scene.step("stay").has({"allowed interact": [True, True]})
 
 
 @pytest.mark.parametrize(("tomatoes", "left"), [(0, "none"), (2, "none"), (3, "tomato")])
@@ -113,44 +87,6 @@ def test_two_cooks_at_one_pot(before: int, after: int, left: int) -> None:
     ).step("interact, interact")
     scene.has({"pot.tomatoes": [after]})
     assert scene.value("agent.hand").count("tomato") == left
-
-
-def test_one_dish_gets_the_soup() -> None:
-    fields = {"agent.hand": ["dish", "dish"], "pot.tomatoes": [3], "pot.heat": [21]}
-    scene = SHARED_POT.put("P>C<P", fields=fields).step("interact, interact")
-    assert sorted(scene.value("agent.hand")) == ["dish", "soup"]
-
-
-def test_what_is_seen() -> None:
-    """Five cells wide: what a counter holds, how full a pot is and how far, what oneself and the other carry; starts look like floor."""
-    scene = KITCHEN.put(
-        "#C#D#",
-        "O^..T  0",
-        "#^P.#  1",
-        "P.P.P",
-        fields={"agent.hand": ["tomato", "dish"], "pot.tomatoes": [3], "pot.heat": [10]},
-    )
-    assert scene.seen(0, "content", ahead=1) == "pot tomatoes=three heat=half"
-    assert scene.seen(0, "content", ahead=0, right=-1) == "counter item=tomato supply=endless"
-    assert scene.seen(0, "agent.hand") == "tomato"
-    assert scene.seen(1, "other.hand", ahead=1) == "tomato"
-    assert scene.seen(1, "content", right=1) == "floor"
-
-
-@pytest.mark.parametrize(
-    ("variant", "agents"),
-    [
-        ("asymmetric", 2),
-        ("circuit", 2),
-        ("crowded", 9),
-        ("figure_eight", 6),
-        ("forced", 2),
-        ("ring", 2),
-    ],
-)
-def test_layouts_start_everybody(variant: str, agents: int) -> None:
-    scene = Stage("collaborative_cooking", variant=variant, interpreted=True).start(0)
-    assert len({place for place in scene.places() if place}) == agents
 
 
 @pytest.mark.parametrize(("variant", "agents"), [(None, 1), ("circuit", 1), ("asymmetric", 2)])

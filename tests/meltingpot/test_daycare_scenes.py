@@ -59,25 +59,6 @@ def test_a_grasp_counts_after_a_step_without() -> None:
     assert scene.value("plot.lies").count("banana") == 1
 
 
-def test_fruit_is_not_laid_onto_plants() -> None:
-    put("#~~~~~#", "#^P~>T#  01", "#~~~~~#", hand=["none", "apple"]).step("stay, grasp").has(
-        {"agent.hand": ["none", "apple"]}
-    )
-    put("#~~~~~#", "#^P~>~#  01", "#~~~~~#", hand=["none", "apple"]).step("stay, grasp").has(
-        {"agent.hand": "none", "event dropped[apple]": [0, 1]}
-    )
-
-
-def test_out_of_anothers_hand() -> None:
-    """Both face the cell between them, where the parent's fruit is."""
-    put("#~~~~~#", "#P>~<~#  01", "#~~~~~#", hand=["none", "banana"]).step("grasp").has(
-        {"agent.hand": ["banana", "none"]}
-    )
-    put("#~~~~~#", "#P>~~<#  01", "#~~~~~#", hand=["none", "banana"]).step("grasp").has(
-        {"agent.hand": ["none", "banana"]}
-    )
-
-
 @pytest.mark.parametrize(
     ("agent", "fruit", "pay"),
     [(0, "apple", 0), (0, "banana", 1), (1, "apple", 1), (1, "banana", 1)],

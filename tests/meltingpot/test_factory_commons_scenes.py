@@ -48,38 +48,6 @@ def test_a_cube_over_a_mouth_is_taken_in_and_turned_into_apples(sort: str) -> No
     scene.has({"mouth.clock": 0})
 
 
-def test_where_a_machine_puts_what_it_makes() -> None:
-    scene = at_machine("S").step("", 15)
-    cubes = [i for i, there in enumerate(scene.value("floor.cube")) if there == "here"]
-    apples = [i for i, there in enumerate(scene.value("floor.apple")) if there == "here"]
-    assert (cubes, apples) == ([4], [9])  # floor cells in reading order: (2, 2) and (3, 2)
-
-
-def test_a_cube_waits_until_nobody_stands_there() -> None:
-    scene = STAGE.put(
-        "#######",
-        "#S=.G=#",
-        "#^m..m#",
-        "#.n..n#",
-        "#..<..#",
-        "#######",
-        fields={"agent.hand": ["cube", "none"]},
-    )
-    scene.step("", 4).step("step_right").step("", 12)
-    assert "here" not in scene.value("floor.cube")
-    scene.step("step_left").step()
-    assert scene.value("floor.cube").count("here") == 1
-
-
-def test_cubes_bar_the_way_and_apples_are_eaten() -> None:
-    scene = OPEN.put("#########", "#>C.....#", "#>o.....#", "#.......#", "#########").step(
-        "forward, forward"
-    )
-    scene.has({"reward": [0, 1], "event eaten": [0, 1]})
-    assert scene.places() == [(1, 1), (2, 2)]
-    assert "here" not in scene.value("floor.apple")
-
-
 @pytest.mark.parametrize(("sign", "hand"), [("C", "cube"), ("o", "apple")])
 def test_things_are_grasped_and_let_go(sign: str, hand: str) -> None:
     scene = (

@@ -43,23 +43,6 @@ def test_the_other_fruit_is_picked_by_chance(skill: int) -> None:
     )
 
 
-def test_who_stands_on_a_tree_tries_in_each_step() -> None:
-    scene = put(
-        ">......~",
-        "......v.  1",
-        "P.....v~  2",
-        fields={"ground.tree": {(0, 1): "banana"}},
-        params={"skill": 0.1},
-    )
-    picked = [
-        scene.step("forward" if not step else "").value("agent.bag[banana]")[0]
-        for step in range(40)
-    ]
-    assert picked[-1] == 2 and picked[0] == 0, (
-        "with a chance of 0.1 not in the first step of this seed, but within forty"
-    )
-
-
 def test_the_fruit_one_is_bad_at_is_worth_eight() -> None:
     scene = put(
         ">......~",

@@ -128,13 +128,6 @@ def test_walls_stop_the_rays_that_count_who_can_be_hit(between: str) -> None:
     scene.has({"round": "voting" if between == "#" else "playing", "agent.state": {0: "frozen"}})
 
 
-def test_everybody_knows_at_once_who_is_frozen() -> None:
-    scene = put(
-        "P.G....O..v  1", "P....v.....  0", "P...^...VVV  4", "P.......VV<  3", "v...DDDDD..  2"
-    ).step("stay, stay, stay, stay, tag")
-    assert [scene.seen(agent, "everyone[0].state") for agent in (1, 2)] == ["frozen", "frozen"]
-
-
 def votes(*ballots: int, state: dict[int, str] | None = None, clock: int = 1) -> Scene:
     """Returns the scene at the end of a vote."""
     fields = {
@@ -194,24 +187,3 @@ def test_ballots_can_be_changed_and_taken_back_while_the_vote_lasts() -> None:
         {"agent.ballot": [1, 5, 5, 5, 5]}
     )
     assert scene.seen(3, "everyone[0].ballot") == 1
-
-
-@pytest.mark.parametrize("variant", [None, pytest.param("by_lot", marks=pytest.mark.thorough)])
-def test_votes_begin_after_two_hundred_steps_and_take_twenty_five(variant: str | None) -> None:
-    stage = Stage(
-        "hidden_agenda", ROWS, 5, variant=variant, params={"regrow": 0, "goal": 3}, interpreted=True
-    )
-    scene = (
-        stage.start(3)
-        .has({"allowed vote(0)": False})
-        .step(times=199)
-        .has({"round": "playing"})
-        .step()
-        .has({"round": "voting"})
-    )
-    scene.step(times=24).has({"round": "voting"}).step("vote(0), vote(0), vote(0), vote(0)").has(
-        {"round": "playing", "agent.ballot": 5}
-    ).step(times=199).has({"round": "playing"})
-    scene.step().has({"round": "voting"})
-    roles = {tuple(stage.start(seed).value("agent.role")).index("impostor") for seed in range(12)}
-    assert roles == {4} if variant is None else len(roles) > 2

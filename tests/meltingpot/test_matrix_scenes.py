@@ -42,20 +42,6 @@ def test_what_is_gathered_adds_to_one_of_each() -> None:
     scene.step("forward").has({"agent.bag[defect]": [2, 1], "patch.stock": "none", "reward": 0})
 
 
-def test_a_resource_comes_back_after_its_delay_where_nobody_stands() -> None:
-    scene = (
-        put("PPP>12", "......", "......", "..PP<.", params={"regrow": 1, "delay": 3})
-        .step("forward")
-        .step("step_right")
-    )
-    scene.step().has({"patch.stock": ["none", "ripe"]}).step().has(
-        {"patch.stock": ["ripe", "ripe"]}
-    )
-    put("PPP>12", "......", "......", "..PP<.", params={"regrow": 1, "delay": 1}).step(
-        "forward"
-    ).step(times=9).has({"patch.stock": ["none", "ripe"]})
-
-
 def test_a_meeting_pays_the_mixtures_when_the_freeze_is_over() -> None:
     """Three of four against one of four: row = (3/4, 1/4), column = (1/3, 2/3), in the published matrix."""
     scene = put(
@@ -93,16 +79,6 @@ def test_who_has_gathered_nothing_is_not_met_but_ends_the_lane() -> None:
     ).has({"event met": 0})
 
 
-def test_each_is_in_one_meeting_and_who_is_frozen_in_none() -> None:
-    bags = {"agent.bag[coop]": 3}
-    for seed in range(6):
-        scene = put(
-            "PPP.12", "......", ">.^<..  012", "..PPP.", agents=3, fields=bags, seed=seed
-        ).step("interact, stay, interact")
-        assert scene.value("event met") in ([1, 1, 0], [0, 1, 1])
-        scene.step("interact, stay, interact", times=1).has({"event met": 0})
-
-
 def test_the_third_hit_destroys_a_resource_and_goes_on() -> None:
     """A resource stops the beam until the hit that destroys it."""
     rows = ("PPP.12", "......", "......", "..1.P.")
@@ -121,20 +97,6 @@ def test_the_third_hit_destroys_a_resource_and_goes_on() -> None:
             "event destroyed[coop]": 1,
         }
     )
-
-
-def test_who_ends_a_lane_shields_what_is_behind() -> None:
-    rows = ("PPP.12", "......", "......", "P..1P.")
-    scene = (
-        stage("prisoners_dilemma", rows=rows)
-        .put("PPP.12", "......", "......", ">.<1P.")
-        .step("interact")
-        .has({"patch.damage": 0})
-    )
-    assert scene.value("marks aim") == {(2, 0), (2, 1), (2, 2), (3, 1), (3, 2)}
-    stage("prisoners_dilemma", rows=rows).put("PPP.12", "......", "..<...  1", ">..1P.  0").step(
-        "interact"
-    ).has({"patch.damage": [0, 0, 1]})
 
 
 def test_the_beam_is_three_lanes_of_three_and_rests_for_two_steps() -> None:
@@ -168,27 +130,12 @@ def test_others_see_who_is_ready_and_what_a_meeting_came_to() -> None:
     )
 
 
-def test_what_is_gone_looks_like_the_floor() -> None:
-    scene = put("PPP>12", "......", "......", "..PP<.", fields={"patch.stock": ["none", "ripe"]})
-    assert [scene.seen(0, "content", ahead=n) for n in (0, 1, 2)] == ["floor", "floor", "defect"]
-
-
 def test_drawn_resources_are_of_any_class() -> None:
     many = Stage(
         "running_with_scissors_in_the_matrix", ("PP" + 30 * "a", "1" * 32), 2, interpreted=True
     )
     found = many.start(seed=1).value("patch.class")
     assert set(found[:30]) == {"rock", "paper", "scissors"} and set(found[30:]) == {"rock"}
-
-
-def test_all_resources_are_back_when_both_are_away() -> None:
-    fields = {"agent.bag[coop]": 3, "patch.stock": "none"}
-    scene = (
-        put("PPP.12", ".>.<..", "......", "..PPP.", variant="repeated", fields=fields)
-        .step("interact")
-        .step(times=2)
-    )
-    scene.has({"agent.away": True, "patch.stock": "none"}).step().has({"patch.stock": "ripe"})
 
 
 def test_one_shot_ends_with_the_first_meeting() -> None:

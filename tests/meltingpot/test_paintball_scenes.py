@@ -190,61 +190,6 @@ def test_who_is_shot_drops_the_flag_and_its_own_team_sends_it_home() -> None:
     )
 
 
-def test_a_flag_that_comes_home_is_met_by_who_stands_there() -> None:
-    """Agent 0 waits at home with blue's flag while agent 2 returns its own: then that is a capture. Agent 1 picks red's flag up at its home."""
-    fields = {
-        "agent.load": {0: "flag"},
-        "ground.flag": {(0, 4): "none", (3, 4): "none", (1, 1): "red"},
-    }
-    scene = put("PP..v...  0", "..<....v  23", "..D.#...", "QQ..B..^  1", fields=fields).step(
-        "stay, stay, forward"
-    )
-    scene.has({"event returned": {2: 1}, "event captured": 0, "control": "red"}).step()
-    scene.has({"event captured": {0: 1}, "reward": [1, -1, 1, -1], "control": "both"})
-    scene = put(
-        "PP..v...  1",
-        "..v....v  23",
-        "..D.#...",
-        "QQ..B..^  0",
-        fields={"ground.flag": {(0, 4): "none", (1, 1): "red"}},
-    )
-    scene.step("stay, stay, step_right").has(
-        {"event taken": 0, "ground.flag": {(0, 4): "red"}}
-    ).step().has({"agent.load": {1: "flag"}})
-
-
-def test_health_comes_back_on_a_broken_wall() -> None:
-    facts: dict[str, Any] = {
-        "fields": {"agent.health": 1, "barrier.health": 0},
-        "params": {"healing": 1},
-        "under": {1: "D"},
-    }
-    scene = (
-        put("PP..R...", "v......v  03", "..>.#...  1", "QQ..B..^  2", **facts)
-        .step()
-        .has({"agent.health": 2})
-        .step()
-    )
-    scene.has({"agent.health": 2})
-
-
-def test_the_other_teams_flag_is_picked_up_by_who_comes() -> None:
-    scene = (
-        put("PP..R...", "vv.....v  012", "..D.#...", "QQ..B<.I  3")
-        .step("stay, stay, stay, forward")
-        .has({"event taken": 0})
-    )
-    scene = put("PP..R<..  1", "v......v  02", "..D.#...", "QQ..B..^  3").step("stay, forward")
-    scene.has(
-        {
-            "event taken": {1: 1},
-            "agent.load": ["none", "flag", "none", "none"],
-            "ground.flag": {(0, 4): "none"},
-            "control": "blue",
-        }
-    )
-
-
 @pytest.mark.parametrize(("squares", "held"), [(7, False), (8, True)])
 def test_four_fifths_hold_the_hill(squares: int, held: bool) -> None:
     """Of its ten squares; then all are painted, and each step pays at the cost of the others, those away too."""

@@ -91,20 +91,6 @@ def test_a_predator_that_has_eaten_stays_for_four_steps_and_bites_on() -> None:
     assert held.step("forward").places()[0] == (3, 1)
 
 
-def test_predators_eat_predators_for_nothing() -> None:
-    stage = Stage(
-        "predator_prey_open", ROWS, 3, params={"hunters": 2, "absence": 4}, interpreted=True
-    )
-    scene = stage.put(
-        "XXhhPP",
-        "......",
-        "aan.g^  2",
-        "><....  01",
-        fields={"agent.role": ["predator", "predator", "prey"]},
-    ).step("bite")
-    scene.has({"agent.away": [False, True, False], "reward": 0, "agent.stamina": {0: 18 - 4 - 1}})
-
-
 def test_an_acorn_is_eaten_in_thirds_by_who_is_rested() -> None:
     facts = {"fields": {"agent.hand": {1: "acorn"}}}
     tired = put(
@@ -167,29 +153,6 @@ def test_all_predators_that_bite_one_prey_are_paid() -> None:
         }
     )
     scene.step("backward, stay").has({"agent.moved": False, "agent.stamina": {0: 16, 1: 18}})
-
-
-def test_apples_are_eaten_and_acorns_taken_by_who_is_there() -> None:
-    """Who enters or stands there, also when it has just grown. Source: a change of state on a player's cell calls `onEnter`."""
-    scene = put(
-        "XXhhPP", "......", "a>n.gg  1", "<....^  02", params={"quick": {"prey": 0, "predator": 0}}
-    )
-    scene.step().has({"reward": [0, 1, 0], "tree.fruit": ["ripe", "none", "ripe"]})
-    scene.step("stay, forward").has(
-        {"agent.hand": {1: "acorn"}, "tree.fruit": ["ripe", "none", "none"]}
-    )
-    grown = {"growth": {"apple": 1, "acorn": 0}}
-    scene = put(
-        "XXhhPP",
-        "......",
-        "a>n.gg  1",
-        "<....^  02",
-        fields={"tree.fruit": {(2, 1): "none"}},
-        params=grown,
-    ).step()
-    scene.has(
-        {"reward": [0, 1, 0], "event apples": [0, 1, 0], "tree.fruit": ["ripe", "none", "ripe"]}
-    )
 
 
 def test_grass_keeps_predators_out_where_it_stands() -> None:

@@ -113,27 +113,6 @@ def test_owners_are_seen() -> None:
     assert (scene.seen(0, "agent.badge"), scene.seen(1, "other.badge", ahead=2, right=1)) == (1, 1)
 
 
-def test_mazes_differ_and_two_places_in_three_and_one_in_four_have_bricks() -> None:
-    """240 cells of each sort: five standard deviations are 0.15 and 0.14."""
-    rows = (*("A" * 40,) * 6, *("B" * 40,) * 6, "P" * 20 + "Q" * 20)
-    stage = Stage("territory_open", rows, 5, variant="inside_out", interpreted=True)
-    scene = stage.start(seed=3)
-    there = [damage == 0 for damage in scene.value("brick.damage")]
-    assert abs(sum(there[:240]) / 240 - 2 / 3) < 0.15
-    assert abs(sum(there[240:]) / 240 - 1 / 4) < 0.14
-    assert there != [damage == 0 for damage in stage.start(seed=4).value("brick.damage")]
-
-
-def test_some_begin_at_the_uncertain_places() -> None:
-    """Two in nine of 200 starts: five standard deviations are 0.15."""
-    stage = Stage(
-        "territory_open", ("PPPPPQQQQQ", ".........R"), 5, variant="inside_out", interpreted=True
-    )
-    starts = [stage.start(seed=seed).places() for seed in range(40)]
-    beside = [place[1] >= 5 for places in starts for place in places if place is not None]
-    assert abs(sum(beside) / len(beside) - 2 / 9) < 0.15
-
-
 def test_rooms_at_opposite_edges_are_neighbours() -> None:
     """The map of rooms wraps: paint, zaps and players go on at the other side. The open map ends at its edges."""
     rows, scenes = ("P...R.", "......", "P....P"), {}

@@ -1,11 +1,7 @@
 """The notebooks run from their first cell to their last with what `pip install 'sjdsl[pictures,plots]'` brings, and are kept with their outputs."""
 
-import ast
 import re
 import resource
-import sys
-import tomllib
-from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import nbformat
@@ -16,7 +12,6 @@ REPOSITORY = Path(__file__).parents[2]
 EXAMPLES = REPOSITORY / "examples"
 NOTEBOOKS = sorted(path.stem for path in EXAMPLES.glob("*.ipynb"))
 URL = "https://github.com/sjdsl/sjdsl"
-HAS_JUPYTER = {"ipython"}  # what shows a notebook has it
 
 
 def executed(name: str) -> nbformat.NotebookNode:
@@ -148,47 +143,3 @@ def test_it_is_kept_as_it_ran(name: str) -> None:
     assert [
         output for output in outputs if output.output_type == "stream" and "/tmp/" in output.text
     ] == []
-
-
-@pytest.mark.parametrize("name", NOTEBOOKS)
-def test_it_opens_in_colab_and_imports_only_what_is_installed_with_sjdsl(name: str) -> None:
-    first, install, *cells = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4).cells
-    assert (
-        f"(https://colab.research.google.com/github/sjdsl/sjdsl/blob/main/examples/{name}.ipynb)"
-        in first.source
-    )
-    assert install.source.endswith("%pip install --quiet 'sjdsl[pictures,plots]'")
-    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
-    wanted = [
-        *project["dependencies"],
-        *project["optional-dependencies"]["pictures"],
-        *project["optional-dependencies"]["plots"],
-    ]
-    brought = {re.split(r"[\[>=<; ]", text)[0].lower() for text in wanted} | HAS_JUPYTER
-    owners = packages_distributions()
-    for module in _imported("\n".join(cell.source for cell in cells if cell.cell_type == "code")):
-        if module not in sys.stdlib_module_names and module != "sjdsl":
-            assert brought & {owner.lower() for owner in owners[module]}, (
-                f"{module} is not installed with sjdsl"
-            )
-
-
-def _imported(code: str) -> set[str]:
-    """Returns the names of the packages that a code imports."""
-    found = set()
-    for node in ast.walk(ast.parse(code)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            found.add(str(node.module).split(".")[0])
-    return found
-
-
-@pytest.mark.parametrize("name", NOTEBOOKS)
-def test_its_links_lead_to_files_of_the_repository(name: str) -> None:
-    text = "\n".join(
-        cell.source for cell in nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4).cells
-    )
-    paths = re.findall(rf"{re.escape(URL)}/blob/main/([^)#\s]+)", text)
-    assert paths
-    assert [path for path in paths if not (REPOSITORY / path).exists()] == []

@@ -86,16 +86,6 @@ def test_they_are_left_to_a_server_that_has_the_same(
     assert told(out) == (f"{place}/", told(beside)[1])
 
 
-def test_a_server_that_cannot_be_asked_is_told_of(
-    tmp_path: Path, package: Path, place: str
-) -> None:
-    said = put_pyodide(made(tmp_path / "out"), package, f"{place}/nothing")
-    assert (
-        f"NOT TESTED: {place}/nothing/pyodide.mjs cannot be loaded from here (HTTP Error 404: File not found)"
-        in said
-    )
-
-
 def test_a_server_with_another_file_is_refused(tmp_path: Path, package: Path, place: str) -> None:
     others = made(tmp_path / "others")
     for path in package.iterdir():
@@ -103,26 +93,6 @@ def test_a_server_with_another_file_is_refused(tmp_path: Path, package: Path, pl
     (others / "pyodide.asm.wasm").write_text("something else")
     with pytest.raises(SystemExit, match=r"pyodide\.asm\.wasm is not the file that npm has"):
         put_pyodide(made(tmp_path / "out"), others, place)
-
-
-def test_a_place_that_browsers_do_not_trust_is_refused(tmp_path: Path, package: Path) -> None:
-    with pytest.raises(SystemExit, match="name a URL that begins with https://, or cdn"):
-        put_pyodide(made(tmp_path / "out"), package, "http://example.org/pyodide")
-
-
-def test_the_public_server_has_the_version_of_npm(
-    tmp_path: Path, package: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def no_network(*_: object, **__: object) -> None:
-        raise OSError("no network")
-
-    monkeypatch.setattr("urllib.request.urlopen", no_network)
-    said = put_pyodide(made(tmp_path / "out"), package, "cdn")
-    assert told(tmp_path / "out")[0] == "https://cdn.jsdelivr.net/npm/pyodide@1.2.3/"
-    assert (
-        "NOT TESTED: https://cdn.jsdelivr.net/npm/pyodide@1.2.3/pyodide.mjs cannot be loaded from here (no network)"
-        in said
-    )
 
 
 def test_packages_of_byte_code_alone_have_their_names(tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ import pytest
 
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.properties import GameFamily, verify_properties
-from sjdsl.properties.engines import EpisodeRunner
 
 from .small_games import ORCHARD, small_game
 
@@ -24,16 +23,6 @@ def orchard() -> GameFamily:
         "count = 2 in", "count = 3 in"
     )
     return small_game(CHECKS, TALLY, POLICIES, text=text)
-
-
-@pytest.mark.thorough
-def test_both_engines_play_the_same(orchard: GameFamily) -> None:
-    runner = EpisodeRunner(orchard, seed=2)
-    for check in orchard.own.checks:
-        for number, compiled in enumerate(runner.compiled(check.policies, 0, 3)):
-            interpreted = runner.interpreted(check.policies, number)
-            assert compiled.actions == interpreted.actions
-            assert compiled.totals == interpreted.totals
 
 
 def test_what_does_not_hold_under_them_is_found(orchard: GameFamily) -> None:

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import zipfile
 from itertools import repeat
 from pathlib import Path
 from typing import Any
@@ -22,10 +21,8 @@ from sjdsl.replay import (
     Episode,
     EpisodePlayer,
     Header,
-    RecordingError,
     load_recording,
     play_episodes,
-    replayed,
 )
 from sjdsl.replay import episodes as playing
 from sjdsl.runtime.policy import MemoryPolicy, mixed_policy
@@ -247,33 +244,6 @@ def test_a_file_says_how_it_was_made_and_is_the_same_each_time(
         )
 
 
-def test_one_hot_observations_are_those_of_the_game(tmp_path: Path) -> None:
-    path = tmp_path / "coins.npz"
-    assert (
-        run(
-            [
-                "record",
-                "coins",
-                "-o",
-                str(path),
-                "--episodes",
-                "1",
-                "--observation",
-                "onehot",
-                "--param",
-                "length=3",
-            ]
-        )
-        == 0
-    )
-    env = sjdsl.make("coins", observation="onehot", params={"length": 3})
-    episode, player = Dataset(path)[0], EpisodePlayer(env, 0)
-    assert Dataset(path).header.planes == list(env.channel_names)
-    for step, actions in enumerate(episode.actions):
-        player.step(actions)
-        np.testing.assert_array_equal(episode.observations[step + 1], player.observation)  # type: ignore[index]
-
-
 @pytest.mark.thorough
 def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
     """By the policy's own function, the same actions; the file says which policy it was."""
@@ -323,20 +293,6 @@ def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
     assert dataset.header.policy_digest == hashlib.sha256(stored.read_bytes()).hexdigest()
 
 
-def test_replay_shows_one_of_them(
-    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    recording = load_recording(recorded, 2)
-    *_, last = replayed(recording, sjdsl.make(**recording.environment))
-    assert last.snapshot.returns.tolist() == Dataset(recorded).returns[2].tolist()
-    assert run(["replay", str(recorded), "--episode", "-1", "-o", str(tmp_path / "last.gif")]) == 0
-    assert "31 frames" in capsys.readouterr().out
-    assert run(["replay", str(recorded), "--episode", "5"]) == 1
-    assert "has no episode 5: it has 5, counted from 0" in capsys.readouterr().err
-    with pytest.raises(RecordingError, match="the hash was"):
-        next(iter(replayed(recording, sjdsl.make("coins", "socialjax"))))
-
-
 def writer(path: Path) -> tuple[DatasetWriter, Episode]:
     header = Header(
         game="coins", environment={"game": "coins"}, hash="x", policy="stay", policy_digest=None, seed=0, episodes=9, observation="none",
@@ -364,28 +320,3 @@ def test_what_was_played_before_an_interruption_is_kept(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="full"):
         add_and_fail(OSError("full"))
     assert list(tmp_path.iterdir()) == []
-
-
-def test_what_is_no_such_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(RecordingError, match=r"none\.npz cannot be read: No such file"):
-        Dataset(tmp_path / "none.npz")
-    np.savez(tmp_path / "other.npz", x=1)
-    with pytest.raises(RecordingError, match="holds no recorded episodes"):
-        Dataset(tmp_path / "other.npz")
-    path = tmp_path / "some.npz"
-    with writer(path)[0] as kept:
-        kept.add(writer(tmp_path / "unused.npz")[1])
-    with zipfile.ZipFile(path) as file:
-        parts = {name: file.read(name) for name in file.namelist() if "actions" not in name}
-    with zipfile.ZipFile(path, "w") as file:
-        for name, content in parts.items():
-            file.writestr(name, content)
-    with pytest.raises(
-        RecordingError, match=r"is damaged: its arrays are not those that its header names"
-    ):
-        Dataset(path)[0]
-    assert run(["record", "coins", "-o", "coins.csv"]) == 2
-    assert "`coins.csv` must end in .npz" in capsys.readouterr().err
-    assert run(["record", "coins", "--seed", str(2**32 - 1), "--episodes", "2"]) == 2
-    assert run(["record", "coins", "--policy", "randm"]) == 1
-    assert "there is no policy `randm`" in capsys.readouterr().err

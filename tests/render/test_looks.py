@@ -9,15 +9,12 @@ import pytest
 import sjdsl
 from sjdsl.compiler import build, check, compile_source
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate.looks import COLOURS, SPRITES
 from sjdsl.compiler.ir.hash import game_hash
-from sjdsl.render import Snapshot, board, make_painter, take_snapshot
-from sjdsl.render.appearance import TINTED, Figure, cell_keys, draw_cell, draw_figures, held_entries
-from sjdsl.render.board import draw_figure
-from sjdsl.render.colours import FILLING, SHAPES, agent_colour, mixed, read_colour
-from sjdsl.render.legend import cell_entries, figure_entries
+from sjdsl.render import Snapshot
+from sjdsl.render.appearance import TINTED, cell_keys, draw_cell, draw_figures, held_entries
+from sjdsl.render.colours import agent_colour, mixed, read_colour
 from sjdsl.render.look import Look, make_look
-from sjdsl.render.usual import Picture, spawn_kinds
+from sjdsl.render.usual import Picture
 from sjdsl.runtime.env import Environment
 
 GAME = """sj 1
@@ -169,24 +166,6 @@ def test_words_that_agents_cannot_tell_apart_look_alike() -> None:
     assert blue == green != red
 
 
-def test_what_stands_on_water_is_drawn_on_it(tmp_path: Path) -> None:
-    look = make_look(
-        made(
-            "  look bush as blue water  look bush where bush.hue is blue as boat  look bush where bush.crop > 3 as wall",
-            tmp_path,
-        ).game
-    )
-    water, afloat, walled = bushes(look, hue=[0, 1, 1], crop=[0, 0, 4])
-    assert [drawing.body.sprite for drawing in (water, afloat, walled) if drawing.body] == [
-        "water",
-        "water",
-        "wall",
-    ]
-    assert [
-        [picture.sprite for picture in drawing.objects] for drawing in (water, afloat, walled)
-    ] == [[], ["boat"], []]
-
-
 def test_agents_show_what_they_carry(looked: Environment, plain: Environment) -> None:
     look = make_look(plain.game)
     idle, busy, full = figures(look, bag=[[0, 0], [2, 0], [1, 3]], mood=[0, 0, 1])
@@ -211,104 +190,6 @@ def test_agents_show_what_they_carry(looked: Environment, plain: Environment) ->
         "pot",
     )
     assert len(wild.badges) == 1, "its fields are read by the look"
-
-
-def test_what_is_usual_follows_from_the_rules(plain: Environment) -> None:
-    kinds = {kind.name: kind for kind in make_look(plain.game).kinds}
-    assert kinds["hedge"].body is not None and kinds["hedge"].body.sprite == "bush", "by its name"
-    assert kinds["moss"].body is None
-    assert kinds["start_"].body is None, "nobody is sent there"
-    fruit = next(field for field in kinds["bush"].fields if field.name == "fruit")
-    assert fruit.pictures[1].sprite == "apple", "agents take it where they stand"
-    sent = (
-        GAME.replace("send agent to moss", "send agent to start_")
-        .replace('S"', '1"')
-        .replace("S#", "1#")
-        .replace("bS.", "b1.")
-    )
-    spawns = build(
-        Source("grove.sj", sent.replace("LOOKS", "").replace("agents 3", "agents 2"))
-    ).game
-    assert spawn_kinds(spawns) == ("start_",)
-
-
-def test_the_looks_of_a_kind_are_replaced_together(tmp_path: Path) -> None:
-    text = GAME.replace("LOOKS", f"{ALL} variant grey {{ look bush as grey tree }}")
-    game = build(Source("grove.sj", text), ("grey",)).game
-    assert [look.body.sprite for look in game.looks if look.name == "bush" and look.body] == [
-        "tree"
-    ]
-    assert [look.name for look in game.looks].count("agent") == 1
-    (tmp_path / "grove.sj").write_text(GAME.replace("LOOKS", ALL), encoding="utf-8")
-    above = build(
-        Source(
-            "above.sj", 'sj 1\ngame above extends "grove.sj" { look agent as animal }\n', tmp_path
-        )
-    ).game
-    assert [look.name for look in above.looks] == ["bush"] * 4 + ["agent"]
-    assert above.looks[-1].condition is None
-
-
-def test_the_legend_names_each_thing_once(looked: Environment, plain: Environment) -> None:
-    for env in (looked, plain):
-        look = make_look(env.game)
-        drawn = [*cell_entries(look), *figure_entries(look)]
-        assert len({text for _, text in drawn}) == len(drawn)
-    texts = [text for _, text in cell_entries(make_look(looked.game))]
-    assert "crop at least 2, no owner" in texts
-    assert "blue" in texts
-
-
-@pytest.mark.parametrize("name", [*SPRITES, *SHAPES, "agent"])
-def test_each_sprite_is_drawn_at_any_size_in_its_colour(name: str) -> None:
-    for size in (1, 2, 7, 30, 200):
-        assert draw_figure(Figure(None, (200, 40, 120), name), size).shape == (size, size, 4)
-    red, green = (
-        draw_figure(Figure(None, colour, name), 40).astype(int)
-        for colour in ((250, 0, 0), (0, 250, 0))
-    )
-    assert (red[..., 3] == green[..., 3]).all()
-    tinted = np.abs(red[..., :3] - green[..., :3]).sum(axis=-1) > 100
-    assert tinted.mean() > (0.02 if name == "floor" else 0.1)
-    assert (red[..., 3] > 0).mean() > 0.4
-    if name not in FILLING:
-        assert (red[0, 0, 3], red[-1, -1, 3]) == (0, 0), "it stands in its cell"
-    turned = draw_figure(Figure(None, (250, 0, 0), name, 1), 40)
-    assert np.abs(turned - np.rot90(red, -1)).mean() < 1
-
-
-def test_every_file_and_every_name_of_a_sprite() -> None:
-    folder = Path(sjdsl.__file__).parent / "render" / "sprites"
-    assert {path.stem for path in folder.iterdir()} == {*SPRITES, *SHAPES, "agent", "flash"}
-    assert not set(SPRITES) & set(COLOURS)
-
-
-def test_a_legend_leaves_out_what_no_cell_shows() -> None:
-    """Every patch has a class, so there is no plain one; and no word is said twice."""
-    look = make_look(sjdsl.make("pd_arena").game)
-    assert [text for _, text in cell_entries(look)] == [
-        "floor",
-        "wall",
-        "patch: coop",
-        "defect",
-        "coop, ripe",
-        "defect, ripe",
-        "gate",
-    ]
-    leaning = ["bag: more coop than defect", "bag: more defect than coop"]
-    assert [text for _, text in figure_entries(look)] == [*leaning, "pale: can only stay"]
-
-
-def test_a_frame_drawn_again_rasterises_nothing(
-    looked: Environment, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import jax
-
-    _, state = looked.reset(jax.random.key(0))
-    snapshot, painter = take_snapshot(looked, state, np.zeros(3)), make_painter(looked)
-    first = np.asarray(painter.draw(snapshot))
-    monkeypatch.setattr(board, "_rasterised", None)
-    assert (np.asarray(painter.draw(snapshot)) == first).all()
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import jax
 import numpy as np
-import pytest
 
 import sjdsl
 from sjdsl.cli.play import moment_lines
@@ -17,9 +16,7 @@ from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.render import Moment, make_painter, take_snapshot
 from sjdsl.render.episode_page import episode_data
-from sjdsl.render.legend import legend_entries
 from sjdsl.render.letters import make_letters
-from sjdsl.render.look import make_look
 from sjdsl.render.moment import moment_of
 from sjdsl.render.readings import agent_readings, said_together, world_readings
 
@@ -145,23 +142,3 @@ def test_a_picture_shows_a_change_of_each() -> None:
     for name in ("world_secret", "agent_private"):
         other = replace(shot, values={**shot.values, name: np.zeros_like(shot.values[name])})
         assert (np.asarray(painter.draw(other)) == first).all(), name
-
-
-def test_the_legend_says_what_the_pictures_beside_the_returns_are() -> None:
-    texts = [text for _, text in legend_entries(make_look(rules()))]
-    assert {"has gold", "has tin"} <= {*texts}
-    assert len(texts) == len(set(texts))
-
-
-@pytest.mark.parametrize("folk", [1, 2, 7, 16, 30])
-@pytest.mark.parametrize("known", [True, False])
-def test_all_pictures_have_one_size_however_long_returns_get(folk: int, known: bool) -> None:
-    game = rules(folk)
-    start, end = (moment.snapshot for moment in moments(game, returns=-123456.7))
-    shown = [start, end] if known else None
-    painter = make_painter(SimpleNamespace(game=game), shown)  # type: ignore[arg-type]
-    first, last = painter.draw(start), painter.draw(end)
-    assert first.size == last.size
-    legend = np.asarray(painter.legend)
-    for picture in (first, last):
-        assert (np.asarray(picture)[-legend.shape[0] :] == legend).all(), "the legend is whole"

@@ -13,11 +13,10 @@ from PIL import Image
 import sjdsl
 from sjdsl.cli import run
 from sjdsl.render import Painter, Snapshot, make_painter, play, save_gif, save_png, stay_policy
-from sjdsl.render.appearance import Beam, Figure, appearance_of, shown_values
+from sjdsl.render.appearance import Beam, appearance_of
 from sjdsl.render.board import draw_board
 from sjdsl.render.colours import INK, WORDS, agent_colour, kind_colours, mark_colours, word_colours
 from sjdsl.render.legend import legend_entries
-from sjdsl.render.look import FieldLook, make_look
 from sjdsl.render.vector import BEAM_OPACITY
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import MemoryPolicy
@@ -109,31 +108,6 @@ def test_each_kind_has_its_tile(env: Environment, painter: Painter, after: Play)
         assert _near(np.median(_cell(board, painter, place), axis=(0, 1)), colours[kind])
 
 
-def test_a_field_that_rules_change_is_a_shape_in_the_middle(painter: Painter, after: Play) -> None:
-    board = _board(painter, after(STAY, 0))
-    middle = painter.look.tile // 2
-    assert _near(_cell(board, painter, RIPE)[middle, middle], WORDS["ripe"])
-    assert not _near(_cell(board, painter, PLAIN)[middle, middle], WORDS["ripe"], by=40)
-
-
-def test_a_field_that_no_rule_changes_colours_the_ground(painter: Painter, after: Play) -> None:
-    board = _board(painter, after(STAY, 0))
-    coop, defect = (_cell(board, painter, place)[2, 2].astype(int) for place in (PLAIN, DEFECT))
-    assert coop[2] > coop[0] + 40, "coop is bluish"
-    assert defect[0] > defect[2] + 40, "defect is orange"
-
-
-def test_a_timer_is_not_drawn(painter: Painter, after: Play) -> None:
-    shot = after(STAY, 0)
-    busy = Snapshot(
-        **{
-            **vars(shot),
-            "values": {**shot.values, "soil_rest": np.full_like(shot.values["soil_rest"], 10)},
-        }
-    )
-    assert (_board(painter, busy) == _board(painter, shot)).all()
-
-
 def test_an_agent_points_where_it_looks(painter: Painter, after: Play) -> None:
     size = painter.look.tile
     cell = _cell(_board(painter, after(STAY, 0)), painter, GATE)
@@ -210,65 +184,6 @@ def test_whose_beam_it_is_follows_from_the_actions(painter: Painter, after: Play
         ]
 
 
-def test_what_is_taken_or_struck_flashes_and_what_comes_does_not(
-    painter: Painter, after: Play
-) -> None:
-    before = replace(after(STAY, 1), step=6)
-
-    def flashes(now: Snapshot, then: Snapshot = before) -> set[tuple[int, int]]:
-        found = appearance_of(painter.look, now, (), then).figures
-        return {
-            (row, col)
-            for figure, row, col in found
-            if isinstance(figure, Figure) and figure.sprite == "flash"
-        }
-
-    def with_fruit(*ripe: int) -> Snapshot:
-        fruit = np.array([int(number in ripe) for number in range(3)])
-        return replace(before, values={**before.values, "soil_fruit": fruit})
-
-    row, col = RIPE
-    on_it = {"step": 7, "row": np.array([row]), "col": np.array([col])}
-    assert flashes(replace(with_fruit(), **on_it), with_fruit(2)) == {RIPE}
-    assert flashes(replace(with_fruit(), step=7), with_fruit(2)) == set(), (
-        "it rotted, and nobody was there"
-    )
-    assert flashes(replace(with_fruit(2), **on_it), with_fruit()) == set(), "it has grown"
-    assert flashes(replace(with_fruit(), **{**on_it, "step": 9}), with_fruit(2)) == set(), (
-        "that was not the moment before"
-    )
-    marked = replace(
-        with_fruit(), step=7, marks={"fire": np.arange(21).reshape(3, 7) == 7 * row + col}
-    )
-    assert flashes(marked, with_fruit(2)) == {RIPE}
-    assert flashes(replace(before, step=7, held=np.array([True]))) == {GATE}, "it was hit"
-    assert flashes(replace(before, step=7, row=np.array([-1]), col=np.array([-1]))) == {GATE}, (
-        "it was sent away"
-    )
-
-
-def test_starting_places_are_marked_at_the_start_alone(painter: Painter, after: Play) -> None:
-    first = after(STAY, 0)
-    aside = {"row": np.array([0]), "col": np.array([0])}
-    start, later = (
-        _cell(_board(painter, replace(first, step=step, **aside)), painter, GATE) for step in (0, 1)
-    )
-    assert (start != later).any()
-    assert len(np.unique(later.reshape(-1, 3), axis=0)) <= 2, "ground and grid"
-
-
-def test_an_agent_that_can_only_stay_is_paler(painter: Painter, after: Play) -> None:
-    size = painter.look.tile
-    free, held = after(STAY, 1), after(ZAP, 1)
-    assert not free.held.any()
-    assert held.held.all()
-    awake, resting = (
-        _cell(_board(painter, shot), painter, GATE)[size // 2 + 4, size // 4]
-        for shot in (free, held)
-    )
-    assert resting.astype(int).sum() > awake.astype(int).sum() + 60
-
-
 def test_all_frames_have_one_size_and_a_legend(env: Environment, painter: Painter) -> None:
     frames = [painter.draw(shot) for shot in play(env, stay_policy(env), 4)]
     assert len({frame.size for frame in frames}) == 1
@@ -278,11 +193,6 @@ def test_all_frames_have_one_size_and_a_legend(env: Environment, painter: Painte
     assert (np.abs(pixels.astype(int) - INK).sum(axis=2) < 30).sum() > 200, (
         "something is written there"
     )
-
-
-def test_an_episode_shows_its_first_and_last_state(env: Environment) -> None:
-    assert [shot.step for shot in play(env, stay_policy(env), 6)] == [0, 1, 2, 3, 4, 0, 1, 2]
-    assert [shot.step for shot in play(env, stay_policy(env), 4)] == [0, 1, 2, 3, 4]
 
 
 def test_a_policy_with_memory_starts_each_episode_afresh(env: Environment) -> None:
@@ -311,15 +221,6 @@ def test_files(env: Environment, painter: Painter, tmp_path: Path) -> None:
     save_png(frames[0], tmp_path / "one.png")
     with Image.open(tmp_path / "one.png") as picture:
         assert (np.asarray(picture.convert("RGB")) == np.asarray(frames[0])).all()
-
-
-def test_colours_are_the_same_every_time(env: Environment) -> None:
-    assert kind_colours(env.game) == kind_colours(env.game)
-    assert len(set(mark_colours(("a", "b", "c(x)", "d")))) == 4
-    words = ("none", "red", "blue", "odd", "other")
-    assert len(set(word_colours(words))) == len(words)
-    assert word_colours(words)[1] == WORDS["red"]
-    assert mark_colours(("sow(blue)", "fire")) == (WORDS["blue"], WORDS["fire"])
 
 
 OWNED = """sj 1
@@ -354,34 +255,6 @@ def test_what_belongs_to_an_agent_has_an_edge_of_its_colour(tmp_path: Path) -> N
     assert _near(after[2, middle], agent_colour(1))
     assert painter.look.agent_colours(last.values) == list(word_colours(("guest", "host")))
     assert painter.look.roles == ("guest", "host")
-
-
-def test_bars_count_what_a_field_holds() -> None:
-    bits = FieldLook("x", "k_x", "bar", "agents", full=4)
-    assert shown_values(bits, np.array([0, 1, 3, 15], np.uint8)).tolist() == [0, 2, 4, 8]
-    rows = FieldLook("x", "k_x", "bar", "number", full=10)
-    assert shown_values(rows, np.array([[0, 0], [1, 0], [9, 9]])).tolist() == [0, 1, 8]
-
-
-def test_large_maps_stay_small_pictures(tmp_path: Path) -> None:
-    rows = "\n".join(f'"{"." * 150}"' for _ in range(120))
-    file = tmp_path / "wide.sj"
-    file.write_text(f"""sj 1
-game wide "Wide" {{
-  episode 2
-  kind floor "."
-  map {{ {rows} }}
-  agents 3 {{ acts forward, stay  moves relative }}
-  phase start {{ each agent {{ send agent to floor }} }}
-  schedule walk
-  phase walk {{ move each agent }}
-  observe {{ window ahead 1, behind 0, left 1, right 1 }}
-}}
-""")
-    env = sjdsl.make(file)
-    look = make_look(env.game)
-    assert look.width * look.tile <= 800
-    assert look.height * look.tile <= 600
 
 
 def test_the_command_writes_a_film(

@@ -104,66 +104,6 @@ def test_the_legend_names_each_word_of_two_fields() -> None:
     assert texts == ["ground", "lane", "west", "south", "west, south"]
 
 
-def test_two_owners_have_edges_inside_each_other() -> None:
-    look = look_of(
-        "lane",
-        "field owner : agent  field renter : agent",
-        shown="show lane.owner show lane.renter",
-    )
-    tiles = {
-        draw_tile(draw_cell(look.kinds[-1], key), 40).tobytes()
-        for key in product((0, 1, 2), repeat=2)
-    }
-    assert len(tiles) == 9
-
-
-def test_six_numbers_have_bars_of_their_own() -> None:
-    fields = " ".join(f"field n{n} : 0 .. 8 = 0" for n in range(6))
-    shown = " ".join(f"show lane.n{n} as {{ s{n} where lane.n{n} > 0, t{n} }}" for n in range(6))
-    kind = look_of("lane", fields, shown=shown).kinds[-1]
-    tiles = {
-        draw_tile(draw_cell(kind, tuple(4 * (n == place) for n in range(6))), 40).tobytes()
-        for place in range(7)
-    }
-    assert len(tiles) == 7
-
-
-@pytest.mark.parametrize("kind", ["water", "wall", "table", "brick"])
-def test_a_colour_alone_is_seen_where_a_sprite_fills_the_cell(kind: str) -> None:
-    looks = f"look {kind} where {kind}.state is foul as brown  look {kind} where {kind}.state is dead as black"
-    look = look_of(kind, "field state : { fresh, foul, dead } = fresh", looks=looks)
-    kind_look = next(k for k in look.kinds if k.name == kind)
-    tiles = [
-        draw_tile(draw_cell(kind_look, (0, *applied)), 40) for applied in ((0, 0), (1, 0), (0, 1))
-    ]
-    for one, other in ((0, 1), (0, 2), (1, 2)):
-        assert (tiles[one] != tiles[other]).any(axis=-1).mean() > 0.5
-    assert [text for _, text in legend_entries(look)][1:] == [kind, "foul", "dead"]
-
-
-def test_agents_that_a_field_colours_have_a_legend() -> None:
-    teams = "agents 2 { acts stay  field team : { red, blue } = red  field job : { none, cook } = none }"
-    texts = [text for _, text in legend_entries(look_of(agents=teams, shown="show other.team"))]
-    assert {"team: red", "team: blue"} <= {*texts}
-    many = f"agents 2 {{ acts stay  field role : {{ {', '.join(f'role_{n}' for n in range(20))} }} = role_0 }}"
-    assert look_of(agents=many, shown="show other.role").colour_field is None, (
-        "twenty roles don't have twenty colours"
-    )
-    roles = "agents 2 { acts stay  field role : { guest, host } = guest }"
-    assert {"guest", "host"} <= {
-        text for _, text in legend_entries(look_of(agents=roles, shown="show other.role"))
-    }
-
-
-def test_carried_words_of_several_fields_have_pictures_of_their_own() -> None:
-    agents = "agents 2 { acts stay  field fruit : { none, ripe } = none  field berry : { none, ripe } = none  field nut : { none, ripe } = none }"
-    rules = "each agent { set agent.fruit = ripe  set agent.berry = ripe  set agent.nut = ripe }"
-    carried = look_of(
-        agents=agents, rules=rules, shown="show agent.fruit show agent.berry show agent.nut"
-    ).carried
-    assert len({field.pictures[1] for field in carried}) == 3
-
-
 @pytest.mark.parametrize(
     ("condition", "words"),
     [
@@ -209,9 +149,3 @@ def test_conditions_are_said_in_words(condition: str, words: str) -> None:
     (look,) = game.looks
     assert look.condition is not None
     assert in_words(look.condition) == words
-
-
-def test_a_title_has_the_variants() -> None:
-    text = GAME.format(kind="lane", fields="", rules="", looks="", shown="", agents=AGENTS)
-    assert make_look(build(Source("lot.sj", text)).game).title == "A lot"
-    assert make_look(build(Source("lot.sj", text), ("other",)).game).title == "A lot (other)"

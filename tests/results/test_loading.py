@@ -1,7 +1,6 @@
 """What a report reads of each kind of folder, and what it says of folders that are half written, failed, of other rules, or of no kind."""
 
 import json
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +19,10 @@ from report_folders import described as describe
 
 import sjdsl
 from sjdsl.results import ResultsError, load, load_curves
-from sjdsl.results.bundled import other_numbers, variant_now
+from sjdsl.results.bundled import other_numbers
 from sjdsl.results.loading import COLUMNS, POINTS, ids_of, load_both, write_frame
-from sjdsl.results.sections import diagrams
 from sjdsl.results.selecting import in_words
-from sjdsl.results.settings import column_of, differing
+from sjdsl.results.settings import column_of
 
 NONE = pytest.approx(float("nan"), nan_ok=True)
 DIAGRAM = {
@@ -88,29 +86,6 @@ def test_actions_that_were_chosen_otherwise_are_no_result(tmp_path: Path) -> Non
     assert found.notes == (
         f"`{folder}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {folder}`",
     )
-
-
-def test_seeds_that_are_not_whole_or_hardly_evaluated(tmp_path: Path) -> None:
-    folder = write_run(tmp_path / "run", "coins", (3.0, 5.0, 4.0))
-    shutil.rmtree(folder / "seed_1")
-    (folder / "seed_1").mkdir()
-    file = folder / "seed_2/evaluation.json"
-    file.write_text(json.dumps(json.loads(file.read_text()) | {"episodes": 2}))
-    found = read(folder)
-    assert earned(found) == {0: 3.0, 1: None, 2: 4.0}
-    assert found.notes == (
-        f"left out of `{folder}`: seed 1, without `policies`",
-        f"`{folder}` was evaluated in 2 episodes a seed, others in 30: run `sjdsl evaluate {folder}`",
-    )
-
-
-def test_settings_that_have_no_column_are_kept(tmp_path: Path) -> None:
-    (run,) = read(
-        write_run(tmp_path / "run", "coins", (3.0,), learning_rate=0.5, entropy_coefficient=0.25)
-    ).rows("seed")
-    kept = json.loads(run.settings)
-    assert (kept["learning_rate"], kept["entropy_coefficient"], kept["num_envs"]) == (0.5, 0.25, 10)
-    assert not {"seed", "reward", "total_timesteps", "gamma"} & kept.keys()
 
 
 def test_seeds_of_one_way_of_training_are_taken_together_from_several_folders(
@@ -280,33 +255,6 @@ def test_experiments(tmp_path: Path) -> None:
     ]  # of both agents together
 
 
-def test_experiments_with_other_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "report_folders.described", lambda *game: {**describe(*game), "params": {"harm": -3.0}}
-    )
-    write_diagram(tmp_path / "diagram", "coins", DIAGRAM, "dilemma")
-    write_cross_play(tmp_path / "met", "coins", {"random": (-0.5, None, None)})
-    found = read(tmp_path)
-    assert found.frame.record.to_list() == [
-        "diagram",
-        "mixture",
-    ]  # what a random policy earns says nothing of the game as it is
-    assert set(found.frame.params) == {"harm=-3.0"}
-    (table,) = diagrams(found.frame).tables
-    (record,) = table.records
-    assert (record["game"], record["cooperators"]) == ("coins, harm=-3.0", "`runs/coins_common`")
-
-
-def test_which_variant_of_a_bundled_game_rules_are_of() -> None:
-    own, socialjax = (sjdsl.make("coins", variant=variant).hash for variant in (None, "socialjax"))
-    assert [variant_now("coins", rules) for rules in (own, socialjax, "0")] == [
-        "",
-        "socialjax",
-        None,
-    ]
-    assert variant_now("orchard", own) is None
-
-
 def test_numbers_that_a_variant_sets_are_not_other_numbers() -> None:
     released = {"name": "coop_mining", "hash": sjdsl.make("coop_mining", variant="socialjax").hash}
     assert (
@@ -374,23 +322,6 @@ def test_texts_that_look_like_numbers_stay_texts(tmp_path: Path) -> None:
     )
     (tmp_path / "results.csv").write_text(write_frame(found))
     assert load(tmp_path)[["game", "hash"]].to_numpy().tolist() == [["NA", "1234567890123456"]]
-
-
-def test_what_the_intervals_of_a_cross_play_are_over(tmp_path: Path) -> None:
-    write_cross_play(tmp_path / "m", "coins", {"random": (-0.5, -1.0, 0.0)})
-    file = tmp_path / "m/crossplay.json"
-    assert [
-        (row.num_agents, row.unit, row.units) for row in read(tmp_path / "m").rows("mixture")
-    ] == [(2, "episode", 30)]
-    file.write_text(
-        json.dumps(
-            json.loads(file.read_text())
-            | {"unit": "training seed", "keys": [[0, 0], [0, 1], [0, 2]]}
-        )
-    )
-    assert [(row.unit, row.units) for row in read(tmp_path / "m").rows("mixture")] == [
-        ("training seed", 3)
-    ]
 
 
 def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
@@ -518,24 +449,6 @@ def test_a_swept_setting_is_a_column_with_its_type(tmp_path: Path) -> None:
     assert columns_of(load(tmp_path / "runs/0")) == []
 
 
-def test_a_setting_is_empty_where_nothing_reads_it(tmp_path: Path) -> None:
-    for number, way in enumerate(
-        (
-            {"reward": "inequity", "inequity_envy": 3.0},
-            {"reward": "inequity"},
-            {"reward": "individual"},
-        )
-    ):
-        write_run(tmp_path / str(number), "coins", (3.0,), **way)
-    write_run(tmp_path / "vdn", "coins", (3.0,), algorithm="vdn")
-    frame = load(tmp_path)
-    envy = frame.set_index(["algorithm", "reward"]).inequity_envy
-    assert envy[("ippo", "inequity")].to_list() in ([3.0, 5.0], [5.0, 3.0])
-    assert envy[[("ippo", "individual"), ("vdn", "common")]].isna().all()
-    assert "num_epochs" not in frame, "VDN has no such setting, and the others have the same"
-    assert frame.set_index("algorithm").learning_rate["vdn"] == 7e-5, "its own default"
-
-
 def test_a_swept_number_of_a_game_is_a_column(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -568,31 +481,6 @@ def test_a_swept_number_of_a_game_is_a_column(
         write_frame(load_both([tmp_path / "pd4", tmp_path / "pd5"])[0])
     )
     assert load(tmp_path / "data")["param.payoff[defect][coop]"].to_list() == [4, 5]
-
-
-def test_settings_of_stored_results_are_columns_too(tmp_path: Path) -> None:
-    runs = [
-        write_run(tmp_path / str(rate), "coins", (3.0,), learning_rate=rate) for rate in (0.5, 0.25)
-    ]
-    (tmp_path / "data").mkdir()
-    (tmp_path / "data/results.csv").write_text(write_frame(load_both(runs)[0]))
-    assert sorted(load(tmp_path / "data").learning_rate) == [0.25, 0.5]
-    again = load(tmp_path / "data", write_run(tmp_path / "usual", "coins", (3.0,), seed=7))
-    assert sorted(again.learning_rate) == [5e-4, 0.25, 0.5]
-
-
-def test_angles_of_agents_that_differ_are_told_apart(tmp_path: Path) -> None:
-    for number, angles in enumerate(([45, 90], [0, 90], [90])):
-        write_run(tmp_path / str(number), "coins", (3.0,), reward="svo", svo_angle=angles)
-    frame = load(tmp_path)
-    assert {
-        (row.svo_angles, None if pd.isna(row.svo_angle) else row.svo_angle)
-        for row in frame.itertuples()
-    } == {
-        ("45,90", None),
-        ("0,90", None),
-        ("", 90.0),
-    }
 
 
 def test_seeds_that_started_from_different_policies_are_told_apart_where_they_have_one_number(
@@ -631,8 +519,3 @@ def test_seeds_that_started_from_different_policies_are_told_apart_where_they_ha
 def test_the_type_of_a_column(values: list[Any], sort: str, column: list[Any]) -> None:
     made = column_of(values)
     assert (str(made.dtype), made.to_list()) == (sort, column)
-
-
-def test_a_setting_of_ones_own_that_a_run_leaves_out_differs() -> None:
-    assert differing([{"own.bonus": 1, "gamma": 0.9}, {"gamma": 0.9}]) == ["own.bonus"]
-    assert differing([{"num_epochs": 2}, {"batch_size": 8}]) == []

@@ -1,6 +1,5 @@
 """The page of results beside the paper: what its cells and findings say."""
 
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,22 +8,15 @@ from unittest import mock
 import pandas as pd
 import pytest
 from report_folders import (
-    AGENTS,
-    PAPERS,
     read,
-    write_cross_play,
-    write_diagram,
     write_everything,
-    write_run,
     write_speeds,
-    write_sweep,
     write_training,
 )
 
 from bench.paper import __main__ as paper
 from bench.paper.contents import INDIVIDUAL, games_of, under_the_papers_rules
 from bench.paper.speeds import FILES, read_speeds
-from sjdsl.results.selecting import cell_of
 
 ROOT = Path(__file__).parents[2]
 NOW: Mapping[tuple[str, str], Any] = {
@@ -113,191 +105,6 @@ def test_claims_compare_seeds_with_the_same_ore() -> None:
     cell = game.cell(INDIVIDUAL)
     assert cell is not None
     assert cell.values == (1.0,)
-
-
-def test_of_two_runs_of_one_length_the_one_with_a_presets_settings_is_shown() -> None:
-    columns = {"status": "done", "steps": 10, "hardware": "", "settings": "{}"}
-    frame = pd.DataFrame(
-        [
-            {**columns, "run": run, "preset": preset, "collective_return": earned}
-            for run, preset, earned in (("a", "", 1.0), ("b", "two_cores", 2.0))
-        ]
-    )
-    cell = cell_of(frame)
-    assert cell is not None
-    assert cell.values == (2.0,)
-
-
-def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
-    """The seeds that chose the weight are not among its scores."""
-    for game, weight, random in (("coins", 0.4, 0.0), ("harvest_open", 0.8, 10.0)):
-        cells = tmp_path / "svo/cells"
-        write_run(
-            cells / f"{game}_chose",
-            game,
-            (1000.0, 1010.0),
-            reward="svo",
-            svo_weight=weight,
-            **PAPERS,
-        )
-        write_run(
-            cells / f"{game}_is",
-            game,
-            (30.0, 50.0),
-            first=2,
-            reward="svo",
-            svo_weight=weight,
-            **PAPERS,
-        )
-        write_cross_play(
-            tmp_path / game, game, {"random": (random / AGENTS[game], None, None)}, PAPERS["rules"]
-        )
-    write_sweep(
-        tmp_path / "svo",
-        "svo",
-        {path.name: 1 + path.name.endswith("is") for path in cells.iterdir()},
-    )
-    with mock.patch("sjdsl.results.sections.interquartile_means", return_value={}) as means:
-        text = page_of(tmp_path)
-    (scores,) = means.call_args.args
-    assert list(scores) == ["IPPO, SVO 90°, chosen weight"]
-    coins, harvest = scores["IPPO, SVO 90°, chosen weight"].T
-    assert coins.tolist() == pytest.approx([30 / 164, 50 / 164])
-    assert harvest.tolist() == pytest.approx([20 / 410, 40 / 410])
-    assert "the chosen weight of SVO is that of its own sweep" in text
-
-
-def test_without_a_sweep_the_chosen_weight_is_the_one_that_earns_most(tmp_path: Path) -> None:
-    for game, weights in (("coins", {0.4: 20.0, 1.0: 10.0}), ("harvest_open", {1.0: 30.0})):
-        write_cross_play(tmp_path / game, game, {"random": (0.0, None, None)}, PAPERS["rules"])
-        for weight, earned in weights.items():
-            write_run(
-                tmp_path / f"{game}_{weight}",
-                game,
-                (earned, earned),
-                reward="svo",
-                svo_weight=weight,
-                svo_angle=90.0,
-                **PAPERS,
-            )
-    with mock.patch("sjdsl.results.sections.interquartile_means", return_value={}) as means:
-        page_of(tmp_path)
-    (scores,) = means.call_args.args
-    assert {way: own[0].tolist() for way, own in scores.items()} == {
-        "IPPO, SVO 90°, chosen weight": pytest.approx([20 / 164, 30 / 420]),
-        "IPPO, SVO 90°, weight 1": pytest.approx([10 / 164, 30 / 420]),
-    }
-
-
-def test_scores_are_over_all_games_even_if_more_could_be_compared_in_some(tmp_path: Path) -> None:
-    """Otherwise, running a further way of training in the easy games alone would take the hard ones out, and raise all scores."""
-    for game in ("coins", "harvest_open", "clean_up"):
-        write_run(tmp_path / f"{game}_common", game, (30.0, 50.0), reward="common", **PAPERS)
-        write_cross_play(
-            tmp_path / f"{game}_random", game, {"random": (0.0, None, None)}, PAPERS["rules"]
-        )
-        if game != "clean_up":
-            for ratio in (0.25, 0.5, 0.75):
-                write_run(
-                    tmp_path / f"{game}_{ratio}",
-                    game,
-                    (10.0, 20.0),
-                    reward="exchange",
-                    exchange_ratio=ratio,
-                    **PAPERS,
-                )
-    with mock.patch("sjdsl.results.sections.interquartile_means", return_value={}) as means:
-        text = page_of(tmp_path)
-    (scores,) = means.call_args.args
-    assert {way: own.shape for way, own in scores.items()} == {"IPPO, common": (2, 3)}
-    assert (
-        "not run in all of these games: IPPO, exchange 0.25 (2 of 3); IPPO, exchange 0.5 (2 of 3)"
-        in text
-    )
-
-
-def test_of_several_diagrams_the_one_over_the_most_seeds_counts(tmp_path: Path) -> None:
-    write_run(
-        tmp_path / "run", "coins", (1.0, 2.0), **PAPERS
-    )  # so that the rules have the name of the variant
-    contrasts = dict.fromkeys(("A", "B", "fear"), (3.0, 2.0, 4.0)) | {"greed": (0.0, -1.0, 1.0)}
-    for pools, seeds, outcome in (("a", 12, "dilemma"), ("b", 6, "undecided")):
-        write_diagram(
-            tmp_path / pools,
-            "coins",
-            contrasts,
-            outcome,
-            rules=PAPERS["rules"],
-            agents=2,
-            pools=pools,
-            seeds=seeds,
-        )
-    line = next(
-        line
-        for line in page_of(tmp_path).splitlines()
-        if line.startswith("| The diagram of trained agents")
-    )
-    assert "holds: coins" in line
-
-
-@pytest.mark.parametrize(
-    ("fear", "verdict"), [((0.0, -1.0, 1.0), "undecided"), ((-2.0, -3.0, -1.0), "does not hold")]
-)
-def test_a_dilemma_by_greed_alone_is_a_dilemma_but_may_not_be_the_papers(
-    tmp_path: Path, fear: tuple[float, float, float], verdict: str
-) -> None:
-    write_run(tmp_path / "run", "coins", (1.0, 2.0), **PAPERS)
-    contrasts = dict.fromkeys(("A", "B", "greed"), (3.0, 2.0, 4.0)) | {"fear": fear}
-    write_diagram(
-        tmp_path / "diagram", "coins", contrasts, "dilemma", rules=PAPERS["rules"], agents=2
-    )
-    assert verdict_on(page_of(tmp_path), "The diagram of trained agents is a dilemma") == "holds"
-    assert (
-        verdict_on(
-            page_of(tmp_path),
-            "The diagram of trained agents is a dilemma with the paper's fear or greed",
-        )
-        == verdict
-    )
-
-
-@pytest.mark.parametrize(
-    ("last", "verdict"),
-    [
-        ((150.0, 150.0), "holds"),
-        ((190.0, 190.0), "does not hold"),
-        ((150.0, 190.0), "undecided"),
-        (None, "not run"),
-    ],
-)
-def test_the_ratio_that_is_chosen_is_compared_with_the_papers(
-    tmp_path: Path, last: tuple[float, ...] | None, verdict: str
-) -> None:
-    """The paper's is 1/2; if only common reward earns nearly the most, it is 1."""
-    earned = {
-        0.0: (10.0, 10.0),
-        0.25: (50.0, 50.0),
-        0.5: (150.0, 150.0),
-        0.75: (150.0, 150.0),
-        1.0: last,
-    }
-    for ratio, returns in earned.items():
-        way: dict[str, Any] = {0.0: {"reward": "individual"}, 1.0: {"reward": "common"}}.get(
-            ratio, {"reward": "exchange", "exchange_ratio": ratio}
-        )
-        if returns is not None:
-            write_run(tmp_path / f"{ratio}", "coins", returns, **way, **PAPERS)
-    assert verdict_on(page_of(tmp_path), "The 95 % rule chooses the paper's ratio") == verdict
-
-
-def verdict_on(page: str, claim: str) -> str:
-    """Returns the verdict on a claim in Coins."""
-    line = next(line for line in page.splitlines() if line.startswith(f"| {claim} |"))
-    return next(
-        one
-        for one in ("holds", "does not hold", "undecided", "not run")
-        if re.search(rf"[|;] {one}: (all|[^;|]*coins)", line)
-    )
 
 
 def test_speeds_are_taken_in_and_stand_beside_the_published_ones(tmp_path: Path) -> None:

@@ -1,17 +1,16 @@
 """A report of results: what its tables say, where it may be written, and that no result is lost."""
 
 import csv
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from report_folders import read, write_cross_play, write_diagram, write_everything, write_run
+from report_folders import read, write_diagram, write_everything, write_run
 
 from sjdsl.cli import run
-from sjdsl.results import ResultsError, load_curves, write_report
+from sjdsl.results import ResultsError, write_report
 from sjdsl.results.page import Section, page_text
-from sjdsl.results.sections import chosen_games, cross_play, learning_curves, returns
+from sjdsl.results.sections import chosen_games, returns
 
 COMMAND = "sjdsl report runs"
 CONTRASTS = dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 0.5, 1.5))
@@ -35,38 +34,6 @@ def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None
     assert texts(found) == [
         ["coins", "IPPO, common", "155 [142.6, 167.4]", "3 seeds, 400 steps, unnamed CPU"]
     ]
-
-
-def test_policies_have_short_names_on_the_page_and_whole_ones_in_the_csv(tmp_path: Path) -> None:
-    paths = ["/far/away/runs/envious/cells/a", "/far/away/runs/calm/cells/a"]
-    write_cross_play(tmp_path / "met", "coins", dict.fromkeys([*paths, "random"], (1.0, 0.5, 1.5)))
-    section = cross_play(read(tmp_path / "met").frame)
-    assert [row[1:3] for row in texts(section)] == [
-        ["2 x calm", "`calm`"],
-        ["2 x envious", "`envious`"],
-        ["2 x random", "`random`"],
-    ]
-    assert [row["policy"] for row in section.tables[0].records] == [
-        f"`{name}`" for name in (*sorted(paths), "random")
-    ]
-    assert [row["mixture"] for row in section.tables[0].records] == [
-        f"2 x {name}" for name in (*sorted(paths), "random")
-    ]
-
-
-def test_the_preset_of_a_run_is_named(tmp_path: Path) -> None:
-    from sjdsl.trainers import load_preset
-
-    config = load_preset("two_cores", {"reward": "common"}, "pd_arena").config.model_dump(
-        mode="json"
-    )
-    kept = {key: value for key, value in config.items() if key not in ("seed", "seeds", "own")}
-    write_run(tmp_path / "a", "pd_arena", (10.0, 12.0), **kept)
-    write_run(tmp_path / "b", "pd_arena", (10.0, 12.0), **{**kept, "learning_rate": 0.3})
-    assert sorted(read(tmp_path).frame.preset.unique()) == ["", "two_cores"]
-    assert "2 seeds, 32k steps, two_cores, unnamed CPU" in {
-        row[3] for row in texts(returns(read(tmp_path).frame))
-    }
 
 
 def test_ways_of_training_are_named_by_the_values_in_which_they_differ(tmp_path: Path) -> None:
@@ -101,16 +68,6 @@ def test_games_in_which_most_can_be_compared(ways: list[str], chosen: str) -> No
             for game in "abcd"
         }
         assert chosen_games(scores) == list(chosen)
-
-
-def test_curves_are_at_the_steps_of_all_seeds(tmp_path: Path) -> None:
-    write_run(tmp_path / "run", "coins", (10.0, 20.0))
-    frame, curves = read(tmp_path).frame, load_curves(tmp_path)
-    one_less = curves[~((curves.seed == 1) & (curves.env_steps == 300))]
-    (picture,) = learning_curves(frame, one_less).pictures
-    (line,) = picture.draw().axes[0].get_lines()
-    assert (picture.name, line.get_label()) == ("curves_coins", "IPPO, individual")
-    assert line.get_xydata().tolist() == [[200, 7.5], [400, 15]]
 
 
 # Where a report goes.
@@ -221,16 +178,3 @@ def test_the_command(
         assert run(["report", *arguments]) == 1
         assert said in capsys.readouterr().err
     assert run(["report", "-o", "out"]) == 2
-
-
-def test_what_is_missing_is_named_with_its_extra(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in [name for name in sys.modules if name.startswith("sjdsl.results.")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    assert run(["report", str(tmp_path), "-o", str(tmp_path / "out")]) == 1
-    assert (
-        "error: the package pandas is needed: pip install 'sjdsl[results]'"
-        in capsys.readouterr().err
-    )

@@ -7,9 +7,6 @@ from pathlib import Path
 
 import pytest
 
-import sjdsl
-from sjdsl.cli import run
-
 ROOT = Path(__file__).parents[2]
 WITHOUT_JAX = {
     "actions",
@@ -94,42 +91,3 @@ def test_a_generated_module_plays_without_the_compiler() -> None:
     assert not [
         module for module in loaded if module.startswith(("sjdsl.compiler", "lark", "pydantic"))
     ]
-
-
-@pytest.mark.thorough
-def test_what_it_knows_of_its_game_is_what_the_rules_say(tmp_path: Path) -> None:
-    """A file of its own and an environment of `make` give the same."""
-    env = sjdsl.make("predator_prey")
-    path = tmp_path / "alone.py"
-    assert run(["compile", "--standalone", "predator_prey", "-o", str(path)]) == 0
-    facts = "print(repr((env.name, env.title, env.hash, env.num_actions, env.roles, env.observation_shape, env.forbids_actions)))"
-    facts += "; print(jax.jit(lambda key: env.state_vector(env.reset(key)[1]))(jax.random.key(0)).tolist())"
-    hidden = "import sys; sys.modules.update(dict.fromkeys(('sjdsl', 'flax', 'lark', 'pydantic', 'jinja2')))"
-    program = f"{hidden}\nimport jax, alone\nenv = alone.Environment()\n{facts}"
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    first, second = done.stdout.splitlines()
-    import jax
-
-    own = (
-        env.name,
-        env.title,
-        env.hash,
-        env.num_actions,
-        env.roles,
-        env.observation_shape,
-        env.forbids_actions,
-    )
-    assert ast.literal_eval(first) == own
-    assert (
-        ast.literal_eval(second)
-        == jax.jit(lambda key: env.state_vector(env.reset(key)[1]))(jax.random.key(0)).tolist()
-    )
-    game = env.game
-    assert own[5][2:] == (
-        game.window.ahead + 1 + game.window.behind,
-        game.window.left + 1 + game.window.right,
-    )
-    assert env.roles is not None

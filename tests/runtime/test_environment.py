@@ -53,12 +53,6 @@ def at(tree: Any, index: int) -> Any:
     return jax.tree.map(lambda leaf: np.asarray(leaf)[index], tree)
 
 
-def some_states(env: Environment, number: int = 4) -> Any:
-    """Returns a batch of states in different steps of an episode; the last two are one step from its end."""
-    states = stacked([env.reset(key)[1] for key in keys(3, number)])
-    return states.replace(step=jnp.array([0, 2, *[LENGTH - 1] * (number - 2)], jnp.int32))
-
-
 # What it says about itself
 
 
@@ -150,42 +144,7 @@ def test_unknown_actions_are_stay(env: Environment) -> None:
     assert_same(mixed, env.step(key, state, jnp.array([FORWARD, STAY, REST])))
 
 
-def test_actions_in_other_clothes(env: Environment) -> None:
-    """Lists' arrays, NumPy's and small integers are all numbers of actions."""
-    _, state = env.reset(jax.random.key(0))
-    expected = env.step(jax.random.key(1), state, jnp.array([0, 2, 4], jnp.int32))
-    for actions in (
-        np.array([0, 2, 4]),
-        jnp.array([0, 2, 4], jnp.uint8),
-        np.array([0, 2, 4], np.int16),
-    ):
-        assert_same(env.step(jax.random.key(1), state, actions), expected)
-
-
-@pytest.mark.parametrize("shape", [(), (1,), (2,), (4,), (3, 1), (1, 3)])
-def test_actions_of_a_wrong_shape(env: Environment, shape: tuple[int, ...]) -> None:
-    _, state = env.reset(jax.random.key(0))
-    for step in (env.step, env.step_env):
-        with pytest.raises(ValueError, match=r"one for each agent is wanted: \(3,\)"):
-            step(jax.random.key(1), state, jnp.zeros(shape, jnp.int32))
-        with pytest.raises(TypeError, match="actions are float32, but must be whole numbers"):
-            step(jax.random.key(1), state, jnp.zeros(3))
-
-
 # Keys
-
-
-def test_one_key_one_result(env: Environment) -> None:
-    results = [env.reset(jax.random.key(seed)) for seed in (0, 0, 1, 2, 3)]
-    assert_same(results[0], results[1])
-    assert len({np.asarray(state.position).tobytes() for _, state in results}) > 1
-    _, state = results[0]
-    picked = state.replace(tree_fruit=jnp.zeros(TREES, jnp.uint8))
-    after = [
-        env.step_env(jax.random.key(seed), picked, jnp.full(3, STAY)) for seed in (0, 0, 1, 2, 3)
-    ]
-    assert_same(after[0], after[1])
-    assert len({np.asarray(a[1].tree_fruit).tobytes() for a in after}) > 1
 
 
 @pytest.mark.parametrize("seed", [0, 7])
@@ -198,84 +157,7 @@ def test_old_style_keys_are_typed_keys(env: Environment, seed: int) -> None:
     )
 
 
-def test_keys_of_another_generator(env: Environment) -> None:
-    """Their two words are a threefry key: everything that follows is what that key gives."""
-    rbg = jax.random.key(4, impl="rbg")
-    with jax.debug_key_reuse(False):
-        words = jax.random.bits(rbg, (2,), jnp.uint32)
-    assert_same(env.reset(rbg), env.reset(words))
-
-
 # Transformations
-
-
-def test_jit_scan_and_loop_agree(env: Environment) -> None:
-    """Two episodes and a half."""
-    steps = 15
-    _, state = env.reset(jax.random.key(0))
-    actions = random_actions(2, steps)
-
-    def advance(state: Any, given: tuple[jax.Array, jax.Array]) -> tuple[Any, Any]:
-        observation, state, reward, done, info = env.step(given[0], state, given[1])
-        return state, (observation, state, reward, done, info)
-
-    _, scanned = jax.jit(lambda s, k, a: jax.lax.scan(advance, s, (k, a)))(
-        state, keys(1, steps), actions
-    )
-    looped = []
-    for t, key in enumerate(keys(1, steps)):
-        looped.append(env.step(key, state, actions[t]))
-        state = looped[-1][1]
-    assert_same(scanned, stacked(looped))
-    assert scanned[3].tolist() == [t % LENGTH == LENGTH - 1 for t in range(steps)]
-
-
-@pytest.mark.slow
-def test_without_jit(env: Environment) -> None:
-    """The last step of an episode, with its reset, carried out operation by operation."""
-    state = at(some_states(env), 2)
-    expected = env.step(jax.random.key(5), state, random_actions(3))
-    assert bool(expected[3])
-    with jax.disable_jit():
-        assert_same(env.step(jax.random.key(5), state, random_actions(3)), expected)
-
-
-def test_vmap_is_a_loop(env: Environment) -> None:
-    """Of four environments two end their episode."""
-    states, actions = some_states(env), random_actions(5, 4)
-    batch = jax.jit(jax.vmap(env.step))(keys(4, 4), states, actions)
-    assert batch[3].tolist() == [False, False, True, True]
-    assert_same(
-        batch,
-        stacked([env.step(key, at(states, i), actions[i]) for i, key in enumerate(keys(4, 4))]),
-    )
-    assert_same(jax.vmap(env.reset)(keys(4, 4)), stacked([env.reset(key) for key in keys(4, 4)]))
-
-
-def test_vmap_of_vmap(env: Environment) -> None:
-    states, actions = some_states(env), random_actions(5, 4)
-    flat = jax.jit(jax.vmap(env.step))(keys(4, 4), states, actions)
-    square = jax.tree.map(
-        lambda leaf: leaf.reshape(2, 2, *leaf.shape[1:]), (keys(4, 4), states, actions)
-    )
-    found = jax.jit(jax.vmap(jax.vmap(env.step)))(*square)
-    assert_same(jax.tree.map(lambda leaf: leaf.reshape(4, *leaf.shape[2:]), found), flat)
-
-
-@pytest.mark.parametrize("batched", ["key", "actions"])
-def test_vmap_over_one_argument(env: Environment, batched: str) -> None:
-    """One state at the end of its episode, many keys or many actions."""
-    state, actions = at(some_states(env), 3), random_actions(7, 3)
-    if batched == "key":
-        found = jax.jit(jax.vmap(env.step, in_axes=(0, None, None)))(keys(6, 3), state, actions[0])
-        expected = [env.step(key, state, actions[0]) for key in keys(6, 3)]
-    else:
-        found = jax.jit(jax.vmap(env.step, in_axes=(None, None, 0)))(
-            jax.random.key(6), state, actions
-        )
-        expected = [env.step(jax.random.key(6), state, a) for a in actions]
-    assert found[3].all()
-    assert_same(found, stacked(expected))
 
 
 # Ends of episodes
@@ -413,22 +295,6 @@ def test_onehot_holds_what_tokens_hold(env: Environment) -> None:
         tokens, state, *_ = env.step(key, state, actions)
         channels, *_ = onehot.step(key, same, actions)
         same = state
-
-
-def test_onehot_of_a_batch_and_scaled_numbers(env: Environment) -> None:
-    tokens = jax.vmap(env.reset)(keys(0, 3))[0]
-    tokens = tokens.at[:, :, 2].set(9)  # a full bag
-    one_hot = to_channels(tokens, env.token_planes, jnp.dtype(jnp.float32), scale_numbers=True)
-    expected = channels_by_hand(env, np.asarray(tokens)).astype(np.float32)
-    expected[:, :, -1] = 1
-    np.testing.assert_array_equal(one_hot, expected)
-    with pytest.raises(ValueError, match="tokens have 2 planes, 3 are described"):
-        to_channels(tokens[:, :, :2], env.token_planes, jnp.dtype(jnp.uint8))
-
-
-def test_other_forms_of_observation_are_refused() -> None:
-    with pytest.raises(ValueError, match="`tokens` or `onehot`"):
-        make(YARD, observation="pixels")  # type: ignore[arg-type]
 
 
 # Making

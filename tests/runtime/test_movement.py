@@ -136,30 +136,6 @@ def test_losers_have_no_second_chance() -> None:
     assert moved([1, 2, 3], [2, 2, 2], [3, 1, 2]) == [1, 2, 3]
 
 
-def test_equal_words_are_ranked_by_number() -> None:
-    assert moved([1, 2, 3], [9, 9, 9], [7, 7, 7]) == [1, 2, 9]
-    word = jnp.array(
-        [0xFFFFFFFF, 0xFFFFFF00], jnp.uint32
-    )  # they differ in the low bits alone, which do not count
-    assert ONE(jnp.array([1, 2], jnp.int32), jnp.array([9, 9], jnp.int32), word).tolist() == [1, 9]
-
-
 def test_agents_who_are_nowhere_stop_nobody() -> None:
     """Several are at cell 0, with cell 0 as their target."""
     assert moved([0, 0, 5, 0, 6], [0, 0, 6, 0, 7]) == [0, 0, 6, 0, 7]
-
-
-@pytest.mark.parametrize("agents", [2, 3, 5])
-def test_a_contested_cell_is_won_by_each_equally_often(agents: int) -> None:
-    """Chi-square of the winners over random numbers; the bound is passed by chance with probability 1e-6."""
-    draws = 60_000
-    bound = {2: 23.93, 3: 27.63, 5: 33.38}[
-        agents
-    ]  # quantile 1 - 1e-6 with agents - 1 degrees of freedom
-    word = jax.random.bits(jax.random.key(agents), (draws, agents), jnp.uint32)
-    position = jnp.broadcast_to(jnp.arange(1, agents + 1, dtype=jnp.int32), (draws, agents))
-    after = np.asarray(RESOLVE(position, jnp.full_like(position, 99), word))
-    assert ((after == 99).sum(axis=1) == 1).all()
-    wins = (after == 99).sum(axis=0)
-    expected = draws / agents
-    assert ((wins - expected) ** 2 / expected).sum() < bound

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.path_search import Moves, board, first_moves, moves_of, shifted
+from sjdsl.runtime.path_search import Moves, board, first_moves, moves_of
 
 CASES = 12
 AGENTS = 5
@@ -121,32 +121,3 @@ def test_goals_of_all_agents_and_closed_cells_of_each() -> None:
         0,
         0,
     ]  # the second agent is nearer to the goal on its right, which is closed to it
-
-
-@pytest.mark.parametrize(
-    "width",
-    [1, 32, 33, *(pytest.param(width, marks=pytest.mark.thorough) for width in (31, 64, 70))],
-)
-def test_shifted(width: int) -> None:
-    random = np.random.default_rng(width)
-    cells = random.random((3, width)) < 0.5
-    for rows, cols in [
-        (0, 0),
-        (1, 0),
-        (-2, 1),
-        (0, -1),
-        (0, 31),
-        (0, 32),
-        (1, -33),
-        (0, 64),
-        (0, -64),
-        (5, 0),
-    ]:
-        wanted = np.zeros_like(cells)
-        for row, col in np.argwhere(cells):
-            if 0 <= row + rows < 3 and 0 <= col + cols < width:
-                wanted[row + rows, col + cols] = True
-        assert (
-            shifted(board(jnp.asarray(cells)), rows, cols, width).tolist()
-            == board(jnp.asarray(wanted)).tolist()
-        ), (rows, cols)

@@ -83,8 +83,6 @@ def test_place(cells: int, agents: int) -> None:
             site.tolist(), *(x[case].tolist() for x in (free, word, position, sent))
         )
         assert (found[case].tolist(), placed[case].tolist()) == expected
-        new = found[case][placed[case]]
-        assert len(set(new.tolist())) == len(new) <= free[case].sum()
 
 
 @pytest.mark.parametrize(("cells", "agents"), [(1, 3), (3, 5), (60, 7)])
@@ -118,17 +116,6 @@ def test_place_fitting(cells: int, agents: int) -> None:
             same, PLACE(jnp.asarray(site, jnp.int32), arrays[0], *arrays[2:]), strict=True
         )
     )
-
-
-def test_place_by_hand() -> None:
-    """Agent 0 is not sent; 1 takes the second of two cells, 2 the one left; there is no third."""
-    cells, position = jnp.array([10, 20, 30], jnp.int32), jnp.array([1, 2, 3, 4], jnp.int32)
-    words = jnp.array([0, 2**31, 2**32 - 1, 0], jnp.uint32)
-    found, placed = jax.jit(place)(
-        cells, jnp.array([True, False, True]), words, position, jnp.array([False, True, True, True])
-    )
-    assert found.tolist() == [1, 30, 10, 4]
-    assert placed.tolist() == [False, True, True, False]
 
 
 @pytest.mark.parametrize("dtype", [jnp.int32, jnp.uint8])
@@ -269,22 +256,6 @@ def test_choose(members: int, turns: int) -> None:
         )
 
 
-def test_choose_for_each_of_the_surroundings() -> None:
-    """Rows choose apart, each its own number."""
-    random = np.random.default_rng(0)
-    member, word, number = (
-        random.random((3, 4, 5)) < 0.7,
-        random.integers(0, 2**32, (3, 4, 5)),
-        random.integers(0, 6, (3, 4)),
-    )
-    arrays = jnp.asarray(member), jnp.asarray(word, jnp.uint32), jnp.asarray(number, jnp.int32)
-    (found,) = same_in_both_forms(lambda *given: (jax.jit(choose)(*given),), *arrays)
-    for i, j in np.ndindex(3, 4):
-        assert found[i, j].tolist() == references.choose(
-            member[i, j].tolist(), word[i, j].tolist(), int(number[i, j])
-        )
-
-
 @pytest.mark.parametrize(("members", "turns"), sizes([(6, 3), (40, 8)], [(100, 20)]))
 def test_choose_by_chance(members: int, turns: int) -> None:
     """Those that `choose` picks draw the numbers that they would draw if all members did."""
@@ -314,17 +285,6 @@ def test_choose_by_chance(members: int, turns: int) -> None:
         ]
 
 
-def test_choose_is_uniform() -> None:
-    """Every pair of 5 members equally often; chi-square with 9 degrees of freedom, passed by chance with probability 1e-6."""
-    draws = 40_000
-    word = jax.random.bits(jax.random.key(1), (draws, 2), jnp.uint32)
-    chosen = np.asarray(CHOOSE(jnp.ones((draws, 5), bool), word, jnp.full(draws, 2, jnp.int32)))
-    assert (chosen.sum(axis=1) == 2).all()
-    _, counts = np.unique(chosen @ (1 << np.arange(5)), return_counts=True)
-    assert len(counts) == 10
-    assert ((counts - draws / 10) ** 2 / (draws / 10)).sum() < 45.08
-
-
 @pytest.mark.parametrize(
     ("left", "right", "alike"),
     sizes(
@@ -344,21 +304,7 @@ def test_pair(left: int, right: int, alike: bool) -> None:
     paired = jax.jit(jax.vmap(lambda r: (pair(r, alike),)))
     (found,) = same_in_both_forms(paired, jnp.asarray(rank, jnp.uint32))
     for case in range(cases):
-        partner = found[case].tolist()
-        assert partner == references.pair(rank[case].tolist(), alike)
-        lefts, rights = (
-            {a for a, b in enumerate(partner) if b < right},
-            [b for b in partner if b < right],
-        )
-        assert len(set(rights)) == len(rights)
-        if alike:
-            assert not lefts & set(rights)
-        busy = (lefts | set(rights), lefts | set(rights)) if alike else (lefts, set(rights))
-        assert not [
-            (a, b)
-            for a, b in np.argwhere(rank[case] > 0).tolist()
-            if a not in busy[0] and b not in busy[1]
-        ]
+        assert found[case].tolist() == references.pair(rank[case].tolist(), alike)
 
 
 @pytest.mark.parametrize(
@@ -389,11 +335,3 @@ def test_pair_reached_is_pair(left: int, right: int, alike: bool, few: int) -> N
             for a in range(left)
         ]
         assert found[case].tolist() == references.pair(pairs, alike)
-
-
-def test_pair_by_hand() -> None:
-    """0 and 2 ask 1; 1 asks 0. The best pair is (2, 1), which leaves 0 alone."""
-    rank = jnp.array([[0, 5, 0], [4, 0, 0], [0, 6, 0]], jnp.uint32)
-    paired = jax.jit(pair, static_argnums=1)
-    assert paired(rank, True).tolist() == [3, 3, 1]
-    assert paired(rank, False).tolist() == [3, 0, 1]

@@ -9,7 +9,6 @@ import pytest
 
 from sjdsl.runtime.random_bits import (
     below,
-    key_words,
     next_threshold,
     random_bits,
     random_bits_at,
@@ -70,57 +69,12 @@ def test_words_are_numbered_in_row_major_order() -> None:
     assert int(random_bits(key, 77)) == int(line[0])
 
 
-def test_streams_and_keys_differ() -> None:
-    found = np.stack(
-        [
-            random_bits(key_of(key), stream, 64)
-            for key in ((0, 0), (0, 1), (1, 0))
-            for stream in (0, 1, 2, LAST)
-        ]
-    )
-    assert len(np.unique(found)) == found.size
-
-
 def test_words_of_a_batch_of_keys() -> None:
     keys = jax.random.bits(jax.random.key(0), (5, 2), jnp.uint32)
     batch = jax.vmap(lambda k: random_bits(k, 9, 6))(keys)
     assert batch.tolist() == [
         [references.threefry(tuple(k), (9, i // 2))[i % 2] for i in range(6)] for k in keys.tolist()
     ]
-
-
-@pytest.mark.parametrize("impl", ["threefry2x32", "rbg", "unsafe_rbg"])
-def test_words_of_typed_keys(impl: str) -> None:
-    key = jax.random.key(12, impl=impl)
-    found = key_words(key)
-    assert (found.shape, found.dtype) == ((2,), jnp.uint32)
-    # the second use of the key on purpose: it is asked for the same words
-    with jax.debug_key_reuse(False):
-        expected = (
-            jax.random.key_data(key)
-            if impl == "threefry2x32"
-            else jax.random.bits(key, (2,), jnp.uint32)
-        )
-    np.testing.assert_array_equal(found, expected)
-
-
-def test_old_style_keys_are_their_words() -> None:
-    np.testing.assert_array_equal(key_words(jax.random.PRNGKey(5)), key_words(jax.random.key(5)))
-    assert key_words(key_of((7, 8))).tolist() == [7, 8]
-
-
-@pytest.mark.parametrize(
-    "bad",
-    [
-        jnp.zeros(4, jnp.uint32),
-        jnp.zeros(2, jnp.int32),
-        jnp.zeros((1, 2), jnp.uint32),
-        jnp.uint32(3),
-    ],
-)
-def test_other_arrays_are_no_keys(bad: jax.Array) -> None:
-    with pytest.raises(ValueError, match="a key is a typed key"):
-        key_words(bad)
 
 
 def probabilities() -> list[float]:
@@ -195,11 +149,6 @@ def test_below_with_a_bound_for_each_word() -> None:
     w, bounds = random.integers(0, 2**32, 500), random.integers(1, 65_536, 500)
     found = below(jnp.asarray(w, jnp.uint32), jnp.asarray(bounds, jnp.int32))
     assert found.tolist() == [int(x) * int(n) // 2**32 for x, n in zip(w, bounds, strict=True)]
-
-
-def test_below_reaches_both_ends() -> None:
-    for bound in (1, 3, 91, 65_535):
-        assert below(jnp.array([0, LAST], jnp.uint32), bound).tolist() == [0, bound - 1]
 
 
 def test_ranks_order_members_by_their_upper_bits() -> None:

@@ -10,10 +10,7 @@ import numpy as np
 import pytest
 from jax.sharding import AxisType, PartitionSpec
 
-import sjdsl
-from sjdsl.policies.compiled import scripted_policy
 from sjdsl.runtime import movement, placing
-from sjdsl.runtime.policy import take_actions, with_memory
 
 WORDS = jnp.arange(40, dtype=jnp.uint32) * jnp.uint32(2_654_435_761)
 CELLS = jnp.arange(40, dtype=jnp.int32)
@@ -71,21 +68,3 @@ def test_a_kernel_whose_arguments_differ_between_devices(name: str) -> None:
             jax.tree.leaves(split(kernel, differs, arguments)), expected, strict=True
         ):
             np.testing.assert_array_equal(found, value)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", ["coins", "lb_foraging", "stag_chase", "pd_arena", "mushrooms"])
-def test_a_game_with_its_policies(name: str) -> None:
-    env = sjdsl.make(name)
-    policies = [with_memory(scripted_policy(env, policy.name)) for policy in env.game.policies]
-
-    def play(key: jax.Array) -> Any:
-        observation, state = env.reset(key)
-        for policy in policies:
-            _, actions = take_actions(env, policy, policy.start, key, observation, state)
-            observation, state, *_ = env.step(key, state, actions)
-        return jax.vmap(lambda key: env.step(key, state, jnp.zeros(env.num_agents, jnp.int32))[2])(
-            jax.random.split(key, 2)
-        )
-
-    jax.eval_shape(lambda key: split(play, 0, (key,)), jax.random.key(0))

@@ -71,18 +71,6 @@ def test_search_finds_a_chapter_of_the_manual(page: object, address: str) -> Non
     )
 
 
-def test_search_works_in_pages_opened_from_a_disk(page: object) -> None:
-    opened = page.context.browser.new_page()
-    opened.goto((SITE / "index.html").as_uri())
-    opened.get_by_role("textbox", name="Search").click()
-    opened.get_by_text("Type to start searching").wait_for(timeout=WAIT)
-    opened.keyboard.type("glyphs")
-    opened.locator('.md-search-result__link[href*="language/the-world.html"]').first.wait_for(
-        timeout=WAIT
-    )
-    opened.close()
-
-
 def test_a_live_board_is_stepped_through_and_fits(page: object, address: str) -> None:
     page.goto(f"{address}/gallery/coins.html")
     board = page.frame_locator("iframe.board").first
@@ -102,35 +90,6 @@ def test_a_live_board_is_stepped_through_and_fits(page: object, address: str) ->
         assert (
             abs(frame["height"] - board.locator("html").evaluate("page => page.offsetHeight")) <= 4
         ), "no empty space, nothing hidden"
-
-
-def test_the_front_page_begins_with_the_playground_and_fits_a_phone(
-    page: object, address: str
-) -> None:
-    page.set_viewport_size({"width": 390, "height": 800})
-    page.goto(f"{address}/index.html")
-    assert page.evaluate("document.documentElement.scrollWidth") <= 390
-    first, *_ = page.locator(".md-button").all()
-    assert (first.inner_text(), first.get_attribute("href")) == (
-        "Playground",
-        "https://sjdsl.github.io/sjdsl/playground/",
-    )
-    film, text = (
-        page.locator("article picture").first.bounding_box(),
-        page.locator("article pre").first.bounding_box(),
-    )
-    assert text["y"] >= film["y"] + film["height"], "the text isn't under the film"
-
-
-def test_films_stand_still_for_those_who_ask(page: object, address: str) -> None:
-    page.emulate_media(reduced_motion="reduce")
-    page.goto(f"{address}/index.html")
-    shown = page.evaluate(
-        "[...document.querySelectorAll('article img')].map(image => { image.loading = 'eager'; return image.currentSrc || image.src; })"
-    )
-    page.emulate_media(reduced_motion="no-preference")
-    assert shown
-    assert [source for source in shown if source.endswith(".gif") and "orchard" in source] == []
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -1,7 +1,6 @@
 """Who gets in: the studio's own page with its token; nobody else's page, no other name of this machine, no file outside the folder."""
 
 import json
-import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -18,7 +17,6 @@ from sjdsl.compiler.syntax.read import read_source
 from sjdsl.files import write_whole
 from sjdsl.library.games_folder import games_folder
 from sjdsl.studio.access import Access, kept_token
-from sjdsl.studio.folder import Folder
 from sjdsl.studio.server import make_app
 
 ACCESS = Access(8123, "secret")
@@ -149,13 +147,6 @@ def test_a_file_that_somebody_else_changed_is_not_written_over(
     )
 
 
-def test_the_list_of_games(client: TestClient) -> None:
-    listed = client.get("/games" + TOKEN).json()
-    assert listed["games"] == ["link.sj", "yard.sj"]
-    assert "example:clean_up.sj" in listed["examples"]
-    assert "example:meltingpot/daycare.sj" in listed["examples"]
-
-
 def test_an_example_is_copied_with_its_maps_and_bases(client: TestClient, folder: Path) -> None:
     text = client.get(
         "/file", params={"token": "secret", "path": "example:harvest_closed.sj"}
@@ -198,17 +189,6 @@ def test_a_new_game_has_its_map_and_its_name(
             reason
             in client.post("/new" + TOKEN, json={"path": path, "like": like}).json()["refused"]
         )
-
-
-def test_a_copy_spares_other_files_of_the_same_name(client: TestClient, folder: Path) -> None:
-    (folder / "harvest_open.sj").write_text("mine\n", encoding="utf-8")
-    answer = client.post(
-        "/copy" + TOKEN,
-        json={"example": "example:harvest_closed.sj", "path": "mine.sj", "text": "sj 1"},
-    )
-    assert "another file `harvest_open.sj`" in answer.json()["refused"]
-    assert not (folder / "mine.sj").exists()
-    assert (folder / "harvest_open.sj").read_text(encoding="utf-8") == "mine\n"
 
 
 def test_a_message_of_nonsense_is_answered_in_words(client: TestClient) -> None:
@@ -289,21 +269,6 @@ def test_a_large_file_is_not_read_whole(client: TestClient, folder: Path) -> Non
     with open(folder / "huge.sj", "wb") as file:
         file.truncate(2**40)  # of holes
     assert "has more than" in client.get("/file?token=secret&path=huge.sj").json()["refused"]
-
-
-def test_a_vast_folder_is_listed_in_part_nearest_first(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sjdsl.files.MOST_FOLDERS", 5)
-    for number in range(20):
-        (folder / f"far{number:02d}" / "deep").mkdir(parents=True)
-        (folder / f"far{number:02d}" / "deep" / "x.sj").touch()
-        (folder / f"far{number:02d}" / "y.sj").touch()
-    (folder / "loop").symlink_to(folder)
-    (folder / os.fsdecode(b"\xff.sj")).touch()
-    listed = Folder(folder.resolve()).games()
-    assert listed[:3] == ["link.sj", "yard.sj", "far00/y.sj"]
-    assert len(listed) == 6
 
 
 def test_a_socket_outlives_messages_that_break_readers(client: TestClient) -> None:
@@ -397,16 +362,6 @@ def test_a_text_put_outside_reads_nothing_beside_it(client: TestClient, folder: 
             ("textDocument/definition", question),
         )
         assert not answer["result"]
-
-
-def test_a_game_that_extends_itself_is_copied_once(client: TestClient, folder: Path) -> None:
-    (folder / "sub").mkdir()
-    (folder / "yard.sj").write_text(
-        'sj 1\ngame yard extends "sub/../yard.sj" { }\n', encoding="utf-8"
-    )
-    asked = {"example": "yard.sj", "path": "mine.sj", "text": "sj 1\n"}
-    assert client.post("/copy" + TOKEN, json=asked).status_code == 200
-    assert (folder / "mine.sj").read_text(encoding="utf-8") == "sj 1\n"
 
 
 def test_of_several_who_save_at_once_one_does(

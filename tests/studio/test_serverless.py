@@ -68,15 +68,6 @@ def test_a_copy_is_written_with_what_it_needs_and_kept_by_another_worker(
     )
 
 
-def test_what_somebody_else_changed_is_not_overwritten(alone: Serverless) -> None:
-    first = file(alone, "PUT", "/file", path="a.sj", text="one", digest=None)
-    alone.keep("a.sj", "two")
-    refused = file(alone, "PUT", "/file", path="a.sj", text="three", digest=first["digest"])
-    assert refused["changed"]
-    assert "outside" in file(alone, "PUT", "/file", path="../a.sj", text="", digest=None)["refused"]
-    assert "no `/other`" in file(alone, "GET", "/other")["refused"]
-
-
 @pytest.mark.parametrize("prepared", [False, True])
 def test_the_language_server_answers(alone: Serverless, tmp_path: Path, prepared: bool) -> None:
     root = (tmp_path / "folder").resolve().as_uri()

@@ -1,19 +1,14 @@
 """The bench behind the page: texts, episodes, panels; what an edit keeps, and what is refused."""
 
 import json
-from itertools import repeat
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from sjdsl.cli.play import interpreted
 from sjdsl.studio.bench import Bench
-from sjdsl.studio.keys import action_keys
 from sjdsl.studio.requests import READ
 from sjdsl.studio.worker import answered
-from sjdsl.trace.choices import random_actions
 
 GAME = """sj 1
 game yard "Yard" {
@@ -129,13 +124,6 @@ def test_an_edit_keeps_the_state_where_it_fits(bench: Bench) -> None:
     larger = opened(bench, GAME.replace('"..." }', '"..." "..." }'))
     assert not larger["kept"]
     assert larger["scene"]["step"] == 0
-
-
-def test_the_same_rules_keep_the_whole_episode(bench: Bench) -> None:
-    opened(bench)
-    take_steps(bench, 3)
-    again = opened(bench, GAME.replace("sj 1", "sj 1\n# a remark"))
-    assert (again["kept"], again["moments"], again["at"]) == (True, 4, 3)
 
 
 def test_a_field_that_no_longer_fits_starts_anew(bench: Bench) -> None:
@@ -288,32 +276,6 @@ def test_a_number_is_written_where_the_text_has_it(
     ).decode("utf-16-le")
 
 
-def test_curves_are_of_every_moment(bench: Bench) -> None:
-    answer = opened(
-        bench,
-        GAME.replace(
-            "event eaten", "event eaten  mean ripe = count(soil where soil.fruit is ripe)"
-        ),
-    )
-    assert answer["game"]["metrics"] == [["eaten", True], ["ripe", False]]
-    ask(bench, do="others", policy="stay")
-    ask(bench, do="put", agent=1, row=0, col=2)
-    told = [ask(bench, do="step") for _ in range(2)]
-    assert [scene["metrics"] for scene in told] == [[1, 0], [0, 0]]
-    curves = ask(bench, do="panel", panel="curves")
-    assert curves["returns"] == [[0, 0], [0, 1], [0, 1]]
-    assert curves["metrics"] == [[], [1, 0], [0, 0]]
-
-
-def test_what_a_variant_changes(bench: Bench) -> None:
-    opened(bench)
-    assert ask(bench, do="panel", panel="diff")["text"] is None
-    opened(bench, variants=["poor"])
-    told = ask(bench, do="panel", panel="diff")["text"]
-    assert "yard  ->  yard, variant poor" in told
-    assert "fine: 1 -> 0" in told
-
-
 def test_why_tells_the_rule_and_the_cells(bench: Bench) -> None:
     opened(bench)
     ask(bench, do="others", policy="stay")
@@ -331,39 +293,6 @@ def test_why_tells_the_rule_and_the_cells(bench: Bench) -> None:
     assert said["agent 0  reward +1"][1] == [
         [0, 2]
     ]  # where the agent stands: who asks about another cell doesn't see it
-
-
-def test_python_has_the_lines_it_comes_from(bench: Bench) -> None:
-    opened(bench)
-    lines = ask(bench, do="panel", panel="python")["lines"]
-    eat = GAME[: GAME.index("phase eat")].count("\n") + 1
-    assert any(line == eat and "params.fine" in text for text, line in lines)
-    assert [
-        text for text, line in lines if line == eat and "return " in text
-    ] == []  # a comment is about the lines up to there
-    assert len([text for text, line in lines if line == eat and ".sj:" not in text]) > 1
-
-
-def test_what_an_agent_sees(bench: Bench) -> None:
-    opened(bench)
-    planes = ask(bench, do="panel", panel="seen", agent=1)["planes"]
-    assert planes[0]["name"] == "content"
-    assert [len(row) for row in planes[1]["values"]] == [3, 3, 3]
-    assert planes[1]["labels"][planes[1]["values"][1][1]] == "self"
-
-
-def test_checks_have_verdicts(bench: Bench) -> None:
-    opened(bench, GAME.replace("agent.bag > 3", "agent.bag > 0"))
-    (verdict,) = ask(bench, do="panel", panel="checks")["verdicts"]
-    assert verdict["status"] == "failed"
-    assert verdict["trace"]
-
-
-def test_a_variant_and_a_number_are_chosen_together(bench: Bench) -> None:
-    answer = opened(bench, variants=["poor"], params={"fine": 2, "gone": 1})
-    assert answer["game"]["chosen"] == ["poor"]
-    assert answer["game"]["numbers"][0]["entries"] == [[[], 2, 0]], "the variant writes 0"
-    assert answer["game"]["left"] == ["gone"]
 
 
 def test_an_episode_is_shared_as_a_page(bench: Bench) -> None:
@@ -431,17 +360,6 @@ def test_a_map_of_a_file_is_painted_there(bench: Bench) -> None:
     assert (bench.folder / "maps" / "yard.txt").read_text(encoding="utf-8") == "..A\n...\n"
 
 
-def test_an_episode_is_that_of_play(bench: Bench) -> None:
-    opened(bench)
-    ask(bench, do="begin", seed=5)
-    game, values = bench.opened.game, bench.opened.values
-    _, *theirs = interpreted(game, values, 5, random_actions(game, 5), repeat({}, 6))
-    for played in theirs:
-        scene = ask(bench, do="step")["scene"]
-        places = np.stack([played.snapshot.row, played.snapshot.col], axis=1).tolist()
-        assert scene == scene | {"actions": list(played.actions), "places": places}
-
-
 @pytest.mark.parametrize(
     "path",
     ["../yard.sj", "/tmp/yard.sj", "yard.txt", "\0.sj", "example:../yard.sj", "tour:/etc/yard.sj"],
@@ -460,32 +378,3 @@ def test_a_fault_of_our_own_is_told_and_nothing_is_lost(
     monkeypatch.setattr("sjdsl.studio.bench.state_panel", lambda *_: 1 / 0)
     assert "a fault of sjdsl" in str(answered(made, '{"do": "panel", "panel": "state"}')["refused"])
     assert answered(made, '{"do": "step"}')["at"] == 2
-
-
-@pytest.mark.parametrize(
-    ("relative", "names", "left", "comma"),
-    [
-        (True, ("turn_left", "step_left", "stay"), "turn_left", "step_left"),
-        (False, ("turn_left", "step_left", "stay"), "step_left", "turn_left"),
-        (True, ("step_left", "stay"), "step_left", None),
-    ],
-)
-def test_arrows_go_where_they_point(
-    relative: bool, names: tuple[str, ...], left: str, comma: str | None
-) -> None:
-    keys = action_keys(names, relative)
-    assert names[keys["left"]] == left
-    assert (names[keys["comma"]] if comma else keys.get("comma")) == comma
-
-
-def test_own_actions_have_digits_then_letters() -> None:
-    names = ("stay", *(f"own{number}" for number in range(1, 28)))
-    keys = action_keys(names, True)
-    assert [names[keys[key]] for key in ("1", "9", "a", "enter", "r")] == [
-        "own1",
-        "own9",
-        "own10",
-        "own1",
-        "own26",
-    ]
-    assert "q" not in keys

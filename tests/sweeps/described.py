@@ -18,7 +18,6 @@ TINY: dict[str, Any] = {
     "num_epochs": 1,
 }
 TINY |= {"total_timesteps": 16 * 4, "checkpoint_updates": 1, "seeds": 2}
-KNOWN = ("coins", "clean_up", "mine")
 
 
 def describe(

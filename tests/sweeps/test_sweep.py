@@ -12,13 +12,12 @@ import jax
 import pytest
 
 import sjdsl
-from sjdsl.experiments import find_pool
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps import work
 from sjdsl.sweeps.axes import Axis
 from sjdsl.sweeps.cells import SweepSpec
 from sjdsl.sweeps.folder import cells_of, progress_of, read_sweep
-from sjdsl.sweeps.running import Outcome, prepare, sweep
+from sjdsl.sweeps.running import Outcome, sweep
 from sjdsl.sweeps.work import Watch
 from sjdsl.trainers import evaluate, load_policy
 from sjdsl.trainers.policies.evaluation import evaluation_key
@@ -116,11 +115,6 @@ def test_results_are_the_evaluations_of_the_last_policies(
         "0.75",
     )
     assert row["hardware"].startswith("cpu x1")
-
-
-def test_a_cell_is_a_pool_of_its_seeds(grown: tuple[Path, list[str], Outcome]) -> None:
-    pool = find_pool(grown[0] / "cells" / LOW, sjdsl.make(GAME))
-    assert [player.seed for player in pool.players] == [0, 1]
 
 
 def test_the_same_again_runs_nothing(
@@ -225,48 +219,6 @@ def test_another_sweep_is_refused(
     assert (grown[0] / "sweep.json").read_bytes() == before
 
 
-def test_other_versions_are_refused(
-    grown: tuple[Path, list[str], Outcome], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sjdsl.sweeps.folder.versions", lambda: {"jax": "0.0.1"})
-    with pytest.raises(ExperimentError, match=r"versions flax .* there, None here"):
-        sweep(asked(0.25), grown[0])
-
-
-def test_folders_of_something_else_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(
-        ExperimentError, match=r"is not empty and holds no sweep to resume \(notes.txt\)"
-    ):
-        sweep(asked(0.25), tmp_path)
-    with pytest.raises(ExperimentError, match="is a file, and a sweep is a folder"):
-        sweep(asked(0.25), tmp_path / "notes.txt")
-    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
-
-
-@pytest.mark.thorough
-def test_cells_may_be_run_one_by_one_by_whoever(
-    grown: tuple[Path, list[str], Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What a job of a cluster does: `run_cell` with each folder that `prepare` returns."""
-    paths = prepare(asked(0.25, 0.75), tmp_path / "sweep")
-    assert [path.name for path in paths] == [LOW, HIGH]
-    assert (tmp_path / "sweep" / "sweep.json").is_file()
-    assert not paths[0].exists()
-    monkeypatch.setattr(
-        work,
-        "_train",
-        lambda sweep, cell, *_: shutil.copytree(
-            grown[0] / "cells" / cell.name, sweep / "cells" / cell.name
-        ),
-    )
-    assert [work.run_cell(path) for path in paths] == ["done", "done"]
-    assert [work.run_cell(path) for path in paths] == ["done", "done"]
-    assert table_of(tmp_path / "sweep") == table_of(grown[0])
-    with pytest.raises(ExperimentError, match="has no cell nothing"):
-        work.run_cell(tmp_path / "sweep" / "cells" / "nothing")
-
-
 @pytest.fixture(scope="module")
 def diverging(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Outcome]:
     """Two cells, of which one has a learning rate that no network survives."""
@@ -279,25 +231,6 @@ def diverging(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]
 
 
 GOOD, BAD = "matrix_game_learning_rate-0.001", "matrix_game_learning_rate-1e-38"
-
-
-@pytest.mark.thorough
-def test_a_finished_cell_that_has_lost_a_policy_is_trained_anew(
-    grown: tuple[Path, list[str], Outcome], tmp_path: Path
-) -> None:
-    shutil.copytree(grown[0], tmp_path / "copy")
-    folder = tmp_path / "copy"
-    seed = folder / "cells" / HIGH / "seed_1"
-    shutil.rmtree(seed / "policies")
-    (seed / "evaluation.json").unlink()
-    said: list[str] = []
-    assert sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append)).failed
-    outcome = sweep(asked(0.25, 0.75), folder, watch=Watch(tell=said.append), again=True)
-    assert (outcome.done, outcome.failed) == ((LOW, HIGH), {}), said
-    assert table_of(folder) == table_of(grown[0])
-    assert (folder / "failed" / f"{HIGH}_1" / "seed_0" / "policies").is_dir(), (
-        "what was there is kept"
-    )
 
 
 @pytest.mark.thorough
@@ -389,20 +322,6 @@ def test_an_interrupted_cell_is_run_by_nobody(
     with pytest.raises(KeyboardInterrupt):
         sweep(asked(0.25), tmp_path / "sweep")
     assert states_of(tmp_path / "sweep")[LOW] == "waiting"
-
-
-@pytest.mark.slow
-def test_the_python_lines_of_the_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
-    lines = page.partition("```python\n")[2].partition("```")[0]
-    monkeypatch.chdir(tmp_path)
-    exec(lines, {})
-    assert (
-        capsys.readouterr().out.splitlines()[-1]
-        == "('coins_reward-individual', 'coins_reward-common') {}"
-    )
 
 
 def finish(path: Path, seeds: range) -> None:

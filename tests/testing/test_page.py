@@ -77,26 +77,3 @@ def test_its_test_of_checks_passes_and_fails_as_the_checks_do(tmp_path: Path) ->
     names["test_checks"](good)
     with pytest.raises(AssertionError, match="require nap > 3"):
         names["test_checks"](bad)
-
-
-def test_its_table_names_what_there_is() -> None:
-    """Every method and argument of a stage and of a scene is on the page."""
-    import inspect
-
-    from sjdsl.testing import Scene, Stage
-
-    methods = [
-        f
-        for cls in (Stage, Scene)
-        for name, f in vars(cls).items()
-        if inspect.isfunction(f) and name[0] != "_"
-    ]
-    told = {f.__name__ for f in methods} - {"numbers", "compare_start"}  # between the two classes
-    told |= {name for f in methods for name in inspect.signature(f).parameters} - {
-        "self",
-        "board",
-        "name",
-        "plane",
-    }
-    told |= set(inspect.signature(Stage).parameters)
-    assert {name for name in told if not re.search(rf"\b{name}\b", PAGE)} == set()

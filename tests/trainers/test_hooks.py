@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import QUICK, matching, quick, run_of, stream
+from probes import QUICK, matching, quick, stream
 from run_outcomes import (
     SHORT,
     assert_same_end,
@@ -47,7 +47,6 @@ from sjdsl.trainers.algorithms.partners import Partners
 from sjdsl.trainers.policies.loading import parameter_shapes
 from sjdsl.trainers.runs import run
 from sjdsl.trainers.settings.policy_names import UNTRAINED as NEED_NO_FILE
-from sjdsl.trainers.settings.policy_names import split_name
 
 SMALL = {
     **QUICK,
@@ -148,27 +147,6 @@ def test_a_callback_is_told_after_each_update(brought: tuple[Path, list[Update]]
     assert all(update.rows[0]["loss"] == update.row["loss"] for update in told)
 
 
-@pytest.mark.thorough
-def test_agents_learn_beside_a_partner_that_does_not() -> None:
-    """Agent 0 learns to say what it sees; agent 1, of the same network otherwise, says always the same and is right half of the time."""
-    config = quick(partners={1: always_second}, sharing="shared")
-    with jax.debug_key_reuse(False):
-        _, metrics = run_of(matching(), config)(jax.random.key(0))
-    assert metrics["agent_return"][-10:, 0].mean() > 0.9
-    assert 0.4 < metrics["agent_return"][:, 1].mean() < 0.6
-    assert (metrics["event"]["second_action"][:, 1] == 1).all()
-
-
-@pytest.mark.slow
-def test_values_are_learnt_beside_a_partner() -> None:
-    with jax.debug_key_reuse(False):
-        _, metrics = run_of(matching(), quick(algorithm="vdn", partners={1: always_second}))(
-            jax.random.key(0)
-        )
-    assert metrics["agent_return"][-10:, 0].mean() > 0.85
-    assert (metrics["event"]["second_action"][:, 1] == 1).all()
-
-
 def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
     """By hand: Q is 1 for every action before, 2 after; one of two agents learns, so y = 3 + 0.5 * 2 and the error 3."""
     from sjdsl.trainers.algorithms.vdn import Transition, vdn_loss
@@ -221,19 +199,6 @@ def test_a_partners_memory_begins_anew_with_each_episode() -> None:
         )
         taken.append(partners.in_place(jnp.full((3, 2), 7), actions).tolist())
     assert taken == [[[7, 0]] * 3, [[7, 1], [7, 0], [7, 1]], [[7, 2], [7, 1], [7, 2]]]
-
-
-def test_a_part_of_a_mixed_policy_may_be_of_nobody() -> None:
-    parts = [((), lambda *_: jnp.zeros(2, jnp.int32)), ((0, 1), lambda *_: jnp.ones(2, jnp.int32))]
-    ones = mixed_policy(2, parts)
-    assert ones.act(ones.start, jax.random.key(0), jnp.zeros(2))[1].tolist() == [1, 1]
-
-
-def test_partners_may_come_as_text() -> None:
-    for text in ("1,3=random,2=stay", "2=stay, 1,3=random"):
-        assert make_config(partners=text).partners == ((1, "random"), (2, "stay"), (3, "random"))
-    with pytest.raises(ConfigError, match="`partners` must be of the form AGENT=POLICY"):
-        make_config(partners="random")
 
 
 # rewards and networks that do not fit
@@ -323,30 +288,7 @@ def test_a_reward_sees_where_its_action_led() -> None:
     assert (played.rollout.shaped_reward == 1).all()
 
 
-def test_two_functions_of_one_place_have_two_names() -> None:
-    first, second = (
-        make_config(reward=lambda step, weight=weight: weight * step.reward).reward
-        for weight in (1.0, 2.0)
-    )
-    assert first != second
-    assert second == f"{first}#2"
-
-
 # the names of policies
-
-
-@pytest.mark.parametrize(
-    ("name", "parts"),
-    [
-        ("runs/a", ("runs/a", "last")),
-        ("runs/a@best", ("runs/a", "best")),
-        ("runs/a@120", ("runs/a", 120)),
-        ("runs/a/seed_2@best", ("runs/a/seed_2", "best")),
-        ("a@b/run@7", ("a@b/run", 7)),
-    ],
-)
-def test_a_name_says_which_policy(name: str, parts: tuple[str, str | int]) -> None:
-    assert split_name(name) == (Path(parts[0]), parts[1])
 
 
 def test_a_policy_is_found_by_its_name(brought: tuple[Path, list[Update]], tmp_path: Path) -> None:

@@ -2,13 +2,10 @@
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 from sjdsl.trainers import make_config
-from sjdsl.trainers.algorithms.rollout import rewarded_steps
-from sjdsl.trainers.runs.learning_signs import LearningWarning, Signs, is_due, said_once
-from sjdsl.trainers.runs.seeds_in_words import seeds_in_words
+from sjdsl.trainers.runs.learning_signs import Signs, is_due, said_once
 
 
 def row(update: int, **changes: Any) -> dict[str, Any]:
@@ -84,35 +81,3 @@ def test_updates_in_which_no_episode_ended_say_nothing_of_returns() -> None:
 def test_signs_are_judged_once_after_a_tenth(updates: int, due: list[int]) -> None:
     config = make_config(num_envs=8, num_steps=8, total_timesteps=64 * updates)
     assert [n for n in range(1, updates + 1) if is_due(n, config)] == due
-
-
-def test_rewards_that_cancel_are_rewards() -> None:
-    reward = np.array([[[1.0, -1.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 0.0]]], np.float32)
-    assert float(rewarded_steps(reward)) == 0.25
-
-
-@pytest.mark.parametrize(
-    ("seeds", "words"),
-    [
-        ([3], "seed 3"),
-        ([1, 0], "seeds 0 and 1"),
-        ([0, 2, 9], "seeds 0, 2 and 9"),
-        ([4, 5, 6], "seeds 4 to 6"),
-        ([0, 2, 3, 4, 8, 9], "seeds 0, 2 to 4, 8 and 9"),
-    ],
-)
-def test_seeds_in_words(seeds: list[int], words: str) -> None:
-    assert seeds_in_words(seeds) == words
-
-
-def test_seeds_with_the_same_warning_share_it_with_the_range_of_their_figures() -> None:
-    low, high, other = (
-        LearningWarning("{} is not above {}", (7.0, 8.25)),
-        LearningWarning("{} is not above {}", (9.5, 8.25)),
-        LearningWarning("no"),
-    )
-    assert said_once({0: [low], 1: [], 2: [high, other]}) == [
-        "seeds 0 and 2: 7.0 to 9.5 is not above 8.2",
-        "seed 2: no",
-    ]
-    assert said_once({4: [low]}) == ["7.0 is not above 8.2"]

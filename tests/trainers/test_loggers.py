@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from probes import matching
-from run_outcomes import SHORT, compiled_once, counting, read_lines
+from run_outcomes import SHORT, counting
 
 from sjdsl.extras import MissingExtra
 from sjdsl.trainers import ConfigError, resume, train
@@ -37,48 +37,6 @@ def killed(update: Update) -> None:
 @pytest.fixture(autouse=True)
 def learns_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "make_train", lambda *_: counting())
-
-
-@pytest.mark.slow
-def test_tensorboard_gets_every_number_with_its_step(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    written: dict[str, list[tuple[str, float, int]]] = {}
-    closed: list[str] = []
-    purged: dict[str, int | None] = {}
-
-    class SummaryWriter:
-        def __init__(self, folder: str, purge_step: int | None = None) -> None:
-            self.folder = folder
-            purged[folder] = purge_step
-
-        def add_scalar(self, name: str, value: float, step: int) -> None:
-            written.setdefault(self.folder, []).append((name, value, step))
-
-        def close(self) -> None:
-            closed.append(self.folder)
-
-    _stand_in("tensorboardX", monkeypatch, SummaryWriter=SummaryWriter)
-    with compiled_once():
-        run_dir = train(
-            matching(), SHORT, tmp_path / "run", "none", loggers=("tensorboard",)
-        ).run_dir
-    folder = str(run_dir / "tensorboard")
-    assert closed == [folder]
-    assert purged == {folder: None}
-    noted = written[folder]
-    wanted = [
-        (name, value, row["env_steps"])
-        for row in read_lines(run_dir / "metrics.jsonl")
-        for name, value in row.items()
-        if name not in ("update", "env_steps") and value is not None
-    ]
-    assert [entry for entry in noted if entry[0] != "evaluation_collective_return"] == wanted
-    evaluated = [
-        (row["collective return"]["mean"], row["env_steps"])
-        for row in read_lines(run_dir / "evaluations.jsonl")
-    ]
-    assert [entry[1:] for entry in noted if entry[0] == "evaluation_collective_return"] == evaluated
 
 
 def test_tensorboard_has_each_step_once_after_a_resume(
@@ -172,48 +130,3 @@ def test_a_missing_package_is_told_of(
 def test_an_unknown_logger_is_refused() -> None:
     with pytest.raises(ConfigError, match="unknown logger `mlflow`; known: tensorboard, wandb"):
         check_loggers(["mlflow"])
-
-
-def test_weights_and_biases_themselves_have_a_run_for_each_seed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """In its offline mode, which asks nobody; two seeds, stopped and gone on with."""
-    pytest.importorskip("wandb")
-    monkeypatch.setenv("WANDB_MODE", "offline")
-    train(
-        matching(),
-        TWO_SEEDS,
-        tmp_path / "run",
-        "none",
-        loggers=("wandb",),
-        callback=lambda update: update.number == 4,
-    )
-    resume(matching(), tmp_path / "run", "none")
-    for seed in (5, 6):
-        name = (tmp_path / "run" / f"seed_{seed}" / "wandb_id").read_text()
-        found = [
-            path.name
-            for path in (tmp_path / "run" / f"seed_{seed}" / "wandb").glob("offline-run-*")
-        ]
-        assert [folder.rpartition("-")[2] for folder in found] == [name] * 2
-
-
-@pytest.mark.thorough
-def test_tensorboard_itself_shows_each_step_once(tmp_path: Path) -> None:
-    pytest.importorskip("tensorboardX")
-    reading = pytest.importorskip("tensorboard.backend.event_processing.event_accumulator")
-
-    with pytest.raises(DiskError):
-        train(
-            matching(),
-            UNEVALUATED,
-            tmp_path / "run",
-            "none",
-            loggers=("tensorboard",),
-            callback=killed,
-        )
-    resume(matching(), tmp_path / "run", "none")
-    shown = reading.EventAccumulator(str(tmp_path / "run" / "tensorboard")).Reload()
-    assert [event.step for event in shown.Scalars("loss")] == [
-        64 * update for update in range(1, 13)
-    ]

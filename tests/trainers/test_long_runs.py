@@ -1,7 +1,5 @@
 """Runs of very many updates: what they write is bounded by time and size, what they remember does not grow."""
 
-import gc
-import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,7 +11,7 @@ from probes import matching
 from run_outcomes import read_lines
 
 import sjdsl
-from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_train
+from sjdsl.trainers import Config, load_preset, make_config, make_train
 from sjdsl.trainers.algorithms.training_functions import TrainState
 from sjdsl.trainers.runs import updates
 from sjdsl.trainers.runs.checkpoint_pace import CheckpointPace
@@ -78,14 +76,6 @@ def test_the_first_checkpoint_waits_for_what_its_size_lets_expect() -> None:
     assert large.interval == pytest.approx(90.0)
 
 
-def test_a_key_of_before_says_what_there_is_instead() -> None:
-    with pytest.raises(
-        ConfigError,
-        match=r"the key `checkpoint_every` is gone: .*`checkpoint_minutes`.*`policy_every`",
-    ):
-        make_config(checkpoint_every=50)
-
-
 # the loop itself, on a clock that moves when it is told to
 
 
@@ -144,32 +134,6 @@ def test_the_loop_keeps_to_the_pace(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     names = {path.stem for path in (tmp_path / "policies").iterdir()}
     assert names == {"00001800", "00001900", "00002000", "last", "best"}
     assert len(read_lines(tmp_path / "metrics.jsonl")) == 2000
-
-
-@pytest.mark.thorough
-def test_what_is_remembered_of_rows_does_not_grow(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A row of this run is some 200 bytes on disk, and would be more than a thousand in memory."""
-    config = make_config(algorithm="vdn", total_timesteps=1500 * 32, buffer_size=32)
-    held = {}
-    measure = {500, 1500}
-
-    def show(row: dict[str, Any], _: object = ()) -> None:
-        if row["update"] in measure:
-            gc.collect()  # what is only waiting for it is not held
-            held[row["update"]] = tracemalloc.get_traced_memory()[0]
-
-    keeping = updates.Keeping
-    monkeypatch.setattr(
-        updates, "Keeping", lambda recorders, checkpoints, _: keeping(recorders, checkpoints, show)
-    )
-    tracemalloc.start()
-    try:
-        _play(tmp_path, config, monkeypatch, 0.001, 0.0)
-    finally:
-        tracemalloc.stop()
-    assert held[1500] - held[500] < 1000 * 20
 
 
 # rows on disk

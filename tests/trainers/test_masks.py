@@ -14,15 +14,12 @@ import pytest
 from probes import FAST_TO_COMPILE, matching, quick
 
 import sjdsl
-from sjdsl.render import play
-from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, evaluate, make_train, trained_policy
+from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, make_train
 from sjdsl.trainers.algorithms.losses import Batch
 from sjdsl.trainers.algorithms.ppo import ppo_loss
 from sjdsl.trainers.algorithms.vdn import Transition, vdn_loss
-from sjdsl.trainers.networks.actor_critics import make_actor_critics
 from sjdsl.trainers.networks.masks import draw_any, masked, pack_mask, unpack_mask, wants_masks
 
-STEPS = 8
 VDN = {"algorithm": "vdn"}
 ALLOWED = jnp.array([[True, False, True], [False, False, True]])
 
@@ -162,72 +159,3 @@ def test_closed_doors_are_never_chosen_and_learning_knows_it(changes: dict[str, 
     assert abs(float(metrics["kl"])) < 1e-6
     assert np.isfinite(metrics["gradient_norm"])
     assert rollout.acting.allowed.dtype == jnp.uint8
-
-
-def test_exploring_agents_choose_no_closed_door() -> None:
-    """At first all actions are drawn; what is replayed knows which were open where each step led."""
-    _, (_, learnt), metrics = first_update(**VDN)
-    replay = learnt.learner.replay
-    entries = jax.tree.map(lambda leaf: np.asarray(leaf[:32]), replay.entries)
-    np.testing.assert_array_equal(entries.reward, (entries.action != 0).sum(axis=1))
-    assert entries.action.any()
-    allowed = np.asarray(unpack_mask(jnp.asarray(entries.allowed), 5))
-    assert allowed[..., 0].all()
-    assert (allowed[..., 1:].sum(axis=-1) == 1).all()
-    went = entries.action != 0
-    np.testing.assert_array_equal(allowed[went].argmin(axis=-1) >= 0, True)
-    following = 1 + entries.action[went] % 4  # the next door opens after each step
-    assert allowed[went][np.arange(went.sum()), following].all()
-    assert np.isfinite(metrics["loss"])
-
-
-@cache
-def learnt(**changes: Any) -> tuple[Any, TrainState, dict[str, Any]]:
-    config = quick(**changes)
-    program = make_train(one_door(), config)
-
-    @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
-    def run(key: jax.Array) -> tuple[TrainState, dict[str, Any]]:
-        return jax.lax.scan(
-            lambda state, _: program.update(state), program.init(key), length=config.num_updates
-        )
-
-    state, metrics = run(jax.random.key(0))
-    return (
-        trained_policy(one_door(), config, program.parameters(state), greedy=True),
-        state,
-        metrics,
-    )
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize(
-    "changes",
-    [{}, VDN, pytest.param({"algorithm": "mappo"}, marks=pytest.mark.slow)],
-    ids=["ippo", "vdn", "mappo"],
-)
-def test_who_knows_what_is_allowed_goes_through_every_door(changes: dict[str, Any]) -> None:
-    """Blind agents come to 1 a step, and without masks to 1 in 4 at most. The evaluation and films are told what is allowed as well."""
-    policy, _, _ = learnt(**changes, total_timesteps=16 * 16 * 25)
-    evaluation = evaluate(one_door(), policy, jax.random.key(1), 4)
-    np.testing.assert_array_equal(evaluation.returns, STEPS)
-    *_, last = play(one_door(), policy, STEPS)
-    assert last.returns.tolist() == [STEPS, STEPS]
-
-
-@pytest.mark.thorough
-def test_without_masks_closed_doors_are_chosen() -> None:
-    """Networks that have learnt nothing choose one of five actions, of which one is open and paid: 1.6 in eight steps, with masks 4.
-
-    512 agents' episodes: a standard error of 0.05. A policy without masks is not told what is allowed.
-    """
-    config = quick(mask_actions=False)
-    assert isinstance(config, PPOConfig)
-    networks = make_actor_critics(one_door(), config)
-    parameters = jax.jit(
-        lambda key: networks.init(key, one_door()), compiler_options=FAST_TO_COMPILE
-    )(jax.random.key(0))
-    policy = trained_policy(one_door(), config, parameters)
-    assert callable(policy)
-    returns = evaluate(one_door(), policy, jax.random.key(1), 256).returns
-    assert returns.mean() == pytest.approx(STEPS / 5, abs=0.2)

@@ -10,21 +10,17 @@ import flax.linen as nn
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pandas as pd
 import pytest
 from probes import FAST_TO_COMPILE, QUICK, matching
 from run_outcomes import assert_same_end, compiled_matching, read_lines, read_manifest
 
 from sjdsl.cli import run as command_line
-from sjdsl.results.loading import COLUMNS, ids_of
-from sjdsl.results.selecting import in_words
 from sjdsl.trainers import (
     Batch,
     Config,
     ConfigError,
     Metrics,
     Played,
-    PolicyError,
     RunError,
     Step,
     Train,
@@ -318,20 +314,6 @@ def test_presets_have_settings_of_ones_own(tmp_path: Path) -> None:
         load_preset(path, {"own.factor": "1"})
 
 
-def test_acting_runs_no_reward_that_only_a_policy_names(counted: Path, tmp_path: Path) -> None:
-    """Though an algorithm of one's own makes a whole run to act by."""
-    code = tmp_path / "theirs.py"
-    code.write_text(
-        "from pathlib import Path\nPath(__file__).with_suffix('.ran').touch()\ndef reward(step):\n    return step.reward\n"
-    )
-    described = json.loads((counted / "policies" / "last.json").read_text())["config"]
-    config = make_config(described).model_copy(
-        update={"reward": f"{code}:reward", "loss": f"{code}:reward"}
-    )
-    parameter_shapes(matching(), config)
-    assert not code.with_suffix(".ran").exists()
-
-
 def test_a_manifest_with_a_setting_that_nothing_takes_is_refused(counted: Path) -> None:
     manifest = read_manifest(counted)
     manifest["config"]["own"]["facto"] = 1
@@ -342,15 +324,6 @@ def test_a_manifest_with_a_setting_that_nothing_takes_is_refused(counted: Path) 
         match=r"`own\.facto` does nothing: the algorithm .* has no keyword-only argument of that name",
     ):
         resume(matching(), counted.parent / "other", "none")
-
-
-def test_reports_import_no_algorithm(counted: Path) -> None:
-    manifest = read_manifest(counted)
-    manifest["config"]["algorithm"] = "/nowhere/mine.py:learner"
-    found = pd.Series(ids_of(manifest), index=COLUMNS)
-    assert found.run.startswith("matching-mine-individual-")
-    assert in_words(found) == "learner, individual"
-    assert json.loads(found.settings)["own"] == {"factor": 2}
 
 
 FILE = """
@@ -401,15 +374,3 @@ def test_the_commands(
         resume(matching(), "run", "none")
     stored = json.loads(Path("run/policies/last.json").read_text())
     assert stored["config"]["algorithm"] == f"{here}/mine.py:learner"
-
-
-def test_a_policy_of_an_algorithm_that_was_typed_in_says_so(
-    counted: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sjdsl.trainers.settings.extensions._REGISTERED", {})
-    monkeypatch.setattr("sjdsl.trainers.settings.extensions._ALLOWED", set())
-    with pytest.raises(
-        PolicyError,
-        match=r"names an algorithm of your own, `test_own_algorithms:counting`.*--allow-code",
-    ):
-        load_policy(counted, matching())

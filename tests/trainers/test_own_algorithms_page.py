@@ -51,12 +51,6 @@ def test_the_files_fit_the_trainers(values: dict[str, Any], column: str) -> None
     assert metrics[column].shape == ()
 
 
-def test_they_are_as_short_as_they_can_be() -> None:
-    lengths = {name: len(text.splitlines()) for name, text in FILES.items() if name.endswith(".py")}
-    assert lengths.keys() == {"penalised.py", "curiosity.py", "lola.py"}
-    assert lengths["curiosity.py"] <= 50 and lengths["lola.py"] <= 100
-
-
 def smaller(command: list[str]) -> list[str]:
     """Returns a command of the page with few and short rollouts."""
     few = {
@@ -108,15 +102,6 @@ def test_the_commands_train(command: list[str], folder: Path) -> None:
     (manifest,) = folder.glob("**/manifest.json")
     assert read_manifest(manifest.parent)["status"] == "finished"
     assert len(read_lines(manifest.parent / "metrics.jsonl")) == 3
-
-
-def test_the_sweep_has_its_cells(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The bonus is a setting of those cells that are curious."""
-    sweeps = [command for command in COMMANDS if command[1] == "sweep"]
-    for command in sweeps:
-        assert command_line([*command[1:], "--dry-run"]) == 0
-    assert "clean_up_algorithm-curious" in capsys.readouterr().out
-    assert not (folder / "runs").exists()
 
 
 @pytest.mark.thorough

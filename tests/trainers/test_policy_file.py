@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import shutil
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from probes import QUICK, matching
-from run_outcomes import counting
 
 from sjdsl.cli.evaluate import stored_policy
 from sjdsl.runtime.planes import TokenPlane
@@ -23,12 +21,10 @@ from sjdsl.trainers import (
     evaluate,
     load_policy,
     make_config,
-    train,
     trained_policy,
 )
 from sjdsl.trainers.policies.loading import parameter_shapes
 from sjdsl.trainers.policies.policy_file import write_policy
-from sjdsl.trainers.runs import run
 from sjdsl.trainers.runs.run_folder import describe_game
 
 ALWAYS_ONE = {
@@ -84,19 +80,6 @@ def test_values_are_played_by_their_best_actions_unless_drawn(
     assert actions.any() == explores
 
 
-def test_the_evaluation_of_a_run_plays_values_by_their_best_actions() -> None:
-    """Equal values, the first action best: paid where it is the cue. Exploring, agents would differ."""
-    config = make_config(ALWAYS_ONE, epsilon_end=1.0)
-    parameters = jax.tree.map(
-        lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), parameter_shapes(matching(), config)
-    )
-    evaluation = evaluate(
-        matching(), trained_policy(matching(), config, parameters), jax.random.key(0), 32
-    )
-    assert set(evaluation.collective_returns) == {0.0, 2.0}
-    assert not evaluation.events["second_action"].any()
-
-
 @pytest.mark.parametrize(
     "damage", ["cut", "empty", "flipped", "no json", "json cut", "json of a future version"]
 )
@@ -147,16 +130,6 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
         load_policy(tmp_path / "none.safetensors", matching())
 
 
-def test_a_hash_of_an_earlier_version_is_known(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(
-        "sjdsl.trainers.policies.policy_file.current_hash", {"probe": "changed"}.get
-    )
-    with warnings.catch_warnings(action="error"):
-        load_policy(_store(tmp_path), dataclasses.replace(matching(), hash="changed"))
-
-
 def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
     with pytest.raises(
         PolicyError, match=r"is not the folder of a training run: it has no manifest\.json"
@@ -170,15 +143,6 @@ def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
     shutil.rmtree(tmp_path / "policies")
     with pytest.raises(PolicyError, match="holds no policy yet"):
         load_policy(tmp_path, matching())
-
-
-def test_folders_of_seeds_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "make_train", lambda *_: counting())
-    config = make_config(QUICK, total_timesteps=16 * 16 * 2, seeds=2, seed=7)
-    train(matching(), config, tmp_path / "run", "none")
-    with pytest.raises(PolicyError, match=r"several seeds; name one: .*run/seed_7, .*run/seed_8"):
-        load_policy(tmp_path / "run", matching())
-    assert (tmp_path / "run" / "seed_8" / "policies" / "last.safetensors").is_file()
 
 
 def test_a_policy_with_memory_starts_each_episode_afresh() -> None:
@@ -227,17 +191,4 @@ def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, number: float) 
     with pytest.raises(
         PolicyError, match=r"best\.safetensors holds non-finite numbers, in .*kernel"
     ):
-        load_policy(path, matching())
-
-
-def test_a_file_of_an_earlier_version_is_read_with_a_warning(tmp_path: Path) -> None:
-    """It has no digest, and its configuration a key that is gone."""
-    from safetensors.numpy import load_file, save_file
-
-    path = _store(tmp_path)
-    save_file(load_file(path), path)
-    described = json.loads(path.with_suffix(".json").read_text())
-    described["config"]["checkpoint_every"] = 50
-    path.with_suffix(".json").write_text(json.dumps(described))
-    with pytest.warns(UserWarning, match=r"best\.safetensors has no digest"):
         load_policy(path, matching())

@@ -27,10 +27,6 @@ def example() -> ModuleType:
     return module
 
 
-def test_it_is_read_in_one_go() -> None:
-    assert len(FILE.read_text(encoding="utf-8").splitlines()) <= 300
-
-
 def test_its_loss_and_advantages_are_those_of_the_trainer(example: ModuleType) -> None:
     draw = np.random.default_rng(0)
     steps, envs, agents, actions = 6, 4, 2, 5
@@ -79,14 +75,3 @@ def test_it_learns_coins(example: ModuleType) -> None:
         returns = example.train("coins", 5e5, say=lambda _: None)
     assert np.mean(returns[:2]) < 20
     assert np.mean(returns[-10:]) > 100
-
-
-@pytest.mark.thorough
-def test_it_trains_any_game(example: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(example, "T", 5)
-    monkeypatch.setattr(example, "B", 8)
-    said: list[str] = []
-    with jax.debug_key_reuse(False):
-        returns = example.train("pd_arena", 100, common=False, say=said.append)
-    assert len(returns) == len(said) == 3
-    assert np.isfinite(returns).all()

@@ -25,7 +25,7 @@ from run_outcomes import (
 )
 
 from sjdsl.termination import Terminated
-from sjdsl.trainers import RunError, make_config, resume, train
+from sjdsl.trainers import RunError, resume, train
 from sjdsl.trainers.runs import metrics_files, run
 from sjdsl.trainers.runs.checkpoints import Checkpoints
 from sjdsl.trainers.runs.recorder import Recorder
@@ -55,13 +55,6 @@ def _photograph(run_dir: Path, folder: Path, *updates: int) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Recorder, "append", append_and_copy)
         train(matching(), SHORT, run_dir, "none")
-
-
-def test_what_is_stopped_is_on_disk(stopped: Path) -> None:
-    assert [row["update"] for row in read_lines(stopped / "metrics.jsonl")] == list(range(1, 8))
-    assert [row["update"] for row in read_lines(stopped / "evaluations.jsonl")] == [3, 6]
-    assert sorted(path.name for path in (stopped / "checkpoints").iterdir()) == ["4", "6"]
-    assert read_manifest(stopped)["status"] == "running"
 
 
 @pytest.mark.thorough
@@ -119,25 +112,6 @@ def test_lines_that_were_cut_off_are_written_again(
     assert_same_end(torn, whole)
 
 
-@pytest.mark.slow
-def test_the_clock_goes_on(stopped: Path, tmp_path: Path) -> None:
-    again = copy_run(stopped, tmp_path / "run")
-    resume(matching(), again, "none")
-    seconds = [row["seconds"] for row in read_lines(again / "metrics.jsonl")]
-    assert seconds == sorted(seconds)
-    manifest = read_manifest(again)
-    assert manifest["status"] == "finished"
-    assert manifest["updates"] == 12
-    assert len(manifest["resumed"]) == 1
-
-
-def test_a_finished_run_stays_as_it_is(whole: Path, tmp_path: Path) -> None:
-    again = copy_run(whole, tmp_path / "run")
-    result = resume(matching(), again, "none")
-    assert len(result.rows) == 12
-    assert_same_end(again, whole)
-
-
 @pytest.mark.parametrize(
     ("pressed_in", "signals", "raised"),
     [
@@ -192,19 +166,6 @@ def test_a_run_without_a_checkpoint_says_that_it_starts_again(
     assert "there is no checkpoint yet: starting again at update 1" in capsys.readouterr().out
 
 
-def test_a_handler_of_ones_own_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    record, received = Loop._record, list[int]()
-    monkeypatch.setattr(
-        Loop, "_record", lambda *given: os.kill(os.getpid(), signal.SIGTERM) or record(*given)
-    )
-    before = signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
-    try:
-        result = train(matching(), SHORT, tmp_path / "run", "none")
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    assert (result.updates, received) == (12, [signal.SIGTERM] * 12)
-
-
 def _flip(checkpoint: Path) -> None:
     """Changes a byte in the middle of each file of the arrays."""
     for file in (checkpoint / "state").rglob("d/*"):
@@ -246,23 +207,6 @@ def test_a_damaged_checkpoint_is_told_of_and_passed_over(
     ):
         resume(matching(), again, "none")
     assert_same_end(again, whole)
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*resuming from the one before")
-def test_no_flipped_byte_changes_the_end(stopped: Path, whole: Path, tmp_path: Path) -> None:
-    """In whichever file of a checkpoint: it is noticed, or it was of no account."""
-    files = [
-        path.relative_to(stopped)
-        for path in (stopped / "checkpoints" / "6").rglob("*")
-        if path.is_file() and path.stat().st_size
-    ]
-    assert len(files) > 10
-    for number, file in enumerate(files):
-        again = copy_run(stopped, tmp_path / str(number))
-        _flip_in(again / file)
-        resume(matching(), again, "none")
-        assert_same_end(again, whole)
 
 
 def test_no_checkpoint_left_is_a_start_from_the_beginning(
@@ -420,7 +364,3 @@ def test_a_disk_that_is_full_when_a_checkpoint_is_written(
             warnings.simplefilter("error")  # the checkpoint before is whole
             resume(matching(), run_dir, "none")
         assert_same_end(run_dir, whole)
-
-
-def test_a_config_of_the_manifest_is_the_one_that_was_trained(stopped: Path) -> None:
-    assert make_config(read_manifest(stopped)["config"]) == SHORT

@@ -7,36 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax import Array
-from probes import FAST_TO_COMPILE, learn, matching, quick, run_of
+from probes import FAST_TO_COMPILE, learn, matching, quick
 
 from sjdsl.trainers import Config, make_train
 from sjdsl.trainers.runs.compiled import compile_train
-
-VARIANTS: list[dict[str, Any]] = [
-    {},
-    pytest.param({"algorithm": "vdn"}, marks=pytest.mark.slow),
-    pytest.param({"sharing": "per_agent", "memory": "gru"}, marks=pytest.mark.slow),
-]  # type: ignore[list-item]
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("changes", VARIANTS, ids=["ippo", "vdn", "per agent with memory"])
-def test_each_seed_of_a_batch_is_the_run_it_would_have_been_alone(changes: dict[str, Any]) -> None:
-    """To the rounding of two programs, which learning enlarges: the first updates to 1e-4, the outcome to 0.1."""
-    with jax.debug_key_reuse(False):  # JAX takes the keys of any vmapped scan for used
-        _, together = run_of(matching(), quick(**changes), seeds=3)(
-            jax.vmap(jax.random.key)(jnp.arange(3))
-        )
-    for seed in range(3):
-        _, alone = learn(matching(), seed, **changes)
-        assert together["loss"].shape == (3, *alone["loss"].shape)
-        np.testing.assert_allclose(
-            together["loss"][seed, :5], alone["loss"][:5], rtol=1e-3, atol=1e-4
-        )
-        np.testing.assert_array_equal(together["agent_return"][seed, 0], alone["agent_return"][0])
-        np.testing.assert_allclose(
-            together["agent_return"][seed, -1], alone["agent_return"][-1], atol=0.1
-        )
 
 
 @pytest.mark.thorough

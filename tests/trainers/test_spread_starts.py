@@ -1,6 +1,5 @@
 """Where in an episode the environments of a run begin."""
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -20,35 +19,6 @@ def first_step_pays() -> Probe:
         length=lambda _: jnp.int32(LENGTH),
         episode_length=LENGTH,
     )
-
-
-@pytest.mark.parametrize(
-    ("changes", "rewards"),
-    [
-        (
-            {"spread_starts": False},
-            [2.0, 0.0, 0.0, 0.0] * 2,
-        ),  # in lockstep: what an update learns from depends on its number
-        ({}, [0.5] * 8),
-        pytest.param({"seeds": 2}, [0.5] * 8, marks=pytest.mark.thorough),
-        ({"algorithm": "vdn", "gradient_steps": 1}, [0.5] * 8),
-    ],
-)
-def test_rewards_of_updates_do_not_cycle(changes: dict[str, object], rewards: list[float]) -> None:
-    config = (
-        quick(num_steps=1, num_minibatches=1, **changes)
-        if "algorithm" not in changes
-        else quick(num_steps=1, **changes)
-    )
-    with jax.debug_key_reuse(False):  # JAX takes the keys of any vmapped scan for used
-        run = with_spread_starts(
-            compile_train(make_train(first_step_pays(), config), config), config, LENGTH
-        )
-        state, found = run.start(), []
-        for _ in rewards:
-            state, metrics = run.learn(*run.collect(state))
-            found.append(np.mean(metrics["reward_per_step"]))
-    np.testing.assert_allclose(found, rewards)
 
 
 @pytest.mark.parametrize(

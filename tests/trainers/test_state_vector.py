@@ -11,8 +11,6 @@ import sjdsl
 from sjdsl.runtime.env import Environment
 from tests.cli.command_line import GAME
 
-GAMES = sorted(path.stem for path in (Path(__file__).parents[2] / "games").glob("*.sj"))
-
 
 @pytest.fixture(scope="module")
 def orchard(tmp_path_factory: pytest.TempPathFactory) -> Environment:
@@ -66,12 +64,6 @@ def _check_play(env: Environment, steps: int) -> None:
 
 def test_entries_are_from_minus_one_to_one(orchard: Environment) -> None:
     _check_play(orchard, 6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("game", GAMES)
-def test_entries_of_every_game(game: str) -> None:
-    _check_play(sjdsl.make(game), 60)
 
 
 def test_every_part_of_a_state_counts(orchard: Environment) -> None:

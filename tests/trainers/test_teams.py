@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import FAST_TO_COMPILE, Probe, endless_riches, learn, matching, opposite, quick, windows
+from probes import FAST_TO_COMPILE, Probe, endless_riches, learn, matching, quick, windows
 
 from sjdsl.trainers import ConfigError, PPOConfig, make_train
 from sjdsl.trainers.networks.actor_critics import ActorCritics, make_actor_critics
@@ -83,61 +83,6 @@ def test_a_critic_of_the_state_needs_that_of_the_end() -> None:
 # numbers of agents
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        pytest.param(CENTRAL, marks=pytest.mark.thorough),
-        pytest.param({"partners": "2=random"}, marks=pytest.mark.slow),
-        pytest.param({"memory": "gru"}, marks=pytest.mark.slow),
-    ],
-    ids=["shared", "mappo", "partner", "memory"],
-)
-def test_only_with_its_number_can_an_agent_differ_from_one_that_sees_the_same(
-    changes: dict[str, Any],
-) -> None:
-    """Agents 0 and 1 share a network in each case; a central critic says a value for each without numbers as well."""
-    for told in (False, True):
-        env, networks = three(**changes, agent_id=told)
-        seen = jnp.broadcast_to(windows(env, 1), (1, 2, 3, 1, 1, 1))
-
-        def read(key: jax.Array) -> tuple[jax.Array, jax.Array]:
-            parameters = networks.init(key, env)  # noqa: B023
-            return networks.apply(  # noqa: B023
-                parameters,
-                networks.start_memory(2),  # noqa: B023
-                seen,  # noqa: B023
-                networks.joint(seen, None),  # noqa: B023
-                jnp.ones((1, 2), bool),
-            )[1:]
-
-        logits, values = jax.jit(read, compiler_options=FAST_TO_COMPILE)(jax.random.key(0))
-        assert (jnp.abs(logits[:, :, 0] - logits[:, :, 1]).max(axis=-1) > 1e-6).all() == told
-        assert (jnp.abs(values[:, :, 0] - values[:, :, 1]) > 1e-6).all() == (
-            told or "algorithm" in changes
-        )
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        {"algorithm": "vdn"},
-        pytest.param({"memory": "gru"}, marks=pytest.mark.slow),
-        pytest.param(CENTRAL, marks=pytest.mark.slow),
-    ],
-    ids=["ippo", "vdn", "memory", "mappo"],
-)
-def test_agents_of_one_network_learn_their_own_parts(changes: dict[str, Any]) -> None:
-    """Both see the same, one is paid for each action: without numbers the same action of both pays 1 together, with them 2.
-
-    VDN explores one action in twenty at the end: 0.05 less.
-    """
-    _, metrics = learn(opposite(), **changes, agent_id=True)
-    assert float(metrics["collective_return"][-5:].mean()) > 1.8
-
-
 # one agent
 
 
@@ -151,16 +96,6 @@ def test_one_agent_is_one_network_however_it_is_shared() -> None:
         for env, changes in map(_alone, ("shared", "per_agent"))
     )
     assert apart == shared
-
-
-@pytest.mark.slow
-def test_one_agent_learns_the_same_however_its_network_is_shared() -> None:
-    """Bit for bit."""
-    (shared, figures), (state, told) = (
-        learn(env, **changes) for env, changes in map(_alone, ("shared", "per_agent"))
-    )
-    jax.tree.map(np.testing.assert_array_equal, shared.learner.params, state.learner.params)
-    jax.tree.map(np.testing.assert_array_equal, figures, told)
 
 
 # several networks

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax.tree_util import keystr, tree_leaves_with_path
-from probes import QUICK, constant, matching
+from probes import QUICK, matching
 from run_outcomes import counting, read_lines, read_manifest
 from safetensors.numpy import load_file
 
@@ -314,35 +314,3 @@ def test_progress_in_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
     assert last.endswith(
         "learning 75 % 0 s left collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004"
     )
-
-
-def test_the_bar_of_a_terminal_says_the_same(capsys: pytest.CaptureFixture[str]) -> None:
-    _show_three_updates("bar")
-    said = " ".join(capsys.readouterr().out.split())
-    assert said.startswith("warning: nobody was rewarded a run")
-    assert "3/3" in said
-    assert said.endswith(
-        "1,333 steps/s 00:00 collective return 7.2 (before learning 3.0), entropy 1.25, KL 0.004, acting 25 % of the time, learning 75 %"
-    )
-
-
-@pytest.mark.thorough
-def test_what_is_wrong_with_several_seeds_is_said_once(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    train(constant(0.0), CONFIG.model_copy(update={"seeds": 3}), tmp_path / "run", "lines")
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("warning")]
-    assert line.startswith("warning: seeds 5 to 7: no agent has been rewarded yet")
-    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["warnings"] == [
-        line.removeprefix("warning: ")
-    ]
-
-
-@pytest.mark.thorough
-def test_a_run_in_which_nobody_is_rewarded_says_so(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    train(constant(0.0), CONFIG, tmp_path / "run", "lines")
-    assert capsys.readouterr().out.count("warning: no agent has been rewarded yet") == 1
-    (kept,) = json.loads((tmp_path / "run" / "manifest.json").read_text())["warnings"]
-    assert kept.startswith("no agent has been rewarded yet")

@@ -340,9 +340,3 @@ def test_stages_of_a_preset_are_refused_with_their_place(
     (tmp_path / "mine.toml").write_text(text)
     with pytest.raises(ConfigError, match=message):
         load_preset(tmp_path / "mine.toml", changes, "coins")
-
-
-def test_what_some_stage_reads_may_be_changed(tmp_path: Path) -> None:
-    (tmp_path / "mine.toml").write_text("[[stages]]\nconfig.reward = 'exchange'\n[[stages]]\n")
-    preset = load_preset(tmp_path / "mine.toml", {"exchange_ratio": 0.25})
-    assert [one.config.exchange_ratio for one in (*preset.earlier, preset)] == [0.25, 0.5]

@@ -1,6 +1,5 @@
 """A setting that was asked for and that nothing reads is refused, with the setting that would have it read."""
 
-import json
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,7 +15,6 @@ from sjdsl.trainers import (
     ConfigError,
     PPOConfig,
     RunError,
-    VDNConfig,
     load_preset,
     make_config,
     make_train,
@@ -25,7 +23,6 @@ from sjdsl.trainers import (
 )
 from sjdsl.trainers.algorithms.shaping import make_shaping
 from sjdsl.trainers.json_files import write_json
-from sjdsl.trainers.policies.policy_file import read_policy, write_policy
 from sjdsl.trainers.runs.manifest import MANIFEST
 from sjdsl.trainers.runs.run_folder import describe_run
 from sjdsl.trainers.settings.config import dependent_settings
@@ -45,22 +42,6 @@ def test_what_nothing_reads_is_refused_however_it_is_set() -> None:
             make({"exchange_ratio": 0.5})
 
 
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"reward": "exchange", "exchange_ratio": 0.9},
-        {"reward": "svo", "reward_smoothing": 0.5, "match_socialjax": True},
-        {"algorithm": "mappo", "joint_optimiser": True, "critic": "state"},
-        {"algorithm": "mappo", "critic": "state"},
-        {"algorithm": "vdn", "match_socialjax": True, "common_reward": "mean"},
-        {"evaluate_every": 1, "evaluation_episodes": 2},
-        {"checkpoint_minutes": 1},
-    ],
-)
-def test_what_is_read_is_not(values: dict[str, Any]) -> None:
-    assert make_config(values)
-
-
 def test_rewards_of_ones_own_read_the_smoothing_and_no_angle() -> None:
     register("reward", "kind", lambda step: step.trace)
     assert make_config(reward="kind", reward_smoothing=0.5)
@@ -68,24 +49,6 @@ def test_rewards_of_ones_own_read_the_smoothing_and_no_angle() -> None:
         make_config(reward="kind", svo_angle=45)
     with pytest.raises(ConfigError, match="`match_socialjax` has no effect while `reward` is kind"):
         make_config(reward="kind", match_socialjax=True)
-
-
-@pytest.mark.parametrize(
-    "config",
-    [
-        PPOConfig(),
-        PPOConfig(reward="svo", svo_angle=45),
-        PPOConfig(algorithm="mappo", network="mlp"),
-        VDNConfig(),
-    ],
-)
-def test_a_record_of_a_configuration_is_one(config: Config) -> None:
-    """It has all settings, at their defaults those that nothing reads, for which nobody asks."""
-    record = json.loads(json.dumps(config.model_dump(mode="json")))
-    assert make_config(record) == type(config)(**config.model_dump()) == config
-    unread = next(name for name in config.unread if isinstance(record[name], float))
-    with pytest.raises(ConfigError, match=f"`{unread}` has no effect"):
-        make_config({**record, unread: 0.25})
 
 
 def test_a_run_is_not_gone_on_with_by_what_nothing_reads(tmp_path: Path) -> None:
@@ -98,45 +61,6 @@ def test_a_run_is_not_gone_on_with_by_what_nothing_reads(tmp_path: Path) -> None
         match="`exchange_ratio` has no effect while `reward` is individual: set `reward` to exchange",
     ):
         resume(env, tmp_path)
-
-
-def test_policies_of_earlier_versions_are_read_with_what_nothing_read(tmp_path: Path) -> None:
-    stored = {
-        "reward": "individual",
-        "network": "mlp",
-        "exchange_ratio": 0.9,
-        "convolution_channels": 8,
-        "gamma": 0.5,
-    }
-    write_policy(
-        tmp_path / "last.safetensors",
-        {"a": np.zeros(1)},
-        {
-            "game": {"name": "coins", "hash": "0", "action_names": [], "observation_shape": []},
-            "config": stored,
-            "update": 1,
-            "env_steps": 1,
-        },
-    )
-    _, described = read_policy(tmp_path / "last.safetensors", lambda _: {"a": np.zeros(1)})
-    assert described.config == make_config(network="mlp", gamma=0.5)
-
-
-def test_presets_may_have_what_only_some_rewards_and_networks_read(tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text("[config]\nexchange_ratio = 0.9\nconvolution_channels = 8\n")
-    mine = load_preset(path)
-    assert (mine.config, mine.left_out) == (
-        make_config(convolution_channels=8),
-        ("exchange_ratio",),
-    )
-    mine = load_preset(path, {"reward": "exchange", "network": "mlp"})
-    assert (mine.config, mine.left_out) == (
-        make_config(reward="exchange", network="mlp", exchange_ratio=0.9),
-        ("convolution_channels",),
-    )
-    with pytest.raises(ConfigError, match="`exchange_ratio` has no effect"):
-        load_preset(path, {"exchange_ratio": 0.9})
 
 
 # The declaration is what the program does: what is said not to be read leaves the program of a run as it is, letter by letter, and what

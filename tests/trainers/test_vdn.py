@@ -17,7 +17,7 @@ from probes import (
     stream,
 )
 
-from sjdsl.trainers import ConfigError, TrainState, VDNConfig, make_config, make_train
+from sjdsl.trainers import TrainState, VDNConfig, make_config, make_train
 from sjdsl.trainers.algorithms.optimisers import learning_rate_schedule
 from sjdsl.trainers.algorithms.rollout import Rollout
 from sjdsl.trainers.algorithms.vdn import Transition, ValueLearner, follow_target, vdn_loss
@@ -61,14 +61,6 @@ def test_each_joint_action_has_its_value(changes: dict[str, Any]) -> None:
     )  # all but 0.05 / 2 of the actions of each
 
 
-@pytest.mark.slow
-def test_double_q_is_another_run() -> None:
-    plain, double = (
-        learn(delayed(), **VDN, double_q=double_q)[1]["loss"] for double_q in (False, True)
-    )
-    assert (plain != double).any()
-
-
 @BOTH
 def test_a_time_limit_is_no_ending(changes: dict[str, Any]) -> None:
     """An endless reward of 1 to both is worth 2 / (1 - 0.8), wherever it is cut."""
@@ -100,13 +92,6 @@ def test_what_is_measured() -> None:
         metrics["learning_rate"], 1e-2 * (1 - (updates + 1) / 200), atol=1e-6
     )
     assert np.isfinite(metrics["loss"]).all()
-
-
-def test_at_first_actions_are_drawn() -> None:
-    """1 each with a probability of 1/2: the mean of 64 episodes has a standard error of 0.09."""
-    assert float(learn(matching(), **VDN)[1]["collective_return"][0]) == pytest.approx(
-        1.0, abs=0.35
-    )
 
 
 @BOTH
@@ -277,14 +262,6 @@ def test_the_learning_rate_falls_to_zero() -> None:
     assert isinstance(config, VDNConfig)
     rate = learning_rate_schedule(config)
     assert [float(rate(step)) for step in (0, 400, 800)] == pytest.approx([1e-2, 5e-3, 0.0])
-
-
-def test_the_buffer_is_whole_updates() -> None:
-    with pytest.raises(
-        ConfigError,
-        match="`buffer_size` must be a multiple of num_envs x num_steps = 16 x 4 = 64, not 100",
-    ):
-        make_train(matching(), quick(**VDN, buffer_size=100))
 
 
 # one update

@@ -11,7 +11,6 @@ from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
 from sjdsl.trainers.networks import window_rows
 from sjdsl.trainers.networks.window_layer import WindowLayer
-from sjdsl.trainers.networks.window_rows import groups_of, rows_of
 
 PLANES = (
     TokenPlane("content", "word", ("floor", "wall", "apple")),
@@ -23,7 +22,6 @@ PLANES = (
     TokenPlane("flags", "bits", tuple("abcdefgh")),
     TokenPlane("only", "word", ("one",)),
 )
-LOCAL = tuple(plane for plane in PLANES if not plane.uniform)
 VALUES = (3, 4, 6, 10, 2, 3, 256, 1)  # of each plane
 WIDTH = 5
 
@@ -110,29 +108,6 @@ def test_the_layer_is_a_dense_one(
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("_way")
-def test_gradients_of_gradients() -> None:
-    """As algorithms take them that differentiate through a learning step."""
-    tokens = draw_windows(0, 2, 5)
-    parameters = Plain(jnp.dtype(jnp.float32)).init(jax.random.key(1), tokens)
-
-    def after_a_step(layer: nn.Module) -> dict:
-        def loss(own: dict) -> Array:
-            return jnp.square(jnp.tanh(layer.apply(own, tokens)) - 0.5).mean()
-
-        return jax.jit(
-            jax.grad(
-                lambda own: loss(
-                    jax.tree.map(lambda leaf, step: leaf - 2.0 * step, own, jax.grad(loss)(own))
-                )
-            )
-        )(parameters)
-
-    ours, plain = (after_a_step(layer(jnp.dtype(jnp.float32))) for layer in (Ours, Plain))
-    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6), ours, plain)
-
-
-@pytest.mark.thorough
-@pytest.mark.usefixtures("_way")
 def test_many_networks_at_once() -> None:
     """Under `vmap`, as teams of agents with their own parameters are: over windows, kernels, or both."""
     tokens = jnp.stack([draw_windows(seed, 6) for seed in range(3)])
@@ -153,54 +128,6 @@ def test_many_networks_at_once() -> None:
         jax.tree.map(
             lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, plain
         )
-
-
-@pytest.mark.thorough
-@pytest.mark.usefixtures("_way")
-def test_teams_in_several_seeds() -> None:
-    """Under two `vmap`s each network looks at its own windows, and where both have one network, at all of them."""
-    tokens = jnp.stack(
-        [draw_windows(seed, 3, 4) for seed in range(2)]
-    )  # [seeds, teams, windows, ...]
-    keys = jax.random.split(jax.random.key(1), (2, 3))
-    plain = Plain(jnp.dtype(jnp.float32))
-    parameters = jax.vmap(jax.vmap(lambda key: plain.init(key, tokens[0, 0])))(keys)
-
-    def of(layer: nn.Module, own: dict, seen: Array) -> tuple[Array, dict]:
-        return layer.apply(own, seen), jax.grad(
-            lambda own: jnp.square(layer.apply(own, seen)).sum()
-        )(own)
-
-    for axes in ((0, 0), (None, 0), (0, None)):
-        own, seen = (
-            jax.tree.map(lambda leaf: leaf[0], each) if axis is None else each
-            for each, axis in zip((parameters, tokens), axes)
-        )
-        ours, ones = (
-            jax.jit(jax.vmap(jax.vmap(lambda own, seen, layer=layer: of(layer, own, seen)), axes))(
-                own, seen
-            )
-            for layer in (Ours(jnp.dtype(jnp.float32)), plain)
-        )
-        jax.tree.map(
-            lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-4), ours, ones
-        )
-
-
-def test_planes_share_a_table_where_that_is_less_work() -> None:
-    """In their order; one whose values fill a table is alone, or with one of a single value; numbers have none."""
-    assert groups_of(LOCAL, 10**6) == ((0, 1, 3, 5), (4,))
-    assert [rows_of(group, LOCAL) for group in groups_of(LOCAL, 10**6)] == [36, 256]
-    assert groups_of((LOCAL[5], LOCAL[4]), 10**6) == ((0, 1),)
-    assert groups_of((LOCAL[2],), 10**6) == ()
-
-
-@pytest.mark.parametrize(
-    ("windows", "groups"), [(19, ((0,), (1,), (3,))), (21, ((0, 1), (3,))), (85, ((0, 1, 3),))]
-)
-def test_tables_of_few_windows_are_small(windows: int, groups: tuple[tuple[int, ...], ...]) -> None:
-    """Planes of 3, 4 and 3 values: 10 rows and three lookups a window, 15 and two, or 36 and one; a row costs 4 lookups."""
-    assert groups_of(LOCAL[:4], windows) == groups
 
 
 def test_the_parameters_are_those_of_a_dense_layer() -> None:
