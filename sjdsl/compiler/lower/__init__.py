@@ -24,9 +24,11 @@ from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe
-from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, bring_back
-from sjdsl.compiler.lower.relocation import finish as finish_sends
+from sjdsl.compiler.lower.pools import Pool, all_pools
+from sjdsl.compiler.lower.returning import bring_back
 from sjdsl.compiler.lower.scope import IterationScope, NotSupported
+from sjdsl.compiler.lower.sending import Sends
+from sjdsl.compiler.lower.sending import finish as finish_sends
 from sjdsl.compiler.lower.shared_phases import Turn, share
 from sjdsl.compiler.lower.state import (
     described_fields,

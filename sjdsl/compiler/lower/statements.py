@@ -12,10 +12,10 @@ from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.matching import match_
 from sjdsl.compiler.lower.movement import move, move_on_course, nobody_moves
-from sjdsl.compiler.lower.relocation import Sends
 from sjdsl.compiler.lower.rewards_and_events import give, tally
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.selection import nearest, pick
+from sjdsl.compiler.lower.sending import Sends
 from sjdsl.compiler.lower.state_reads import nowhere
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import Attribute, Call, Literal, Name
