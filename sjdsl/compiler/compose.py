@@ -233,11 +233,11 @@ def _check_duplicates(game: Composition, sections: Sections) -> None:
             over = isinstance(node, ast.Override) and any(_touches(key, k) for k in seen)
             if key in seen or over:
                 if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
-                    game.problems.append(errors.WrittenTwice(span, what=f"`{key}`"))
+                    game.problems.append(errors.WrittenTwice(span, part=f"`{key}`"))
                 else:
                     game.problems.append(
                         errors.NameTaken(
-                            span, name=key, what=f"something declared in line {seen[key].line}"
+                            span, name=key, taken_by=f"something declared in line {seen[key].line}"
                         )
                     )
             seen.setdefault(key, span)

@@ -57,7 +57,7 @@ def check_text(source: Source) -> list[Diagnostic]:
         else len(source.text)
     )
     if size > MAX_BYTES:
-        return [errors.FileTooLarge(source.span(0, 0), given=size, limit=MAX_BYTES)]
+        return [errors.FileTooLarge(source.span(0, 0), size=size, limit=MAX_BYTES)]
     if "\0" in source.text:
         at = source.text.index("\0")
         return [errors.NotText(source.span(at, at), problem="it holds NUL characters")]

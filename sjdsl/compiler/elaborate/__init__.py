@@ -130,7 +130,9 @@ def _read_map(
     static.wraps = game.map is not None and game.map.edges == "joined"
     if game.map is None and overrides.rows is None:
         problems.add(
-            errors.MissingPart(game.span, what="map", how='`map "maps/name.txt"` or `map { "…" }`')
+            errors.MissingPart(
+                game.span, part="map", example='`map "maps/name.txt"` or `map { "…" }`'
+            )
         )
         return ()
     span = game.map.span if game.map is not None else game.span
@@ -154,7 +156,7 @@ def _read_map(
 def _episode(game: Composition, scope: Scope) -> ir.Expr:
     """Returns the steps of an episode: numbers and parameters, for it is as long whatever happens in it."""
     if game.episode is None:
-        raise scope.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
+        raise scope.fail(errors.MissingPart(game.span, part="episode", example="`episode 1000`"))
     steps = scope.number(game.episode.steps, ("steps",), "a number of steps")
     if any(
         isinstance(node, ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme)
@@ -162,6 +164,8 @@ def _episode(game: Composition, scope: Scope) -> ir.Expr:
     ):
         help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
         raise scope.fail(
-            errors.NotFixed(game.episode.steps.span, what="the length of an episode", help=help_)
+            errors.NotFixed(
+                game.episode.steps.span, quantity="the length of an episode", help=help_
+            )
         )
     return steps

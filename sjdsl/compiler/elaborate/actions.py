@@ -53,7 +53,7 @@ def declare_actions(game: Composition, scope: Scope) -> None:
     for action in game.acts.actions:
         name = action.name.text
         if name in static.action_names:
-            problems.add(errors.WrittenTwice(action.name.span, what=f"the action `{name}`"))
+            problems.add(errors.WrittenTwice(action.name.span, part=f"the action `{name}`"))
             continue
         static.action_names.append(name)
         if not action.arguments:
@@ -70,16 +70,18 @@ def declare_actions(game: Composition, scope: Scope) -> None:
                 ]
                 continue
             problems.add(
-                errors.Unsupported(action.span, what=f"more than {limits.MAX_ACTIONS} actions")
+                errors.Unsupported(action.span, feature=f"more than {limits.MAX_ACTIONS} actions")
             )
         static.broken_actions.add(name)
     if "stay" not in flat:
         problems.add(
-            errors.MissingPart(game.acts.span, what="action `stay`", how="`stay` among the `acts`")
+            errors.MissingPart(
+                game.acts.span, part="action `stay`", example="`stay` among the `acts`"
+            )
         )
     if len(flat) > limits.MAX_ACTIONS:
         problems.add(
-            errors.Unsupported(game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions")
+            errors.Unsupported(game.acts.span, feature=f"more than {limits.MAX_ACTIONS} actions")
         )
     static.actions = tuple(flat)
 
@@ -91,7 +93,7 @@ def _arguments(
     if name in BUILT_IN:
         raise scope.fail(
             errors.WrongArguments(
-                action.span, name=name, wanted="no arguments", given=len(action.arguments)
+                action.span, name=name, wanted="no arguments", actual=len(action.arguments)
             )
         )
     if name in AGENT_ATTRIBUTES or name in game.agent_fields:
@@ -100,7 +102,7 @@ def _arguments(
             errors.NameTaken(
                 action.name.span,
                 name=name,
-                what=what,
+                taken_by=what,
                 help="give the action or the field another name",
             )
         )
@@ -108,7 +110,7 @@ def _arguments(
     for number, argument in enumerate(names):
         if argument.text in [other.text for other in names[:number]]:
             scope.problems.add(
-                errors.WrittenTwice(argument.span, what=f"the argument `{argument.text}`")
+                errors.WrittenTwice(argument.span, part=f"the argument `{argument.text}`")
             )
     return tuple(_argument(argument, scope) for argument in action.arguments)
 
@@ -120,7 +122,7 @@ def _argument(argument: ast.Argument, scope: Scope) -> ir.ActionArgument:
         given = f"{describe(type_)} that is `capped`" if capped else describe(type_)
         raise scope.fail(
             errors.WrongType(
-                argument.type.span, wanted="`agent`, a set of words or a range", given=given
+                argument.type.span, wanted="`agent`, a set of words or a range", actual=given
             )
         )
     counts = {
@@ -180,7 +182,7 @@ def check_in_step(question: str, span: Span, scope: Scope) -> None:
         kept = f"case {question} {{ yes: used, no: rested }}" if " chose " in question else question
         help_ = f"a rule can keep it in a field: `set agent.last = {kept}`"
         raise scope.fail(
-            errors.WrongSort(span, name=question, what=what, wanted=wanted, help=help_)
+            errors.WrongSort(span, name=question, actual=what, wanted=wanted, help=help_)
         )
 
 
@@ -245,7 +247,7 @@ def _asked(
                 given = "nobody" if isinstance(value, ir.Nobody) else describe(value.type)
                 raise scope.fail(
                     errors.WrongType(
-                        tree.span, wanted="an agent, or the number of one", given=given
+                        tree.span, wanted="an agent, or the number of one", actual=given
                     )
                 )
             check_somebody(value, tree.span, scope)
@@ -273,7 +275,7 @@ def fixed_argument(
         return declared.type.words.index(value.value)
     if isinstance(value, ir.Number):
         return int(value.value - (declared.type.low if declared.type.kind == "int" else 0))
-    raise scope.fail(errors.NotFixed(tree.span, what="an argument that isn't a new name"))
+    raise scope.fail(errors.NotFixed(tree.span, quantity="an argument that isn't a new name"))
 
 
 def check_exists(
@@ -349,7 +351,11 @@ def _argument_named(
     )
     raise scope.fail(
         errors.WrongSort(
-            steps[0].span, name=action, what="an action with arguments", wanted="a value", help=how
+            steps[0].span,
+            name=action,
+            actual="an action with arguments",
+            wanted="a value",
+            help=how,
         )
     )
 
@@ -372,7 +378,7 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
         if action == "stay":
             what, wanted = "what forbidden actions become", "an action that can be forbidden"
             raise scope.fail(
-                errors.WrongSort(chosen.name.span, name=action, what=what, wanted=wanted)
+                errors.WrongSort(chosen.name.span, name=action, actual=what, wanted=wanted)
             )
         declared = declared_action(chosen, action, scope)
         if declared is None:
@@ -394,7 +400,7 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
             )
             first = next(iter(bound.values()))
             raise scope.fail(
-                errors.WrongSort(first.span, name=first.text, what=what, wanted=wanted)
+                errors.WrongSort(first.span, name=first.text, actual=what, wanted=wanted)
             )
         fixed = {
             i: fixed_argument(tree, declared.arguments[i], chosen, scope)
@@ -425,7 +431,9 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
     check_possible(test, inner)
     for node in ir.walk(test):
         if ir.is_expression(node) and _is_out_of_sight(node):
-            raise scope.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))
+            raise scope.fail(
+                errors.ForbidReads(node.origin or forbid.span, reads=f"`{text(node)}`")
+            )
     read = {variable.name for variable in free_variables(test)}
     for word, (written, argument) in new_words.items():
         if word not in read:  # a word that is misspelt looks like a new name

@@ -23,7 +23,7 @@ def override_number(
         overrides.setdefault(number.name.text, num_agents)
     elif number is not None:
         what = "another number of agents: `agents` does not name a `size` that says how many"
-        problems.add(errors.Unsupported(number.span, what=what))
+        problems.add(errors.Unsupported(number.span, feature=what))
 
 
 def declare_number(game: Composition, scope: Scope) -> None:
@@ -47,13 +47,15 @@ def declare_agents(game: Composition, scope: Scope) -> None:
     if game.agents_span is None or game.number is None:
         problems.add(
             errors.MissingPart(
-                span, what="number of agents", how="`agents 2 { acts ... moves relative }`"
+                span, part="number of agents", example="`agents 2 { acts ... moves relative }`"
             )
         )
     elif game.acts is None:
         static.broken.add(ALL_ACTIONS)
         problems.add(
-            errors.MissingPart(span, what="actions", how="`acts turn_left, ..., stay` in `agents`")
+            errors.MissingPart(
+                span, part="actions", example="`acts turn_left, ..., stay` in `agents`"
+            )
         )
 
 
@@ -85,7 +87,7 @@ def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
                         errors.WrongSort(
                             what.span,
                             name="agents",
-                            what="the agents",
+                            actual="the agents",
                             wanted="a shape",
                             help=help_,
                         )

@@ -43,7 +43,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
         case _:
             help_ = "only fields can be written"
     raise scope.fail(
-        errors.WrongType(path.span, wanted="a field", given=describe(target.type), help=help_)
+        errors.WrongType(path.span, wanted="a field", actual=describe(target.type), help=help_)
     )
 
 

@@ -26,7 +26,7 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
     else:
         wanted = "a whole number, a word or a condition"
         raise scope.fail(
-            errors.WrongType(e.subject.span, wanted=wanted, given=describe(subject.type))
+            errors.WrongType(e.subject.span, wanted=wanted, actual=describe(subject.type))
         )
 
     def values(arm_and_key: tuple[ast.Arm, Key]) -> list[ir.Arm]:

@@ -29,7 +29,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     if declared.is_size and (declared.by is not None or isinstance(declared.value, ast.Table)):
         raise scope.fail(
             errors.Unsupported(
-                declared.span, what="a size that is a table", help="a `param` can be one"
+                declared.span, feature="a size that is a table", help="a `param` can be one"
             )
         )
     low, high = _limits(declared, scope)
@@ -115,7 +115,7 @@ def _overridden(declared: ast.Constant, override: object, scope: Scope) -> int |
     wanted = "a whole number" if whole else "a number"
     raise scope.fail(
         errors.WrongType(
-            declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)
+            declared.span, wanted=f"{wanted} for `{declared.name.text}`", actual=repr(override)
         )
     )
 
@@ -136,7 +136,7 @@ def _limits(declared: ast.Constant, scope: Scope) -> tuple[float, float]:
     for tree, value in ((declared.low, own_low), (declared.high, own_high)):
         if unit in INTEGER_UNITS and value != int(value):
             raise scope.fail(
-                errors.WrongType(tree.span, wanted="a whole number", given=f"{value:g}")
+                errors.WrongType(tree.span, wanted="a whole number", actual=f"{value:g}")
             )
     return own_low, own_high
 
@@ -208,13 +208,15 @@ def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
     built = scope.expression(tree)
     if not isinstance(built, ir.Number):
         scope.fixed(tree, "the value of a number")
-        raise scope.fail(errors.WrongType(tree.span, wanted="a number", given=describe(built.type)))
+        raise scope.fail(
+            errors.WrongType(tree.span, wanted="a number", actual=describe(built.type))
+        )
     value = built.value
     whole = unit in INTEGER_UNITS
     if not isfinite(value) or (whole and value != int(value)):
         raise scope.fail(
             errors.WrongType(
-                tree.span, wanted="a whole number" if whole else "a number", given=f"{value:g}"
+                tree.span, wanted="a whole number" if whole else "a number", actual=f"{value:g}"
             )
         )
     if abs(value) > limits.MAX_VALUE:
@@ -236,7 +238,7 @@ def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[st
     """Returns the type and value of a parameter of words: over the table's own words if they serve, else the first set that has them all."""
     if declared.is_size:
         raise scope.fail(
-            errors.WrongType(declared.span, wanted="a number for a `size`", given="a word")
+            errors.WrongType(declared.span, wanted="a number for a `size`", actual="a word")
         )
     by: tuple[Level, ...] = ()
     entries: list[Tree] = [declared.value]
@@ -256,7 +258,7 @@ def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[st
         built = None if isinstance(entry, ast.Table) else scope.expression(entry)
         if not isinstance(built, ir.Word):
             given = "a table" if built is None else describe(built.type)
-            raise scope.fail(errors.WrongType(entry.span, wanted="a word", given=given))
+            raise scope.fail(errors.WrongType(entry.span, wanted="a word", actual=given))
         known[id(entry)] = built.value
     values = tuple(known[id(e)] for e in entries)
     sets = [*(level.names for level in by if level.sort == "word"), *scope.static.word_sets]

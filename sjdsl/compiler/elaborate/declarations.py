@@ -70,13 +70,13 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> dic
         if len(names) > limits.MAX_WORDS:
             problems.add(
                 errors.Unsupported(
-                    names[0].span, what=f"a set of more than {limits.MAX_WORDS} words"
+                    names[0].span, feature=f"a set of more than {limits.MAX_WORDS} words"
                 )
             )
         spelt = [n.text for n in names]
         for i, name in enumerate(names):
             if name.text in spelt[:i]:
-                problems.add(errors.WrittenTwice(name.span, what=f"the word `{name.text}`"))
+                problems.add(errors.WrittenTwice(name.span, part=f"the word `{name.text}`"))
             first.setdefault(name.text, name.span)
         static.word_sets.append(tuple(dict.fromkeys(spelt)))
 
@@ -118,23 +118,27 @@ def _check_names(game: Composition, words: Mapping[str, Span], problems: Problem
         for name, node in table.items():
             if name in RESERVED_VARIABLES:
                 problems.add(
-                    errors.NameTaken(node.name.span, name=name, what="something of the language")
+                    errors.NameTaken(
+                        node.name.span, name=name, taken_by="something of the language"
+                    )
                 )
             elif name in SEEN and what in cells:
-                problems.add(errors.NameTaken(node.name.span, name=name, what=SEEN[name]))
+                problems.add(errors.NameTaken(node.name.span, name=name, taken_by=SEEN[name]))
             elif name in taken:
                 other, span = taken[name]
                 problems.add(
                     errors.NameTaken(
                         node.name.span,
                         name=name,
-                        what=other,
+                        taken_by=other,
                         labels=(Label(span, "declared here"),),
                     )
                 )
             elif name in words or name in HEADINGS:
                 labels = (Label(words[name], "the word is declared here"),) if name in words else ()
-                problems.add(errors.WordClash(node.name.span, name=name, what=what, labels=labels))
+                problems.add(
+                    errors.WordClash(node.name.span, name=name, taken_by=what, labels=labels)
+                )
             taken.setdefault(name, (what, node.name.span))
 
 

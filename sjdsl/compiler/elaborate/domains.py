@@ -45,7 +45,7 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
             wanted = "an agent (`agent on KIND`)"
             raise scope.fail(
                 errors.WrongSort(
-                    d.kind.span, name=d.kind.text, what="a kind of cell", wanted=wanted
+                    d.kind.span, name=d.kind.text, actual="a kind of cell", wanted=wanted
                 )
             )
         cell = _cell_around(d.on, inner)
@@ -81,7 +81,9 @@ def _cell_around(on: ast.On, scope: Scope) -> ir.Member | None:
         name = on.kind.text
         help_ = f"`on {name}` means that cell; to bind the cell under the agent, rename the outer one: `{name} as one`"
         raise scope.fail(
-            errors.NameTaken(on.span, name=name, what="a cell around this statement", help=help_)
+            errors.NameTaken(
+                on.span, name=name, taken_by="a cell around this statement", help=help_
+            )
         )
     return cell
 
@@ -141,7 +143,7 @@ def _restriction(
             ):
                 raise scope.fail(
                     errors.WrongType(
-                        restriction.span, wanted="variables of the same sort", given="a mixture"
+                        restriction.span, wanted="variables of the same sort", actual="a mixture"
                     )
                 )
             return ir.Among(members=members, origin=restriction.span)
@@ -181,7 +183,9 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
         if isinstance(bound, ir.Member):
             return bound.model_copy(update={"origin": name.span})
         raise scope.fail(
-            errors.WrongSort(name.span, name=name.text, what="a value", wanted="an agent or a cell")
+            errors.WrongSort(
+                name.span, name=name.text, actual="a value", wanted="an agent or a cell"
+            )
         )
     raise unknown(name, scope)
 

@@ -59,7 +59,7 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
         help_ = "a mover earns nothing; keep it in a field of the mover, such as `field fed : 0 .. 9 capped = 0`"
         raise scope.fail(
             errors.WrongType(
-                e.span, wanted="an agent or a set of agents", given="a mover", help=help_
+                e.span, wanted="an agent or a set of agents", actual="a mover", help=help_
             )
         )
     if not as_agent(built):
@@ -100,14 +100,16 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     if event.by is not None:
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
             raise scope.fail(
-                errors.WrongType(s.event.span, wanted=f"`{name.text}[word]`", given="the whole row")
+                errors.WrongType(
+                    s.event.span, wanted=f"`{name.text}[word]`", actual="the whole row"
+                )
             )
         if name.text not in static.event_levels:
             raise Poisoned
         word = key_of(s.event.steps[0].key, name.text, static.event_levels[name.text], scope)
     elif s.event.steps:
         raise scope.fail(
-            errors.WrongType(s.event.span, wanted="the event alone", given="an entry of it")
+            errors.WrongType(s.event.span, wanted="the event alone", actual="an entry of it")
         )
     amount = None if s.by is None else scope.number(s.by, ("count",), "a count")
     if s.by is not None and amount is not None and amount.type.low < 0:
@@ -165,7 +167,9 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
             or destination.restriction is not None
         ):
             wanted = "a kind of cell, perhaps with `where`"
-            raise scope.fail(errors.WrongType(s.domain.span, wanted=wanted, given="another domain"))
+            raise scope.fail(
+                errors.WrongType(s.domain.span, wanted=wanted, actual="another domain")
+            )
     else:  # the domain of that one cell
         span, taken = s.domain.span, {v.name for v in free_variables(held)}
         name = next(n for n in ("cell", "cell_", "cell__") if n not in taken)
@@ -200,7 +204,7 @@ def _cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
             what, wanted = "a cell of the statements around", "a destination that is known later"
             help_ = f"any cell of the kind is `{name} as other`; {scope.withheld[name]}"
             raise scope.fail(
-                errors.WrongSort(d.kind.span, name=name, what=what, wanted=wanted, help=help_)
+                errors.WrongSort(d.kind.span, name=name, actual=what, wanted=wanted, help=help_)
             )
         d = ast.Path(d.span, d.kind, ())
     cell = scope.expression(d)

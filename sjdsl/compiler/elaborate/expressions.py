@@ -228,7 +228,10 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
             what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
             raise scope.fail(
                 errors.WrongSort(
-                    e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"
+                    e.kind.span,
+                    name=e.kind.text,
+                    actual=what,
+                    wanted="a cell of a statement around",
                 )
             )
         return ir.Unoccupied(cell=cell, origin=e.span)
@@ -294,7 +297,7 @@ def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
                 errors.WrongType(
                     e.span,
                     wanted="a condition after `where`",
-                    given="`all` without one",
+                    actual="`all` without one",
                     help=help_,
                 )
             )
@@ -345,7 +348,7 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
         wanted = f"{row.least} arguments" if row.least != 1 else "1 argument"
         wanted = wanted if row.most == row.least else f"{row.least} or more arguments"
         raise scope.fail(
-            errors.WrongArguments(e.span, name=name, wanted=wanted, given=len(e.arguments))
+            errors.WrongArguments(e.span, name=name, wanted=wanted, actual=len(e.arguments))
         )
     return BUILDERS[row.builds](row, e, scope)
 
@@ -361,7 +364,7 @@ def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     if scope.part != "checks":
         raise scope.fail(
             errors.WrongSort(
-                e.name.span, name=e.name.text, what="a class of games", wanted="a value"
+                e.name.span, name=e.name.text, actual="a class of games", wanted="a value"
             )
         )
     if (
@@ -409,7 +412,7 @@ def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
         given = "`before`, which is about a step"
         raise scope.fail(
             errors.WrongType(
-                e.span, wanted="a value of one state", given=given, help=WHERE_BEFORE_STANDS
+                e.span, wanted="a value of one state", actual=given, help=WHERE_BEFORE_STANDS
             )
         )
     (value,) = e.arguments

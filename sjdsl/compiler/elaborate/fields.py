@@ -32,7 +32,7 @@ def fields_of(
             if attribute.name.text in made:
                 scope.problems.add(
                     errors.WrittenTwice(
-                        attribute.name.span, what=f"the field `{attribute.name.text}`"
+                        attribute.name.span, part=f"the field `{attribute.name.text}`"
                     )
                 )
                 continue
@@ -57,7 +57,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
         )
         problem = f"every {held_by.what} has it already"
         scope.problems.add(
-            errors.BadName(declared.name.span, name=declared.name.text, what=what, problem=problem)
+            errors.BadName(declared.name.span, name=declared.name.text, role=what, problem=problem)
         )
     name, span = declared.name.text, declared.span
     if isinstance(declared, ast.Timer):
@@ -98,7 +98,7 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
         case ast.NamedType(name=ast.Name(text=sort)) if sort in static.mover_sorts:
             help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {sort}`"
             raise scope.fail(
-                errors.Unsupported(declared.span, what="a field that holds a mover", help=help_)
+                errors.Unsupported(declared.span, feature="a field that holds a mover", help=help_)
             )
         case ast.NamedType():
             raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields")
@@ -116,7 +116,7 @@ def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
             "" if low > high else REAL_FIELD.format(name="NAME"),
         )
         raise scope.fail(
-            errors.WrongType(declared.span, wanted=wanted, given="another one", help=help_)
+            errors.WrongType(declared.span, wanted=wanted, actual="another one", help=help_)
         )
     unit = join_units(*units)
     return ir.Type(
@@ -133,7 +133,7 @@ def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | floa
             return 0.0
         what = f"starting value for `{declared.name.text}`"
         raise scope.fail(
-            errors.MissingPart(declared.span, what=what, how="`= value` after its type")
+            errors.MissingPart(declared.span, part=what, example="`= value` after its type")
         )
     return starting(declared.start, declared.name.text, type_, scope)
 
@@ -155,7 +155,7 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
                 help_ = REAL_FIELD.format(name=name)
                 raise scope.fail(
                     errors.WrongType(
-                        tree.span, wanted="a whole number", given=f"{value.value:g}", help=help_
+                        tree.span, wanted="a whole number", actual=f"{value.value:g}", help=help_
                     )
                 )
             if type_.kind == "int" and not type_.low <= value.value <= type_.high:

@@ -40,11 +40,11 @@ def level_of(by: ast.By, scope: Scope) -> Level:
                     "a range of whole numbers, the smaller first",
                     f"{low:g} .. {high:g}",
                 )
-                raise scope.fail(errors.WrongType(by.span, wanted=wanted, given=given))
+                raise scope.fail(errors.WrongType(by.span, wanted=wanted, actual=given))
             if high - low >= limits.MAX_WORDS:
                 raise scope.fail(
                     errors.Unsupported(
-                        by.span, what=f"a row of more than {limits.MAX_WORDS} entries"
+                        by.span, feature=f"a row of more than {limits.MAX_WORDS} entries"
                     )
                 )
             return level_of_numbers(int(low), int(high))
@@ -89,7 +89,7 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
                     else ""
                 )
                 raise scope.fail(
-                    errors.WrongType(tree.span, wanted=wanted, given=given, help=help_)
+                    errors.WrongType(tree.span, wanted=wanted, actual=given, help=help_)
                 )
             check_somebody(key, tree.span, scope)
         case "number":
@@ -104,7 +104,7 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
                     else "guard it with `when` or `where`, or bound it with `min` and `max`"
                 )
                 raise scope.fail(
-                    errors.WrongType(tree.span, wanted=wanted, given=given, help=help_)
+                    errors.WrongType(tree.span, wanted=wanted, actual=given, help=help_)
                 )
     return key
 

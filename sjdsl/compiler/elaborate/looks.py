@@ -93,7 +93,9 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
             if ir.is_expression(node) and (
                 not isinstance(node, READABLE) or field_of_other or between_cells
             ):
-                raise scope.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))
+                raise scope.fail(
+                    errors.LookReads(node.origin or look.span, reads=f"`{text(node)}`")
+                )
     body, badge = (
         None if paint is None else _paint(paint, scope) for paint in (look.body, look.badge)
     )
@@ -122,6 +124,6 @@ def _paint(paint: ast.Paint, scope: Scope) -> ir.Paint:
                 )
             )
         if sort in chosen:
-            raise scope.fail(errors.WrittenTwice(word.span, what=f"a {sort} of one look"))
+            raise scope.fail(errors.WrittenTwice(word.span, part=f"a {sort} of one look"))
         chosen[sort] = word.text
     return ir.Paint(**chosen, origin=paint.span)

@@ -71,11 +71,11 @@ def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:
 def check_placed(agent: ir.Expr, span: Span, what: str, scope: Scope) -> None:
     """Reports `what`, if it asks for the place or choice of an agent that has none: in `phase start`, on its return, before the step."""
     if scope.part == "start":
-        raise scope.fail(errors.NoPlaceYet(span, what=what))
+        raise scope.fail(errors.NoPlaceYet(span, expression=what))
     if isinstance(agent, ir.Member) and agent.name == scope.returning:
-        raise scope.fail(errors.NoPlaceWhenBack(span, what=what, name=agent.name))
+        raise scope.fail(errors.NoPlaceWhenBack(span, expression=what, name=agent.name))
     if isinstance(agent, ir.Member) and agent.name in scope.elsewhere:
-        raise scope.fail(errors.NoPlaceBefore(span, what=what, name=agent.name))
+        raise scope.fail(errors.NoPlaceBefore(span, expression=what, name=agent.name))
 
 
 def table_words(table: ast.Table, scope: Scope) -> tuple[str, ...]:
@@ -112,7 +112,7 @@ def bound_cell(name: ast.Name, scope: Scope) -> ir.Member | None:
     if not (isinstance(bound, ir.Member) and bound.sort.what == "cell"):
         wanted = "a kind, a group, or a cell of a statement around"
         raise scope.fail(
-            errors.WrongSort(name.span, name=name.text, what="not a cell", wanted=wanted)
+            errors.WrongSort(name.span, name=name.text, actual="not a cell", wanted=wanted)
         )
     return bound.model_copy(update={"origin": name.span})
 
@@ -137,7 +137,7 @@ def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
         }
         what = next((w for w, table in tables.items() if name.text in table), "")
     if what:
-        raise scope.fail(errors.NameTaken(name.span, name=name.text, what=what))
+        raise scope.fail(errors.NameTaken(name.span, name=name.text, taken_by=what))
 
 
 def check_known_word(
@@ -224,7 +224,11 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
         )
         return scope.fail(
             errors.WrongSort(
-                name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]
+                name.span,
+                name=name.text,
+                actual=what,
+                wanted=wanted,
+                help=scope.withheld[name.text],
             )
         )
     if static.kinds_of(name.text) or name.text == "agent" or name.text in static.movers:
@@ -250,7 +254,7 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
         elif name.text != "agent" and "agent" in scope.variables:
             help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
         return scope.fail(
-            errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=help_)
+            errors.WrongSort(name.span, name=name.text, actual=what, wanted=wanted, help=help_)
         )
     for what, table, help_ in (
         (
@@ -267,7 +271,9 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     ):
         if name.text in table:
             return scope.fail(
-                errors.WrongSort(name.span, name=name.text, what=what, wanted="a value", help=help_)
+                errors.WrongSort(
+                    name.span, name=name.text, actual=what, wanted="a value", help=help_
+                )
             )
     meant = nearest(name.text, static.names() | set(scope.variables))
     values = sorted(
@@ -314,7 +320,7 @@ def check_arguments(name: str, span: Span, given: int, wanted: int, scope: Scope
     if given != wanted:
         raise scope.fail(
             errors.WrongArguments(
-                span, name=name, wanted=f"{wanted} argument{'s' * (wanted != 1)}", given=given
+                span, name=name, wanted=f"{wanted} argument{'s' * (wanted != 1)}", actual=given
             )
         )
 

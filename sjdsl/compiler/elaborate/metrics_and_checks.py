@@ -37,7 +37,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
             ):
                 raise scope.fail(
                     errors.NotFixed(
-                        node.origin or check.span, what="what a `require` reads", help=REQUIRES
+                        node.origin or check.span, quantity="what a `require` reads", help=REQUIRES
                     )
                 )
         return test
@@ -172,7 +172,7 @@ def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
         per_agent = {t.receiver is not None for t in mine} or {True}
         if len(per_agent) > 1:
             what = f"event `{event.name.text}` counted with and without `for`, so it"
-            raise scope.fail(errors.WrittenTwice(event.span, what=what))
+            raise scope.fail(errors.WrittenTwice(event.span, part=what))
         by = scope.static.event_levels.get(event.name.text)
         found.append(
             ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span)
@@ -254,13 +254,13 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
             meant = near(name.text, scope.static.defines, "the defines")
             raise scope.fail(
                 errors.WrongSort(
-                    name.span, name=name.text, what="no define", wanted="a define", near=meant
+                    name.span, name=name.text, actual="no define", wanted="a define", near=meant
                 )
             )
         values.append(use_define(name, (), scope))
         if not is_number(values[-1].type):
             raise scope.fail(
-                errors.WrongType(name.span, wanted="a number", given=describe(values[-1].type))
+                errors.WrongType(name.span, wanted="a number", actual=describe(values[-1].type))
             )
     if check.direction.text not in ("falling", "rising"):
         raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")

@@ -77,20 +77,20 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if var.sort.what == "cell":
         wanted = "`agent`, or a sort of movers" if scope.static.movers else "`agent`"
         raise scope.fail(
-            errors.WrongSort(s.domain.kind.span, name=name, what="a kind of cell", wanted=wanted)
+            errors.WrongSort(s.domain.kind.span, name=name, actual="a kind of cell", wanted=wanted)
         )
     text = use.streams.header(s.span, s.span.end)
     course = None
     if var.sort.what == "agent" and s.course is not None:
         help_ = "which way agents go, they choose: write `move each agent`"
         raise scope.fail(
-            errors.WrongType(s.course.span, wanted="no way to go", given="one", help=help_)
+            errors.WrongType(s.course.span, wanted="no way to go", actual="one", help=help_)
         )
     if var.sort.what == "mover":
         if s.course is None:
             help_ = f"write `move each {name} ahead`, or `at random`, `along h`, `toward D`, `away from D`"
             raise scope.fail(
-                errors.WrongType(s.span, wanted="the way that movers go", given="none", help=help_)
+                errors.WrongType(s.span, wanted="the way that movers go", actual="none", help=help_)
             )
         course = _course(s.course, var, inner, use.streams.of_statement(f"{text}\nwhich way"))
     return ir.Move(

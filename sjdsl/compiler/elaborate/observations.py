@@ -93,7 +93,7 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
     sides = dict(usual)
     for i, (name, value) in enumerate(tree.sides):
         if name.text in [n.text for n, _ in tree.sides[:i]]:
-            scope.problems.add(errors.WrittenTwice(name.span, what=f"`{name.text}`"))
+            scope.problems.add(errors.WrittenTwice(name.span, part=f"`{name.text}`"))
         if name.text not in SIDES:
             scope.problems.unknown(name, tuple(SIDES), "the sides of a window")
             continue
@@ -165,7 +165,7 @@ def _leave_looks_alone(
             and not (isinstance(observable, ast.Hide) and observable.condition is None)
         ):
             what = f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)"
-            scope.problems.add(errors.WrittenTwice(observable.span, what=what))
+            scope.problems.add(errors.WrittenTwice(observable.span, part=what))
     for key in [k for k in seen if k[0] == "cell" and k[1] in whole and k[2]]:
         hidden_field = seen.pop(key)
         labels = seen["cell", key[1], ""].labels
@@ -183,7 +183,7 @@ def _leave_looks_alone(
                 given = f"a kind whose cells look different: its `{detailed[label.name]}` is seen"
                 help_ = f"choose another word, or say with `show {label.name} as {{ … }}` how its cells look"
                 scope.problems.add(
-                    errors.WrongType(label.span, wanted="one look", given=given, help=help_)
+                    errors.WrongType(label.span, wanted="one look", actual=given, help=help_)
                 )
 
 
@@ -241,7 +241,7 @@ def check_places(what: str, test: ir.Expr | None, known: Iterable[Fact], scope: 
             "the place of an agent of `everyone`, who may be away",
             f"ask that first: {gone}, or `not everyone.away and …`",
         )
-        raise scope.fail(errors.Unsupported(asked.origin or test.span, what=what, help=help_))
+        raise scope.fail(errors.Unsupported(asked.origin or test.span, feature=what, help=help_))
 
 
 def _asks_place(node: ir.Node) -> bool:
@@ -270,7 +270,7 @@ def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
         given, help_ = "another path", ""
         if len(members) != len(path.steps):
             given, help_ = "an entry of a row", _whole_row(path, head, static)
-        raise scope.fail(errors.WrongType(path.span, wanted=wanted, given=given, help=help_))
+        raise scope.fail(errors.WrongType(path.span, wanted=wanted, actual=given, help=help_))
     if members:
         return _of_owner(path.name, members[0], scope)
     kinds = static.kinds_of(head)
@@ -340,7 +340,7 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
             "a field of theirs, `index`, `row`, `col` or `moved`",
         )
         raise scope.fail(
-            errors.WrongSort(name.span, name="other.heading", what=what, wanted=wanted)
+            errors.WrongSort(name.span, name="other.heading", actual=what, wanted=wanted)
         )
     if head in OWNERS:
         if name.text in static.agent_fields:
@@ -375,7 +375,7 @@ def _attribute(head: str, name: ast.Name, scope: Scope) -> ir.VarField:
         what, wanted = "the same whenever it is seen", "something that can change"
         raise scope.fail(
             errors.WrongSort(
-                name.span, name=f"{head}.{name.text}", what=what, wanted=wanted, help=help_
+                name.span, name=f"{head}.{name.text}", actual=what, wanted=wanted, help=help_
             )
         )
     type_ = attribute_types(scope.static)[name.text]
@@ -400,14 +400,14 @@ def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
             help_ = f"say which field: {' or '.join(fields[:3])}"
         return scope.fail(
             errors.WrongSort(
-                name.span, name=name.text, what=WHO[name.text], wanted="a field", help=help_
+                name.span, name=name.text, actual=WHO[name.text], wanted="a field", help=help_
             )
         )
     if name.text in static.groups:
         help_ = _fields_of_a_kind(static.groups[name.text][0], verb, static)
         return scope.fail(
             errors.WrongSort(
-                name.span, name=name.text, what="a group of kinds", wanted="a field", help=help_
+                name.span, name=name.text, actual="a group of kinds", wanted="a field", help=help_
             )
         )
     owners = ["agent", "other"] * (name.text in static.agent_fields)
@@ -448,7 +448,7 @@ def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], scope
         what, kind, name = found.key
         if found.key in shown:
             path = f"{kind}.{name}" if name and kind else name or kind
-            scope.problems.add(errors.WrittenTwice(show.span, what=f"what is seen of `{path}`"))
+            scope.problems.add(errors.WrittenTwice(show.span, part=f"what is seen of `{path}`"))
         shown.add(found.key)
         if what == "cell" and not name:
             seen[found.key] = _look(show, kind, scope)
@@ -457,7 +457,7 @@ def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], scope
             seen[found.key] = _shown(show, found, found.field, scope)
         else:
             twice = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
-            raise scope.fail(errors.WrittenTwice(show.span, what=twice))
+            raise scope.fail(errors.WrittenTwice(show.span, part=twice))
 
 
 def _shown(show: ast.Show, found: Seen, field: ir.VarField, scope: Scope) -> ir.Observable:
@@ -524,7 +524,7 @@ def _check_plain(show: ast.Show, what: What, type_: ir.Type, scope: Scope) -> No
         given = "a field that holds agents, whose numbers mean nothing to an observer"
         raise scope.fail(
             errors.WrongType(
-                show.span, wanted="a field with labels", given=given, help=help_, fix=fix
+                show.span, wanted="a field with labels", actual=given, help=help_, fix=fix
             )
         )
     if type_.kind == "cell":
@@ -537,7 +537,7 @@ def _check_plain(show: ast.Show, what: What, type_: ir.Type, scope: Scope) -> No
     elif what == "cell" and type_.kind != "word":
         problem = "showing a number of a cell without labels"
     if problem:
-        raise scope.fail(errors.Unsupported(show.span, what=problem, help=help_, fix=fix))
+        raise scope.fail(errors.Unsupported(show.span, feature=problem, help=help_, fix=fix))
 
 
 def _look(show: ast.Show, kind: str, scope: Scope) -> ir.Observable:
@@ -547,7 +547,7 @@ def _look(show: ast.Show, kind: str, scope: Scope) -> ir.Observable:
         help_ = _fields_of_a_kind(kind, "show", scope.static)
         raise scope.fail(
             errors.WrongType(
-                show.span, wanted=f"what cells of `{kind}` look like", given=given, help=help_
+                show.span, wanted=f"what cells of `{kind}` look like", actual=given, help=help_
             )
         )
     labels = _labels(show, "cell", observer_scope("cell", kind, show.what.name.text, scope))
@@ -586,7 +586,7 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
                 errors.WrongType(
                     hide.what.span,
                     wanted="something that is seen of cells",
-                    given="a kind",
+                    actual="a kind",
                     help=help_,
                 )
             )
@@ -634,7 +634,7 @@ def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
             errors.WrongType(
                 hide.what.span,
                 wanted="`marks` or `content`",
-                given="something else",
+                actual="something else",
                 help=f"write {FORMS}",
             )
         )
@@ -642,7 +642,7 @@ def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
         help_ = "write `hide content on agents`; `show gate as { floor }` makes cells of one kind look like those of another"
         raise scope.fail(
             errors.WrongType(
-                hide.span, wanted="`on agents`", given="content of other cells", help=help_
+                hide.span, wanted="`on agents`", actual="content of other cells", help=help_
             )
         )
     if on is None or on.text == "agents":
@@ -650,7 +650,7 @@ def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
             given = "a condition without a kind of cells"
             raise scope.fail(
                 errors.WrongType(
-                    hide.span, wanted="`on KIND` before `when`", given=given, help=f"write {FORMS}"
+                    hide.span, wanted="`on KIND` before `when`", actual=given, help=f"write {FORMS}"
                 )
             )
         return ir.Hidden(what=what, on="map" if on is None else "agents", origin=hide.span)  # type: ignore[arg-type]

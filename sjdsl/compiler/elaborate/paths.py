@@ -60,7 +60,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         if isinstance(bound, str):
             raise scope.fail(
                 errors.WrongSort(
-                    e.name.span, name=name, what=f"the action `{bound}`", wanted="a value"
+                    e.name.span, name=name, actual=f"the action `{bound}`", wanted="a value"
                 )
             )
         return bound.model_copy(update={"origin": e.span})
@@ -119,7 +119,7 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     else:
         raise scope.fail(
             errors.WrongType(
-                name.span, wanted="an agent or a cell before the point", given=describe(owner.type)
+                name.span, wanted="an agent or a cell before the point", actual=describe(owner.type)
             )
         )
     if name.text in fields:
@@ -157,7 +157,7 @@ def attribute_types(static: Static) -> dict[str, ir.Type]:
 def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: Scope) -> Poisoned:
     what = f"the {asked} of an agent that a field holds: it may be away"
     help_ = f"name it: `each agent as x in {text(agent)}` has those who are there, and `{instead}`"
-    return scope.fail(errors.Unsupported(span, what=what, help=help_))
+    return scope.fail(errors.Unsupported(span, feature=what, help=help_))
 
 
 def distance(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
@@ -184,7 +184,7 @@ def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Ex
         isinstance(place, ir.Member) or place.type.kind == "agent"
     ):
         given = "nobody" if isinstance(place, ir.Nobody) else describe(place.type)
-        raise scope.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
+        raise scope.fail(errors.WrongType(tree.span, wanted="an agent or a cell", actual=given))
     if not isinstance(place, ir.Member):
         raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
     if place.sort.what != "cell":
@@ -231,7 +231,7 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     if not row.type.by:
         raise scope.fail(
             errors.WrongType(
-                step.span, wanted="a row or table before `[`", given=describe(row.type)
+                step.span, wanted="a row or table before `[`", actual=describe(row.type)
             )
         )
     level = row.type.by[0]
@@ -239,7 +239,7 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
             raise scope.fail(
-                errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type))
+                errors.WrongType(step.key.span, wanted="one entry", actual=describe(key.type))
             )
         return row.model_copy(
             update={"word": level.keys[level.place_of(key.value)], "type": element(row.type)}
@@ -249,7 +249,9 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):
             raise scope.fail(
                 errors.WrongType(
-                    step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix"
+                    step.key.span,
+                    wanted="a word (only tables of numbers are mixed)",
+                    actual="a mix",
                 )
             )
         type_ = type_.model_copy(

@@ -28,7 +28,7 @@ def policies(game: Composition, scope: Scope) -> tuple[ir.ScriptedPolicy, ...]:
         name = policy.name
         if name.text in (*WITHOUT_RULES, *OF_EXPECT):
             raise scope.fail(
-                errors.NameTaken(name.span, name=name.text, what="a policy of the language")
+                errors.NameTaken(name.span, name=name.text, taken_by="a policy of the language")
             )
         title = "" if policy.title is None else policy.title.text
         return ir.ScriptedPolicy(
@@ -109,7 +109,7 @@ def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
         )
         if own_number and (total != static.num_agents or any(part.number < 0 for part in slots)):
             raise scope.fail(
-                errors.SlotsUnfilled(span, name=name, given=total, agents=static.num_agents)
+                errors.SlotsUnfilled(span, name=name, slots=total, agents=static.num_agents)
             )
         if not any(not part.policy and (part.number or not own_number) for part in slots):
             raise scope.fail(errors.NoFocalSlot(span, name=name))
@@ -124,7 +124,7 @@ def _slots(part: ast.Slots, game: Composition, scope: Scope) -> ir.Slots:
     if number != int(number):
         raise scope.fail(
             errors.WrongType(
-                part.number.span, wanted="a whole number of slots", given=f"{number:g}"
+                part.number.span, wanted="a whole number of slots", actual=f"{number:g}"
             )
         )
     number = int(number)

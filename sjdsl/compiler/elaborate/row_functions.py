@@ -81,7 +81,7 @@ def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     if by != int(by):
         raise scope.fail(
             errors.WrongType(
-                e.arguments[1].span, wanted="a whole number of places", given=f"{by:g}"
+                e.arguments[1].span, wanted="a whole number of places", actual=f"{by:g}"
             )
         )
     filler = _filler(e.arguments[2], row, scope)

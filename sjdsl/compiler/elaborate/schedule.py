@@ -36,7 +36,7 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
     if phase.parameters:
         scope.problems.add(
             errors.WrongArguments(
-                phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters)
+                phase.name.span, name="start", wanted="no arguments", actual=len(phase.parameters)
             )
         )
     return _use(phase, "start", "start", {}, replace(scope, part="start"))
@@ -47,13 +47,15 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     if game.schedule is None:
         scope.problems.add(
             errors.MissingPart(
-                game.span, what="schedule", how="`schedule phase -> phase` with its phases in order"
+                game.span,
+                part="schedule",
+                example="`schedule phase -> phase` with its phases in order",
             )
         )
         return ()
     if len(game.schedule.turns) > limits.MAX_TURNS:
         what = f"a schedule of more than {limits.MAX_TURNS} turns"
-        scope.problems.add(errors.Unsupported(game.schedule.span, what=what))
+        scope.problems.add(errors.Unsupported(game.schedule.span, feature=what))
         return ()
     _check_written(game, game.schedule, scope)
     written = [
@@ -104,7 +106,7 @@ def _turn(
         if turn.arguments:
             scope.problems.add(
                 errors.WrongArguments(
-                    turn.span, name="tick", wanted="no arguments", given=len(turn.arguments)
+                    turn.span, name="tick", wanted="no arguments", actual=len(turn.arguments)
                 )
             )
         return ir.Tick(origin=turn.span)
@@ -118,7 +120,7 @@ def _turn(
     for parameter, argument in zip(phase.parameters, turn.arguments, strict=True):
         if parameter.text in scope.static.names() and not scope.static.is_word(parameter.text):
             scope.problems.add(
-                errors.NameTaken(parameter.span, name=parameter.text, what="something else")
+                errors.NameTaken(parameter.span, name=parameter.text, taken_by="something else")
             )
         value = _argument(argument, scope)
         values[parameter.text] = value
@@ -146,7 +148,7 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
     value = scope.expression(argument)
     if not all(isinstance(node, ALIKE) for node in ir.walk(value)):
         raise scope.fail(
-            errors.NotFixed(argument.span, what="what a phase is used with", help=USED_WITH)
+            errors.NotFixed(argument.span, quantity="what a phase is used with", help=USED_WITH)
         )
     return value
 

@@ -210,8 +210,8 @@ class Scope(Record):
             return built.value
         for node in ir.walk(built):
             if isinstance(node, ir.ParamRef):
-                raise self.fail(errors.ShapeParam(e.span, name=node.name, what=what))
-        raise self.fail(errors.NotFixed(e.span, what=what))
+                raise self.fail(errors.ShapeParam(e.span, name=node.name, quantity=what))
+        raise self.fail(errors.NotFixed(e.span, quantity=what))
 
     def whole(self, e: ast.Expr, what: str, name: str, low: int, high: int) -> int:
         """Returns a whole number from `low` to `high` that is known when compiled; `name`: what messages call it."""
@@ -290,4 +290,4 @@ def wrong_type(
             "cell": "a cell",
             "mover": f"a mover `{bound.sort.name}`",
         }[bound.sort.what]
-    return scope.fail(errors.WrongType(e.span, wanted=wanted, given=described, help=help))
+    return scope.fail(errors.WrongType(e.span, wanted=wanted, actual=described, help=help))

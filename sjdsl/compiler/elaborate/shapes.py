@@ -109,7 +109,7 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
         help_ = f"`{name}(r, centre)` includes the middle" if name in SEE_THROUGH else ""
         raise scope.fail(
             errors.WrongArguments(
-                ref.span, name=name, wanted=wanted, given=len(arguments), help=help_
+                ref.span, name=name, wanted=wanted, actual=len(arguments), help=help_
             )
         )
     numbers = [scope.whole(a, "a shape", "the reach of a shape", 1, 64) for a in arguments]
@@ -130,7 +130,7 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
         raise scope.fail(
             errors.Unsupported(
-                ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"
+                ref.span, feature=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"
             )
         )
     return ir.Shape(

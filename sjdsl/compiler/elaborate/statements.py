@@ -130,7 +130,7 @@ def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:
         if not name.text.isidentifier():
             help_ = "one `draw` has words alone, `{ red: 0.5, blue: 0.5 }`, or whole numbers alone, each for itself, `{ 1: 0.5, 3: 0.5 }`"
             raise scope.fail(
-                errors.WrongType(name.span, wanted="a word", given=f"`{name.text}`", help=help_)
+                errors.WrongType(name.span, wanted="a word", actual=f"`{name.text}`", help=help_)
             )
         if not scope.static.is_word(name.text):
             meant = near(name.text, [w for ws in scope.static.word_sets for w in ws])
@@ -147,7 +147,7 @@ def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:
 def _check_different(names: Sequence[ast.Name], what: str, scope: Scope) -> None:
     for i, name in enumerate(names):
         if name.text in [n.text for n in names[:i]]:
-            raise scope.fail(errors.WrittenTwice(name.span, what=f"the {what} `{name.text}`"))
+            raise scope.fail(errors.WrittenTwice(name.span, part=f"the {what} `{name.text}`"))
 
 
 def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
@@ -204,7 +204,7 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
     weights = []
     for entry in table.entries:
         if isinstance(entry.value, ast.Table):
-            raise scope.fail(errors.WrongType(entry.span, wanted="a probability", given="a table"))
+            raise scope.fail(errors.WrongType(entry.span, wanted="a probability", actual="a table"))
         weights.append(probability(entry.value, scope))
     values = [w.value for w in weights if isinstance(w, ir.Number)]
     if len(values) == len(weights):
@@ -263,7 +263,7 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
             errors.WrongType(
                 s.domain.span,
                 wanted="`in SHAPE of x` after `first`",
-                given="a domain without a shape",
+                actual="a domain without a shape",
             )
         )
     body = inside(s.block, header, inner, use)
@@ -326,7 +326,7 @@ def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
         raise Poisoned
     if s.first and not isinstance(right.restriction, ir.Near):
         wanted, given = "`in SHAPE of x` after `with first`", "a domain without a shape"
-        raise scope.fail(errors.WrongType(s.right.span, wanted=wanted, given=given))
+        raise scope.fail(errors.WrongType(s.right.span, wanted=wanted, actual=given))
     body = inside(s.block, header, inner, use)
     return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
 

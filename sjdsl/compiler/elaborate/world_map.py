@@ -124,7 +124,7 @@ def check_rows(
     sound = True
     if len(rows) > limits.MAX_MAP_SIDE or wanted > limits.MAX_MAP_SIDE:
         what = f"a map of {len(rows)} x {wanted} cells (at most {limits.MAX_MAP_SIDE} x {limits.MAX_MAP_SIDE})"
-        problems.add(errors.Unsupported(span, what=what))
+        problems.add(errors.Unsupported(span, feature=what))
         return False
     for number, row in enumerate(rows):
         if len(row) != wanted:

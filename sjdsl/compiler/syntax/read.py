@@ -37,7 +37,7 @@ def read_source(path: Path | str) -> Source:
     except (OSError, ValueError) as error:
         if isinstance(error, OSError) and error.errno == errno.EFBIG:
             raise CompileError(
-                [errors.FileTooLarge(start, given=path.stat().st_size, limit=MAX_BYTES)]
+                [errors.FileTooLarge(start, size=path.stat().st_size, limit=MAX_BYTES)]
             ) from None
         problem = (getattr(error, "strerror", None) or "the name is not one of a file").lower()
     else:
@@ -49,7 +49,7 @@ def decode(data: bytes, name: str) -> Source:
     """Returns the text that the bytes of a file are. Raises CompileError: too large, not UTF-8."""
     start = Source(name, "").span(0, 0)
     if len(data) > MAX_BYTES:
-        raise CompileError([errors.FileTooLarge(start, given=len(data), limit=MAX_BYTES)])
+        raise CompileError([errors.FileTooLarge(start, size=len(data), limit=MAX_BYTES)])
     if b"\0" in data:
         raise CompileError([errors.NotText(start, problem=f"byte {data.index(0)} is NUL")])
     try:

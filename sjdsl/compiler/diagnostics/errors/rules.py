@@ -97,9 +97,9 @@ class TickTwice(Diagnostic, code="SJ502", title="The schedule and its timers"):
 
 
 class NoTick(TickTwice):
-    says = "{what}, but no `tick` in the schedule"
+    says = "{need}, but no `tick` in the schedule"
     hints = ("write `tick` among the phases, where their time runs: `schedule tick -> …`",)
-    what: str
+    need: str
 
 
 class TimerBothSides(
@@ -115,8 +115,8 @@ class NeverHappens(Diagnostic, code="SJ504", title="This can never happen", seve
 
 
 class Unused(AboutName, code="SJ505", title="Never used", severity="warning"):
-    says = "{what} `{name}` is never used"
-    what: str
+    says = "{entity} `{name}` is never used"
+    entity: str
 
 
 class IdleAction(AboutName, code="SJ506", title="An action without effect", severity="warning"):
@@ -135,25 +135,25 @@ class IdleSteps(Diagnostic, code="SJ506", title="An action without effect", seve
 
 
 class ForbidReads(Diagnostic, code="SJ507", title="What `forbid` may read"):
-    says = "`forbid` reads {what}"
+    says = "`forbid` reads {reads}"
     hints = ("it may read the acting agent's own fields and the world's",)
-    what: str
+    reads: str
 
 
 class NoPlaceYet(Diagnostic, code="SJ508", title="No place yet"):
-    says = "in `phase start` no agent has a place yet, so `{what}` means nothing"
+    says = "in `phase start` no agent has a place yet, so `{expression}` means nothing"
     hints = ("do it in a phase of the schedule, at `step == 0`",)
-    what: str
+    expression: str
 
 
 class NoPlaceWhenBack(NoPlaceYet):
-    says = "`{name}` finds its cell when it comes back; until then it has no place and chooses nothing, so `{what}` means nothing"
+    says = "`{name}` finds its cell when it comes back; until then it has no place and chooses nothing, so `{expression}` means nothing"
     hints = ("keep what it needs in a field of its own, set before it is sent away",)
     name: str
 
 
 class NoPlaceBefore(NoPlaceYet):
-    says = "`{name}` may have been away when the step began, and then `{what}` means nothing"
+    says = "`{name}` may have been away when the step began, and then `{expression}` means nothing"
     hints = (
         "name the agents inside `before`, where they are those of that time: `before(count(agent as x where x.row > 2))`",
     )
@@ -169,17 +169,17 @@ class NeverCounted(
 
 
 class LookReads(Diagnostic, code="SJ510", title="What `look` may read"):
-    says = "`look` reads {what}"
+    says = "`look` reads {reads}"
     hints = ("it may compare the fields of the cell, or of the agent, with words and numbers",)
-    what: str
+    reads: str
 
 
 class SlotsUnfilled(AboutName, code="SJ511", title="A scenario that does not fill its slots"):
-    says = "the slots of the scenario `{name}` add up to {given}, and the game has {agents} agents"
+    says = "the slots of the scenario `{name}` add up to {slots}, and the game has {agents} agents"
     hints = (
         "count from the number of agents: `slots players - 2 policy defector`, where `size players` is that number",
     )
-    given: int
+    slots: int
     agents: int
 
 
@@ -225,5 +225,5 @@ class HiddenField(AboutName, code="SJ514", title="A field that a label hides", s
 
 
 class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):
-    says = "not supported yet: {what}"
-    what: str
+    says = "not supported yet: {feature}"
+    feature: str

@@ -159,9 +159,9 @@ class CanBeNowhere(CanBeNobody):
 
 
 class ShapeParam(AboutName, code="SJ210", title="A number that sets a shape"):
-    says = "`{name}` sets {what}, so it is a `size`, not a `param`"
+    says = "`{name}` sets {quantity}, so it is a `size`, not a `param`"
     hints = ("write `size {name} : ...`",)
-    what: str
+    quantity: str
 
 
 class Weights(Diagnostic, code="SJ211", title="Weights that do not sum to 1"):
@@ -176,9 +176,9 @@ class RequireFalse(Diagnostic, code="SJ212", title="A requirement that does not 
 
 
 class WrongType(Diagnostic, code="SJ213", title="Wrong type"):
-    says = "expected {wanted}, found {given}"
+    says = "expected {wanted}, found {actual}"
     wanted: str
-    given: str
+    actual: str
 
 
 class Negative(AboutName, code="SJ214", title="A number outside its limits"):
@@ -214,9 +214,9 @@ class RoundedToOne(Crossed):
 
 
 class NotFixed(Diagnostic, code="SJ216", title="Not known when compiled"):
-    says = "{what} must be known when the game is compiled"
+    says = "{quantity} must be known when the game is compiled"
     hints = ("use numbers and `size`s only",)
-    what: str
+    quantity: str
 
 
 class ExtremeOfNothing(AboutName, code="SJ217", title="The largest of none"):

@@ -238,7 +238,7 @@ def _unexpected(
         else f"`{text[:37]}...`"
     )
     return errors.Unexpected(
-        here, found=found, expected=expected, help=help_, labels=labels, fix=fix
+        here, actual=found, expected=expected, help=help_, labels=labels, fix=fix
     )
 
 
