@@ -176,7 +176,7 @@ def _base_of(name: ast.String, source: Source) -> Source:
     problems = Problems()
     path = inside_folder(name.text, name.span, source, problems)
     if path is None:
-        raise CompileError(problems.found)
+        raise CompileError(problems.diagnostics)
     name_here = (Path(source.name).parent / name.text).as_posix()
     over = source.instead_of(path)
     if over is not None:

@@ -120,11 +120,7 @@ def _argument(argument: ast.Argument, scope: Scope) -> ir.ActionArgument:
     capped = isinstance(argument.type, ast.Range) and argument.type.capped
     if type_.kind not in ("agent", "word", "int") or capped:
         given = f"{describe(type_)} that is `capped`" if capped else describe(type_)
-        raise scope.fail(
-            errors.WrongType(
-                argument.type.span, wanted="`agent`, a set of words or a range", actual=given
-            )
-        )
+        raise scope.expected(argument.type.span, "`agent`, a set of words or a range", given)
     counts = {
         "agent": scope.static.num_agents,
         "word": len(type_.words),
@@ -245,11 +241,7 @@ def _asked(
         case "agent":
             if not as_agent(value) or isinstance(value, ir.Nobody):
                 given = "nobody" if isinstance(value, ir.Nobody) else describe(value.type)
-                raise scope.fail(
-                    errors.WrongType(
-                        tree.span, wanted="an agent, or the number of one", actual=given
-                    )
-                )
+                raise scope.expected(tree.span, "an agent, or the number of one", given)
             check_somebody(value, tree.span, scope)
         case "int":
             if value.type.kind != "int" or value.type.by:
@@ -399,9 +391,7 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
                 "a number or a word where `forbid` lists several actions",
             )
             first = next(iter(bound.values()))
-            raise scope.fail(
-                errors.WrongSort(first.span, name=first.text, actual=what, wanted=wanted)
-            )
+            raise scope.misused(first, what, wanted)
         fixed = {
             i: fixed_argument(tree, declared.arguments[i], chosen, scope)
             for i, tree in enumerate(chosen.arguments or ())

@@ -42,9 +42,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
             help_ = "numbers stay as they are; what changes is a field, such as `field pot : 0 .. 9 = 0`"
         case _:
             help_ = "only fields can be written"
-    raise scope.fail(
-        errors.WrongType(path.span, wanted="a field", actual=describe(target.type), help=help_)
-    )
+    raise scope.expected(path.span, "a field", describe(target.type), help_)
 
 
 def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:

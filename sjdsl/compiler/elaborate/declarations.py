@@ -43,7 +43,7 @@ def declare_numbers(
     )
     _check_names(game, _collect_words(game, static, problems), problems)
     static.events = {n: m for n, m in game.metrics.items() if isinstance(m, ast.Event)}
-    static.own_number = num_agents is None and not overrides
+    static.number_from_file = num_agents is None and not overrides
     overrides = dict(overrides)
     if num_agents is not None:
         override_number(game, overrides, num_agents, problems)

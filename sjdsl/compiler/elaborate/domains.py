@@ -43,11 +43,7 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
     if d.on is not None:
         if sort.what == "cell":
             wanted = "an agent (`agent on KIND`)"
-            raise scope.fail(
-                errors.WrongSort(
-                    d.kind.span, name=d.kind.text, actual="a kind of cell", wanted=wanted
-                )
-            )
+            raise scope.misused(d.kind, "a kind of cell", wanted)
         cell = _cell_around(d.on, inner)
         if cell is not None:
             conditions.append(ir.StandsAt(agent=var, cell=cell, origin=d.on.span))
@@ -141,11 +137,7 @@ def _restriction(
             if any(
                 m.sort != var.sort and {m.sort.what, var.sort.what} != {"cell"} for m in members
             ):
-                raise scope.fail(
-                    errors.WrongType(
-                        restriction.span, wanted="variables of the same sort", actual="a mixture"
-                    )
-                )
+                raise scope.expected(restriction.span, "variables of the same sort", "a mixture")
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
             value = scope.expression(restriction)
@@ -182,11 +174,7 @@ def _variable(name: ast.Name, scope: Scope) -> ir.Member:
             raise Poisoned
         if isinstance(bound, ir.Member):
             return bound.model_copy(update={"origin": name.span})
-        raise scope.fail(
-            errors.WrongSort(
-                name.span, name=name.text, actual="a value", wanted="an agent or a cell"
-            )
-        )
+        raise scope.misused(name, "a value", "an agent or a cell")
     raise unknown(name, scope)
 
 

@@ -57,11 +57,7 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
         return built
     if isinstance(built, ir.Member) and built.sort.what == "mover":
         help_ = "a mover earns nothing; keep it in a field of the mover, such as `field fed : 0 .. 9 capped = 0`"
-        raise scope.fail(
-            errors.WrongType(
-                e.span, wanted="an agent or a set of agents", actual="a mover", help=help_
-            )
-        )
+        raise scope.expected(e.span, "an agent or a set of agents", "a mover", help_)
     if not as_agent(built):
         raise wrong_type(scope, e, "an agent or a set of agents", built.type)
     check_somebody(built, e.span, scope)
@@ -99,18 +95,12 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     word = None
     if event.by is not None:
         if len(s.event.steps) != 1 or not isinstance(s.event.steps[0], ast.Index):
-            raise scope.fail(
-                errors.WrongType(
-                    s.event.span, wanted=f"`{name.text}[word]`", actual="the whole row"
-                )
-            )
+            raise scope.expected(s.event.span, f"`{name.text}[word]`", "the whole row")
         if name.text not in static.event_levels:
             raise Poisoned
         word = key_of(s.event.steps[0].key, name.text, static.event_levels[name.text], scope)
     elif s.event.steps:
-        raise scope.fail(
-            errors.WrongType(s.event.span, wanted="the event alone", actual="an entry of it")
-        )
+        raise scope.expected(s.event.span, "the event alone", "an entry of it")
     amount = None if s.by is None else scope.number(s.by, ("count",), "a count")
     if s.by is not None and amount is not None and amount.type.low < 0:
         raise scope.fail(errors.Negative(s.by.span, name="what is counted"))
@@ -167,9 +157,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
             or destination.restriction is not None
         ):
             wanted = "a kind of cell, perhaps with `where`"
-            raise scope.fail(
-                errors.WrongType(s.domain.span, wanted=wanted, actual="another domain")
-            )
+            raise scope.expected(s.domain.span, wanted, "another domain")
     else:  # the domain of that one cell
         span, taken = s.domain.span, {v.name for v in free_variables(held)}
         name = next(n for n in ("cell", "cell_", "cell__") if n not in taken)

@@ -115,9 +115,7 @@ def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
             "a range of whole numbers, the smaller first",
             "" if low > high else REAL_FIELD.format(name="NAME"),
         )
-        raise scope.fail(
-            errors.WrongType(declared.span, wanted=wanted, actual="another one", help=help_)
-        )
+        raise scope.expected(declared.span, wanted, "another one", help_)
     unit = join_units(*units)
     return ir.Type(
         kind="int", unit="count" if unit in (None, "number") else unit, low=low, high=high
@@ -153,11 +151,7 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
         case ir.Number() if type_.kind in ("int", "real"):
             if type_.kind == "int" and value.value != int(value.value):
                 help_ = REAL_FIELD.format(name=name)
-                raise scope.fail(
-                    errors.WrongType(
-                        tree.span, wanted="a whole number", actual=f"{value.value:g}", help=help_
-                    )
-                )
+                raise scope.expected(tree.span, "a whole number", f"{value.value:g}", help_)
             if type_.kind == "int" and not type_.low <= value.value <= type_.high:
                 reached = interval_text(value.type.low, value.type.high)
                 help_ = "begin with a number of the range, or widen the range"

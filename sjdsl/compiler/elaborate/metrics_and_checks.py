@@ -259,9 +259,7 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
             )
         values.append(use_define(name, (), scope))
         if not is_number(values[-1].type):
-            raise scope.fail(
-                errors.WrongType(name.span, wanted="a number", actual=describe(values[-1].type))
-            )
+            raise scope.expected(name.span, "a number", describe(values[-1].type))
     if check.direction.text not in ("falling", "rising"):
         raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
     words = (check.direction.text, check.value.text, check.argument.text)

@@ -83,15 +83,11 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     course = None
     if var.sort.what == "agent" and s.course is not None:
         help_ = "which way agents go, they choose: write `move each agent`"
-        raise scope.fail(
-            errors.WrongType(s.course.span, wanted="no way to go", actual="one", help=help_)
-        )
+        raise scope.expected(s.course.span, "no way to go", "one", help_)
     if var.sort.what == "mover":
         if s.course is None:
             help_ = f"write `move each {name} ahead`, or `at random`, `along h`, `toward D`, `away from D`"
-            raise scope.fail(
-                errors.WrongType(s.span, wanted="the way that movers go", actual="none", help=help_)
-            )
+            raise scope.expected(s.span, "the way that movers go", "none", help_)
         course = _course(s.course, var, inner, use.streams.of_statement(f"{text}\nwhich way"))
     return ir.Move(
         domain=members, course=course, stream=use.streams.of_statement(text), origin=s.span

@@ -208,7 +208,7 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
 
 def observer_scope(what: str, kind: str, named: str, scope: Scope) -> Scope:
     """Returns what conditions may name: `agent`, the observer, and the cell or agent that is seen. `named`: a group that a cell is called by."""
-    observer = scope.with_agent("observe").but(facts=scope.static.of_observed)
+    observer = scope.with_agent("observe").but(facts=scope.static.observed_facts)
     match what:
         case "cell":
             cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
@@ -270,7 +270,7 @@ def _resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
         given, help_ = "another path", ""
         if len(members) != len(path.steps):
             given, help_ = "an entry of a row", _whole_row(path, head, static)
-        raise scope.fail(errors.WrongType(path.span, wanted=wanted, actual=given, help=help_))
+        raise scope.expected(path.span, wanted, given, help_)
     if members:
         return _of_owner(path.name, members[0], scope)
     kinds = static.kinds_of(head)
@@ -398,18 +398,10 @@ def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
         help_ = "agents are always seen; fields of theirs can be shown, if the game declares some"
         if fields:
             help_ = f"say which field: {' or '.join(fields[:3])}"
-        return scope.fail(
-            errors.WrongSort(
-                name.span, name=name.text, actual=WHO[name.text], wanted="a field", help=help_
-            )
-        )
+        return scope.misused(name, WHO[name.text], "a field", help_)
     if name.text in static.groups:
         help_ = _fields_of_a_kind(static.groups[name.text][0], verb, static)
-        return scope.fail(
-            errors.WrongSort(
-                name.span, name=name.text, actual="a group of kinds", wanted="a field", help=help_
-            )
-        )
+        return scope.misused(name, "a group of kinds", "a field", help_)
     owners = ["agent", "other"] * (name.text in static.agent_fields)
     owners += [kind for kind, fields in static.kinds.items() if name.text in fields]
     help_ = (
@@ -545,11 +537,7 @@ def _look(show: ast.Show, kind: str, scope: Scope) -> ir.Observable:
     if not show.labels or show.condition is not None:
         given = "a condition for the whole kind" if show.labels else "a kind without it"
         help_ = _fields_of_a_kind(kind, "show", scope.static)
-        raise scope.fail(
-            errors.WrongType(
-                show.span, wanted=f"what cells of `{kind}` look like", actual=given, help=help_
-            )
-        )
+        raise scope.expected(show.span, f"what cells of `{kind}` look like", given, help_)
     labels = _labels(show, "cell", observer_scope("cell", kind, show.what.name.text, scope))
     names = tuple(dict.fromkeys(label.name for label in labels))
     return ir.Observable(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
@@ -582,14 +570,7 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
         what, kind, name = found.key
         if what == "cell" and not name:
             help_ = _fields_of_a_kind(kind, "hide", scope.static)
-            raise scope.fail(
-                errors.WrongType(
-                    hide.what.span,
-                    wanted="something that is seen of cells",
-                    actual="a kind",
-                    help=help_,
-                )
-            )
+            raise scope.expected(hide.what.span, "something that is seen of cells", "a kind", help_)
         if hide.condition is None:
             seen.pop(found.key, None)
             continue
@@ -630,29 +611,16 @@ def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
 def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
     what, on, static = hide.what.name.text, hide.on, scope.static
     if hide.what.steps or what not in PLANES:
-        raise scope.fail(
-            errors.WrongType(
-                hide.what.span,
-                wanted="`marks` or `content`",
-                actual="something else",
-                help=f"write {FORMS}",
-            )
+        raise scope.expected(
+            hide.what.span, "`marks` or `content`", "something else", f"write {FORMS}"
         )
     if what == "content" and (on is None or on.text != "agents"):
         help_ = "write `hide content on agents`; `show gate as { floor }` makes cells of one kind look like those of another"
-        raise scope.fail(
-            errors.WrongType(
-                hide.span, wanted="`on agents`", actual="content of other cells", help=help_
-            )
-        )
+        raise scope.expected(hide.span, "`on agents`", "content of other cells", help_)
     if on is None or on.text == "agents":
         if hide.condition is not None:
             given = "a condition without a kind of cells"
-            raise scope.fail(
-                errors.WrongType(
-                    hide.span, wanted="`on KIND` before `when`", actual=given, help=f"write {FORMS}"
-                )
-            )
+            raise scope.expected(hide.span, "`on KIND` before `when`", given, f"write {FORMS}")
         return ir.Hidden(what=what, on="map" if on is None else "agents", origin=hide.span)  # type: ignore[arg-type]
     kinds = static.kinds_of(on.text)
     if kinds is None:

@@ -98,7 +98,7 @@ def _taken(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given, 
 
 def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
     """Returns the scenarios of a game; where a caller has chosen the number of agents, also those that it doesn't fill."""
-    static, own_number = scope.static, scope.static.own_number
+    static, number_from_file = scope.static, scope.static.number_from_file
 
     def one(scenario: ast.Scenario) -> ir.Scenario:
         slots = tuple(_slots(part, game, scope) for part in scenario.slots)
@@ -107,11 +107,13 @@ def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
             scenario.name.span,
             sum(part.number for part in slots),
         )
-        if own_number and (total != static.num_agents or any(part.number < 0 for part in slots)):
+        if number_from_file and (
+            total != static.num_agents or any(part.number < 0 for part in slots)
+        ):
             raise scope.fail(
                 errors.SlotsUnfilled(span, name=name, slots=total, agents=static.num_agents)
             )
-        if not any(not part.policy and (part.number or not own_number) for part in slots):
+        if not any(not part.policy and (part.number or not number_from_file) for part in slots):
             raise scope.fail(errors.NoFocalSlot(span, name=name))
         title = "" if scenario.title is None else scenario.title.text
         return ir.Scenario(name=name, title=title, slots=slots, origin=span)
@@ -122,11 +124,7 @@ def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
 def _slots(part: ast.Slots, game: Composition, scope: Scope) -> ir.Slots:
     number = scope.fixed(part.number, "a number of slots")
     if number != int(number):
-        raise scope.fail(
-            errors.WrongType(
-                part.number.span, wanted="a whole number of slots", actual=f"{number:g}"
-            )
-        )
+        raise scope.expected(part.number.span, "a whole number of slots", f"{number:g}")
     number = int(number)
     if part.policy is None:
         return ir.Slots(number=number, origin=part.span)

@@ -22,12 +22,12 @@ STEP = ir.Step(type=integer(0, float("inf"), "steps"))
 
 def know_steps(episode: ir.Expr, static: Static) -> None:
     """Keeps which numbers `step` can be: in the rules fewer than an episode has, in an observation up to that many."""
-    static.of_rules = (
+    static.rule_facts = (
         ()
         if _can_be_chosen(episode, static)
         else facts(ir.Compare(fn="<", left=STEP, right=episode))
     )
-    static.of_observed = facts(ir.Compare(fn="<=", left=STEP, right=episode))
+    static.observed_facts = facts(ir.Compare(fn="<=", left=STEP, right=episode))
 
 
 def check_possible(test: ir.Expr, scope: Scope) -> None:
@@ -132,7 +132,7 @@ def as_written(e: ir.Expr, scope: Scope) -> str:
 
 def _reach(number: ir.Expr, scope: Scope) -> Interval:
     """Returns the numbers that an expression can be where a condition stands."""
-    of_time = scope.static.of_observed if scope.part == "observe" else scope.static.of_rules
+    of_time = scope.static.observed_facts if scope.part == "observe" else scope.static.rule_facts
     return narrowed(number, (*of_time, *scope.facts))
 
 

@@ -129,9 +129,7 @@ def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:
     for name in names:
         if not name.text.isidentifier():
             help_ = "one `draw` has words alone, `{ red: 0.5, blue: 0.5 }`, or whole numbers alone, each for itself, `{ 1: 0.5, 3: 0.5 }`"
-            raise scope.fail(
-                errors.WrongType(name.span, wanted="a word", actual=f"`{name.text}`", help=help_)
-            )
+            raise scope.expected(name.span, "a word", f"`{name.text}`", help_)
         if not scope.static.is_word(name.text):
             meant = near(name.text, [w for ws in scope.static.word_sets for w in ws])
             declare = f"declare some, `field NAME : {{ {', '.join(n.text for n in names)} }} = {names[0].text}`"
@@ -204,7 +202,7 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
     weights = []
     for entry in table.entries:
         if isinstance(entry.value, ast.Table):
-            raise scope.fail(errors.WrongType(entry.span, wanted="a probability", actual="a table"))
+            raise scope.expected(entry.span, "a probability", "a table")
         weights.append(probability(entry.value, scope))
     values = [w.value for w in weights if isinstance(w, ir.Number)]
     if len(values) == len(weights):
@@ -259,12 +257,8 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
         raise Poisoned
     stream = use.streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(built.restriction, ir.Near):
-        raise scope.fail(
-            errors.WrongType(
-                s.domain.span,
-                wanted="`in SHAPE of x` after `first`",
-                actual="a domain without a shape",
-            )
+        raise scope.expected(
+            s.domain.span, "`in SHAPE of x` after `first`", "a domain without a shape"
         )
     body = inside(s.block, header, inner, use)
     match s:
@@ -298,7 +292,7 @@ def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
         ):
             raise  # a misspelt kind would make every use of its variable one more mistake
         if d.where is not None:
-            scope = scope.unsure()
+            scope = scope.after_unreadable_guard()
             with suppress(Poisoned):
                 return None, domain(replace(d, where=None), scope)[1]
         inner = with_member(d.bind, d.kind, None, scope)
@@ -326,7 +320,7 @@ def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
         raise Poisoned
     if s.first and not isinstance(right.restriction, ir.Near):
         wanted, given = "`in SHAPE of x` after `with first`", "a domain without a shape"
-        raise scope.fail(errors.WrongType(s.right.span, wanted=wanted, actual=given))
+        raise scope.expected(s.right.span, wanted, given)
     body = inside(s.block, header, inner, use)
     return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
 
@@ -353,9 +347,9 @@ def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
             if isinstance(current, ast.When):
                 scope = scope.knowing([ir.Not(value=test)])
         except Poisoned:
-            inside(current.block, header, scope.unsure(), use)
+            inside(current.block, header, scope.after_unreadable_guard(), use)
             if isinstance(current, ast.When):
-                scope = scope.unsure()
+                scope = scope.after_unreadable_guard()
         header = f"{header} otherwise"
         following = current.otherwise
         if isinstance(following, ast.When | ast.Chance) and isinstance(following, type(s)):
