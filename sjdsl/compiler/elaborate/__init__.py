@@ -23,11 +23,12 @@ from sjdsl.compiler.elaborate.metrics_and_checks import (
     measures,
     requires,
 )
-from sjdsl.compiler.elaborate.observations import hidden, observables, window
+from sjdsl.compiler.elaborate.observations import hidden, observables
 from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.possible import know_steps, report_never
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.window import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 from sjdsl.compiler.ir.implications import facts
 
