@@ -138,7 +138,7 @@ def elaborate(
 def _read_map(
     game: Composition, static: Static, overrides: Overrides, problems: Problems
 ) -> tuple[str, ...]:
-    """Returns the rows of the map, and adds what they say to the tables; no rows if they are wrong."""
+    """Returns the rows of the map, none if they have a mistake; adds them to the tables."""
     glyphs = glyph_table(static, problems)
     static.wraps = game.map is not None and game.map.edges == "joined"
     span = game.span if game.map is None else game.map.span

@@ -477,7 +477,10 @@ def _check_names_read(
 
 
 def _is_out_of_sight(node: ir.Node) -> bool:
-    """Returns whether a `forbid` cannot read this: places, other agents, and what is done in the step."""
+    """Returns whether `forbid` cannot read an expression.
+
+    Such are places, other agents, and what is done in the step.
+    """
     match node:
         case (
             ir.Count()

@@ -147,7 +147,7 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
 
 
 def _operands(e: ast.Binary) -> list[ast.Expr]:
-    """Returns the operands of `a and b and c`, or of several `or`, which is read as `(a and b) and c`."""
+    """Returns the operands of `a and b and c`, whose tree is `(a and b) and c`, or of `or`."""
     last = [e.right]
     left = e.left
     while isinstance(left, ast.Binary) and left.op == e.op:

@@ -89,7 +89,8 @@ def _check_shown_as_whole(whole: set[str], game: Composition, scope: Scope) -> N
             continue
         for kind in scope.static.kinds_of(observable.what.name.text) or ():
             if kind in whole:
-                part = f"what is seen of cells of `{kind}` (here, and in `show {kind} as {{ … }}`)"
+                places = f"here, and in `show {kind} as {{ … }}`"
+                part = f"what is seen of cells of `{kind}` ({places})"
                 scope.problems.add(errors.WrittenTwice(observable.span, part=part))
                 break
 

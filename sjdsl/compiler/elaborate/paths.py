@@ -1,4 +1,4 @@
-"""Resolves dotted paths such as `agent.bag[raw]`: variables, their attributes, and entries of tables."""
+"""Resolves paths such as `agent.bag[raw]`: variables, their attributes, entries of tables."""
 
 from dataclasses import replace
 from math import inf

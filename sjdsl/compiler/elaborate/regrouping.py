@@ -24,7 +24,7 @@ def add_regrouped(e: ast.Binary, scope: Scope) -> None:
 
 
 def _regrouped(e: ast.Binary) -> Iterator[ast.Binary]:
-    """Yields the product with one of its quotients taken first, for each pair of a factor and a divisor."""
+    """Yields the product with a quotient taken first, for each pair of factor and divisor."""
     factors, divisors = _parts(e)
     for divisor in divisors:
         for factor in factors[::-1]:
@@ -52,7 +52,7 @@ def _chain(factors: Sequence[ast.Expr], divisors: Sequence[ast.Expr]) -> ast.Bin
 
 
 def _has_units(e: ast.Binary, scope: Scope) -> bool:
-    """Returns whether the units of an expression go together, whatever else may be wrong with it."""
+    """Returns whether the units of an expression mix, whatever else may be wrong with it."""
     quiet = Problems()
     try:
         scope.but(problems=quiet).expression(e)

@@ -1,4 +1,4 @@
-"""Scopes: the symbol table of a game, and the variables and known facts at one point of the rules."""
+"""Scopes: the symbol table of a game, and the variables and facts at one place of the rules."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
