@@ -75,7 +75,7 @@ def lower_build(made: Build, source: Source) -> Program:
     try:
         return lower(made.game.rules, Path(source.name).name, made.sources)
     except NotSupported as refused:
-        found = errors.Unsupported(refused.origin, feature=refused.what, help=refused.instead)  # type: ignore[arg-type]
+        found = errors.Unsupported(refused.origin, feature=refused.feature, help=refused.instead)  # type: ignore[arg-type]
         raise CompileError([found]) from None
 
 

@@ -1,4 +1,4 @@
-"""The pools of a game: destinations of `send`, one for each use of a phase."""
+"""Pools: the destinations of `send` in a game, numbered; each use of a phase has its own."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -7,7 +7,7 @@ from sjdsl.compiler.lower.writer import Module
 
 
 class Pool(Record):
-    """One destination of one phase use; `number` names it in the state of those who are away."""
+    """One destination of one use of a phase; `number` names it in the state of those away."""
 
     number: int
     send: ir.Send
@@ -19,7 +19,7 @@ class Pool(Record):
 
     @property
     def sort(self) -> ir.Sort:
-        """The sort of those who are sent."""
+        """Agents, or the movers, that are sent."""
         return body_sort(self.send.who)
 
 
@@ -30,12 +30,12 @@ def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
     for phase in (game.start, *game.schedule):
         if not isinstance(phase, ir.Phase):
             continue
-        found: dict[int, Pool] = {}
+        of_phase: dict[int, Pool] = {}
         for node in ir.walk(phase):
-            if isinstance(node, ir.Send) and node.pool not in found:
-                found[node.pool] = Pool(number, node, phase.name)
+            if isinstance(node, ir.Send) and node.pool not in of_phase:
+                of_phase[node.pool] = Pool(number, node, phase.name)
                 number += 1
-        pools[phase.name] = tuple(found.values())
+        pools[phase.name] = tuple(of_phase.values())
     return pools
 
 

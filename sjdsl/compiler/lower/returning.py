@@ -1,4 +1,4 @@
-"""Lowers the return of those who were sent away for some steps, which is part of `tick`."""
+"""Lowers the return of those who were sent away for some ticks, a part of `tick`."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
@@ -12,71 +12,81 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
 from sjdsl.compiler.lower.pools import Pool, sends_of
-from sjdsl.compiler.lower.scope import AgentVar, IterationScope
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer, replaced
 from sjdsl.compiler.program import expressions as array
 
 
 def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writer) -> None:
-    """Writes the part of `tick` in which respawn delays count down and those return whose delay is over.
+    """Writes how delays count down, and how those come back whose delay is over.
 
-    They return pool by pool, each on the map as it then is. sorts: of those who can be sent away.
+    They come back pool by pool, each onto the map as it then is. sorts: of those who can be away.
     """
-    due: dict[ir.Sort, array.Expression] = {}
-    left: dict[str, array.Expression] = {}
-    for sort in sorts:
-        away = array.path(f"state.{attribute_of('away', sort)}")
-        is_nowhere = array.Binary("==", state_reads.positions(w, sort), state_reads.nowhere(w).node)
-        due[sort] = w.bind(
-            "due", array.Binary("&", is_nowhere, array.Binary("==", away, array.Literal(1)))
-        )
-        waiting = array.Cast(
-            array.Binary("&", is_nowhere, array.Binary(">", away, array.Literal(1))), "i32"
-        )
-        left[attribute_of("away", sort)] = array.Binary("-", away, waiting)
-    w.set(array.Name("state"), replaced("state", left))
-    for pool in (p for phase in pools.values() for p in phase):
+    due = _count_down(sorts, w)
+    for pool in (p for of_phase in pools.values() for p in of_phase):
         if any(s.after is not None for s in sends_of(pool, w.module)):
             w.forget()
             w.origin = pool.send.origin
-            position, heading, away, away_facing, away_pool = (
-                array.path(f"state.{attribute_of(name, pool.sort)}")
-                for name in ("position", "heading", "away", "away_facing", "away_pool")
-            )
-            to_pool = array.Binary("==", away_pool, array.Literal(pool.number))
-            back = w.keep("back", Value(array.Binary("&", due[pool.sort], to_pool), "bool")).node
-            own = _of_those_who_return(pool, w)
-            free = free_cells(pool, None, own is None, w)
-            number = w.module.extent(pool.sort)
-            drawn = (
-                array.call("random_bits", KEY, w.stream(s ^ ir.RETURN), number)
-                for s in (pool.send.cell_stream, pool.send.heading_stream)
-            )
-            among = (
-                state_reads.cells_of(pool.kinds, w),
-                free,
-                back,
-                *drawn,
-                position,
-                heading,
-                away_facing,
-            )
-            attributes = [attribute_of(name, pool.sort) for name in ("position", "heading", "away")]
-            new_position, new_heading, placed = (
-                array.Name(w.names.fresh(name)) for name in (*attributes[:2], "placed")
-            )
-            w.unpack(
-                (new_position, new_heading, placed),
-                array.call("come_back", *among, *(() if own is None else (own,))),
-            )
-            new = (new_position, new_heading, array.Where(placed, array.Literal(0), away))
-            w.set(array.Name("state"), replaced("state", dict(zip(attributes, new, strict=True))))
+            _bring_back_to(pool, due[pool.sort], w)
     w.forget()
     w.origin = None
 
 
-def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:
-    """Returns which cells fit each agent when it comes back, `[N, S]` bool; None if they are the same for all."""
+def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, array.Expression]:
+    """Writes the ticks that everybody is still away; returns who is due, `[N]` bool."""
+    due: dict[ir.Sort, array.Expression] = {}
+    left: dict[str, array.Expression] = {}
+    one = array.Literal(1)
+    for sort in sorts:
+        attribute = attribute_of("away", sort)
+        away = array.path(f"state.{attribute}")
+        is_nowhere = array.Binary("==", state_reads.positions(w, sort), state_reads.nowhere(w).node)
+        is_due = array.Binary("&", is_nowhere, array.Binary("==", away, one))
+        is_waiting = array.Binary("&", is_nowhere, array.Binary(">", away, one))
+        due[sort] = w.bind("due", is_due)
+        left[attribute] = array.Binary("-", away, array.Cast(is_waiting, "i32"))
+    w.set(array.Name("state"), replaced("state", left))
+    return due
+
+
+def _bring_back_to(pool: Pool, due: array.Expression, w: Writer) -> None:
+    """Writes how those come back who are due and were sent to a pool."""
+    position, heading, away, away_facing, away_pool = (
+        attribute_of(name, pool.sort)
+        for name in ("position", "heading", "away", "away_facing", "away_pool")
+    )
+
+    def stored(attribute: str) -> array.Expression:
+        return array.path(f"state.{attribute}")
+
+    to_pool = array.Binary("==", stored(away_pool), array.Literal(pool.number))
+    back = w.keep("back", Value(array.Binary("&", due, to_pool), "bool")).node
+    fitting = _fitting_on_return(pool, w)
+    free = free_cells(pool, None, fitting is None, w)
+    arguments = [state_reads.cells_of(pool.kinds, w), free, back]
+    for stream in (pool.send.cell_stream, pool.send.heading_stream):
+        number = w.stream(stream ^ ir.RETURN)
+        arguments.append(array.call("random_bits", KEY, number, w.module.extent(pool.sort)))
+    arguments += [stored(position), stored(heading), stored(away_facing)]
+    if fitting is not None:
+        arguments.append(fitting)
+    new_position = array.Name(w.names.fresh(position))
+    new_heading = array.Name(w.names.fresh(heading))
+    placed = array.Name(w.names.fresh("placed"))
+    w.unpack((new_position, new_heading, placed), array.call("come_back", *arguments))
+    changes: dict[str, array.Expression] = {
+        position: new_position,
+        heading: new_heading,
+        away: array.Where(placed, array.Literal(0), stored(away)),
+    }
+    w.set(array.Name("state"), replaced("state", changes))
+
+
+def _fitting_on_return(pool: Pool, w: Writer) -> array.Expression | None:
+    """Returns which cells fit each agent when it comes back, `[N, S]` bool.
+
+    None if the same fit all.
+    """
     s = next(s for s in sends_of(pool, w.module) if s.after is not None)
     named = variables_around(s.domain)
     if not named:
@@ -84,9 +94,7 @@ def _of_those_who_return(pool: Pool, w: Writer) -> array.Expression | None:
     agents = w.axis(pool.sort.name, w.module.extent(pool.sort))
     axis = w.axis("destination", w.module.num_cells(s.domain.var.kinds))
     everybody = AgentVar(iota(agents), agents, pool.sort)
-    scope = IterationScope(
-        axes=(agents,), variables={variable.name: everybody for variable in named}
-    )
-    return w.keep(
-        "fitting", Value(spread(fitting_cells(s, axis, scope, w), (agents, axis)), "bool")
-    ).node
+    variables: dict[str, Variable] = {variable.name: everybody for variable in named}
+    scope = IterationScope(axes=(agents,), variables=variables)
+    fits = spread(fitting_cells(s, axis, scope, w), (agents, axis))
+    return w.keep("fitting", Value(fits, "bool")).node
