@@ -97,7 +97,7 @@ def value_name(e: ir.Expr) -> str:
 
 
 def _fitting(*parts: str) -> str:
-    """Returns parts of a name together; empty if one is missing, or the name is none or too long."""
+    """Returns parts of a name together; empty if one is missing, or the name is too long."""
     name = "_".join(parts).lower()
     is_short_name = len(name) <= LONGEST and re.fullmatch(r"[a-z][a-z0-9_]*", name)
     return name if all(parts) and is_short_name else ""

@@ -43,8 +43,6 @@ def deciding(game: ir.Game) -> Deciding:
         known = joined
 
 
-
-
 def _deciding_in(node: ir.Node) -> Iterator[ir.Expr]:
     """Yields the expressions of a node whose values decide."""
     match node:

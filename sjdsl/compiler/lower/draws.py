@@ -99,8 +99,6 @@ def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value
     return Value(call("threshold", _array(p)), "u32", p.axes)
 
 
-
-
 def _next_limit(lower: Value, probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns the limit below which a branch of a chain happens, or one before it."""
     with w.deciding():
@@ -190,5 +188,3 @@ def _add_weight(total: Value, weight: ir.Expr, p: Value, w: Writer) -> Value:
     if not total.literal:
         total = replace(total, node=call("exactly", total.node))
     return binary("+", total, operand(weight, p, w), "f32")
-
-

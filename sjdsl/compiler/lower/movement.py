@@ -110,7 +110,7 @@ def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
 
 
 def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
-    """Writes a phase in which movers go along a heading, or to one of the open cells beside them."""
+    """Writes a phase in which movers go along a heading, or to an open cell beside them."""
     course = s.course
     assert course is not None
     inner = enter(s.domain, scope, w)
@@ -150,8 +150,6 @@ def _next_table(sort: ir.Sort, w: Writer) -> Name:
     return w.module.constant(
         f"next_cell_of_{sort.name}", w.module.layout.next_table(sort.name), comment
     )
-
-
 
 
 def _keeps_heading(course: ir.Along | ir.Wander) -> bool:

@@ -125,7 +125,7 @@ def _written_heading(heading: ir.Expr, quarters: int, scope: IterationScope, w: 
 
 
 def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Value, Value]:
-    """Returns the heading toward a cell, along the longer of its two sides, and whether it is apart.
+    """Returns the heading toward a cell, along the longer side, and whether the cell is another.
 
     Of equal sides it takes the one along which the agent looks. Where both ways round a wrapping
     map are equally long, it takes the one in which the agent looks, if that is along the side.
