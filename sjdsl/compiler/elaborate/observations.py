@@ -131,8 +131,8 @@ def _check_labels_of_whole(
                 field = detailed[label.name]
                 wrong = errors.WrongType(
                     label.span,
-                    wanted="one look",
-                    actual=f"a kind whose cells look different: its `{field}` is seen",
+                    wanted="a kind whose cells all look the same",
+                    actual=f"`{label.name}`, whose `{field}` is seen",
                     help="choose another word, or say with "
                     f"`show {label.name} as {{ … }}` how its cells look",
                 )

@@ -153,7 +153,8 @@ class DefineCycle(AboutName, code="SJ119", title="A define that uses itself"):
 class NoPaint(AboutName, code="SJ120", title="No such sprite or colour"):
     says = "`{name}` is neither a sprite nor a colour"
     hints = (
-        'did you mean {nearest}? The sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
+        "did you mean {nearest}? The sprites are {sprites}; the colours are {colours}, "
+        'or any other as `"#rrggbb"`',
         'the sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
     )
     instead = ("{nearest}",)

@@ -1,4 +1,4 @@
-"""SJ4xx: write conflicts in a phase; SJ5xx: time and unused names; SJ6xx: limits of the compiler."""
+"""SJ4xx: write conflicts; SJ5xx: time and unused names; SJ6xx: limits of the compiler."""
 
 from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic
 
@@ -7,8 +7,10 @@ class WriteConflict(AboutName, code="SJ401", title="Two writes in one phase"):
     says = "`{name}` of one {owner} can be written twice in phase `{phase}`"
     hints = (
         "{lot}",
-        "write `by lot` after it, to let one of the writers win at random; or `otherwise`, if one of two should happen; "
-        "or `pick 1`, if one of several should; or pair them with `match`; or write two phases; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
+        "write `by lot` after it, to let one of the writers win at random; or `otherwise`, "
+        "if one of two should happen; "
+        "or `pick 1`, if one of several should; or pair them with `match`; or write two phases; "
+        "or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
     )
     owner: str
     phase: str
@@ -65,7 +67,10 @@ class TooFewToStart(TooFewFreeCells):
 
 
 class TooFewForOne(TooFewFreeCells):
-    says = "{cells:cell} of the map certainly fit `{place}` for {who}, and {agents:agent}{movers} with lower numbers may take them first"
+    says = (
+        "{cells:cell} of the map certainly fit `{place}` for {who}, "
+        "and {agents:agent}{movers} with lower numbers may take them first"
+    )
     hints = (
         "take a map with more such cells, or a condition that leaves each agent cells of its own",
     )
@@ -122,7 +127,8 @@ class Unused(AboutName, code="SJ505", title="Never used", severity="warning"):
 class IdleAction(AboutName, code="SJ506", title="An action without effect", severity="warning"):
     says = "no rule reads the action `{name}`, so choosing it is the same as `stay`"
     hints = (
-        "ask for it where it matters, `each agent where agent chose {name}`, or take it out of `acts`",
+        "ask for it where it matters, `each agent where agent chose {name}`, "
+        "or take it out of `acts`",
     )
 
 
@@ -147,7 +153,10 @@ class NoPlaceYet(Diagnostic, code="SJ508", title="No place yet"):
 
 
 class NoPlaceWhenBack(NoPlaceYet):
-    says = "`{name}` finds its cell when it comes back; until then it has no place and chooses nothing, so `{expression}` means nothing"
+    says = (
+        "`{name}` finds its cell when it comes back; "
+        "until then it has no place and chooses nothing, so `{expression}` means nothing"
+    )
     hints = ("keep what it needs in a field of its own, set before it is sent away",)
     name: str
 
@@ -155,7 +164,8 @@ class NoPlaceWhenBack(NoPlaceYet):
 class NoPlaceBefore(NoPlaceYet):
     says = "`{name}` may have been away when the step began, and then `{expression}` means nothing"
     hints = (
-        "name the agents inside `before`, where they are those of that time: `before(count(agent as x where x.row > 2))`",
+        "name the agents inside `before`, where they are those of that time: "
+        "`before(count(agent as x where x.row > 2))`",
     )
     name: str
 
@@ -177,7 +187,8 @@ class LookReads(Diagnostic, code="SJ510", title="What `look` may read"):
 class SlotsUnfilled(AboutName, code="SJ511", title="A scenario that does not fill its slots"):
     says = "the slots of the scenario `{name}` add up to {slots}, and the game has {agents} agents"
     hints = (
-        "count from the number of agents: `slots players - 2 policy defector`, where `size players` is that number",
+        "count from the number of agents: `slots players - 2 policy defector`, "
+        "where `size players` is that number",
     )
     slots: int
     agents: int
@@ -209,7 +220,10 @@ class SeeksItself(
 class BlindPath(
     Diagnostic, code="SJ513", title="A policy that cannot get there", severity="warning"
 ):
-    says = "paths don't take into account that `{kind}` blocks agents when {when}, so an agent may push against such a cell for ever"
+    says = (
+        "paths don't take into account that `{kind}` blocks agents when {when}, "
+        "so an agent may push against such a cell for ever"
+    )
     hints = ("let it avoid those cells: `avoiding {avoided}`",)
     kind: str
     when: str
@@ -219,7 +233,8 @@ class BlindPath(
 class HiddenField(AboutName, code="SJ514", title="A field that a label hides", severity="warning"):
     says = "agents don't see `{kind}.{name}` any more: no label of `{kind}` reads it"
     hints = (
-        "read it in the condition of a label, or write `hide {kind}.{name}` if nobody should see it",
+        "read it in the condition of a label, "
+        "or write `hide {kind}.{name}` if nobody should see it",
     )
     kind: str
 
