@@ -1,7 +1,7 @@
 # Needs Python 3.11, 3.12, 3.13 or 3.14, git and make; all else goes into .venv.
 
 .DELETE_ON_ERROR:
-.PHONY: run test test-thorough test-all test-interop test-browser test-playground studio-page tree-sitter playground site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page gpu-model damage fuzz golden docs notebooks results diagrams wheel-test types clean
+.PHONY: run test test-thorough test-all test-interop test-browser test-playground studio-page playground site test-site site-version lint check newcomer bench bench-meltingpot gpu gpu-page gpu-model damage fuzz golden docs notebooks results diagrams wheel-test types clean
 
 PYTHON ?= $(shell for p in python3.13 python3.14 python3.12 python3.11 python3; do \
   if $$p -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' 2>/dev/null; \
@@ -23,7 +23,6 @@ GPU_PYTHON ?= python3
 # `make gpu` stops after so long, and keeps the figures that it has by then, and those of earlier runs.
 GPU_MINUTES ?= 9
 GPU_MODEL := build/gpu-model/.venv/bin/python -W ignore bench/gpu_model.py --json bench/gpu_model.json
-TREE_SITTER ?= tree-sitter
 # Some shells look for the first name alone that `command -v` is given.
 CHROMIUM := command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || \
   apt-get install -y --no-install-recommends chromium || { echo 'these tests want Chromium: apt-get install chromium'; exit 1; }
@@ -70,12 +69,6 @@ test-browser: .venv/ready
 # The script of the studio's page, from editors/studio; needs npm.
 studio-page:
 	cd editors/studio && npm ci --no-audit --no-fund && npm run build
-
-# The parser of editors/tree-sitter-sj from its grammar.js; needs Node and the command of tree-sitter: Debian's tree-sitter-cli, or of that
-# name from cargo or npm. What was made of what is written down, so that a test sees what is older than the grammar.
-tree-sitter:
-	cd editors/tree-sitter-sj && $(TREE_SITTER) generate --abi 15
-	$(PYTHON) editors/tree-sitter-sj/record.py
 
 # docs/ and what is made from the code, as a site with search: build/site/index.html. Pictures of games are drawn once, into build/site-boards.
 site: .venv/site

@@ -64,7 +64,7 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
         check_whole_numbers(game, problems)
     if game is not None and not problems.failed:
         check_unused(game, declarations, composition, problems)
-    found = with_declaration_labels(problems.found, composition)
+    found = with_declaration_labels(problems.diagnostics, composition)
     if game is None or problems.failed:
         raise CompileError(found)
     return Build(game, tuple(found), composition.sources)
@@ -75,7 +75,7 @@ def lower_build(made: Build, source: Source) -> Program:
     try:
         return lower(made.game.rules, Path(source.name).name, made.sources)
     except NotSupported as refused:
-        found = errors.Unsupported(refused.origin, what=refused.what, help=refused.instead)  # type: ignore[arg-type]
+        found = errors.Unsupported(refused.origin, feature=refused.feature, help=refused.instead)  # type: ignore[arg-type]
         raise CompileError([found]) from None
 
 

@@ -176,7 +176,7 @@ def _base_of(name: ast.String, source: Source) -> Source:
     problems = Problems()
     path = inside_folder(name.text, name.span, source, problems)
     if path is None:
-        raise CompileError(problems.found)
+        raise CompileError(problems.diagnostics)
     name_here = (Path(source.name).parent / name.text).as_posix()
     over = source.instead_of(path)
     if over is not None:
@@ -233,11 +233,11 @@ def _check_duplicates(game: Composition, sections: Sections) -> None:
             over = isinstance(node, ast.Override) and any(_touches(key, k) for k in seen)
             if key in seen or over:
                 if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
-                    game.problems.append(errors.WrittenTwice(span, what=f"`{key}`"))
+                    game.problems.append(errors.WrittenTwice(span, part=f"`{key}`"))
                 else:
                     game.problems.append(
                         errors.NameTaken(
-                            span, name=key, what=f"something declared in line {seen[key].line}"
+                            span, name=key, taken_by=f"something declared in line {seen[key].line}"
                         )
                     )
             seen.setdefault(key, span)

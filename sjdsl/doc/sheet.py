@@ -165,7 +165,7 @@ def observation(w: Written) -> list[str]:
             for i, plane in enumerate(token_planes(w.game))
         ]
     except NotSupported as refused:
-        return [*found, f"The compiler cannot make observations: {refused.what}.", ""]
+        return [*found, f"The compiler cannot make observations: {refused.feature}.", ""]
     return [*found, *table(("plane", "name", "values"), rows), ""]
 
 

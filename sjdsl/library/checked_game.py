@@ -87,6 +87,6 @@ def map_rows(
         raise FileNotFoundError(f"there is no map file `{map}`")
     problems = Problems()
     rows, spans = parse_file(path, str(map), Span(source.name, 0, 0, 1, 1), problems)
-    if problems.found:
-        raise CompileError(problems.found)
+    if problems.diagnostics:
+        raise CompileError(problems.diagnostics)
     return rows, spans

@@ -8,7 +8,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import all_fields, body_sort, contains, phases_of
 from sjdsl.compiler.ir.sorts import AGENTS
-from sjdsl.compiler.lower.relocation import all_pools
+from sjdsl.compiler.lower.pools import all_pools
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.bodies import herds
 from sjdsl.interpreter.state import Away, Facing, Pool, World

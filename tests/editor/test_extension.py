@@ -1,10 +1,13 @@
-"""What other tools take from the language is up to date: the extension's grammar, its snippets, its commands, and the hooks of pre-commit."""
+"""What editors and pre-commit take from the language is up to date: grammars, snippets, hooks."""
 
+import re
 import runpy
 from pathlib import Path
 
 import pytest
 
+from sjdsl.compiler.elaborate.constants import UNITS
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.editor.highlighting import VALUES, word_groups
 
@@ -25,3 +28,9 @@ def test_every_word_of_the_language_has_one_colour() -> None:
     assert set(listed) | set(VALUES) >= words
     assert set(listed) <= words
     assert all(groups.values())
+
+
+def test_every_keyword_function_and_unit_is_in_the_syntax_file_of_vim() -> None:
+    keywords = {word for word in automaton().words.values() if word.isalpha()}
+    named = set(re.findall(r"[a-z_]+", GENERATE["VIM_SYNTAX"].read_text("utf-8")))
+    assert keywords | set(FUNCTIONS) | set(UNITS) <= named

@@ -15,7 +15,7 @@ from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.ir.queries import body_sorts
 from sjdsl.compiler.lower import lower
-from sjdsl.compiler.lower.relocation import all_pools
+from sjdsl.compiler.lower.pools import all_pools
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import action_mask, reset, step

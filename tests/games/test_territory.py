@@ -17,6 +17,7 @@ LEFT = (1, 1)
 SECOND = (1, 2)
 RIGHT = (1, 5)
 LOW = (3, 2)
+CORNER = (3, 4)
 STAY, ZAP, PAINT = 6, 7, 8
 
 

@@ -26,7 +26,7 @@ def check_state_names(game: ir.Game, problems: Problems) -> None:
             )
             name = getattr(node, "label", "") or getattr(node, "name", attribute)
             problems.add(
-                errors.BadName(node.origin, name=name, what="the name of this", problem=problem)
+                errors.BadName(node.origin, name=name, role="the name of this", problem=problem)
             )
         seen.setdefault(
             attribute, f"line {node.origin.line}" if node.origin else "another declaration"
@@ -45,7 +45,7 @@ def check_timers(game: ir.Game, composition: Composition, problems: Problems) ->
     if (timers or away) and not ticks:
         who = "agents" if AGENTS in away or not away else f"movers `{away[0].name}`"
         what = "there are timers" if timers else f"{who} are sent away for some steps (`after`)"
-        problems.add(errors.NoTick(span, what=what))
+        problems.add(errors.NoTick(span, need=what))
     if len(ticks) > 1:
         problems.add(errors.TickTwice(game.schedule[ticks[1]].origin or span))
     if len(ticks) == 1:
@@ -117,7 +117,7 @@ def _check_names(
 
     def check_used(symbol: Symbol, span: Span, what: str, name: str, help_: str = "") -> None:
         if symbol not in static.used:
-            problems.add(errors.Unused(span, what=what, name=name, help=help_))
+            problems.add(errors.Unused(span, entity=what, name=name, help=help_))
 
     for kind in game.kinds:
         if static.cells.get(kind.name, 0) == 0 and not kind.blocks:  # walls are for other maps too

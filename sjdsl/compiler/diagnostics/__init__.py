@@ -1,1 +1,1 @@
-"""Diagnostics: positions in a text, error codes and messages, and how they are shown to an author."""
+"""Diagnostics: positions in a text, error codes and messages, and how they are printed."""

@@ -1,4 +1,4 @@
-"""A diagnostic as data: what is wrong, where, and what to write instead. `errors` declares them all."""
+"""A diagnostic as data: what is wrong, where, and what to write instead; see `errors`."""
 
 from collections.abc import Iterable
 from dataclasses import MISSING, Field, dataclass, field, fields
@@ -37,11 +37,14 @@ class Suggestion(Record):
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
 class Facts(Frozen):
-    """A subclass declares its fields, and is a dataclass once there is one of it: in most processes nothing is wrong."""
+    """A class of facts by name: a subclass declares its fields.
 
-    def __init__(self, span: Span, **given: Any) -> None:
+    It becomes a dataclass when its first value is made: in most processes nothing is wrong.
+    """
+
+    def __init__(self, span: Span, **values: Any) -> None:
         declared = _fields(type(self))
-        facts = {name: f.default for name, f in declared.items()} | given | {"span": span}
+        facts = {name: f.default for name, f in declared.items()} | values | {"span": span}
         wrong = [name for name, value in facts.items() if name not in declared or value is MISSING]
         if wrong:
             raise TypeError(
@@ -60,12 +63,13 @@ def _fields(kind: type[Any]) -> dict[str, Field[Any]]:
 
 
 class Diagnostic(Facts):
-    """One mistake of one file. A subclass is one kind of mistake: a code, a message, and the facts it tells as fields.
+    """One mistake of one file. A subclass is one kind of mistake: code, message, and its facts.
 
-    `says` and `hints` are templates over fields and properties: `{name}` is text, `{cells:cell}` is "1 cell" or "3 cells", a tuple of
-    names is told as alternatives, floats have no needless digits. Of several hints the first is given that tells no empty fact; `help`, if
-    given, goes before all. `instead` has for each hint the text that it proposes in place of the span, a template too, empty for none; of
-    a tuple of names each is proposed.
+    says, hints: templates over fields and properties. `{name}` is text, `{cells:cell}` is "1 cell"
+      or "3 cells"; a tuple of names is written as alternatives, and a float without needless
+      digits. The first hint is shown that has no empty fact; `help` replaces all.
+    instead: for each hint a template of what it proposes in place of the span, empty for none; for
+      a tuple of names each is proposed.
     A subclass of a subclass is another message of the same code.
     """
 
@@ -85,7 +89,9 @@ class Diagnostic(Facts):
         cls, code: str = "", title: str = "", severity: Severity = "error"
     ) -> None:
         if code:
-            cls.code, cls.title, cls.severity = code, title, severity
+            cls.code = code
+            cls.title = title
+            cls.severity = severity
 
     @property
     def message(self) -> str:
@@ -94,59 +100,70 @@ class Diagnostic(Facts):
     @property
     def hint(self) -> str:
         """The help line, empty if there is none."""
-        return self.help or self._chosen()[0]
+        if self.help:
+            return self.help
+        hint, _ = self._chosen_hint()
+        return hint
 
-    def _chosen(self) -> tuple[str, str]:
-        """Returns the hint that is given, and the template of what it proposes in place of the span."""
+    def _chosen_hint(self) -> tuple[str, str]:
+        """Returns the hint that is shown, and the template of what it proposes."""
         for number, hint in enumerate(self.hints):
             parts = self._parts(hint)
             if all(parts):
-                return "".join(parts), self.instead[number] if number < len(self.instead) else ""
+                instead = self.instead[number] if number < len(self.instead) else ""
+                return "".join(parts), instead
         return "", ""
 
     @property
     def suggestions(self) -> tuple[Suggestion, ...]:
         """The changes that the message suggests, as edits."""
-        instead = "" if self.help else self._chosen()[1]
-        found = []
+        suggestions = []
         if self.fix is not None:
-            text = " ".join(self.fix.text.split())
-            found.append(
-                Suggestion(
-                    f"write `{text}`" if text else "put a space" if self.fix.text else "delete it",
-                    (self.fix,),
-                )
-            )
-        found += [
-            Suggestion(f"write `{proposed}`", (Fix(self.span, proposed),))
-            for proposed in self._proposed(instead)
-            if proposed
-        ]
-        return tuple(found)
+            suggestions.append(Suggestion(_says(self.fix), (self.fix,)))
+        if not self.help:
+            _, instead = self._chosen_hint()
+            for text in self._proposed(instead):
+                if text:
+                    suggestions.append(Suggestion(f"write `{text}`", (Fix(self.span, text),)))
+        return tuple(suggestions)
 
     def _proposed(self, template: str) -> list[str]:
-        """Returns a template as it is with each name of a tuple."""
+        """Returns the texts of a template, one for each name of a tuple."""
         texts = [""]
-        for text, fact, _, _ in Formatter().parse(template):
+        for literal, fact, _, _ in Formatter().parse(template):
             value = "" if fact is None else attrgetter(fact)(self)
             values = value if isinstance(value, tuple) else (value,)
-            texts = [f"{before}{text}{one}" for before in texts for one in values]
+            texts = [f"{text}{literal}{one}" for text in texts for one in values]
         return texts
 
     def _parts(self, template: str) -> list[str]:
         """Returns a template in parts: each of its texts, and each fact as it is shown."""
         parts = []
-        for text, fact, noun, _ in Formatter().parse(template):
-            parts += [text] if text else []
+        for literal, fact, noun, _ in Formatter().parse(template):
+            if literal:
+                parts.append(literal)
             if fact is not None:
-                value = attrgetter(fact)(self)
-                shown = (
-                    either(value)
-                    if isinstance(value, tuple)
-                    else format(value, "g" if isinstance(value, float) else "")
-                )
-                parts.append(f"{shown} {noun}{'s' * (value != 1)}" if noun else shown)
+                parts.append(_shown(attrgetter(fact)(self), noun or ""))
         return parts
+
+
+def _shown(value: Any, noun: str) -> str:
+    """Returns a fact as messages show it."""
+    if isinstance(value, tuple):
+        shown = either(value)
+    else:
+        shown = format(value, "g" if isinstance(value, float) else "")
+    if not noun:
+        return shown
+    return f"{shown} {noun}" if value == 1 else f"{shown} {noun}s"
+
+
+def _says(fix: Fix) -> str:
+    """Returns how an edit is named."""
+    text = " ".join(fix.text.split())
+    if text:
+        return f"write `{text}`"
+    return "put a space" if fix.text else "delete it"
 
 
 class AboutName(Diagnostic):
@@ -156,7 +173,7 @@ class AboutName(Diagnostic):
 
 
 class CompileError(Exception):
-    """Carries every diagnostic of the phase that failed; `diagnostics` holds errors and warnings in file order."""
+    """Carries the errors and warnings of the phase that failed, as `diagnostics`, in file order."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]):
         self.diagnostics = tuple(
@@ -168,23 +185,29 @@ class CompileError(Exception):
         """Returns each diagnostic in a line, with what to write instead below it."""
         lines = []
         for d in self.diagnostics:
-            lines.append(
-                f"{d.span.file}:{d.span.line}:{d.span.column}: {d.severity}[{d.code}]: {d.message}"
-            )
-            lines += [f"  help: {d.hint}"] if d.hint else []
+            place = f"{d.span.file}:{d.span.line}:{d.span.column}"
+            lines.append(f"{place}: {d.severity}[{d.code}]: {d.message}")
+            if d.hint:
+                lines.append(f"  help: {d.hint}")
         return "\n".join(lines)
 
 
 class Near(Record):
-    """What a name that is not known may have been meant for: the nearest known ones, and a statement that lists all."""
+    """The known names nearest to an unknown one, and a sentence that lists all known ones."""
 
     nearest: tuple[str, ...] = ()
     listed: str = ""
 
 
-def near(name: str, candidates: Iterable[str], what: str = "") -> Near:
-    """Returns the candidates that are nearest to a name; all of them too, if `what` says what they are, in the plural: "the actions"."""
+def near(name: str, candidates: Iterable[str], description: str = "") -> Near:
+    """Returns the candidates that are nearest to a name.
+
+    description: of the candidates, in the plural, "the actions"; with one they are listed too.
+    """
     known = list(dict.fromkeys(candidates))
-    shown = ", ".join(f"`{k}`" for k in known[:MOST_LISTED])
-    more = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
-    return Near(nearest(name, known), f"{what} are {shown}{more}" if known and what else "")
+    listed = ""
+    if known and description:
+        listed = f"{description} are {', '.join(f'`{k}`' for k in known[:MOST_LISTED])}"
+        if len(known) > MOST_LISTED:
+            listed = f"{listed} and {len(known) - MOST_LISTED} more"
+    return Near(nearest(name, known), listed)

@@ -1,4 +1,4 @@
-"""The long explanation of an error code: its meaning, a wrong example, the repaired one, and why."""
+"""The long explanation of an error code: its meaning, a wrong example, the repaired one, why."""
 
 from pathlib import Path
 
@@ -11,12 +11,12 @@ FOLDER = Path(__file__).parent / "explain"
 
 def kinds() -> list[type[Diagnostic]]:
     """Returns every kind of mistake, in the order of the codes."""
-    found = {
+    classes = {
         value
         for value in vars(errors).values()
         if isinstance(value, type) and issubclass(value, Diagnostic) and value.code
     }
-    return sorted(found, key=lambda kind: (kind.code, kind.__name__))
+    return sorted(classes, key=lambda kind: (kind.code, kind.__name__))
 
 
 def all_codes() -> dict[str, type[Diagnostic]]:
@@ -25,13 +25,15 @@ def all_codes() -> dict[str, type[Diagnostic]]:
 
 
 def explain(code: str) -> str:
-    """Returns the text about a code such as `SJ204` or `204`. Raises ValueError for one that does not exist."""
+    """Returns the text about a code such as `SJ204` or `204`. Raises ValueError for others."""
     known = all_codes()
-    asked = code.strip().upper()
-    wanted = asked if asked in known else f"SJ{asked.removeprefix('SJ').zfill(3)}"
+    wanted = code.strip().upper()
     if wanted not in known:
+        wanted = f"SJ{wanted.removeprefix('SJ').zfill(3)}"
+    if wanted not in known:
+        message = f"there is no code `{code[:20]}`"
         near = nearest(wanted, known)
-        raise ValueError(
-            f"there is no code `{code[:20]}`" + (f"; did you mean {either(near)}?" if near else "")
-        )
+        if near:
+            message = f"{message}; did you mean {either(near)}?"
+        raise ValueError(message)
     return (FOLDER / f"{wanted}.md").read_text("utf-8")

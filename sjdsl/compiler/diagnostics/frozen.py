@@ -1,4 +1,4 @@
-"""Frozen classes, equal by content and cheap to declare, for nodes, diagnostics and what the stages pass on."""
+"""Frozen classes, equal by content and cheap to declare: nodes, diagnostics, results of stages."""
 
 from collections.abc import Callable
 from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, fields
@@ -6,7 +6,10 @@ from typing import Any, ClassVar, dataclass_transform
 
 
 class Frozen:
-    """`dataclass(frozen=True)` would compile six methods for each class, in every process that reads a game; these are the same for all."""
+    """A frozen class whose methods are the same for all subclasses.
+
+    `dataclass(frozen=True)` would compile six methods for each, in every process that reads a game.
+    """
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in self.__dict__:
@@ -23,7 +26,8 @@ class Frozen:
         return hash((type(self), *self.__dict__.values()))
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.__dict__.items())})"
+        values = ", ".join(f"{name}={value!r}" for name, value in self.__dict__.items())
+        return f"{type(self).__name__}({values})"
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
@@ -37,10 +41,10 @@ class Record(Frozen):
 
     def __init_subclass__(cls, eq: bool = True) -> None:
         if not eq:  # each equals itself only
-            cls.__eq__, cls.__hash__ = object.__eq__, object.__hash__  # type: ignore[method-assign]
-        cls.__doc__ = (
-            cls.__doc__ or cls.__name__
-        )  # else each is given its signature as text, slowly
+            cls.__eq__ = object.__eq__  # type: ignore[method-assign]
+            cls.__hash__ = object.__hash__  # type: ignore[method-assign]
+        if not cls.__doc__:  # else `dataclass` writes its signature there, slowly
+            cls.__doc__ = cls.__name__
         dataclass(init=False, eq=False, repr=False)(cls)
         declared = fields(cls)
         cls._names = tuple(f.name for f in declared)
@@ -56,14 +60,15 @@ class Record(Frozen):
         self.__dict__.update(zip(names, values, strict=True))
 
     def _completed(self, values: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, ...]:
-        """Returns a value for each field: those given in order, those given by name, and defaults."""
+        """Returns a value for each field: those in order, those by name, and defaults."""
         names = self._names
-        given = self._defaults | dict(zip(names, values, strict=False)) | named
-        for name in self._factories.keys() - given:
-            given[name] = self._factories[name]()
-        twice = values and not named.keys().isdisjoint(names[: len(values)])
-        if len(values) > len(names) or twice or given.keys() != set(names):
+        by_name = self._defaults | dict(zip(names, values, strict=False)) | named
+        for name in self._factories.keys() - by_name:
+            by_name[name] = self._factories[name]()
+        has_two = values and not named.keys().isdisjoint(names[: len(values)])
+        if len(values) > len(names) or has_two or by_name.keys() != set(names):
             raise TypeError(
-                f"{type(self).__name__} takes {', '.join(names)}; given: {len(values)} values, and by name: {', '.join(named)}"
+                f"{type(self).__name__} takes {', '.join(names)}; "
+                f"given: {len(values)} values, and by name: {', '.join(named)}"
             )
-        return tuple(given[name] for name in names)
+        return tuple(by_name[name] for name in names)

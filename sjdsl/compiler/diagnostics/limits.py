@@ -35,12 +35,14 @@ MAX_DEFINES_DEEP = 32  # a define that uses a define that …
 MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
 
 CHAINS = ("sum", "prod", "expr", "and_e")
-STATEMENTS = frozenset((
-    "cite", "about", "size", "param", "episode", "kind", "group", "field", "timer", "map", "agents", "movers", "shape", "define",
-    "schedule", "phase", "observe", "look", "metrics", "checks", "variant", "override", "drop", "glyph", "blocks", "acts",
-    "moves", "forbid", "window", "show", "hide", "event", "mean", "final", "require", "always", "once", "conserved",
-    "monotone", "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",
-    "add", "give", "tally", "send", "shift", "remove", "move", "mark", "end", "scripted", "act", "go", "aim", "scenario", "slots",
+STATEMENTS = frozenset((  # rules of the grammar that count as statements
+    "cite", "about", "size", "param", "episode", "kind", "group", "field", "timer", "map", "agents",
+    "movers", "shape", "define", "schedule", "phase", "observe", "look", "metrics", "checks",
+    "variant", "override", "drop", "glyph", "blocks", "acts", "moves", "forbid", "window", "show",
+    "hide", "event", "mean", "final", "require", "always", "once", "conserved", "monotone",
+    "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",
+    "add", "give", "tally", "send", "shift", "remove", "move", "mark", "end", "scripted", "act",
+    "go", "aim", "scenario", "slots",
 ))  # fmt: skip
 
 
@@ -50,14 +52,12 @@ def too_much(problem: str, limit: int, span: Span, help_: str = "") -> Diagnosti
 
 
 def check_text(source: Source) -> list[Diagnostic]:
-    """Returns why a text cannot be parsed at all: too large, not text, a line too long; empty if it can."""
-    size = (
-        len(source.text.encode("utf-8", "surrogatepass"))
-        if len(source.text) <= MAX_BYTES
-        else len(source.text)
-    )
+    """Returns why a text cannot be parsed at all: too large, not text, or a line too long."""
+    size = len(source.text)
+    if size <= MAX_BYTES:
+        size = len(source.text.encode("utf-8", "surrogatepass"))
     if size > MAX_BYTES:
-        return [errors.FileTooLarge(source.span(0, 0), given=size, limit=MAX_BYTES)]
+        return [errors.FileTooLarge(source.span(0, 0), size=size, limit=MAX_BYTES)]
     if "\0" in source.text:
         at = source.text.index("\0")
         return [errors.NotText(source.span(at, at), problem="it holds NUL characters")]
@@ -68,9 +68,6 @@ def check_text(source: Source) -> list[Diagnostic]:
     long = re.search(rf"[^\n]{{{MAX_LINE + 1},}}", source.text)
     if long:
         span = source.span(long.start(), long.start())
-        return [
-            too_much(
-                f"this line has {len(long.group())} characters", MAX_LINE, span, "break the line"
-            )
-        ]
+        problem = f"this line has {len(long.group())} characters"
+        return [too_much(problem, MAX_LINE, span, "break the line")]
     return []

@@ -1,4 +1,4 @@
-"""Collects the diagnostics of a stage, each once, and declares the exception that skips what cannot be built."""
+"""Collects the diagnostics of a stage, each once; `Poisoned` skips what can't be built."""
 
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from contextlib import contextmanager
@@ -31,48 +31,57 @@ class Poisoned(Exception):
 
 @dataclass
 class Problems:
-    """Collects diagnostics, by `add`; each mistake once. `suppressed`: kinds that are not recorded."""
+    """Collects diagnostics, by `add`, each mistake once.
 
-    found: list[Diagnostic] = field(default_factory=list)
+    suppressed: kinds of diagnostic that are not recorded.
+    """
+
+    diagnostics: list[Diagnostic] = field(default_factory=list)
     suppressed: tuple[type[Diagnostic], ...] = ()
     _messages: dict[tuple[type[Diagnostic], Span], set[str]] = field(
         default_factory=dict, repr=False
-    )  # of those that are found
+    )  # of the diagnostics, to record each once
 
     @property
     def failed(self) -> bool:
         """Whether there are errors, and not only warnings."""
-        return any(d.severity == "error" for d in self.found)
+        return any(d.severity == "error" for d in self.diagnostics)
 
-    def add(self, new: Diagnostic) -> None:
+    def add(self, diagnostic: Diagnostic) -> None:
         """Records one diagnostic."""
-        if isinstance(new, self.suppressed):
+        if isinstance(diagnostic, self.suppressed):
             return
-        messages = self._messages.setdefault((type(new), new.span), set())
-        if new.message not in messages:
-            messages.add(new.message)
-            self.found.append(new)
+        messages = self._messages.setdefault((type(diagnostic), diagnostic.span), set())
+        if diagnostic.message not in messages:
+            messages.add(diagnostic.message)
+            self.diagnostics.append(diagnostic)
 
-    def fail(self, new: Diagnostic) -> Poisoned:
+    def fail(self, diagnostic: Diagnostic) -> Poisoned:
         """Records one diagnostic and returns what to raise: `raise problems.fail(...)`."""
-        self.add(new)
+        self.add(diagnostic)
         return Poisoned()
 
     def unknown(
-        self, name: Named, candidates: Iterable[str], what: str, help_: str = ""
+        self, name: Named, candidates: Iterable[str], description: str, help_: str = ""
     ) -> Poisoned:
-        """Records that a name is none of the candidates; `what` says what they are."""
+        """Records that a name is none of the candidates.
+
+        description: of the candidates, in the plural: "the actions".
+        """
         known = list(candidates)
         hint, word = slip(name.text, known)
         fix = Fix(name.span, word) if word else None
-        near_ = near(name.text, known, what)
+        near_ = near(name.text, known, description)
         return self.fail(
             errors.UnknownName(name.span, name=name.text, help=help_ or hint, fix=fix, near=near_)
         )
 
     @contextmanager
     def survive(self, broken: set[K] | None = None, key: K | None = None) -> Iterator[None]:
-        """Goes on after something that could not be built; its key joins `broken`, so that uses of it are not reported too."""
+        """Goes on after something that could not be built.
+
+        Its key joins `broken`, so that uses of it are not reported too.
+        """
         try:
             yield
         except Poisoned:

@@ -1,4 +1,4 @@
-"""What people write out of habit from other languages, and what to write instead: in syntax errors, and as unknown names."""
+"""Habits from other languages and what to write instead, for syntax errors and unknown names."""
 
 import re
 from collections.abc import Collection, Iterator
@@ -11,31 +11,53 @@ COMMENT = "a comment begins with `#`"
 COMPARE = "numbers are compared with `==` and `!=`, words with `is` and `is not`"
 CONDITIONS = "conditions are joined with `and` and `or`, and negated with `not`"
 DEFINE = "`define` names an expression: `define rich(a) = a.bag > 3`"
-DRAW = "`draw n from 1 .. 6` draws a number evenly, `draw n from { 0: 0.75, 1: 0.25 }` with weights, and `pick 1 KIND { … }` a member"
-EACH = "`each` goes through all members of a sort: `each agent where agent.bag > 3 { … }`; there is no loop over numbers"
+DRAW = (
+    "`draw n from 1 .. 6` draws a number evenly, `draw n from { 0: 0.75, 1: 0.25 }` with weights, "
+    "and `pick 1 KIND { … }` a member"
+)
+EACH = (
+    "`each` goes through all members of a sort: `each agent where agent.bag > 3 { … }`; "
+    "there is no loop over numbers"
+)
 EXISTS = "`any(KIND where …)` asks whether there is one"
-EXTENDS = 'nothing is imported, but a game can change another: `game mine "Mine" extends "other.sj" { … }`'
-GOAL = "after `when` comes an action, `when agent.bag > 3 choose stay`; a goal has its condition inside, `seek tree where agent.bag > 3`"
+EXTENDS = (
+    "nothing is imported, but a game can change another: "
+    '`game mine "Mine" extends "other.sj" { … }`'
+)
+GOAL = (
+    "after `when` comes an action, `when agent.bag > 3 choose stay`; "
+    "a goal has its condition inside, `seek tree where agent.bag > 3`"
+)
 IN = "after `in` stands a range, `1 .. 3`, or words in braces, `{ red, green }`"
 OWNER = "functions have no owner: `round(x)`, `min(a, b)`, `abs(x)`"
 OWN_FIELDS = (
     "fields are declared in the braces of their owner: `agents 2 { field bag : 0 .. 9 = 0 }`"
 )
-PHASES = "rules stand in phases: `phase start` runs when an episode begins, and those of the schedule in each step"
+PHASES = (
+    "rules stand in phases: `phase start` runs when an episode begins, "
+    "and those of the schedule in each step"
+)
 POINT = "a number has digits on both sides of its point: `0.5`"
-POWER = "there are no powers, roots or logarithms: write a product, `x * x`, or a table, `case n { 0: 0, 1: 1, 2..: 1.4 }`"
+POWER = (
+    "there are no powers, roots or logarithms: write a product, `x * x`, or a table, "
+    "`case n { 0: 0, 1: 1, 2..: 1.4 }`"
+)
 RANGE = "a range is written `0 .. 5`, and words stand in braces, `{ happy, sad }`"
 ROW = (
     "a list is a row, a value for each word or number: `field tokens by { red, blue } : 0 .. 9 = 0`"
 )
 SCHEDULE = "phases are joined with `->`: `schedule walk -> eat`"
-SIDES = "`disc(2)` means the cells within that distance; a window has four sides, `window ahead 9, behind 1, left 5, right 5`"
+SIDES = (
+    "`disc(2)` means the cells within that distance; a window has four sides, "
+    "`window ahead 9, behind 1, left 5, right 5`"
+)
 WHERE = "`where` keeps those for which a condition holds: `each agent where agent.bag > 3 { … }`"
 
-# Patterns and their hints, by place: a word that can stand where the slip stands, or nothing for any place.
-# A pattern is of a word, or of a statement from its first word on. One with ` ¦ ` is of the end of what was read, and of what
-# can't follow it. Words and signs have a space between each two. A hint that begins with a word is given where that word can
-# stand; if the pattern is of one word, the hint's word is suggested in its place.
+# Patterns and their hints, by place: a word that can stand where the slip is, or nothing for any
+# place. A pattern matches a word, or a statement from its first word on. One with ` ¦ ` matches
+# the end of what was read, and what can't follow it. Words and signs have a space between each
+# two. A hint that begins with a word is given where that word can stand; if the pattern matches
+# one word, the hint's word is suggested in its place.
 SLIPS = {
     "give": {
         r"\w+( \. \w+| \[ \w+ \])* ([+*/-] = .*|\+ \+.*|- -.*)": ADD,
@@ -45,37 +67,46 @@ SLIPS = {
         "(pay|reward|award) .*": "`give` rewards: `give 1 to agent`, `give -1 to agent`",
         "(ask|for) .*": EACH,
         r"(every|after|at|on) (step )?\d+ .*":
-            "what happens at some steps has a condition: `when step == 10 { … }`, `when step % 10 == 0 { … }`",
+            "what happens at some steps has a condition: `when step == 10 { … }`, "
+            "`when step % 10 == 0 { … }`",
         "(while|repeat|loop|until) .*":
-            "there are no loops: the schedule runs once a step, and `each agent { … }` goes through all agents",
+            "there are no loops: the schedule runs once a step, "
+            "and `each agent { … }` goes through all agents",
         "unless .*": "a negated condition is `when not agent.moved { … }`",
         "ifelse .*":
-            "`when` begins a condition, and `otherwise` is the other case: `when c { … } otherwise { … }`",
+            "`when` begins a condition, and `otherwise` is the other case: "
+            "`when c { … } otherwise { … }`",
         "(switch|case) .*":
-            "`when a { … } otherwise when b { … }` chooses among statements, and `case` among values",
+            "`when a { … } otherwise when b { … }` chooses among statements, "
+            "and `case` among values",
         "(print|log|echo)( .*)?":
-            "nothing is printed: `tally eaten` counts an event, and `sjdsl trace` tells what happens in a step",
+            "nothing is printed: `tally eaten` counts an event, "
+            "and `sjdsl trace` tells what happens in a step",
         "(pass|continue|skip|break|return)( .*)?":
-            "no phase is left early: to do nothing write no statement, or guard the others with `when`",
+            "no phase is left early: to do nothing write no statement, "
+            "or guard the others with `when`",
         "(try|throw|raise|assert|error)( .*)?":
             "nothing fails in play: what must hold is tested, `checks { always count(agent) > 0 }`",
         "(forward|backward|fd|bk|back|walk|jump)( .*)?":
             "a rule moves an agent by `send`: `send agent by 1 ahead otherwise stay`",
         "(rt|lt|turn|rotate|face|turn_left|turn_right)( .*)?":
-            "agents turn by their actions; a rule turns one that it sends: `send agent to grass facing north otherwise stay`",
+            "agents turn by their actions; a rule turns one that it sends: "
+            "`send agent to grass facing north otherwise stay`",
         "(move_to|goto|teleport|respawn) .*":
             "`send` moves an agent by a rule: `send agent to grass otherwise stay`",
         "kill|destroy|delete|del|despawn|eliminate":
             "`remove` takes an agent or mover off the map for good: `remove agent`",
         "(die|dies)( .*)?": "`remove` takes an agent or mover off the map for good: `remove agent`",
         r"(spawn|create|hatch|sprout|clone)\w*( .*)?":
-            "nothing is made in play: cells change, `set tree.fruit = ripe`, and agents come back, `send agent to grass after 5`",
+            "nothing is made in play: cells change, `set tree.fruit = ripe`, "
+            "and agents come back, `send agent to grass after 5`",
         "one_of .*": "`pick` chooses members at random: `pick 1 tree { … }`",
         "(become|change|transform) .*":
             "a cell keeps its kind, and changes its fields: `set tree.fruit = none`",
         r"(emit|count|record) \w+ .*": "`tally` counts an event: `tally eaten`",
         "swap .*":
-            "a phase reads the state before it, so two statements exchange values: `set a.bag = b.bag  set b.bag = a.bag`",
+            "a phase reads the state before it, so two statements exchange values: "
+            "`set a.bag = b.bag  set b.bag = a.bag`",
         "stop|done|win|lose|quit|exit|terminate": "`end` ends the episode after this step",
         "game over( .*)?": "the statement that ends an episode is `end`",
         "(wait|sleep|delay) .*":
@@ -84,12 +115,15 @@ SLIPS = {
         "(late|again|cancel|restart|undo)( .*)?":
             "the order is that of the schedule: a phase sees what the phases before it wrote",
         r"(right |left |up |down )?\[ .*":
-            "`each` names who, and braces hold what happens: `each agent on tree { set tree.fruit = none }`",
+            "`each` names who, and braces hold what happens: "
+            "`each agent on tree { set tree.fruit = none }`",
         "(with )?(probability|prob|maybe) .*": CHANCE,
         "(def|function|func|lambda) .*":
-            "a phase holds statements; a value is named outside the phases, `define rich(a) = a.bag > 3`",
+            "a phase holds statements; a value is named outside the phases, "
+            "`define rich(a) = a.bag > 3`",
         r"\w+ [.:] \w+( \. \w+)* \( .*":
-            "there are no methods: statements such as `set`, `add`, `give` and `send` change what they name",
+            "there are no methods: statements such as `set`, `add`, "
+            "`give` and `send` change what they name",
         "(include|import|using) .*": EXTENDS,
         "- - .*": COMMENT,
     },
@@ -118,7 +152,10 @@ SLIPS = {
         "(win|goal|terminate|end|done) .*":
             "a rule ends the episode: `phase rule { when step > 50 { end } }`",
     },
-    "acts": {"(number|count|amount|players) .*": "the number of agents stands before the brace: `agents 3 { … }`"},
+    "acts": {
+        "(number|count|amount|players) .*":
+            "the number of agents stands before the brace: `agents 3 { … }`",
+    },
     "mean": {
         "(count|sum|min|max|avg|average|total|number) .*":
             "`mean` is taken over the steps, `final` at the end: `mean apples = count(tree)`",
@@ -137,7 +174,8 @@ SLIPS = {
         "(goto|go|walk|move|approach|follow|chase) .*":
             "`seek` goes to the nearest member of a domain: `seek tree where tree.fruit is ripe`",
         "(choose|otherwise|else|stay)( .*)?":
-            "rules are tried from the top, and an action has a condition, `when agent.bag > 3 choose stay`; an agent stays if none applies",
+            "rules are tried from the top, and an action has a condition, "
+            "`when agent.bag > 3 choose stay`; an agent stays if none applies",
     },
     "choose": {
         "(do|then|take|:|->) .*": "`choose` names the action: `when agent.bag > 3 choose stay`",
@@ -145,8 +183,14 @@ SLIPS = {
         "(seek|aim) .*": GOAL,
     },
     "where": {"if|with|having|whose|who": WHERE, "such that .*": WHERE},
-    "in": {"(near|around|beside|inside|within) [^{(].*": "`in` keeps those in a shape: `each tree in disc(2) of agent { … }`"},
-    "on": {"(at|standing on) .*": "`on` joins an agent with the cell under it: `each agent on tree { … }`"},
+    "in": {
+        "(near|around|beside|inside|within) [^{(].*":
+            "`in` keeps those in a shape: `each tree in disc(2) of agent { … }`",
+    },
+    "on": {
+        "(at|standing on) .*":
+            "`on` joins an agent with the cell under it: `each agent on tree { … }`",
+    },
     "{": {r", \{ .*": "no comma stands before a block", r"then|do|begin|:|\[|->|,": BRACES},
     "and": {
         "if [^{]* else .*": CASE,
@@ -157,14 +201,19 @@ SLIPS = {
     "round": {  # where a function can stand
         "sqrt|exp|log|ln|log2|log10|pow|power|sin|cos|tanh?|sigmoid": POWER,
         "floor|trunc":
-            "`quotient(a, b)` divides whole numbers and rounds down, and `round(x)` rounds to the nearest",
+            "`quotient(a, b)` divides whole numbers and rounds down, "
+            "and `round(x)` rounds to the nearest",
         "ceil|ceiling":
-            "`quotient(a + b - 1, b)` divides whole numbers and rounds up, and `round(x)` rounds to the nearest",
+            "`quotient(a + b - 1, b)` divides whole numbers and rounds up, "
+            "and `round(x)` rounds to the nearest",
         "clamp|clip|constrain":
-            "`min(max(x, 0), 3)` keeps a number between two others; a field that is `capped` stops at the ends of its range",
+            "`min(max(x, 0), 3)` keeps a number between two others; "
+            "a field that is `capped` stops at the ends of its range",
         "sign|sgn":
             "the sign of a number is `case x > 0 { yes: 1, no: case x < 0 { yes: -1, no: 0 } }`",
-        "range": "there is no loop over numbers; to ask whether a number is in a range, write `agent.bag in 1 .. 3`",
+        "range":
+            "there is no loop over numbers; to ask whether a number is in a range, "
+            "write `agent.bag in 1 .. 3`",
         "normal|gauss|gaussian|poisson|uniform|choice|sample|shuffle": DRAW,
         "rand|random|randint|random_float|probability": CHANCE,
         "mod|modulo|rem": "the remainder is `a % b`",
@@ -173,7 +222,8 @@ SLIPS = {
     "step": {  # where a value can stand
         "rand|random|randint|random_float|probability": CHANCE,
         "pi|inf|infinity|maxint":
-            "there is no such constant: write a number, `param pi : number = 3.1416`; a range has an end, `0 .. 9999`",
+            "there is no such constant: write a number, `param pi : number = 3.1416`; "
+            "a range has an end, `0 .. 9999`",
         "one|two|three": "numbers are written in digits: `pick 1 tree { … }`",
     },
     "": {
@@ -192,7 +242,8 @@ SLIPS = {
         r"\d+ % ¦ .*": "a share is written as a number from 0 to 1: `0.5` for 50 percent",
         r"\d+ ¦ (\w+ \. \w+ (to|[-+*/<>=]+) .*|\( .*)":
             "a product is written with `*`: `2 * agent.bag`",
-        "[≤≥≠×·÷−→⇒≔]": "operators are written in plain ASCII: `<=`, `>=`, `!=`, `*`, `/`, `-`, `->`, `=`",
+        "[≤≥≠×·÷−→⇒≔]":
+            "operators are written in plain ASCII: `<=`, `>=`, `!=`, `*`, `/`, `-`, `->`, `=`",
         "∞": "a range has an end: `0 .. 9999`",
         # conditions
         r"[\w\])]+ (<|<=|>|>=|==) [\w .\[\]]+ ¦ (<|<=|>|>=|==) .*":
@@ -211,7 +262,8 @@ SLIPS = {
             "a rule says who and what: `each agent on tree { set tree.fruit = none }`",
         r"\| [^|]+ \| .*": "the absolute value is `abs(x)`",
         r"\w+ ¦ not (in|on|chose) .*":
-            "the word `not` stands before the whole condition: `not agent on tree`, `not agent.bag in 1 .. 3`",
+            "the word `not` stands before the whole condition: `not agent on tree`, "
+            "`not agent.bag in 1 .. 3`",
         r"(is|is not) ¦ (in|on) .*":
             "leave `is` out: `agent on tree`, `not agent on tree`, `agent.bag in 1 .. 3`",
         r"chose ¦ not .*": "the word `not` stands first: `not agent chose zap`",
@@ -225,7 +277,8 @@ SLIPS = {
         "true|false|True|False": "conditions stand alone: `when c`, `when not c`",
         # values and their choice
         r"\?": CASE,
-        r"sum \( [^()]* ¦ if .*": "`count(KIND where …)` counts those for which a condition holds",
+        r"sum \( [^()]* ¦ if .*":
+            "`count(KIND where …)` counts those for which a condition holds",
         r"(give|=|by|chance) [^{}]* ¦ if .*": CASE,
         r"(is|not|=|==|!=|chose|\{|,|:) ¦ \"\w+\" .*":
             "words have no quotes: `tree.fruit is ripe`, `field mood : { happy, sad } = happy`",
@@ -251,18 +304,21 @@ SLIPS = {
         r"(exists?|some) \( \w+ ¦ .*": EXISTS,
         "exists?|some|∃( .*)?": EXISTS,
         "∀.*":
-            "`each agent { … }` goes through all agents; `all(tree where tree.fruit is ripe)` asks whether a condition holds for all",
+            "`each agent { … }` goes through all agents; "
+            "`all(tree where tree.fruit is ripe)` asks whether a condition holds for all",
         "[ΣΠ∑∏].*": "a sum is `sum(agent.bag over agent)`",
         r"\( [^()]* ¦ for .*":
             "`over` names the domain: `sum(a.bag over agent as a)`, `max(a.bag over agent as a)`",
         r"(any|all|count) \( \w+ ¦ \. .*":
             "a domain stands in `any`, `all` and `count`: `any(agent where agent.bag > 3)`",
         r"\w+ \( \w+ ¦ (where|on|as|in) .*":
-            "a domain stands in `count(…)`, `any(…)` and `all(…)`, and after `over`, `sum(agent.bag over agent)`",
+            "a domain stands in `count(…)`, `any(…)` and `all(…)`, and after `over`, "
+            "`sum(agent.bag over agent)`",
         r"(give|=|[-+*/(,<>]) (max|min|abs|round) ¦ \w+ [^(].*":
             "arguments stand in brackets: `max(a, b)`",
         "mean|average|avg":
-            "write a sum divided by a count: `sum(e over KIND) / count(KIND)`, where the count is not 0",
+            "write a sum divided by a count: `sum(e over KIND) / count(KIND)`, "
+            "where the count is not 0",
         r"(neighbou?rs?|adjacent|nearby)( .*)?":
             "the cells around are a shape: `count(agent as other in disc(1) of agent)`",
         r"(neighbou?rs?|adjacent|nearby) ¦ .*":
@@ -281,18 +337,22 @@ SLIPS = {
         "else": "`otherwise` is the other case: `when c { … } otherwise { … }`",
         "def|function": DEFINE,
         "var|const|local":
-            "`let` names a value in a block: `let x = 1`; numbers of the game are written `param x : reward = 1`",
+            "`let` names a value in a block: `let x = 1`; "
+            "numbers of the game are written `param x : reward = 1`",
         r"end ¦ (episode|game|if|for|while|each|when) .*":
             "the statement `end` stands alone, and ends the episode; a block ends with `}`",
         r"remove ¦ \d+ .*": "to take from a field, add to it: `add -1 to agent.bag`",
         r"give [a-z]\w* ¦ \d+ .*": "how much comes first: `give 1 to agent`",
         r"move ¦ (to|toward|forward|agent|\w+ to) .*":
-            "a rule moves an agent with `send`, `send agent to grass`; `move each agent` does what the agents chose",
+            "a rule moves an agent with `send`, `send agent to grass`; "
+            "`move each agent` does what the agents chose",
         r"facing \w+ ¦ [.\[] .*":
-            "after `facing` stands no field: write each case, `when road.way is north { send agent to grass facing north }`",
+            "after `facing` stands no field: write each case, "
+            "`when road.way is north { send agent to grass facing north }`",
         # declarations that begin as ours do
         r"timer \w+ ¦ by .*":
-            "a timer has no entries: count a row down with `add -1`, `field due by agent : 0 .. 9 capped = 0`",
+            "a timer has no entries: count a row down with `add -1`, "
+            "`field due by agent : 0 .. 9 capped = 0`",
         r"timer \w+ ¦ [:=] .*": "a timer begins at 0, and a rule starts it: `set agent.due = 5`",
         r"(param|size) \w+ ¦ = .*": "a number has a unit: `param apple : reward = 1`",
         r"field \w+ ¦ = .*": "a field has a type: `field score : 0 .. 9 = 0`",
@@ -314,11 +374,14 @@ SLIPS = {
         "str|string|text|char":
             "a field holds one of its words, not a text: `field mood : { happy, sad } = happy`",
         "bool|boolean":
-            "a field of two words is `field happy : { no, yes } = no`, and a number that is 0 or 1 is a `count in 0 .. 1`",
+            "a field of two words is `field happy : { no, yes } = no`, "
+            "and a number that is 0 or 1 is a `count in 0 .. 1`",
         "int|integer":
-            "whole numbers have the unit `count`; a field of them is written with its range, `field bag : 0 .. 9 = 0`",
+            "whole numbers have the unit `count`; a field of them is written with its range, "
+            "`field bag : 0 .. 9 = 0`",
         "float|real|double":
-            "real numbers have the unit `number` or `reward`; a field of them is `field earned : reward = 0`",
+            "real numbers have the unit `number` or `reward`; "
+            "a field of them is `field earned : reward = 0`",
         r"kind \w+ ¦ = .*": 'the glyph follows the name: `kind lava "L"`',
         r"movers \w+ ¦ \".*": 'the number comes before the glyph: `movers wolf 3 "w"`',
         r"schedule [^{}]* ¦ (,|then|;|and) .*": SCHEDULE,
@@ -334,11 +397,13 @@ SLIPS = {
         "old|previous|prev":
             "`before` is for the value when the step began: `before(e)`, in `always` and `once`",
         "rewards?|score|payoff":
-            "reward is given, not kept: `give 1 to agent`; to remember it, add it to a field of your own, `field earned : reward`",
+            "reward is given, not kept: `give 1 to agent`; to remember it, "
+            "add it to a field of your own, `field earned : reward`",
         "direction|orientation|facing":
             "`heading` is the way an agent faces: `north`, `east`, `south` or `west`",
         "position|pos|location":
-            "an agent's place is two numbers, `agent.row` and `agent.col`; `agent on KIND` asks what it stands on",
+            "an agent's place is two numbers, `agent.row` and `agent.col`; "
+            "`agent on KIND` asks what it stands on",
         "x|column": "`col` is the column, counted from 0 at the left",
         "y": "`row` is the row, counted from 0 at the top",
         "id": "`index` is the number of an agent, from 0",
@@ -349,9 +414,10 @@ SLIPS = {
 
 
 def slip(written: str, known: Collection[str], before: str = "") -> tuple[str, str]:
-    """Returns the hint for what was written, and the word among `known` to write in its place; empty texts for none.
+    """Returns the hint for what was written, and the word among `known` to write in its place.
 
-    written: a name, or words and signs with a space between each two. before: those that it follows.
+    Both are empty where there is none. written: a name, or words and signs with a space between
+    each two. before: those that it follows.
     """
     for pattern, hint in _patterns(known):
         left, _, right = pattern.rpartition(" ¦ ")
@@ -368,7 +434,6 @@ def slip(written: str, known: Collection[str], before: str = "") -> tuple[str, s
 def _patterns(known: Collection[str]) -> Iterator[tuple[str, str]]:
     """Yields the patterns for a place where words among `known` can stand, with their hints."""
     for place, hints in SLIPS.items():
-        if not place or (
-            place in known and (place != "{" or "nobody" not in known)
-        ):  # a `{` in place of a value begins a table
+        is_table = place == "{" and "nobody" in known  # a `{` in place of a value begins a table
+        if not place or (place in known and not is_table):
             yield from hints.items()

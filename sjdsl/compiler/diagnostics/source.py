@@ -8,7 +8,10 @@ from sjdsl.compiler.diagnostics.frozen import Record
 
 
 class Span(Record):
-    """A half-open part `start .. end` of one file, in characters; `line` and `column` (from 1) of its start."""
+    """A half-open part `start .. end` of one file, in characters.
+
+    line, column: of its start, from 1.
+    """
 
     file: str
     start: int
@@ -19,10 +22,11 @@ class Span(Record):
 
 @dataclass(frozen=True)
 class Source:
-    """One file as read: `name` is what messages call it, `folder` is where its maps and bases are looked up.
+    """One file as read.
 
-    `file`: where the text was read, links followed; None for a text of no file.
-    `over`: the texts that stand in place of files there, None for a file that is as on the disk: an editor has some open.
+    name: what messages call it. folder: where its maps and bases are looked up. file: where the
+    text was read, links followed; None for a text of no file. over: returns the text that stands
+    in place of a file, or None; an editor has some files open.
     """
 
     name: str
@@ -32,7 +36,7 @@ class Source:
     file: Path | None = field(default=None, compare=False, repr=False)
 
     def instead_of(self, path: Path) -> str | None:
-        """Returns the text that stands in place of a file, None where the file itself is to be read."""
+        """Returns the text that stands in place of a file, None for a file that is to be read."""
         return None if self.over is None else self.over(path.resolve())
 
     def span(self, start: int, end: int) -> Span:

@@ -1,4 +1,4 @@
-"""Trees: the nodes in a node, all below it, and bottom-up replacement, alike for the syntax, the typed IR and array programs."""
+"""Trees of nodes, for the syntax, the typed IR and array programs: children, walks, replacement."""
 
 from collections.abc import Callable, Iterator
 from copy import copy
@@ -10,15 +10,15 @@ T = TypeVar("T")
 
 
 class TreeNode(Generic[N]):
-    """A part of a tree of nodes N: what its fields hold, perhaps in tuples, are the nodes directly inside it."""
+    """A part of a tree of nodes N: the nodes directly inside it are in its fields, or in tuples."""
 
 
 def children(node: TreeNode[N]) -> list[N]:
     """Returns the nodes directly inside `node`, in field order."""
-    found: list[N] = []
+    nodes: list[N] = []
     for value in vars(node).values():
-        _gather(value, found)
-    return found
+        _gather(value, nodes)
+    return nodes
 
 
 def walk(node: TreeNode[N]) -> Iterator[N]:
@@ -30,18 +30,18 @@ def walk(node: TreeNode[N]) -> Iterator[N]:
         waiting += reversed(children(following))
 
 
-def _gather(value: Any, found: list[Any]) -> None:
+def _gather(value: Any, nodes: list[Any]) -> None:
     kind = value.__class__
     if kind is tuple:
         for item in value:
-            _gather(item, found)
+            _gather(item, nodes)
     elif _is_node(kind):
-        found.append(value)
+        nodes.append(value)
 
 
 @cache
 def _is_node(kind: type) -> bool:
-    """Whether values of a type are nodes; kept, for pydantic's own `isinstance` takes a hundred times as long."""
+    """Returns whether values of a type are nodes; pydantic's `isinstance` is 100 times as slow."""
     return issubclass(kind, TreeNode)
 
 
@@ -50,11 +50,11 @@ def rewrite(node: T, rule: Callable[[Any], Any]) -> T:
 
     A rule returns a node, or for a statement a tuple of statements to stand in its place.
     """
-    update = {
-        name: new
-        for name, value in vars(node).items()
-        if (new := _rewritten(value, rule)) is not value
-    }
+    update = {}
+    for name, value in vars(node).items():
+        new = _rewritten(value, rule)
+        if new is not value:
+            update[name] = new
     if update:
         node = copy(node)
         vars(node).update(update)
@@ -70,9 +70,9 @@ def _rewritten(value: Any, rule: Callable[[Any], Any]) -> Any:
     items: list[Any] = []
     for item in value:
         new = _rewritten(item, rule)
-        items.extend(new if isinstance(new, tuple) and _is_node(item.__class__) else (new,))
-    return (
-        value
-        if len(items) == len(value) and all(a is b for a, b in zip(items, value, strict=True))
-        else tuple(items)
-    )
+        if isinstance(new, tuple) and _is_node(item.__class__):
+            items += new
+        else:
+            items.append(new)
+    is_same = len(items) == len(value) and all(a is b for a, b in zip(items, value, strict=True))
+    return value if is_same else tuple(items)

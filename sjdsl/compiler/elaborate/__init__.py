@@ -6,7 +6,7 @@ Composition -> ir.Game, with every mistake of the game reported at once
 from collections.abc import Mapping
 from typing import Any
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
@@ -23,19 +23,22 @@ from sjdsl.compiler.elaborate.metrics_and_checks import (
     measures,
     requires,
 )
-from sjdsl.compiler.elaborate.observations import hidden, observables, window
+from sjdsl.compiler.elaborate.observations import hidden, observables
 from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.possible import know_steps, report_never
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.window import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 from sjdsl.compiler.ir.implications import facts
 
 
 class Overrides(Record):
-    """What a caller changes that is fixed when compiled: sizes by name, the number of agents, the map's rows and where they stand.
+    """Values that a caller sets in place of the file's, and that are fixed when a game is compiled.
 
-    placed_by_hand: a test puts agents and movers on the map, which needs no cells to send them to.
+    sizes: by name. rows: of the map; row_spans: where each stands.
+    placed_by_hand: a test puts agents and movers on the map itself, so the map needs no cells
+      that `phase start` could send them to.
     """
 
     sizes: Mapping[str, Any] | None = None
@@ -48,10 +51,13 @@ class Overrides(Record):
 def elaborate(
     game: Composition, overrides: Overrides, problems: Problems
 ) -> tuple[ir.Game | None, Static]:
-    """Returns the typed game, None if a part of it is missing, and its declarations; `problems` gets all that is wrong."""
+    """Returns the typed game and its declarations; `problems` gets every mistake.
+
+    The game is None if a part of it is missing.
+    """
     static = declare_numbers(game, problems, overrides.sizes or {}, overrides.num_agents)
-    if any(isinstance(problem, errors.WordClash) for problem in problems.found):
-        return None, static  # what the name means decides what else is wrong
+    if any(isinstance(problem, errors.WordClash) for problem in problems.diagnostics):
+        return None, static  # every use of the name would be one more mistake
     static.phases = tuple(game.phases.values())
     declare_world(game, static, problems)
     rows = _read_map(game, static, overrides, problems)
@@ -66,28 +72,32 @@ def elaborate(
     static.required_facts = tuple(fact for required in static.requires for fact in facts(required))
     check_requires(game, checks_scope)
     agents = build_agents(game, static, problems)
-    begin = start(game, scope)
+    start_phase = start(game, scope)
     turns = schedule(game, scope)
     view = window(game, scope)
-    rules = (*turns, *kinds, *([] if agents is None else [agents]))
-    seen = observables(game, rules, scope)
-    unseen = hidden(game, scope)
-    measured = measures(game, Scope(static, problems, part="metrics"))
-    checked = checks(game, checks_scope)
-    drawn = looks(game, static, problems)
-    counted: tuple[ir.Event, ...] = ()
+    rules: list[ir.Node] = [*turns, *kinds]
+    if agents is not None:
+        rules.append(agents)
+    typed_observables = observables(game, rules, scope)
+    typed_hidden = hidden(game, scope)
+    typed_measures = measures(game, Scope(static, problems, part="metrics"))
+    typed_checks = checks(game, checks_scope)
+    typed_looks = looks(game, static, problems)
+    typed_events: tuple[ir.Event, ...] = ()
     with problems.survive():
-        counted = events([p for p in (begin, *turns) if p is not None], scope)
-    of_rules, known = set(static.used), set(static.shapes)
-    played = policies(game, scope.with_agent("policy"))
-    of_policies = {
+        typed_events = events([p for p in (start_phase, *turns) if p is not None], scope)
+    used_by_rules = set(static.used)
+    shapes_of_rules = set(static.shapes)
+    typed_policies = policies(game, scope.with_agent("policy"))
+    used_by_policies = static.used - used_by_rules
+    policy_shapes = {
         name
         for name in static.shapes
-        if name not in known or Symbol("shape", name) in static.used - of_rules
+        if name not in shapes_of_rules or Symbol("shape", name) in used_by_policies
     }
-    lineups = scenarios(game, scope)
+    typed_scenarios = scenarios(game, scope)
     report_never(static.never.values(), problems)
-    if agents is None or begin is None or episode is None or game.schedule is None:
+    if agents is None or start_phase is None or episode is None or game.schedule is None:
         return None, static
     typed = ir.Game(
         name=game.name,
@@ -106,19 +116,21 @@ def elaborate(
         fields=tuple(static.fields.values()),
         agents=agents,
         movers=tuple(static.movers.values()),
-        shapes=tuple(shape for name, shape in static.shapes.items() if name not in of_policies),
-        start=begin,
+        shapes=tuple(shape for name, shape in static.shapes.items() if name not in policy_shapes),
+        start=start_phase,
         schedule=turns,
         window=view,
-        observables=seen,
-        hidden=unseen,
-        events=counted,
-        measures=measured,
-        checks=checked,
-        looks=drawn,
-        policies=played,
-        policy_shapes=tuple(shape for name, shape in static.shapes.items() if name in of_policies),
-        scenarios=lineups,
+        observables=typed_observables,
+        hidden=typed_hidden,
+        events=typed_events,
+        measures=typed_measures,
+        checks=typed_checks,
+        looks=typed_looks,
+        policies=typed_policies,
+        policy_shapes=tuple(
+            shape for name, shape in static.shapes.items() if name in policy_shapes
+        ),
+        scenarios=typed_scenarios,
     )
     return typed, static
 
@@ -126,42 +138,42 @@ def elaborate(
 def _read_map(
     game: Composition, static: Static, overrides: Overrides, problems: Problems
 ) -> tuple[str, ...]:
+    """Returns the rows of the map, none if they have a mistake; adds them to the tables."""
     glyphs = glyph_table(static, problems)
     static.wraps = game.map is not None and game.map.edges == "joined"
-    if game.map is None and overrides.rows is None:
-        problems.add(
-            errors.MissingPart(game.span, what="map", how='`map "maps/name.txt"` or `map { "…" }`')
-        )
-        return ()
-    span = game.map.span if game.map is not None else game.span
-    inline = game.map.rows if game.map is not None and overrides.rows is None else ()
-    before = len(problems.found)
+    span = game.span if game.map is None else game.map.span
+    inline: tuple[ast.String, ...] = ()
+    before = len(problems.diagnostics)
     if overrides.rows is not None:
-        rows, spans = overrides.rows, overrides.row_spans
+        rows = overrides.rows
+        spans = overrides.row_spans
+    elif game.map is not None:
+        rows, spans = read_rows(game.map, game.sources[span.file], problems)
+        inline = game.map.rows
     else:
-        rows, spans = read_rows(game.map, game.sources[span.file], problems)  # type: ignore[arg-type]
-    if len(problems.found) > before or not check_rows(
-        (rows, spans), glyphs, span, problems, inline
-    ):
+        example = '`map "maps/name.txt"` or `map { "…" }`'
+        problems.add(errors.MissingPart(span, part="map", example=example))
+        return ()
+    is_read = len(problems.diagnostics) == before
+    if not is_read or not check_rows((rows, spans), glyphs, span, problems, inline):
         static.cells = dict.fromkeys(static.kinds, 1)
         static.map_rows = static.map_cols = 1
         return ()
     static.cells = count_cells(rows, glyphs)
-    static.rows, static.map_rows, static.map_cols = rows, len(rows), len(rows[0])
+    static.rows = rows
+    static.map_rows = len(rows)
+    static.map_cols = len(rows[0])
     return rows
 
 
 def _episode(game: Composition, scope: Scope) -> ir.Expr:
-    """Returns the steps of an episode: numbers and parameters, for it is as long whatever happens in it."""
+    """Returns the number of steps of an episode, made of numbers and parameters alone."""
     if game.episode is None:
-        raise scope.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
+        raise scope.fail(errors.MissingPart(game.span, part="episode", example="`episode 1000`"))
     steps = scope.number(game.episode.steps, ("steps",), "a number of steps")
-    if any(
-        isinstance(node, ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme)
-        for node in ir.walk(steps)
-    ):
+    changing = ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme
+    if any(isinstance(node, changing) for node in ir.walk(steps)):
         help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
-        raise scope.fail(
-            errors.NotFixed(game.episode.steps.span, what="the length of an episode", help=help_)
-        )
+        span = game.episode.steps.span
+        raise scope.fail(errors.NotFixed(span, quantity="the length of an episode", help=help_))
     return steps

@@ -1,4 +1,4 @@
-"""Elaborates actions: their names and arguments, what rules ask about them, the arguments that rules read, and `forbid`.
+"""Elaborates actions: their names and arguments, `chose`, arguments that rules read, `forbid`.
 
 acts stay, vote(agent)   ->   actions stay, vote(0), vote(1), …
 """
@@ -35,105 +35,95 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe
 from sjdsl.runtime.actions import BUILT_IN
 
-BETWEEN_STEPS = (
-    "observe",
-    "metrics",
-    "checks",
-    "policy",
-)  # parts of a game that speak of a state, not of a step
+BETWEEN_STEPS = ("observe", "metrics", "checks", "policy")  # parts about a state, not a step
+TOO_MANY_ACTIONS = f"more than {limits.MAX_ACTIONS} actions"
+ARGUMENT_TYPES = "`agent`, a set of words or a range"
 
 # ---- declared
 
 
 def declare_actions(game: Composition, scope: Scope) -> None:
-    """Adds the actions to the tables, as far as the game says; needs the number of agents and the names of their fields."""
+    """Adds the actions to the tables; needs the number of agents and the names of their fields."""
     if game.acts is None:
         return
-    static, problems, flat = scope.static, scope.problems, list[str]()
+    static = scope.static
+    problems = scope.problems
+    actions: list[str] = []
     for action in game.acts.actions:
         name = action.name.text
         if name in static.action_names:
-            problems.add(errors.WrittenTwice(action.name.span, what=f"the action `{name}`"))
+            problems.add(errors.WrittenTwice(action.name.span, part=f"the action `{name}`"))
             continue
         static.action_names.append(name)
         if not action.arguments:
-            flat.append(name)
+            actions.append(name)
             continue
-        with problems.survive():
-            arguments = _arguments(action, game, scope)
-            if len(flat) + prod(a.count for a in arguments) <= limits.MAX_ACTIONS:
-                static.with_arguments[name] = ir.ActionWithArguments(
-                    name=name, first=len(flat), arguments=arguments, origin=action.span
-                )
-                flat += [
-                    f"{name}({', '.join(values)})" for values in product(*map(_values, arguments))
-                ]
-                continue
-            problems.add(
-                errors.Unsupported(action.span, what=f"more than {limits.MAX_ACTIONS} actions")
-            )
-        static.broken_actions.add(name)
-    if "stay" not in flat:
-        problems.add(
-            errors.MissingPart(game.acts.span, what="action `stay`", how="`stay` among the `acts`")
-        )
-    if len(flat) > limits.MAX_ACTIONS:
-        problems.add(
-            errors.Unsupported(game.acts.span, what=f"more than {limits.MAX_ACTIONS} actions")
-        )
-    static.actions = tuple(flat)
+        with problems.survive(static.broken_actions, name):
+            declared = _with_arguments(action, len(actions), game, scope)
+            static.with_arguments[name] = declared
+            combinations = product(*map(_values, declared.arguments))
+            actions += [f"{name}({', '.join(values)})" for values in combinations]
+    if "stay" not in actions:
+        example = "`stay` among the `acts`"
+        problems.add(errors.MissingPart(game.acts.span, part="action `stay`", example=example))
+    if len(actions) > limits.MAX_ACTIONS:
+        problems.add(errors.Unsupported(game.acts.span, feature=TOO_MANY_ACTIONS))
+    static.actions = tuple(actions)
 
 
-def _arguments(
-    action: ast.Action, game: Composition, scope: Scope
-) -> tuple[ir.ActionArgument, ...]:
+def _with_arguments(
+    action: ast.Action, first: int, game: Composition, scope: Scope
+) -> ir.ActionWithArguments:
+    """Returns an action with arguments. first: its first number."""
     name = action.name.text
     if name in BUILT_IN:
+        number = len(action.arguments)
         raise scope.fail(
-            errors.WrongArguments(
-                action.span, name=name, wanted="no arguments", given=len(action.arguments)
-            )
+            errors.WrongArguments(action.span, name=name, wanted="no arguments", actual=number)
         )
     if name in AGENT_ATTRIBUTES or name in game.agent_fields:
-        what = f"a field of the agents, and `agent.{name}` reads it"
         raise scope.fail(
             errors.NameTaken(
                 action.name.span,
                 name=name,
-                what=what,
+                taken_by=f"a field of the agents, and `agent.{name}` reads it",
                 help="give the action or the field another name",
             )
         )
-    names = [argument.name for argument in action.arguments if argument.name is not None]
-    for number, argument in enumerate(names):
-        if argument.text in [other.text for other in names[:number]]:
-            scope.problems.add(
-                errors.WrittenTwice(argument.span, what=f"the argument `{argument.text}`")
-            )
-    return tuple(_argument(argument, scope) for argument in action.arguments)
+    seen = set()
+    for argument in action.arguments:
+        if argument.name is None:
+            continue
+        if argument.name.text in seen:
+            part = f"the argument `{argument.name.text}`"
+            scope.problems.add(errors.WrittenTwice(argument.name.span, part=part))
+        seen.add(argument.name.text)
+    arguments = tuple(_argument(argument, scope) for argument in action.arguments)
+    if first + prod(a.count for a in arguments) > limits.MAX_ACTIONS:
+        raise scope.fail(errors.Unsupported(action.span, feature=TOO_MANY_ACTIONS))
+    return ir.ActionWithArguments(name=name, first=first, arguments=arguments, origin=action.span)
 
 
 def _argument(argument: ast.Argument, scope: Scope) -> ir.ActionArgument:
     type_ = field_type(argument.type, scope)
-    capped = isinstance(argument.type, ast.Range) and argument.type.capped
-    if type_.kind not in ("agent", "word", "int") or capped:
-        given = f"{describe(type_)} that is `capped`" if capped else describe(type_)
-        raise scope.fail(
-            errors.WrongType(
-                argument.type.span, wanted="`agent`, a set of words or a range", given=given
-            )
-        )
-    counts = {
-        "agent": scope.static.num_agents,
-        "word": len(type_.words),
-        "int": int(min(type_.high - type_.low, limits.MAX_ACTIONS)) + 1,
-    }
+    match type_.kind:
+        case "agent":
+            count = scope.static.num_agents
+        case "word":
+            count = len(type_.words)
+        case "int":
+            count = int(min(type_.high - type_.low, limits.MAX_ACTIONS)) + 1
+        case _:
+            raise scope.expected(argument.type.span, ARGUMENT_TYPES, describe(type_))
+    if isinstance(argument.type, ast.Range) and argument.type.capped:
+        actual = f"{describe(type_)} that is `capped`"
+        raise scope.expected(argument.type.span, ARGUMENT_TYPES, actual)
     name = "" if argument.name is None else argument.name.text
-    return ir.ActionArgument(name=name, type=type_, count=counts[type_.kind], origin=argument.span)
+    return ir.ActionArgument(name=name, type=type_, count=count, origin=argument.span)
 
 
 def _values(argument: ir.ActionArgument) -> tuple[str, ...]:
-    """Returns the values of an argument in the names of the actions, in order."""
+    """Returns the values of an argument as the names of actions show them, in order."""
     if argument.type.kind == "word":
         return argument.type.words
     low = int(argument.type.low) if argument.type.kind == "int" else 0
@@ -144,54 +134,50 @@ def _values(argument: ir.ActionArgument) -> tuple[str, ...]:
 
 
 def declared_action(action: ast.Chosen, name: str, scope: Scope) -> ir.ActionWithArguments | None:
-    """Returns the declaration of an action with arguments, None for one without; reports a name that no action has.
+    """Returns the declaration of an action with arguments, None for one without.
 
-    `name`: what a phase's parameter stands for, or the name as written.
+    Reports a name that no action has. name: as written, or what a phase's parameter stands for.
     """
     static = scope.static
     if ALL_ACTIONS in static.broken or name in static.broken_actions:
         raise Poisoned
     if name not in static.action_names:
-        raise scope.fail(
-            errors.NoAction(
-                action.name.span, name=name, near=near(name, static.action_names, "the actions")
-            )
-        )
+        meant = near(name, static.action_names, "the actions")
+        raise scope.fail(errors.NoAction(action.name.span, name=name, near=meant))
     if action.name.text in scope.variables:
         scope.refer(action.name)
     else:
         static.refer(action.name, Symbol("action", name))
     declared = static.with_arguments.get(name)
     if action.arguments is not None:
-        check_arguments(
-            name,
-            action.span,
-            len(action.arguments),
-            0 if declared is None else len(declared.arguments),
-            scope,
-        )
+        wanted = 0 if declared is None else len(declared.arguments)
+        check_arguments(name, action.span, len(action.arguments), wanted, scope)
     return declared
 
 
 def check_in_step(question: str, span: Span, scope: Scope) -> None:
-    """Reports a question about what is done in a step, in a part of the game that speaks of a state."""
+    """Reports a question about an action, in a part of the game that is about a state."""
     if scope.part in BETWEEN_STEPS:
-        what, wanted = "about what happens in a step", "something about a state"
-        kept = f"case {question} {{ yes: used, no: rested }}" if " chose " in question else question
-        help_ = f"a rule can keep it in a field: `set agent.last = {kept}`"
+        value = question
+        if " chose " in question:
+            value = f"case {question} {{ yes: used, no: rested }}"
         raise scope.fail(
-            errors.WrongSort(span, name=question, what=what, wanted=wanted, help=help_)
+            errors.WrongSort(
+                span,
+                name=question,
+                actual="about what happens in a step",
+                wanted="something about a state",
+                help=f"a rule can keep it in a field: `set agent.last = {value}`",
+            )
         )
 
 
 def action_numbers(action: ast.Chosen, scope: Scope) -> tuple[int, ...]:
-    """Returns the number of an action, or those of an action with arguments, whatever they are."""
+    """Returns the number of an action; all of them, for an action with arguments."""
     declared = declared_action(action, action.name.text, scope)
-    return (
-        (scope.static.actions.index(action.name.text),)
-        if declared is None
-        else tuple(declared.numbers)
-    )
+    if declared is not None:
+        return tuple(declared.numbers)
+    return (scope.static.actions.index(action.name.text),)
 
 
 def chose(e: ast.Chose, agent: ir.Member, name: str, scope: Scope) -> ir.Expr:
@@ -199,55 +185,45 @@ def chose(e: ast.Chose, agent: ir.Member, name: str, scope: Scope) -> ir.Expr:
     declared = declared_action(e.action, name, scope)
     if declared is None:
         return ir.Chose(agent=agent, action=scope.static.actions.index(name), origin=e.span)
-    return ir.ChoseWith(
-        agent=agent, action=name, given=arguments_given(e.action, declared, scope), origin=e.span
-    )
+    given = arguments_given(e.action, declared, scope)
+    return ir.ChoseWith(agent=agent, action=name, given=given, origin=e.span)
 
 
 def arguments_given(
     action: ast.Chosen, declared: ir.ActionWithArguments, scope: Scope
 ) -> tuple[ir.Given, ...]:
-    """Returns the arguments of an action that is asked about, none if none are written."""
+    """Returns the arguments that are written after an action, none if there are none."""
     pairs = zip(action.arguments or (), declared.arguments, strict=False)
     return tuple(
-        ir.Given(name=d.name, type=d.type, value=_asked(tree, d, action, scope), origin=tree.span)
-        for tree, d in pairs
+        ir.Given(
+            name=argument.name,
+            type=argument.type,
+            value=_argument_value(tree, argument, action, scope),
+            origin=tree.span,
+        )
+        for tree, argument in pairs
     )
 
 
-def _asked(
+def _argument_value(
     tree: ast.Expr, declared: ir.ActionArgument, action: ast.Chosen, scope: Scope
 ) -> ir.Expr:
-    type_, name = declared.type, action.name.text
+    """Returns a value that an argument can have; an agent may be written as its number."""
+    type_ = declared.type
+    name = action.name.text
     if type_.kind == "word":
         check_known_word(tree, name, type_.words, scope)
     value = scope.expression(tree)
-    if (
-        isinstance(value, ir.Number) and type_.kind != "word" and not value.type.by
-    ):  # one of the argument's; for an agent, its number
-        low, high = (0, declared.count - 1) if type_.kind == "agent" else (type_.low, type_.high)
-        if value.type.kind != "int":
-            raise wrong_type(scope, tree, "a whole number", value.type)
-        if not low <= value.value <= high:
-            raise scope.fail(
-                errors.OutOfLimits(
-                    tree.span,
-                    name=f"the argument of `{name}`",
-                    value=value.value,
-                    low=low,
-                    high=high,
-                )
-            )
+    if isinstance(value, ir.Number) and type_.kind != "word" and not value.type.by:
+        _check_argument_number(value, tree, declared, name, scope)
         return value
     match type_.kind:
         case "agent":
-            if not as_agent(value) or isinstance(value, ir.Nobody):
-                given = "nobody" if isinstance(value, ir.Nobody) else describe(value.type)
-                raise scope.fail(
-                    errors.WrongType(
-                        tree.span, wanted="an agent, or the number of one", given=given
-                    )
-                )
+            wanted = "an agent, or the number of one"
+            if isinstance(value, ir.Nobody):
+                raise scope.expected(tree.span, wanted, "nobody")
+            if not as_agent(value):
+                raise scope.expected(tree.span, wanted, describe(value.type))
             check_somebody(value, tree.span, scope)
         case "int":
             if value.type.kind != "int" or value.type.by:
@@ -264,35 +240,60 @@ def _asked(
     return value
 
 
+def _check_argument_number(
+    number: ir.Number, tree: ast.Expr, declared: ir.ActionArgument, action: str, scope: Scope
+) -> None:
+    """Reports a number that an argument, or the number of an agent, can't be."""
+    if number.type.kind != "int":
+        raise wrong_type(scope, tree, "a whole number", number.type)
+    low: float = 0
+    high: float = declared.count - 1
+    if declared.type.kind == "int":
+        low = declared.type.low
+        high = declared.type.high
+    if not low <= number.value <= high:
+        name = f"the argument of `{action}`"
+        raise scope.fail(
+            errors.OutOfLimits(tree.span, name=name, value=number.value, low=low, high=high)
+        )
+
+
 def fixed_argument(
     tree: ast.Expr, declared: ir.ActionArgument, action: ast.Chosen, scope: Scope
 ) -> int:
-    """Returns which of its values an argument is that is written as a number or a word."""
-    value = _asked(tree, declared, action, scope)
+    """Returns the place of a number or word among the values of an argument."""
+    value = _argument_value(tree, declared, action, scope)
     if isinstance(value, ir.Word):
         return declared.type.words.index(value.value)
     if isinstance(value, ir.Number):
         return int(value.value - (declared.type.low if declared.type.kind == "int" else 0))
-    raise scope.fail(errors.NotFixed(tree.span, what="an argument that isn't a new name"))
+    raise scope.fail(errors.NotFixed(tree.span, quantity="an argument that isn't a new name"))
 
 
 def check_exists(
     given: tuple[ir.Given, ...], declared: ir.ActionWithArguments, scope: Scope
 ) -> None:
-    """Reports an action that is to be taken and may not exist: its arguments may have values other than those declared."""
-    for asked, argument in zip(given, declared.arguments, strict=True):
-        type_ = argument.type
+    """Reports an action to be taken that may not exist.
+
+    Its arguments may have values other than those declared.
+    """
+    for argument, declared_argument in zip(given, declared.arguments, strict=True):
+        type_ = declared_argument.type
         if type_.kind == "int":
-            low, high = narrowed(asked.value, scope.facts_and_requires)
+            low, high = narrowed(argument.value, scope.facts_and_requires)
             if low < type_.low or high > type_.high:
-                name, reached = f"the argument of `{declared.name}`", f"{low:g} .. {high:g}"
                 raise scope.fail(
                     errors.OutOfLimits(
-                        asked.span, name=name, value=reached, low=type_.low, high=type_.high
+                        argument.span,
+                        name=f"the argument of `{declared.name}`",
+                        value=f"{low:g} .. {high:g}",
+                        low=type_.low,
+                        high=type_.high,
                     )
                 )
         elif type_.kind == "word":
-            check_words(asked.value.type.words, type_.words, asked.span, declared.name, scope)
+            words = argument.value.type.words
+            check_words(words, type_.words, argument.span, declared.name, scope)
 
 
 # ---- read
@@ -301,28 +302,31 @@ def check_exists(
 def argument_read(
     agent: ir.Expr, steps: tuple[ast.Member | ast.Index, ...], scope: Scope
 ) -> tuple[ir.Expr, int]:
-    """Returns what `agent.vote` or `agent.offer.apples` stands for, and how many of the steps of the path that takes."""
+    """Returns `agent.vote` or `agent.offer.apples`, and how many steps of the path it takes."""
     assert isinstance(steps[0], ast.Member)
     declared = scope.static.with_arguments[steps[0].name.text]
-    number, used = 0, 1
+    number = 0
+    used = 1
     if len(declared.arguments) > 1 or declared.arguments[0].name:
-        number, used = _argument_named(declared, steps, scope), 2
+        number = _argument_named(declared, steps, scope)
+        used = 2
     scope.static.refer(steps[0].name, Symbol("action", declared.name))
-    argument, last = declared.arguments[number], steps[used - 1]
+    argument = declared.arguments[number]
+    span = steps[used - 1].span
     if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
-        raise not_named(agent, ast.Path(last.span, steps[0].name, ()), scope)
+        raise not_named(agent, ast.Path(span, steps[0].name, ()), scope)
     read = ir.ArgumentOf(
         type=argument.type,
         agent=agent,
         action=declared.name,
         number=number,
         name=argument.name,
-        origin=last.span,
+        origin=span,
     )
-    check_in_step(text(read), last.span, scope)
+    check_in_step(text(read), span, scope)
     if not is_known(ir.ChoseWith(agent=agent, action=declared.name), scope.facts):
         raise scope.fail(
-            errors.NotChosen(last.span, agent=text(agent), action=declared.name, path=text(read))
+            errors.NotChosen(span, agent=text(agent), action=declared.name, path=text(read))
         )
     return read, used
 
@@ -331,8 +335,9 @@ def _argument_named(
     declared: ir.ActionWithArguments, steps: tuple[ast.Member | ast.Index, ...], scope: Scope
 ) -> int:
     """Returns the place of the argument that the second step of a path names."""
+    action = declared.name
     names = [argument.name for argument in declared.arguments]
-    named, action = [name for name in names if name], declared.name
+    named = [name for name in names if name]
     if len(steps) > 1 and isinstance(steps[1], ast.Member):
         name = steps[1].name
         if name.text in names:
@@ -342,14 +347,16 @@ def _argument_named(
         raise scope.fail(
             errors.NoField(name.span, owner=f"the action `{action}`", name=name.text, near=meant)
         )
-    how = (
-        f"`.{action}.{named[0]}` is one of them"
-        if named
-        else f"give them names in `acts`: `{action}(first : …, second : …)`"
-    )
+    help_ = f"give them names in `acts`: `{action}(first : …, second : …)`"
+    if named:
+        help_ = f"`.{action}.{named[0]}` is one of them"
     raise scope.fail(
         errors.WrongSort(
-            steps[0].span, name=action, what="an action with arguments", wanted="a value", help=how
+            steps[0].span,
+            name=action,
+            actual="an action with arguments",
+            wanted="a value",
+            help=help_,
         )
     )
 
@@ -363,81 +370,117 @@ def forbids(game: Composition, scope: Scope) -> tuple[ir.Forbid, ...]:
 
 
 def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
-    static = scope.static
     numbers: list[int] = []
-    new_words: dict[str, tuple[ast.Name, ir.ActionArgument]] = {}
-    inner, with_names, names = scope, "", tuple[str, ...]()
+    inner = scope
+    declared: ir.ActionWithArguments | None = None  # the action whose arguments are named
+    bound: dict[int, ast.Name] = {}
     for chosen in forbid.actions:
-        action = chosen.name.text
-        if action == "stay":
-            what, wanted = "what forbidden actions become", "an action that can be forbidden"
-            raise scope.fail(
-                errors.WrongSort(chosen.name.span, name=action, what=what, wanted=wanted)
-            )
-        declared = declared_action(chosen, action, scope)
-        if declared is None:
-            numbers.append(static.actions.index(action))
+        action = _forbidden_action(chosen, scope)
+        if action is None:
+            numbers.append(scope.static.actions.index(chosen.name.text))
             continue
-        bound: dict[int, ast.Name] = {}  # names for arguments: those that mean nothing else
-        for i, tree in enumerate(chosen.arguments or ()):
-            if (
-                isinstance(tree, ast.Path)
-                and not tree.steps
-                and tree.name.text not in declared.arguments[i].type.words
-            ):
-                if tree.name.text not in static.names() | set(scope.variables):
-                    bound[i] = tree.name
-        if bound and len(forbid.actions) > 1:
-            what, wanted = (
-                "a name for an argument",
-                "a number or a word where `forbid` lists several actions",
-            )
-            first = next(iter(bound.values()))
-            raise scope.fail(
-                errors.WrongSort(first.span, name=first.text, what=what, wanted=wanted)
-            )
-        fixed = {
-            i: fixed_argument(tree, declared.arguments[i], chosen, scope)
-            for i, tree in enumerate(chosen.arguments or ())
-            if i not in bound
-        }
-        combinations = product(*(range(argument.count) for argument in declared.arguments))
-        numbers += [
-            n
-            for n, values in zip(declared.numbers, combinations, strict=True)
-            if all(values[i] == at for i, at in fixed.items())
-        ]
-        if bound:
-            with_names, names = (
-                action,
-                tuple(bound[i].text if i in bound else "" for i in range(len(declared.arguments))),
-            )
-        for i, name in bound.items():
-            check_free(name, inner, chosen=True)
-            argument = declared.arguments[i]
-            variable: ir.Expr = ir.Local(type=argument.type, name=name.text)
-            if argument.type.kind == "agent":
-                variable = ir.Member(name=name.text, sort=AGENTS)
-            inner = inner.bind_named(name, variable)
-            if argument.type.kind == "word":
-                new_words[name.text] = (name, argument)
+        names = _new_names(chosen, action, scope)
+        if names and len(forbid.actions) > 1:
+            wanted = "a number or a word where `forbid` lists several actions"
+            raise scope.misused(next(iter(names.values())), "a name for an argument", wanted)
+        numbers += _forbidden_numbers(chosen, action, names, scope)
+        if names:
+            declared = action
+            bound = names
+            inner = _with_names(names, action, scope)
     test = inner.condition(forbid.condition)
     check_possible(test, inner)
     for node in ir.walk(test):
         if ir.is_expression(node) and _is_out_of_sight(node):
-            raise scope.fail(errors.ForbidReads(node.origin or forbid.span, what=f"`{text(node)}`"))
-    read = {variable.name for variable in free_variables(test)}
-    for word, (written, argument) in new_words.items():
-        if word not in read:  # a word that is misspelt looks like a new name
-            raise not_a_word(written.span, word, with_names, argument.type.words, scope)
-    numbers = numbers or list(range(len(static.actions)))
+            raise scope.fail(
+                errors.ForbidReads(node.origin or forbid.span, reads=f"`{text(node)}`")
+            )
+    names_by_place: tuple[str, ...] = ()
+    if declared is not None:
+        _check_names_read(bound, declared, test, scope)
+        places = range(len(declared.arguments))
+        names_by_place = tuple(bound[i].text if i in bound else "" for i in places)
     return ir.Forbid(
-        actions=tuple(numbers), condition=test, action=with_names, names=names, origin=forbid.span
+        actions=tuple(numbers or range(len(scope.static.actions))),
+        condition=test,
+        action="" if declared is None else declared.name,
+        names=names_by_place,
+        origin=forbid.span,
     )
 
 
+def _forbidden_action(chosen: ast.Chosen, scope: Scope) -> ir.ActionWithArguments | None:
+    """Returns the declaration of a forbidden action with arguments, None for one without."""
+    if chosen.name.text == "stay":
+        actual = "what forbidden actions become"
+        raise scope.misused(chosen.name, actual, "an action that can be forbidden")
+    return declared_action(chosen, chosen.name.text, scope)
+
+
+def _new_names(
+    chosen: ast.Chosen, declared: ir.ActionWithArguments, scope: Scope
+) -> dict[int, ast.Name]:
+    """Returns the names that `forbid` gives to arguments, by place: those that mean nothing yet."""
+    known = scope.static.names() | set(scope.variables)
+    names = {}
+    for i, tree in enumerate(chosen.arguments or ()):
+        if isinstance(tree, ast.Path) and not tree.steps:
+            name = tree.name.text
+            if name not in declared.arguments[i].type.words and name not in known:
+                names[i] = tree.name
+    return names
+
+
+def _forbidden_numbers(
+    chosen: ast.Chosen,
+    declared: ir.ActionWithArguments,
+    names: dict[int, ast.Name],
+    scope: Scope,
+) -> list[int]:
+    """Returns the numbers of an action with the arguments that are written as values."""
+    fixed = {
+        i: fixed_argument(tree, declared.arguments[i], chosen, scope)
+        for i, tree in enumerate(chosen.arguments or ())
+        if i not in names
+    }
+    combinations = product(*(range(argument.count) for argument in declared.arguments))
+    return [
+        number
+        for number, values in zip(declared.numbers, combinations, strict=True)
+        if all(values[i] == value for i, value in fixed.items())
+    ]
+
+
+def _with_names(
+    names: dict[int, ast.Name], declared: ir.ActionWithArguments, scope: Scope
+) -> Scope:
+    """Returns the scope of a `forbid`, in which names stand for the arguments of the action."""
+    for i, name in names.items():
+        check_free(name, scope, chosen=True)
+        type_ = declared.arguments[i].type
+        variable: ir.Expr = ir.Local(type=type_, name=name.text)
+        if type_.kind == "agent":
+            variable = ir.Member(name=name.text, sort=AGENTS)
+        scope = scope.bind_named(name, variable)
+    return scope
+
+
+def _check_names_read(
+    names: dict[int, ast.Name], declared: ir.ActionWithArguments, test: ir.Expr, scope: Scope
+) -> None:
+    """Reports a name for an argument of words that the condition doesn't read: a misspelt word."""
+    read = {variable.name for variable in free_variables(test)}
+    for i, name in names.items():
+        type_ = declared.arguments[i].type
+        if type_.kind == "word" and name.text not in read:
+            raise not_a_word(name.span, name.text, declared.name, type_.words, scope)
+
+
 def _is_out_of_sight(node: ir.Node) -> bool:
-    """Returns whether a `forbid` cannot read this: places, other agents, and what is done in the step."""
+    """Returns whether `forbid` cannot read an expression.
+
+    Such are places, other agents, and what is done in the step.
+    """
     match node:
         case (
             ir.Count()

@@ -17,26 +17,27 @@ from sjdsl.compiler.ir.sorts import AGENTS
 def override_number(
     game: Composition, overrides: dict[str, object], num_agents: int, problems: Problems
 ) -> None:
-    """Adds to the sizes a caller gives the one that is the number of agents."""
+    """Adds the size that is the number of agents to the sizes that a caller sets."""
     number = game.number
     if isinstance(number, ast.Path) and not number.steps and number.name.text in game.constants:
         overrides.setdefault(number.name.text, num_agents)
     elif number is not None:
-        what = "another number of agents: `agents` does not name a `size` that says how many"
-        problems.add(errors.Unsupported(number.span, what=what))
+        feature = "another number of agents: `agents` does not name a `size` that says how many"
+        problems.add(errors.Unsupported(number.span, feature=feature))
 
 
 def declare_number(game: Composition, scope: Scope) -> None:
     """Adds the number of agents to the tables."""
     if game.number is not None:
         with scope.problems.survive():
-            what = "the number of agents"
-            scope.static.num_agents = scope.whole(game.number, what, what, 1, limits.MAX_AGENTS)
+            name = "the number of agents"
+            scope.static.num_agents = scope.whole(game.number, name, name, 1, limits.MAX_AGENTS)
 
 
 def declare_agents(game: Composition, scope: Scope) -> None:
-    """Adds the actions and fields of the agents to the tables, whatever else about the agents is missing, and reports that."""
-    static, problems = scope.static, scope.problems
+    """Adds the actions and fields of the agents to the tables; reports what is missing of them."""
+    static = scope.static
+    problems = scope.problems
     declare_actions(game, scope)
     if game.moves is not None and game.moves.frame.text not in ("relative", "compass"):
         problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving")
@@ -45,16 +46,12 @@ def declare_agents(game: Composition, scope: Scope) -> None:
             static.agent_fields[name] = one_field(declared, scope, AGENTS)
     span = game.agents_span or game.span
     if game.agents_span is None or game.number is None:
-        problems.add(
-            errors.MissingPart(
-                span, what="number of agents", how="`agents 2 { acts ... moves relative }`"
-            )
-        )
+        example = "`agents 2 { acts ... moves relative }`"
+        problems.add(errors.MissingPart(span, part="number of agents", example=example))
     elif game.acts is None:
         static.broken.add(ALL_ACTIONS)
-        problems.add(
-            errors.MissingPart(span, what="actions", how="`acts turn_left, ..., stay` in `agents`")
-        )
+        example = "`acts turn_left, ..., stay` in `agents`"
+        problems.add(errors.MissingPart(span, part="actions", example=example))
 
 
 def build_agents(game: Composition, static: Static, problems: Problems) -> ir.Agents | None:
@@ -74,62 +71,50 @@ def build_agents(game: Composition, static: Static, problems: Problems) -> ir.Ag
 
 
 def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
-    """Returns the shapes whose lanes end at agents, perhaps only at those for whom a condition holds."""
-    found: list[ir.Block] = []
+    """Returns the shapes whose lanes end at agents, or at those for whom a condition holds."""
+    block_nodes: list[ir.Block] = []
     for blocks in game.agent_blocks.values():
         with scope.problems.survive():
-            for what in blocks.what:
-                if what.text == "agents":
-                    help_ = "agents always block each other: no two are on one cell; name the shapes whose lanes end at an agent"
-                    raise scope.fail(
-                        errors.WrongSort(
-                            what.span,
-                            name="agents",
-                            what="the agents",
-                            wanted="a shape",
-                            help=help_,
-                        )
+            for name in blocks.what:
+                if name.text == "agents":
+                    help_ = (
+                        "agents always block each other: no two are on one cell; "
+                        "name the shapes whose lanes end at an agent"
                     )
-            test = None if blocks.condition is None else scope.condition(blocks.condition)
-            if test is not None:
+                    raise scope.misused(name, "the agents", "a shape", help_)
+            test = None
+            if blocks.condition is not None:
+                test = scope.condition(blocks.condition)
                 check_possible(test, scope)
-            found += blocked(blocks, {AGENTS: test}, scope)
-    return tuple(found)
+            block_nodes += blocked(blocks, {AGENTS: test}, scope)
+    return tuple(block_nodes)
 
 
 def blocked(
     blocks: ast.Blocks, tests: Mapping[ir.Sort, ir.Expr | None], scope: Scope
 ) -> list[ir.Block]:
-    """Returns what cells of a kind, or agents, stop: the agents, sorts of movers or shapes by name, where a condition holds.
+    """Returns what cells of a kind, or agents, block: agents, movers or shapes.
 
-    tests: the condition as it is asked about movers of a sort; as it is asked about agents it is also asked about the others.
+    tests: the condition as it is read for movers of a name; as read for agents it is that of
+      agents and shapes too.
     """
-    static, found = scope.static, []
-    for what in blocks.what:
-        if {Symbol("shape", what.text), Symbol("name", what.text)} & static.broken:
+    static = scope.static
+    block_nodes = []
+    for name in blocks.what:
+        shape = static.shapes.get(name.text)
+        if {Symbol("shape", name.text), Symbol("name", name.text)} & static.broken:
             continue
-        if (
-            what.text != "agents"
-            and what.text not in static.shapes
-            and what.text not in static.movers
-        ):
-            scope.problems.unknown(
-                what, ["agents", *static.movers, *static.shapes], "what a cell can block"
-            )
+        if shape is not None:
+            static.refer(name, Symbol("shape", name.text))
+            if shape.see_through:
+                problem = f"the shape `{name.text}` sees through everything"
+                scope.problems.add(errors.NeverHappens(name.span, problem=problem))
+        elif name.text in static.movers:
+            static.refer(name, Symbol("name", name.text))
+        elif name.text != "agents":
+            known = ["agents", *static.movers, *static.shapes]
+            scope.problems.unknown(name, known, "what a cell can block")
             continue
-        if what.text != "agents":
-            static.refer(what, Symbol("shape" if what.text in static.shapes else "name", what.text))
-        if what.text in static.shapes and static.shapes[what.text].see_through:
-            scope.problems.add(
-                errors.NeverHappens(
-                    what.span, problem=f"the shape `{what.text}` sees through everything"
-                )
-            )
-        found.append(
-            ir.Block(
-                what=what.text,
-                condition=tests.get(ir.Sort("mover", (what.text,)), tests.get(AGENTS)),
-                origin=blocks.span,
-            )
-        )
-    return found
+        test = tests.get(ir.Sort("mover", (name.text,)), tests.get(AGENTS))
+        block_nodes.append(ir.Block(what=name.text, condition=test, origin=blocks.span))
+    return block_nodes

@@ -1,6 +1,7 @@
-"""Elaborates arithmetic and comparison: constant folding, intervals, and units that do not mix, such as reward and steps."""
+"""Elaborates arithmetic and comparison: folds constants, computes intervals, checks units."""
 
 from collections.abc import Sequence
+from typing import Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
@@ -35,51 +36,66 @@ def mismatch(
 def calculation(
     row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: Sequence[ir.Expr], scope: Scope
 ) -> ir.Expr:
-    """Returns what a row of the table makes of numbers; constants become one."""
+    """Returns an operation on numbers, or on rows of numbers; on constants, its result.
+
+    row: of the table of operations.
+    """
     types = [a.type for a in args]
-    alike = all(
-        t.by and t.by == types[0].by and t.kind in ("int", "real") for t in types
-    )  # rows of numbers with the same keys
-    if not (row.rows and alike):
-        for tree, type_ in zip(trees, types, strict=True):
-            if not is_number(type_):
-                raise (
-                    mismatch(scope, e.span, row.verb, types[0], types[1])
-                    if row.verb
-                    else wrong_type(scope, tree, "a number", type_)
-                )
-        if row.whole_only and any(t.kind != "int" for t in types):
-            raise mismatch(
-                scope, e.span, row.verb, types[0], types[1], f"`{row.name}` is for whole numbers"
-            )
+    if not (row.rows and _are_rows_with_same_keys(types)):
+        _check_numbers(row, e, trees, types, scope)
     if row.divisor is not None and divisor_can_be_zero(args[row.divisor], scope):
         raise _zero_divisor(trees[row.divisor].span, args[row.divisor], scope)
     if row.share and _is_share(args[0], args[1]):
-        return ir.Arithmetic(
-            type=real(0.0, 1.0, "fraction"), fn=row.name, args=tuple(args), origin=e.span
-        )
+        share = real(0.0, 1.0, "fraction")
+        return ir.Arithmetic(type=share, fn=row.name, args=tuple(args), origin=e.span)
     if row.unchanged and types[0].kind == "int":
         return args[0]
     type_ = _result(row, e, args, scope)
     if row.apart is not None:
-        one, other = row.apart
-        a, b, known = args[one], args[other], scope.facts_and_requires
-        compared = any(
-            compares(x, ">", y, known) or compares(x, "!=", y, known) for x, y in ((a, b), (b, a))
-        )
-        if not apart(a, b, compared):
-            problem = errors.RoundedToOne if compared else errors.Crossed
-            raise scope.fail(
-                problem(
-                    e.span, labels=parameters_read(scope.static, a, b), low=text(a), high=text(b)
-                )
-            )
-    if all(isinstance(a, ir.Number) for a in args):
-        value = row.fold(*(a.value for a in args if isinstance(a, ir.Number)))
-        return ir.Number(
-            type=type_.model_copy(update={"low": value, "high": value}), value=value, origin=e.span
-        )
+        low, high = row.apart
+        _check_apart(e, args[low], args[high], scope)
+    numbers = [a.value for a in args if isinstance(a, ir.Number)]
+    if len(numbers) == len(args):
+        value = row.fold(*numbers)
+        constant = type_.model_copy(update={"low": value, "high": value})
+        return ir.Number(type=constant, value=value, origin=e.span)
     return ir.Arithmetic(type=type_, fn=row.name, args=tuple(args), origin=e.span)
+
+
+def _are_rows_with_same_keys(types: Sequence[ir.Type]) -> bool:
+    return all(t.by and t.by == types[0].by and t.kind in ("int", "real") for t in types)
+
+
+def _check_numbers(
+    row: Calculation,
+    e: ast.Expr,
+    trees: Sequence[ast.Expr],
+    types: Sequence[ir.Type],
+    scope: Scope,
+) -> None:
+    """Reports operands that are no numbers, or not the whole numbers that the operation takes."""
+    for tree, type_ in zip(trees, types, strict=True):
+        if is_number(type_):
+            continue
+        if row.verb:
+            raise mismatch(scope, e.span, row.verb, types[0], types[1])
+        raise wrong_type(scope, tree, "a number", type_)
+    if row.whole_only and any(t.kind != "int" for t in types):
+        help_ = f"`{row.name}` is for whole numbers"
+        raise mismatch(scope, e.span, row.verb, types[0], types[1], help_)
+
+
+def _check_apart(e: ast.Expr, low: ir.Expr, high: ir.Expr, scope: Scope) -> None:
+    """Reports two bounds of an operation that can be equal or cross, as float32 too."""
+    known = scope.facts_and_requires
+    compared = any(
+        compares(x, sign, y, known) for x, y in ((low, high), (high, low)) for sign in (">", "!=")
+    )
+    if apart(low, high, compared):
+        return
+    problem = errors.RoundedToOne if compared else errors.Crossed
+    labels = parameters_read(scope.static, low, high)
+    raise scope.fail(problem(e.span, labels=labels, low=text(low), high=text(high)))
 
 
 def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
@@ -88,11 +104,9 @@ def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
     if isinstance(divisor, ir.Number):
         help_ = "divide by another number"
     elif not any(isinstance(n, ir.ParamRef) for n in ir.walk(divisor)):
-        written = " ".join(scope.static.sources[span.file].text[span.start : span.end].split())
-        help_ = f"guard it: `when {written} > 0 {{ … }}`"
-    return scope.fail(
-        errors.ZeroDivisor(span, labels=parameters_read(scope.static, divisor), help=help_)
-    )
+        help_ = f"guard it: `when {scope.static.written(span)} > 0 {{ … }}`"
+    labels = parameters_read(scope.static, divisor)
+    return scope.fail(errors.ZeroDivisor(span, labels=labels, help=help_))
 
 
 def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope) -> ir.Type:
@@ -100,16 +114,7 @@ def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope
     types = [a.type for a in args]
     unit = row.unit(*(t.unit for t in types))
     if unit is None:
-        before, *others = types
-        for type_ in others[
-            :-1
-        ]:  # the first number whose unit does not mix with those before it is named, beside what these are together
-            unit = join_units(before.unit, type_.unit)
-            if unit is None:
-                others = [type_]
-                break
-            before = before.model_copy(update={"unit": unit})
-        raise mismatch(scope, e.span, row.verb or "compare", before, others[-1])
+        raise _unit_mismatch(row, e, types, scope)
     ends = [(t.low, t.high) for t in types]
     if row.divisor is not None:
         divisor = without_zero(types[row.divisor])
@@ -123,13 +128,26 @@ def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope
             errors.RoundsTooFar(e.span, labels=labels, name=f"`{row.name}`", limit=limits.MAX_VALUE)
         )
     is_whole = row.kind == "whole" or (row.kind == "joined" and all(t.kind == "int" for t in types))
-    if not row.keeps_unit and (
-        (not is_whole and unit in INTEGER_UNITS) or (unit == "fraction" and (low < 0 or high > 1))
-    ):
+    is_no_fraction = unit == "fraction" and (low < 0 or high > 1)
+    is_no_count = unit in INTEGER_UNITS and not is_whole
+    if not row.keeps_unit and (is_no_fraction or is_no_count):
         unit = "number"
-    return ir.Type(
-        kind="int" if is_whole else "real", unit=unit, low=low, high=high, by=types[0].by
-    )
+    kind: Literal["int", "real"] = "int" if is_whole else "real"
+    return ir.Type(kind=kind, unit=unit, low=low, high=high, by=types[0].by)
+
+
+def _unit_mismatch(
+    row: Calculation, e: ast.Expr, types: Sequence[ir.Type], scope: Scope
+) -> Poisoned:
+    """Reports the first operand whose unit doesn't mix with the unit of those before it."""
+    joined, *others, last = types
+    for type_ in others:
+        unit = join_units(joined.unit, type_.unit)
+        if unit is None:
+            last = type_
+            break
+        joined = joined.model_copy(update={"unit": unit})
+    return mismatch(scope, e.span, row.verb or "compare", joined, last)
 
 
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:
@@ -154,13 +172,10 @@ def _is_share(left: ir.Expr, right: ir.Expr) -> bool:
     """Returns whether the quotient is `count(K where …) / count(G)` with K inside G: a fraction."""
     if not (isinstance(left, ir.Count) and isinstance(right, ir.Count)):
         return False
-    part, whole = left.domain, right.domain
-    if (
-        whole.where is not None
-        or whole.restriction is not None
-        or whole.on is not None
-        or part.on is not None
-    ):
+    part = left.domain
+    whole = right.domain
+    is_whole = whole.where is None and whole.restriction is None and whole.on is None
+    if not is_whole or part.on is not None:
         return False
     return part.var.sort.what == whole.var.sort.what and set(part.var.sort.names) <= set(
         whole.var.sort.names
@@ -179,7 +194,7 @@ def compare(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Ex
 
 
 def join_types(types: list[ir.Type], scope: Scope, verb: str, tree: ast.Expr) -> ir.Type:
-    """Returns the type that holds all the given ones: one unit, the hull of the intervals, the union of the words."""
+    """Returns one type for values of several: their unit, hull of intervals, union of words."""
     joined = types[0]
     for other in types[1:]:
         if joined.by != other.by:
@@ -194,9 +209,8 @@ def join_types(types: list[ir.Type], scope: Scope, verb: str, tree: ast.Expr) ->
                 update={"kind": kind, "unit": unit, "low": low, "high": high}
             )
         elif joined.kind == other.kind == "word":
-            joined = joined.model_copy(
-                update={"words": tuple(dict.fromkeys(joined.words + other.words))}
-            )
+            union = tuple(dict.fromkeys(joined.words + other.words))
+            joined = joined.model_copy(update={"words": union})
         elif joined.kind != other.kind:
             raise mismatch(scope, tree.span, verb, joined, other)
     return joined

@@ -22,6 +22,8 @@ from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import describe, is_number, join_units
 
+ONLY_ADD = "only `add` stops at the end of a range that is `capped`"
+
 
 def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
     """Returns the field (or entry of a row) a statement writes, and its declaration."""
@@ -31,20 +33,27 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
         field = field.row
     if isinstance(field, ir.FieldRead):
         return target, declaration(field, scope)
-    match field:  # how this changes, if not by `set`
-        case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (sort,)))):
-            help_ = f"movers change their places by `move each {sort} ahead` or another course, and by `send {sort} to KIND`"
+    match field:
+        case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (name,)))):
+            help_ = (
+                f"movers change their places by `move each {name} ahead` or another course, "
+                f"and by `send {name} to KIND`"
+            )
         case ir.Attribute(name="row" | "col"):
             help_ = "agents change their places by `move` and by `send agent to KIND`"
         case ir.Attribute(name="heading"):
-            help_ = "agents turn by their actions, and where they are sent: `send agent to KIND facing north`"
+            help_ = (
+                "agents turn by their actions, and where they are sent: "
+                "`send agent to KIND facing north`"
+            )
         case ir.ParamRef() | ir.Number():
-            help_ = "numbers stay as they are; what changes is a field, such as `field pot : 0 .. 9 = 0`"
+            help_ = (
+                "numbers stay as they are; what changes is a field, "
+                "such as `field pot : 0 .. 9 = 0`"
+            )
         case _:
             help_ = "only fields can be written"
-    raise scope.fail(
-        errors.WrongType(path.span, wanted="a field", given=describe(target.type), help=help_)
-    )
+    raise scope.expected(path.span, "a field", describe(target.type), help_)
 
 
 def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
@@ -61,7 +70,7 @@ def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
 
 
 def _target_beside(s: ast.Set | ast.Add, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
-    """Returns what a statement writes; if that is wrong, the value is read all the same, for its own mistakes."""
+    """Returns what a statement writes; if that is wrong, reports the mistakes in the value too."""
     try:
         return target_of(s.target, scope)
     except Poisoned:
@@ -75,9 +84,24 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if target.type.kind == "word":
         check_known_word(s.value, target, target.type.words, scope)
     value = narrow_word(scope.expression(s.value), scope.facts)
+    if target.type.kind == "cell":
+        value = or_nowhere(value)
+    if value.type.by and value.type.by != target.type.by:
+        raise wrong_type(scope, s.value, describe(target.type), value.type)
+    _check_value(s, target, field, value, scope)
+    lot = None
+    if s.lot is not None:
+        if s.lot.text != "lot":
+            raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
+        lot = use.streams.of_statement(use.streams.header(s.span, s.span.end))
+    return ir.Set(target=target, value=value, lot=lot, origin=s.span)
+
+
+def _check_value(
+    s: ast.Set, target: ir.Expr, field: ir.VarField, value: ir.Expr, scope: Scope
+) -> None:
+    """Reports a value that a field can't hold."""
     type_ = target.type
-    if value.type.by and value.type.by != type_.by:
-        raise wrong_type(scope, s.value, describe(type_), value.type)
     match type_.kind:
         case "word":
             if value.type.kind != "word":
@@ -88,39 +112,36 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
             low, high = narrowed(value, scope.facts)
             limit = inf if field.timer else type_.high
             if type_.kind == "int" and (low < type_.low or high > limit):
-                raise _leaves_range(
-                    s.value.span, target, low, high, scope, _instead_of_set(s, field, target, scope)
-                )
+                help_ = _instead_of_set(s, field, target, scope)
+                raise _leaves_range(s.value.span, target, low, high, scope, help_)
         case "agent":
             if not as_agent(value):
                 raise wrong_type(scope, s.value, "an agent or nobody", value.type)
         case "cell":
-            value = or_nowhere(value)
-            kinds = (
-                value.type.kinds if value.type.kind == "cell" else kinds_of_cell(value)
-            )  # a row of cells, too
-            if kinds is None or not set(kinds) <= set(type_.kinds):
-                given = value.type if kinds is None else ir.Type(kind="cell", kinds=kinds)
-                raise wrong_type(scope, s.value, f"{describe(type_)} or nowhere", given)
+            wanted = f"{describe(type_)} or nowhere"
+            is_cell = value.type.kind == "cell"  # or a row of cells
+            kinds = value.type.kinds if is_cell else kinds_of_cell(value)
+            if kinds is None:
+                raise wrong_type(scope, s.value, wanted, value.type)
+            if not set(kinds) <= set(type_.kinds):
+                raise wrong_type(scope, s.value, wanted, ir.Type(kind="cell", kinds=kinds))
         case "agents":
             if not isinstance(value, ir.Nobody) and value.type.kind != "agents":
                 raise wrong_type(scope, s.value, "a set of agents or nobody", value.type)
         case _:
             raise AssertionError(type_)
-    lot = None
-    if s.lot is not None:
-        if s.lot.text != "lot":
-            raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
-        lot = use.streams.of_statement(use.streams.header(s.span, s.span.end))
-    return ir.Set(target=target, value=value, lot=lot, origin=s.span)
 
 
 def _check_number(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
-    """Reports a value that a field of numbers can't hold: not a number, another unit, or a real in a field of whole numbers."""
+    """Reports a value that a field of numbers can't hold.
+
+    Such are other types than numbers, other units, and reals for whole numbers.
+    """
     if value.type.kind not in ("int", "real"):
         raise wrong_type(scope, tree, describe(target.type), value.type)
     if join_units(target.type.unit, value.type.unit) is None:
-        left, right = describe(target.type), describe(value.type)
+        left = describe(target.type)
+        right = describe(value.type)
         raise scope.fail(
             errors.UnitMismatch(tree.span, verb="put into one field", left=left, right=right)
         )
@@ -129,16 +150,15 @@ def _check_number(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope)
 
 
 def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scope) -> str:
-    """Returns what to write where a `set` is to stop at the end of a range that is `capped`: only `add` does."""
+    """Returns what to write in place of a `set` that can leave a range that is `capped`."""
     if not field.capped:
         return ""
     match s.value:
-        case ast.Binary(op="+", left=ast.Path() as left, right=right) if text(
-            scope.expression(left)
-        ) == text(target):
-            added = scope.static.sources[right.span.file].text[right.span.start : right.span.end]
-            return f"only `add` stops at the end of a range that is `capped`: write `add {added} to {text(target)}`"
-    return "only `add` stops at the end of a range that is `capped`: guard the change with `when`, or bound it with `min` and `max`"
+        case ast.Binary(op="+", left=ast.Path() as left, right=right):
+            path = text(target)
+            if text(scope.expression(left)) == path:
+                return f"{ONLY_ADD}: write `add {scope.static.written(right.span)} to {path}`"
+    return f"{ONLY_ADD}: guard the change with `when`, or bound it with `min` and `max`"
 
 
 def add(s: ast.Add, scope: Scope) -> ir.Stmt:
@@ -150,22 +170,19 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
             raise wrong_type(scope, s.value, "an agent", value.type)
         return ir.Add(target=target, value=value, origin=s.span)
     if target.type.kind not in ("int", "real") or field.timer:
+        wanted = "a number, a row of numbers or a set of agents"
         help_ = "a timer is `set`; it falls at `tick`" if field.timer else ""
-        raise wrong_type(
-            scope, s.target, "a number, a row of numbers or a set of agents", target.type, help_
-        )
+        raise wrong_type(scope, s.target, wanted, target.type, help_)
     if value.type.by != target.type.by:
         raise wrong_type(scope, s.value, describe(target.type), value.type)
     _check_number(s.value, target, value, scope)
-    if (
-        target.type.kind == "int" and not field.capped
-    ):  # it stays in range by what the guards say, and is the only one that reaches its target
-        low, high = (
-            narrowed(target, scope.facts)
-            if is_number(target.type)
-            else (target.type.low, target.type.high)
-        )
-        low, high = low + value.type.low, high + value.type.high
+    if target.type.kind == "int" and not field.capped:  # no other statement then adds to it
+        low = target.type.low
+        high = target.type.high
+        if is_number(target.type):
+            low, high = narrowed(target, scope.facts)
+        low += value.type.low
+        high += value.type.high
         if low < target.type.low or high > target.type.high:
             raise _leaves_range(s.span, target, low, high, scope)
     return ir.Add(target=target, value=value, origin=s.span)
@@ -174,20 +191,14 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
 def _leaves_range(
     span: Span, target: ir.Expr, low: float, high: float, scope: Scope, help_: str = ""
 ) -> Poisoned:
-    name, declared, type_, reached = (
-        text(target),
-        declared_name(target),
-        target.type,
-        interval_text(low, high),
-    )
     return scope.fail(
         errors.FieldRange(
             span,
-            name=name,
-            declared=declared,
-            low=type_.low,
-            high=type_.high,
-            reached=reached,
+            name=text(target),
+            declared=declared_name(target),
+            low=target.type.low,
+            high=target.type.high,
+            reached=interval_text(low, high),
             help=help_,
         )
     )

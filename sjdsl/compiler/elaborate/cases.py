@@ -1,6 +1,7 @@
 """Elaborates `case`: every value of the subject has exactly one arm (exhaustiveness)."""
 
-from math import inf
+from math import inf, isfinite
+from typing import NamedTuple
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -11,11 +12,20 @@ from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.types import describe
 
-Key = list[tuple[int | None, int | None, tuple[str, ...]]]  # of an arm: from, to, or the words
+
+class Range(NamedTuple):
+    """Values of a subject: the numbers from `low` to `high` (None: without an end), or words."""
+
+    low: int | None = None
+    high: int | None = None
+    words: tuple[str, ...] = ()
+
+
+Key = list[Range]  # the values of an arm; none for `otherwise`, until what is left is known
 
 
 def case(e: ast.Case, scope: Scope) -> ir.Expr:
-    """Returns a `case` whose arms cover the subject without gap or overlap; `otherwise` is spelt out."""
+    """Returns a `case` whose arms cover the subject once; `otherwise` is spelt out."""
     subject = narrow_word(scope.expression(e.subject), scope.facts)
     if isinstance(subject, ir.Word):
         return _known_word(e, subject, scope)
@@ -25,51 +35,49 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
         keys = _number_keys(e, subject, scope)
     else:
         wanted = "a whole number, a word or a condition"
-        raise scope.fail(
-            errors.WrongType(e.subject.span, wanted=wanted, given=describe(subject.type))
-        )
+        raise scope.expected(e.subject.span, wanted, describe(subject.type))
 
-    def values(arm_and_key: tuple[ast.Arm, Key]) -> list[ir.Arm]:
+    def arms_of(arm_and_key: tuple[ast.Arm, Key]) -> list[ir.Arm]:
         arm, key = arm_and_key
-        known: tuple[ir.Expr, ...] = ()
-        if subject.type.kind == "condition" and len(key) == 1:  # what the arm may rely on
-            known = (subject if key[0][2] == ("yes",) else ir.Not(value=subject),)
-        value = scope.knowing(known).expression(arm.value)
+        inner = scope
+        if subject.type.kind == "condition" and len(key) == 1:
+            holds = key[0].words == ("yes",)
+            inner = scope.knowing([subject if holds else ir.Not(value=subject)])
+        value = inner.expression(arm.value)
         return [
-            ir.Arm(low=low, high=high, words=words, value=value, origin=arm.span)
-            for low, high, words in key
+            ir.Arm(low=r.low, high=r.high, words=r.words, value=value, origin=arm.span) for r in key
         ]
 
-    made = scope.problems.each(zip(e.arms, keys, strict=True), values)
-    if len(made) < len(e.arms):
+    built = scope.problems.each(zip(e.arms, keys, strict=True), arms_of)
+    if len(built) < len(e.arms):
         raise Poisoned
-    arms = tuple(arm for several in made for arm in several)
+    arms = tuple(arm for of_one_key in built for arm in of_one_key)
     type_ = join_types([a.value.type for a in arms], scope, "choose between", e)
     return ir.Case(type=type_, subject=subject, arms=arms, origin=e.span)
 
 
 def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
-    """The subject is a word known when compiled (what a phase is used with): its arm is the value, the others are only checked."""
+    """Returns the arm of a word known when compiled, a phase's argument; checks the other arms."""
     chosen: ir.Expr | None = None
-    rest: ir.Expr | None = None
+    otherwise: ir.Expr | None = None
     for arm in e.arms:
         if arm.word is not None and not scope.static.is_word(arm.word.text):
-            raise scope.fail(
-                errors.WordOutside(
-                    arm.word.span, word=arm.word.text, owner="this case", words=(subject.value,)
-                )
-            )
+            raise _not_in_case(arm.word, (subject.value,), scope)
         value = scope.expression(arm.value)
         if arm.word is None:
-            rest = value
+            otherwise = value
             continue
         scope.static.refer(arm.word, Symbol("word", arm.word.text))
         if arm.word.text == subject.value:
             chosen = value
-    found = chosen or rest
-    if found is None:
+    value_or_none = chosen or otherwise
+    if value_or_none is None:
         raise scope.fail(errors.CaseLacks(e.span, words=(subject.value,)))
-    return found
+    return value_or_none
+
+
+def _not_in_case(word: ast.Name, words: tuple[str, ...], scope: Scope) -> Poisoned:
+    return scope.fail(errors.WordOutside(word.span, word=word.text, owner="this case", words=words))
 
 
 def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
@@ -82,27 +90,22 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
         if arm.word is None:
             keys.append([])
             continue
-        if arm.word.text not in names:
-            raise scope.fail(
-                errors.WordOutside(
-                    arm.word.span, word=arm.word.text, owner="this case", words=names
-                )
-            )
-        if arm.word.text in seen:
-            raise scope.fail(errors.CaseRepeats(arm.word.span, name=arm.word.text))
-        seen.add(arm.word.text)
+        word = arm.word.text
+        if word not in names:
+            raise _not_in_case(arm.word, names, scope)
+        if word in seen:
+            raise scope.fail(errors.CaseRepeats(arm.word.span, name=word))
+        seen.add(word)
         if subject.type.kind == "word":
-            scope.static.refer(arm.word, Symbol("word", arm.word.text))
-        keys.append([(None, None, (arm.word.text,))])
-    rest = tuple(n for n in names if n not in seen)
-    _close(
-        e, keys, [(None, None, rest)] if rest else [], errors.CaseLacks(e.span, words=rest), scope
-    )
+            scope.static.refer(arm.word, Symbol("word", word))
+        keys.append([Range(words=(word,))])
+    unseen = tuple(n for n in names if n not in seen)
+    rest = [Range(words=unseen)] if unseen else []
+    _close(e, keys, rest, errors.CaseLacks(e.span, words=unseen), scope)
     return keys
 
 
 def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
-    low, high = narrowed(subject, scope.facts)
     taken: list[tuple[float, float]] = []
     keys: list[Key] = []
     for arm in e.arms:
@@ -111,43 +114,62 @@ def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
         if arm.low is None:
             keys.append([])
             continue
-        first, last = (
-            float(arm.low),
-            inf if arm.open else float(arm.high if arm.high is not None else arm.low),
-        )
-        if last < first or any(first <= b and a <= last for a, b in taken):
+        last = arm.low if arm.high is None else arm.high
+        interval = (float(arm.low), inf if arm.open else float(last))
+        if last < arm.low or any(_overlap(interval, other) for other in taken):
             raise scope.fail(errors.CaseOverlaps(arm.span))
-        taken.append((first, last))
-        keys.append([(arm.low, None if arm.open else int(last), ())])
-    gaps, reached = list[tuple[float, float]](), low
+        taken.append(interval)
+        keys.append([Range(arm.low, None if arm.open else last)])
+    low, high = narrowed(subject, scope.facts)
+    gaps = _gaps(taken, low, high)
+    rest = [Range(_whole(first), _whole(last)) for first, last in gaps]
+    _close(e, keys, rest, errors.CaseLeavesOpen(e.span, numbers=_first_gap(rest)), scope)
+    return keys
+
+
+def _overlap(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    return one[0] <= other[1] and other[0] <= one[1]
+
+
+def _gaps(taken: list[tuple[float, float]], low: float, high: float) -> list[tuple[float, float]]:
+    """Returns the intervals of whole numbers from `low` to `high` that no interval covers."""
+    gaps = []
+    reached = low
     for first, last in sorted(taken):
         if first > reached:
             gaps.append((reached, min(first - 1, high)))
         reached = max(reached, last + 1)
     if reached <= high and reached < inf:
         gaps.append((reached, high))
-    gaps = [(first, last) for first, last in gaps if first <= last]
-    numbers = ""
-    if gaps:
-        first, last = gaps[0]
-        numbers = (
-            f"{first:g}"
-            if first == last
-            else f"{'' if first == -inf else f'{first:g}'}..{'' if last == inf else f'{last:g}'}"
-        )
-    rest: Key = [(int(a) if a > -inf else None, int(b) if b < inf else None, ()) for a, b in gaps]
-    _close(e, keys, rest, errors.CaseLeavesOpen(e.span, numbers=numbers), scope)
-    return keys
+    return [(first, last) for first, last in gaps if first <= last]
+
+
+def _whole(end: float) -> int | None:
+    return int(end) if isfinite(end) else None
+
+
+def _first_gap(gaps: Key) -> str:
+    """Returns the first gap as the key of an arm is written, empty if there is none."""
+    if not gaps:
+        return ""
+    low, high, _ = gaps[0]
+    if low is not None and low == high:
+        return f"{low}"
+    return f"{'' if low is None else low}..{'' if high is None else high}"
 
 
 def _close(e: ast.Case, keys: list[Key], rest: Key, lacking: errors.TableGap, scope: Scope) -> None:
-    """Gives what is left to `otherwise`, which must stand last and have something to do; without one, `lacking` is reported."""
-    holes = [i for i, key in enumerate(keys) if not key]
-    if not holes and rest:
-        raise scope.fail(lacking)
-    if holes and (len(holes) > 1 or holes[0] != len(keys) - 1):
-        raise scope.fail(errors.OtherwiseNotLast(e.arms[holes[0]].span))
-    if holes and not rest:
+    """Gives the values that are left to `otherwise`.
+
+    It must be the last arm, with something left for it; without one, `lacking` is reported.
+    """
+    open_arms = [arm for arm, key in zip(e.arms, keys, strict=True) if not key]
+    if not open_arms:
+        if rest:
+            raise scope.fail(lacking)
+        return
+    if open_arms != [e.arms[-1]]:
+        raise scope.fail(errors.OtherwiseNotLast(open_arms[0].span))
+    if not rest:
         raise scope.fail(errors.NothingForOtherwise(e.arms[-1].span))
-    if holes:
-        keys[-1] = rest
+    keys[-1] = rest

@@ -2,11 +2,12 @@
 
 from itertools import product
 from math import isfinite
-from typing import Any
+from typing import Any, Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Label, near
+from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.keys import entries_of, level_of
 from sjdsl.compiler.elaborate.lookup import table_words
 from sjdsl.compiler.elaborate.scope import Scope
@@ -18,8 +19,13 @@ Tree = ast.Expr | ast.Table
 
 
 def constant(declared: ast.Constant, scope: Scope, override: object = None) -> None:
-    """Adds one `size` or `param` to the static tables; a size may take another value than the written one."""
-    unit, name, static = declared.unit.text, declared.name.text, scope.static
+    """Adds one `size` or `param` to the static tables.
+
+    override: the value that a caller gives a size in place of the written one.
+    """
+    unit = declared.unit.text
+    name = declared.name.text
+    static = scope.static
     if unit not in UNITS:
         raise scope.problems.unknown(declared.unit, UNITS, "the units")
     if unit == "word":
@@ -29,7 +35,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     if declared.is_size and (declared.by is not None or isinstance(declared.value, ast.Table)):
         raise scope.fail(
             errors.Unsupported(
-                declared.span, what="a size that is a table", help="a `param` can be one"
+                declared.span, feature="a size that is a table", help="a `param` can be one"
             )
         )
     low, high = _limits(declared, scope)
@@ -37,18 +43,14 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     by, value = _value(declared.value, unit, scope, level)
     if override is not None and declared.is_size:
         value = _overridden(declared, override, scope)
-    outside = [
-        (keys, n)
-        for keys, n in zip(product(*(each.names for each in by)), _flat(value), strict=True)
-        if not low <= n <= high
-    ]
+    keys = product(*(each.names for each in by))
+    entries = zip(keys, _numbers(value), strict=True)
+    outside = [(key, number) for key, number in entries if not low <= number <= high]
     if outside:
         _report_outside(declared, outside, (low, high), level, scope)
-        if not isinstance(value, tuple):
-            value = type(value)(
-                min(max(value, low), high)
-            )  # reported once: the rest is read with a number that is allowed
-    kind = "int" if unit in INTEGER_UNITS else "real"
+        if not isinstance(value, tuple):  # the rest of the game is read with an allowed number
+            value = type(value)(min(max(value, low), high))
+    kind: Literal["int", "real"] = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
     if declared.is_size:
         type_ = type_.model_copy(update={"low": value, "high": value})
@@ -60,224 +62,243 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
 def _report_outside(
     declared: ast.Constant,
     outside: list[tuple[tuple[str, ...], float]],
-    between: tuple[float, float],
+    interval: tuple[float, float],
     level: Level | None,
     scope: Scope,
 ) -> None:
-    """Reports the numbers of one declaration that are outside its limits, as one mistake.
-
-    The comment beside a number may say why its limits are as they are, after its source: `# paper: why`.
-    """
-    first, *others = dict.fromkeys(
-        _entry(declared.value, keys, level, scope).span for keys, _ in outside
-    )
+    """Reports the numbers of one declaration that are outside its limits, as one mistake."""
+    spans = [_entry(declared.value, keys, level, scope).span for keys, _ in outside]
+    first, *others = dict.fromkeys(spans)
     labels = [Label(span, "and this") for span in others]
     reason = ""
     if declared.low is not None:
-        if (declared.low.span.file, declared.low.span.line) != (
-            first.file,
-            first.line,
-        ):  # the number is a variant's, or an entry's
-            labels.insert(0, Label(declared.low.span, "its limits are here"))
-        _, _, comment = (
-            scope.static.sources[declared.span.file]
-            .text[declared.span.end :]
-            .partition("\n")[0]
-            .partition("#")
-        )
-        _, _, why = comment.partition(": ")
-        reason = f" ({why.strip()})" if why else ""
-    name, value, (low, high) = f"`{declared.name.text}`", outside[0][1], between
+        limits_span = declared.low.span
+        if (limits_span.file, limits_span.line) != (first.file, first.line):
+            labels.insert(0, Label(limits_span, "its limits are here"))
+        reason = _reason_of_limits(declared, scope)
+    low, high = interval
+    _, value = outside[0]
     scope.problems.add(
         errors.OutOfLimits(
-            first, labels=tuple(labels), name=name, value=value, low=low, high=high, reason=reason
+            first,
+            labels=tuple(labels),
+            name=f"`{declared.name.text}`",
+            value=value,
+            low=low,
+            high=high,
+            reason=reason,
         )
     )
+
+
+def _reason_of_limits(declared: ast.Constant, scope: Scope) -> str:
+    """Returns why a number has its limits, if the comment behind it says so: `# source: reason`."""
+    text = scope.static.sources[declared.span.file].text
+    line, _, _ = text[declared.span.end :].partition("\n")
+    _, _, comment = line.partition("#")
+    _, _, reason = comment.partition(": ")
+    return f" ({reason.strip()})" if reason else ""
 
 
 def _overridden(declared: ast.Constant, override: object, scope: Scope) -> int | float:
     """Returns the value that a caller gives a size."""
-    whole = declared.unit.text in INTEGER_UNITS
-    number = (
-        override.item()
-        if hasattr(override, "item") and getattr(override, "shape", None) == ()
-        else override
-    )
+    number = override
+    if hasattr(override, "item") and getattr(override, "shape", None) == ():
+        number = override.item()
+    is_whole = declared.unit.text in INTEGER_UNITS
     if not isinstance(number, bool) and isinstance(number, int | float):
         if isinstance(number, int) and abs(number) > limits.MAX_VALUE:
-            raise scope.fail(
-                limits.too_much(
-                    f"`{declared.name.text}` is {number}", limits.MAX_VALUE, declared.span
-                )
-            )
-        if isfinite(number) and (not whole or number == int(number)):
-            return int(number) if whole else float(number)
-    wanted = "a whole number" if whole else "a number"
-    raise scope.fail(
-        errors.WrongType(
-            declared.span, wanted=f"{wanted} for `{declared.name.text}`", given=repr(override)
-        )
-    )
+            problem = f"`{declared.name.text}` is {number}"
+            raise scope.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
+        if isfinite(number):
+            if not is_whole:
+                return float(number)
+            if number == int(number):
+                return int(number)
+    noun = "a whole number" if is_whole else "a number"
+    wanted = f"{noun} for `{declared.name.text}`"
+    raise scope.expected(declared.span, wanted, repr(override))
 
 
 def _limits(declared: ast.Constant, scope: Scope) -> tuple[float, float]:
+    """Returns the interval of a number: the one written after it, or that of its unit."""
     unit = declared.unit.text
-    low, high = UNIT_LIMITS[unit]
+    unit_low, unit_high = UNIT_LIMITS[unit]
     if declared.low is None or declared.high is None:
-        return low, high
-    own_low, own_high = (
-        scope.fixed(e, "the limits of a number") for e in (declared.low, declared.high)
-    )
-    if own_low > own_high or own_low < low or own_high > high:
-        name, given = f"the limits of `{declared.name.text}`", f"{own_low:g} .. {own_high:g}"
+        return unit_low, unit_high
+    low = scope.fixed(declared.low, "the limits of a number")
+    high = scope.fixed(declared.high, "the limits of a number")
+    if low > high or low < unit_low or high > unit_high:
         raise scope.fail(
-            errors.OutOfLimits(declared.low.span, name=name, value=given, low=low, high=high)
-        )
-    for tree, value in ((declared.low, own_low), (declared.high, own_high)):
-        if unit in INTEGER_UNITS and value != int(value):
-            raise scope.fail(
-                errors.WrongType(tree.span, wanted="a whole number", given=f"{value:g}")
+            errors.OutOfLimits(
+                declared.low.span,
+                name=f"the limits of `{declared.name.text}`",
+                value=f"{low:g} .. {high:g}",
+                low=unit_low,
+                high=unit_high,
             )
-    return own_low, own_high
+        )
+    for tree, value in ((declared.low, low), (declared.high, high)):
+        if unit in INTEGER_UNITS and value != int(value):
+            raise scope.expected(tree.span, "a whole number", f"{value:g}")
+    return low, high
 
 
 def _value(
     tree: Tree, unit: str, scope: Scope, level: Level | None = None
 ) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
-    """Returns the levels and the value (nested as the levels) of a number or table. `level`: the first one, where it is declared."""
+    """Returns the levels of a number or table, and its value, nested as the levels.
+
+    level: the first one, where it is declared by `by`.
+    """
     if level is not None:
         trees = entries_of(tree, level, scope)
-        made = {
-            id(entry): _value(entry, unit, scope)
-            for entry in {id(entry): entry for entry in trees}.values()
-        }
-        if len({by for by, _ in made.values()}) > 1:
+        built = {}
+        for entry in trees:
+            if id(entry) not in built:
+                built[id(entry)] = _value(entry, unit, scope)
+        inner_levels = {levels for levels, _ in built.values()}
+        if len(inner_levels) > 1:
             raise scope.fail(errors.UnequalRows(tree.span))
-        return (level, *made[id(trees[0])][0]), tuple(made[id(entry)][1] for entry in trees)
+        return (level, *inner_levels.pop()), tuple(built[id(entry)][1] for entry in trees)
     if not isinstance(tree, ast.Table):
         return (), _number(tree, unit, scope)
     names = table_words(tree, scope)
     words = _declared_words(tree, names, scope)
-    inner = [_value(e.value, unit, scope) for e in tree.entries]
-    if any(i[0] != inner[0][0] for i in inner):
+    entries = {
+        name: _value(entry.value, unit, scope)
+        for name, entry in zip(names, tree.entries, strict=True)
+    }
+    first_levels, _ = entries[names[0]]
+    if any(levels != first_levels for levels, _ in entries.values()):
         raise scope.fail(errors.UnequalRows(tree.span))
-    return (Level("word", words), *inner[0][0]), tuple(inner[names.index(w)][1] for w in words)
+    return (Level("word", words), *first_levels), tuple(entries[word][1] for word in words)
 
 
 def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
-    """Returns the declared set of words a table is over; every word of it exactly once."""
+    """Returns the declared set of words that a table is over; reports a table over no set.
+
+    A table may leave out the first word of a set, if it has two others: nothing is kept for it.
+    """
     sets = scope.static.word_sets
-    exact = next((s for s in sets if set(s) == set(names)), None)
-    if exact is not None:
-        return exact
+    for words in sets:
+        if set(words) == set(names):
+            return words
     closest = max(
         sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=()
     )
     unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
-    if unknown is not None and set(names) & set(closest):
-        raise scope.fail(
-            errors.WordOutside(unknown.span, word=unknown.text, owner="this table", words=closest)
-        )
     if unknown is not None:
-        meant = near(unknown.text, [w for s in sets for w in s])
-        declare = (
-            f"declare one, `field NAME : {{ {', '.join(dict.fromkeys(names))} }} = {names[0]}`"
-        )
-        help_ = (
-            ""
-            if meant.nearest
-            else f"the words of a table are those of a field, a row (`by`) or an event: {declare}"
-        )
-        raise scope.fail(
-            errors.UnknownName(unknown.span, name=unknown.text, near=meant, help=help_)
-        )
-    if (
-        set(names) < set(closest)
-        and len(closest) - len(names) == 1
-        and closest[0] not in names
-        and len(names) > 1
-    ):
-        return tuple(w for w in closest if w in names)
+        raise _unknown_word(unknown, names, closest, scope)
     missing = tuple(w for w in closest if w not in names)
-    raise scope.fail(
-        errors.TableLacks(table.span, words=missing) if missing else errors.TableGap(table.span)
-    )
+    if set(names) < set(closest) and missing == closest[:1] and len(names) > 1:
+        return closest[1:]
+    if missing:
+        raise scope.fail(errors.TableLacks(table.span, words=missing))
+    raise scope.fail(errors.TableGap(table.span))
+
+
+def _unknown_word(
+    word: ast.Name, names: tuple[str, ...], closest: tuple[str, ...], scope: Scope
+) -> Poisoned:
+    """Reports an entry of a table that is no word of any set.
+
+    names: of all entries. closest: the set that has most of them.
+    """
+    if set(names) & set(closest):
+        return scope.fail(
+            errors.WordOutside(word.span, word=word.text, owner="this table", words=closest)
+        )
+    meant = near(word.text, [w for words in scope.static.word_sets for w in words])
+    help_ = ""
+    if not meant.nearest:
+        listed = ", ".join(dict.fromkeys(names))
+        help_ = (
+            "the words of a table are those of a field, a row (`by`) or an event: "
+            f"declare one, `field NAME : {{ {listed} }} = {names[0]}`"
+        )
+    return scope.fail(errors.UnknownName(word.span, name=word.text, near=meant, help=help_))
 
 
 def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
+    """Returns a number of a unit that is known when compiled."""
     built = scope.expression(tree)
     if not isinstance(built, ir.Number):
         scope.fixed(tree, "the value of a number")
-        raise scope.fail(errors.WrongType(tree.span, wanted="a number", given=describe(built.type)))
+        raise scope.expected(tree.span, "a number", describe(built.type))
     value = built.value
-    whole = unit in INTEGER_UNITS
-    if not isfinite(value) or (whole and value != int(value)):
-        raise scope.fail(
-            errors.WrongType(
-                tree.span, wanted="a whole number" if whole else "a number", given=f"{value:g}"
-            )
-        )
+    is_whole = unit in INTEGER_UNITS
+    if not isfinite(value) or (is_whole and value != int(value)):
+        wanted = "a whole number" if is_whole else "a number"
+        raise scope.expected(tree.span, wanted, f"{value:g}")
     if abs(value) > limits.MAX_VALUE:
-        raise scope.fail(
-            limits.too_much(f"this number is {value:.15g}", limits.MAX_VALUE, tree.span)
-        )
-    if built.type.unit not in ("number", unit) and not (
-        unit == "reward" and built.type.unit == "count"
-    ):
-        raise scope.fail(
-            errors.UnitMismatch(
-                tree.span, verb="give", left=describe(built.type), right=f"the unit `{unit}`"
-            )
-        )
-    return int(value) if whole else float(value)
+        problem = f"this number is {value:.15g}"
+        raise scope.fail(limits.too_much(problem, limits.MAX_VALUE, tree.span))
+    is_count_of_reward = unit == "reward" and built.type.unit == "count"
+    if built.type.unit not in ("number", unit) and not is_count_of_reward:
+        left = describe(built.type)
+        right = f"the unit `{unit}`"
+        raise scope.fail(errors.UnitMismatch(tree.span, verb="give", left=left, right=right))
+    return int(value) if is_whole else float(value)
 
 
 def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[str, ...]]:
-    """Returns the type and value of a parameter of words: over the table's own words if they serve, else the first set that has them all."""
+    """Returns the type and value of a parameter of words, or of a row of them.
+
+    The type has the table's own words if these serve, else the first set with all the words.
+    """
     if declared.is_size:
-        raise scope.fail(
-            errors.WrongType(declared.span, wanted="a number for a `size`", given="a word")
-        )
+        raise scope.expected(declared.span, "a number for a `size`", "a word")
     by: tuple[Level, ...] = ()
     entries: list[Tree] = [declared.value]
     if declared.by is not None:
         by = (level_of(declared.by, scope),)
         entries = entries_of(declared.value, by[0], scope)
     elif isinstance(declared.value, ast.Table):
-        by = (
-            Level(
-                "word", _declared_words(declared.value, table_words(declared.value, scope), scope)
-            ),
-        )
+        keys = _declared_words(declared.value, table_words(declared.value, scope), scope)
+        by = (Level("word", keys),)
         written = {e.key.text: e.value for e in declared.value.entries}
-        entries = [written[w] for w in by[0].names]
+        entries = [written[key] for key in keys]
     known: dict[int, str] = {}
-    for entry in {id(e): e for e in entries}.values():
-        built = None if isinstance(entry, ast.Table) else scope.expression(entry)
-        if not isinstance(built, ir.Word):
-            given = "a table" if built is None else describe(built.type)
-            raise scope.fail(errors.WrongType(entry.span, wanted="a word", given=given))
-        known[id(entry)] = built.value
-    values = tuple(known[id(e)] for e in entries)
-    sets = [*(level.names for level in by if level.sort == "word"), *scope.static.word_sets]
+    for entry in entries:
+        if id(entry) not in known:
+            known[id(entry)] = _one_word(entry, scope)
+    values = tuple(known[id(entry)] for entry in entries)
+    sets = [level.names for level in by if level.sort == "word"] + scope.static.word_sets
     words = next((s for s in sets if set(values) <= set(s)), None)
     if words is None:
         raise scope.fail(errors.NeverEqual(declared.value.span))
     return ir.Type(kind="word", words=words, by=by), values if by else values[0]
 
 
+def _one_word(tree: Tree, scope: Scope) -> str:
+    actual = "a table"
+    if not isinstance(tree, ast.Table):
+        built = scope.expression(tree)
+        if isinstance(built, ir.Word):
+            return built.value
+        actual = describe(built.type)
+    raise scope.expected(tree.span, "a word", actual)
+
+
 def _entry(value: Tree, keys: tuple[str, ...], level: Level | None, scope: Scope) -> Tree:
-    """Returns the entry of a table that was read without mistakes, or the number itself. `level`: the first one, where it is declared."""
+    """Returns the entry of a table that was read without mistakes, or the number itself.
+
+    level: the first one, where it is declared by `by`.
+    """
     if level is not None:
-        value, keys = entries_of(value, level, scope)[level.names.index(keys[0])], keys[1:]
+        first, *others = keys
+        value = entries_of(value, level, scope)[level.names.index(first)]
+        keys = tuple(others)
     for key in keys:
         assert isinstance(value, ast.Table)
         value = next(e.value for e in value.entries if e.key.text == key)
     return value
 
 
-def _flat(value: object) -> list[float]:
+def _numbers(value: object) -> list[float]:
+    """Returns the numbers of a nested tuple, in order."""
     if isinstance(value, tuple):
-        return [x for v in value for x in _flat(v)]
+        return [number for entry in value for number in _numbers(entry)]
     assert isinstance(value, int | float)
     return [value]

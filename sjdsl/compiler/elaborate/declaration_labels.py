@@ -1,6 +1,6 @@
-"""Adds "declared here" labels to diagnostics: a second place for messages about a name, a word or a number from elsewhere.
+"""Adds "declared here" labels to diagnostics about a name, word or number declared elsewhere.
 
-Often the mistake is there: the declaration is misspelt, and the use is right.
+Often the mistake is in the declaration, and the use is right.
 """
 
 from dataclasses import replace
@@ -12,49 +12,57 @@ from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label, Near
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Static
 
-MANY = 4  # numbers shown beside a requirement
+MOST_LABELS = 4  # more parameters are not pointed at
 
 
-def with_declaration_labels(found: list[Diagnostic], game: Composition) -> list[Diagnostic]:
-    """Returns the diagnostics, those about a name or a word from another line with the place where it is declared."""
-    named, ranges = _places(game)
-    number = game.number  # of agents: the value of the size that it names, or the number itself
+def with_declaration_labels(diagnostics: list[Diagnostic], game: Composition) -> list[Diagnostic]:
+    """Returns the diagnostics, some with a label: the place of a declaration in another line."""
+    return [_with_label(diagnostic, game) for diagnostic in diagnostics]
+
+
+def _with_label(diagnostic: Diagnostic, game: Composition) -> Diagnostic:
+    span: Span | None
+    match diagnostic:
+        case errors.WordOutside():
+            span = _type_span(diagnostic.declared, game)
+            text = "its words are declared here"
+        case errors.FieldRange():
+            span = _type_span(diagnostic.declared, game)
+            text = "its range is declared here"
+        case errors.TooFewCells() | errors.NoFreeCell() | errors.TakenOrNowhere():
+            span = _number_of_agents_span(game)
+            text = "so many agents"
+        case errors.NotKnown(near=Near(nearest=(name,))):
+            span = _name_span(name, game)
+            text = f"`{name}` is declared here"
+        case _:
+            return diagnostic
+    if span is None or diagnostic.labels:
+        return diagnostic
+    if (span.file, span.line) == (diagnostic.span.file, diagnostic.span.line):
+        return diagnostic
+    return replace(diagnostic, labels=(Label(span, text),))
+
+
+def _number_of_agents_span(game: Composition) -> Span | None:
+    """Returns where the number of agents is written: as such, or as the value of a size."""
+    number = game.number
+    if number is None:
+        return None
     if isinstance(number, ast.Path) and number.name.text in game.constants:
-        agents: Span | None = game.constants[number.name.text].value.span
-    else:
-        agents = None if number is None else number.span
-    labelled = []
-    for d in found:
-        span, text = None, ""
-        match d:
-            case errors.WordOutside():
-                span, text = ranges.get(d.declared), "its words are declared here"
-            case errors.FieldRange():
-                span, text = ranges.get(d.declared), "its range is declared here"
-            case errors.TooFewCells() | errors.NoFreeCell() | errors.TakenOrNowhere():
-                span, text = agents, "so many agents"
-            case errors.NotKnown(near=Near(nearest=(name,))):
-                span, text = named.get(name), f"`{name}` is declared here"
-        elsewhere = span is not None and (span.file, span.line) != (d.span.file, d.span.line)
-        labelled.append(
-            replace(d, labels=(Label(span, text),))
-            if span is not None and elsewhere and not d.labels
-            else d
-        )
-    return labelled
+        return game.constants[number.name.text].value.span
+    return number.span
 
 
-def _places(game: Composition) -> tuple[dict[str, Span], dict[str, Span]]:
-    """Returns where each name, word and action is declared, and where the words or the range of each field, event and action are."""
-    attributes = [
-        a
-        for kind in game.kinds.values()
-        for a in kind.attributes
-        if isinstance(a, ast.Field | ast.Timer)
-    ]
-    attributes += [*game.agent_fields.values(), *game.fields.values()]
-    fields = [a for a in attributes if isinstance(a, ast.Field)]
-    actions = () if game.acts is None else game.acts.actions
+def _attributes(game: Composition) -> list[ast.Field | ast.Timer]:
+    """Returns the fields and timers of cells, agents and the world."""
+    attributes = [a for kind in game.kinds.values() for a in kind.attributes]
+    fields = [a for a in attributes if isinstance(a, ast.Field | ast.Timer)]
+    return [*fields, *game.agent_fields.values(), *game.fields.values()]
+
+
+def _name_span(name: str, game: Composition) -> Span | None:
+    """Returns where a name, word or action is declared first."""
     tables = (
         game.constants,
         game.kinds,
@@ -64,27 +72,37 @@ def _places(game: Composition) -> tuple[dict[str, Span], dict[str, Span]]:
         game.phases,
         game.metrics,
     )
-    names = [node.name for table in tables for node in table.values()] + [
-        node.name for node in (*attributes, *actions)
-    ]
-    names += [
-        name for field in fields if isinstance(field.type, ast.Words) for name in field.type.names
-    ]
-    ranges = {field.name.text: field.type.span for field in fields}
-    for metric in game.metrics.values():
-        if isinstance(metric, ast.Event) and metric.by is not None:
-            ranges[metric.name.text] = (
-                metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
-            )
-    ranges |= {action.name.text: action.span for action in actions if action.arguments}
-    return {name.text: name.span for name in reversed(names)}, ranges
+    names = [node.name for table in tables for node in table.values()]
+    attributes = _attributes(game)
+    names += [attribute.name for attribute in attributes]
+    if game.acts is not None:
+        names += [action.name for action in game.acts.actions]
+    for attribute in attributes:
+        if isinstance(attribute, ast.Field) and isinstance(attribute.type, ast.Words):
+            names += attribute.type.names
+    return next((declared.span for declared in names if declared.text == name), None)
+
+
+def _type_span(name: str, game: Composition) -> Span | None:
+    """Returns where the words or the range of a field, event or action are."""
+    if game.acts is not None:
+        for action in game.acts.actions:
+            if action.arguments and action.name.text == name:
+                return action.span
+    metric = game.metrics.get(name)
+    if isinstance(metric, ast.Event) and metric.by is not None:
+        return metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
+    for attribute in reversed(_attributes(game)):
+        if isinstance(attribute, ast.Field) and attribute.name.text == name:
+            return attribute.type.span
+    return None
 
 
 def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:
-    """Returns the places where the parameters are declared that values are made of; none if there are too many."""
+    """Returns labels where the parameters in values are declared; none if there are too many."""
     names = dict.fromkeys(
         n.name for value in values for n in ir.walk(value) if isinstance(n, ir.ParamRef)
     )
-    places = {name: static.params[name].origin for name in names}
-    labels = tuple(Label(span, f"`{name}`") for name, span in places.items() if span is not None)
-    return labels if len(labels) <= MANY else ()
+    spans = {name: static.params[name].origin for name in names}
+    labels = tuple(Label(span, f"`{name}`") for name, span in spans.items() if span is not None)
+    return labels if len(labels) <= MOST_LABELS else ()

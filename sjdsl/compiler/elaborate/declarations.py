@@ -1,6 +1,6 @@
-"""Elaborates declarations: numbers, kinds, fields, agents and shapes become the symbol table that every scope sees."""
+"""Elaborates declarations into the symbol table: numbers, kinds, fields, agents, shapes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -21,10 +21,6 @@ from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
 
-SEEN = {
-    "outside": "what an agent sees off the map",
-    "everyone": "all agents, in `observe`",
-}  # no names of kinds
 Tables = Mapping[
     str,
     Mapping[
@@ -34,78 +30,83 @@ Tables = Mapping[
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
 
 
+OBSERVED_NAMES = {  # what `observe` has names for, so that no kind can
+    "outside": "what an agent sees off the map",
+    "everyone": "all agents, in `observe`",
+}
+
+
 def declare_numbers(
     game: Composition, problems: Problems, overrides: Mapping[str, object], num_agents: int | None
 ) -> Static:
-    """Returns the static tables with word sets, sizes and parameters; sizes take their values from `overrides`."""
+    """Returns the static tables with sets of words, sizes and parameters.
+
+    overrides: the values that a caller gives sizes.
+    """
     static = Static(
         game.sources, expression, references=game.references, defines=dict(game.defines)
     )
     _check_names(game, _collect_words(game, static, problems), problems)
     static.events = {n: m for n, m in game.metrics.items() if isinstance(m, ast.Event)}
-    static.own_number = num_agents is None and not overrides
+    static.number_from_file = num_agents is None and not overrides
     overrides = dict(overrides)
     if num_agents is not None:
         override_number(game, overrides, num_agents, problems)
     scope = Scope(static, problems)
-    by_agent = [
-        c for c in game.constants.values() if isinstance(c.by, ast.Name)
-    ]  # these need the number of agents, which sizes may say
-    for declared in (*(c for c in game.constants.values() if c not in by_agent), *by_agent):
-        if by_agent and declared is by_agent[0]:
-            declare_number(game, scope)
-        with problems.survive(static.broken, Symbol("name", declared.name.text)):
-            constant(declared, scope, overrides.get(declared.name.text))
+    by_agent = [c for c in game.constants.values() if isinstance(c.by, ast.Name)]
+    others = [c for c in game.constants.values() if c not in by_agent]
+
+    def declare(constants: list[ast.Constant]) -> None:
+        for declared in constants:
+            name = declared.name.text
+            with problems.survive(static.broken, Symbol("name", name)):
+                constant(declared, scope, overrides.get(name))
+
+    declare(others)
+    declare_number(game, scope)  # which sizes may say
+    declare(by_agent)
     static.params = {name: static.params[name] for name in game.constants if name in static.params}
-    if not by_agent:
-        declare_number(game, scope)
     return static
 
 
 def _collect_words(game: Composition, static: Static, problems: Problems) -> dict[str, Span]:
-    """Finds every set of words: of fields, rows, events, labels and arguments of actions. Returns where each word is declared first."""
+    """Adds every set of words to the tables; returns where each word is declared first."""
     first: dict[str, Span] = {}
-
-    def add(names: tuple[ast.Name, ...]) -> None:
+    for words in _word_sets(game):
+        names = [name.text for name in words.names]
         if len(names) > limits.MAX_WORDS:
-            problems.add(
-                errors.Unsupported(
-                    names[0].span, what=f"a set of more than {limits.MAX_WORDS} words"
-                )
-            )
-        spelt = [n.text for n in names]
-        for i, name in enumerate(names):
-            if name.text in spelt[:i]:
-                problems.add(errors.WrittenTwice(name.span, what=f"the word `{name.text}`"))
+            feature = f"a set of more than {limits.MAX_WORDS} words"
+            problems.add(errors.Unsupported(words.names[0].span, feature=feature))
+        for i, name in enumerate(words.names):
+            if name.text in names[:i]:
+                problems.add(errors.WrittenTwice(name.span, part=f"the word `{name.text}`"))
             first.setdefault(name.text, name.span)
-        static.word_sets.append(tuple(dict.fromkeys(spelt)))
-
-    owners: tuple[ast.Kind | ast.Movers, ...] = (*game.kinds.values(), *game.movers.values())
-    attributes = [a for owner in owners for a in owner.attributes] + list(
-        game.agent_fields.values()
-    )
-    fields = [a for a in [*attributes, *game.fields.values()] if isinstance(a, ast.Field)]
-    arguments = [
-        argument
-        for action in (() if game.acts is None else game.acts.actions)
-        for argument in action.arguments
-    ]
-    events = [metric for metric in game.metrics.values() if isinstance(metric, ast.Event)]
-    sets = [each for field in fields for each in (field.type, field.by)]
-    for each in (
-        *sets,
-        *(e.by for e in events),
-        *(number.by for number in game.constants.values()),
-        *(a.type for a in arguments),
-    ):
-        if isinstance(each, ast.Words):
-            add(each.names)
+        static.word_sets.append(tuple(dict.fromkeys(names)))
     static.word_sets.append(HEADINGS)
     return first
 
 
+def _word_sets(game: Composition) -> Iterator[ast.Words]:
+    """Yields the sets of words of fields, rows, events, numbers and arguments of actions."""
+    attributes = [a for kind in game.kinds.values() for a in kind.attributes]
+    attributes += [a for movers in game.movers.values() for a in movers.attributes]
+    attributes += [*game.agent_fields.values(), *game.fields.values()]
+    places: list[object] = []
+    for attribute in attributes:
+        if isinstance(attribute, ast.Field):
+            places += [attribute.type, attribute.by]
+    places += [metric.by for metric in game.metrics.values() if isinstance(metric, ast.Event)]
+    places += [number.by for number in game.constants.values()]
+    if game.acts is not None:
+        places += [argument.type for action in game.acts.actions for argument in action.arguments]
+    yield from (place for place in places if isinstance(place, ast.Words))
+
+
 def _check_names(game: Composition, words: Mapping[str, Span], problems: Problems) -> None:
-    """One name space: sizes, params, defines, world fields, kinds, groups, words. `words`: where each is declared; headings nowhere."""
+    """Reports a name with two meanings: numbers, defines, fields of the world, kinds, words.
+
+    words: where each is declared; the headings are words without a place.
+    """
     taken: dict[str, tuple[str, Span]] = {}
     cells: Tables = {"a kind": game.kinds, "a group": game.groups, "a sort of movers": game.movers}
     tables: Tables = {
@@ -114,152 +115,161 @@ def _check_names(game: Composition, words: Mapping[str, Span], problems: Problem
         "a field of the world": game.fields,
         **cells,
     }
-    for what, table in tables.items():
+    for meaning, table in tables.items():
         for name, node in table.items():
+            span = node.name.span
             if name in RESERVED_VARIABLES:
-                problems.add(
-                    errors.NameTaken(node.name.span, name=name, what="something of the language")
-                )
-            elif name in SEEN and what in cells:
-                problems.add(errors.NameTaken(node.name.span, name=name, what=SEEN[name]))
+                taken_by = "something of the language"
+                problems.add(errors.NameTaken(span, name=name, taken_by=taken_by))
+            elif name in OBSERVED_NAMES and meaning in cells:
+                taken_by = OBSERVED_NAMES[name]
+                problems.add(errors.NameTaken(span, name=name, taken_by=taken_by))
             elif name in taken:
-                other, span = taken[name]
-                problems.add(
-                    errors.NameTaken(
-                        node.name.span,
-                        name=name,
-                        what=other,
-                        labels=(Label(span, "declared here"),),
-                    )
-                )
-            elif name in words or name in HEADINGS:
-                labels = (Label(words[name], "the word is declared here"),) if name in words else ()
-                problems.add(errors.WordClash(node.name.span, name=name, what=what, labels=labels))
-            taken.setdefault(name, (what, node.name.span))
+                taken_by, first = taken[name]
+                labels = (Label(first, "declared here"),)
+                problems.add(errors.NameTaken(span, name=name, taken_by=taken_by, labels=labels))
+            elif name in words:
+                labels = (Label(words[name], "the word is declared here"),)
+                problems.add(errors.WordClash(span, name=name, taken_by=meaning, labels=labels))
+            elif name in HEADINGS:
+                problems.add(errors.WordClash(span, name=name, taken_by=meaning))
+            taken.setdefault(name, (meaning, span))
 
 
 def declare_world(game: Composition, static: Static, problems: Problems) -> None:
-    """Adds shapes, kinds, groups, fields and what there is to know of the agents to the tables."""
+    """Adds shapes, kinds, groups, fields and the agents' actions and fields to the tables."""
     _check_counts(game, problems)
     scope = Scope(static, problems)
-    for shape in game.shapes.values():
-        with problems.survive(static.broken, Symbol("shape", shape.name.text)):
-            static.shapes[shape.name.text] = shapes.declared(shape, scope)
+    for name, shape in game.shapes.items():
+        with problems.survive(static.broken, Symbol("shape", name)):
+            static.shapes[name] = shapes.declared(shape, scope)
     static.mover_sorts = tuple(game.movers)
     static.cell_types = {kind: (kind,) for kind in game.kinds}
-    static.cell_types |= {
-        name: tuple(kind.text for kind in group.kinds) for name, group in game.groups.items()
-    }
+    for name, group in game.groups.items():
+        static.cell_types[name] = tuple(kind.text for kind in group.kinds)
     for name, event in static.events.items():
         if event.by is not None:
             with problems.survive():
                 static.event_levels[name] = level_of(event.by, scope)
-    for kind in game.kinds.values():
-        with problems.survive(static.broken, Symbol("name", kind.name.text)):
-            static.kinds[kind.name.text] = fields_of(
-                kind.attributes, scope, ir.Sort("cell", (kind.name.text,))
-            )
+    for name, kind in game.kinds.items():
+        with problems.survive(static.broken, Symbol("name", name)):
+            static.kinds[name] = fields_of(kind.attributes, scope, ir.Sort("cell", (name,)))
             _glyphs(kind, scope)
-    for group in game.groups.values():
-        with problems.survive(static.broken, Symbol("name", group.name.text)):
+    for name, group in game.groups.items():
+        with problems.survive(static.broken, Symbol("name", name)):
             for kind_name in group.kinds:
                 if kind_name.text not in static.kinds:
                     raise problems.unknown(kind_name, static.kinds, "the kinds")
                 static.refer(kind_name, Symbol("name", kind_name.text))
-            static.groups[group.name.text] = tuple(kind_name.text for kind_name in group.kinds)
-    for declared in game.fields.values():
-        with problems.survive(static.broken, Symbol("name", declared.name.text)):
-            static.fields[declared.name.text] = one_field(declared, scope, ir.Sort("world"))
+            static.groups[name] = static.cell_types[name]
+    for name, field in game.fields.items():
+        with problems.survive(static.broken, Symbol("name", name)):
+            static.fields[name] = one_field(field, scope, ir.Sort("world"))
     declare_agents(game, scope)
     declare_movers(game, scope)
 
 
 def _check_counts(game: Composition, problems: Problems) -> None:
-    owners: tuple[ast.Kind | ast.Movers, ...] = (*game.kinds.values(), *game.movers.values())
-    fields = [
-        a for owner in owners for a in owner.attributes if isinstance(a, ast.Field | ast.Timer)
-    ]
+    """Reports more kinds, fields or phases than a game may have."""
+    attributes = [a for kind in game.kinds.values() for a in kind.attributes]
+    attributes += [a for movers in game.movers.values() for a in movers.attributes]
+    num_fields = sum(isinstance(a, ast.Field | ast.Timer) for a in attributes)
+    num_fields += len(game.fields) + len(game.agent_fields)
     counts = (
         ("kinds", len(game.kinds), limits.MAX_KINDS),
-        ("fields", len(fields) + len(game.fields) + len(game.agent_fields), limits.MAX_FIELDS),
+        ("fields", num_fields, limits.MAX_FIELDS),
         ("phases", len(game.phases), limits.MAX_PHASES),
     )
-    for what, given, limit in counts:
-        if given > limit:
-            problems.add(limits.too_much(f"the game has {given} {what}", limit, game.span))
+    for noun, number, limit in counts:
+        if number > limit:
+            problems.add(limits.too_much(f"the game has {number} {noun}", limit, game.span))
 
 
 def _glyphs(kind: ast.Kind, scope: Scope) -> None:
     """Adds the kind's own glyph and its `glyph … with` glyphs to the legend."""
     name = kind.name.text
-    scope.static.glyphs.append(
-        (kind.glyph.span, ir.GlyphMeaning(glyph=kind.glyph.text, kind=name, origin=kind.span))
-    )
-    fields = scope.static.kinds[name]
+    glyphs = scope.static.glyphs
+    plain = ir.GlyphMeaning(glyph=kind.glyph.text, kind=name, origin=kind.span)
+    glyphs.append((kind.glyph.span, plain))
     for attribute in kind.attributes:
-        if not isinstance(attribute, ast.Glyph):
+        if isinstance(attribute, ast.Glyph):
+            meaning = ir.GlyphMeaning(
+                glyph=attribute.glyph.text,
+                kind=name,
+                starts=_starts(attribute, name, scope),
+                origin=attribute.span,
+            )
+            glyphs.append((attribute.glyph.span, meaning))
+
+
+def _starts(
+    glyph: ast.Glyph, kind: str, scope: Scope
+) -> tuple[tuple[str, int | float | str | None], ...]:
+    """Returns the fields of a kind that a glyph gives another starting value, with the values."""
+    fields = scope.static.kinds[kind]
+    starts = []
+    for name, tree in glyph.starts:
+        symbol = Symbol("field", name.text, kind)
+        if symbol in scope.static.broken:
             continue
-        starts = []
-        for field_name, tree in attribute.starts:
-            if Symbol("field", field_name.text, name) in scope.static.broken:
-                continue
-            if field_name.text not in fields:
-                meant = near(field_name.text, fields, "its fields")
-                scope.problems.add(
-                    errors.NoField(
-                        field_name.span,
-                        owner=f"the kind `{name}`",
-                        name=field_name.text,
-                        near=meant,
-                    )
-                )
-                continue
-            scope.static.refer(field_name, Symbol("field", field_name.text, name))
-            with scope.problems.survive():
-                value = starting(tree, field_name.text, fields[field_name.text].type, scope)
-                starts.append((field_name.text, value))
-        meaning = ir.GlyphMeaning(
-            glyph=attribute.glyph.text, kind=name, starts=tuple(starts), origin=attribute.span
-        )
-        scope.static.glyphs.append((attribute.glyph.span, meaning))
+        if name.text not in fields:
+            owner = f"the kind `{kind}`"
+            meant = near(name.text, fields, "its fields")
+            scope.problems.add(errors.NoField(name.span, owner=owner, name=name.text, near=meant))
+            continue
+        scope.static.refer(name, symbol)
+        with scope.problems.survive():
+            starts.append((name.text, starting(tree, name.text, fields[name.text].type, scope)))
+    return tuple(starts)
 
 
 def build_kinds(game: Composition, static: Static, problems: Problems) -> tuple[ir.Kind, ...]:
-    """Returns the kinds with their fields and what they block; conditions read the cell's fields and `agent`."""
-    made = []
+    """Returns the kinds with their fields and what they block.
+
+    The conditions read the cell's fields and `agent`.
+    """
+    kinds = []
     for name, fields in static.kinds.items():
-        kind, scope = game.kinds[name], Scope(static, problems, part="blocks")
-        found: list[ir.Block] = []
-        for blocks in (a for a in kind.attributes if isinstance(a, ast.Blocks)):
-            with problems.survive():
-                sorts = dict.fromkeys(
-                    ir.Sort("mover", (what.text,)) if what.text in static.movers else AGENTS
-                    for what in blocks.what
-                )
-                found += blocked(
-                    blocks, {sort: _blocks_when(blocks, name, sort, scope) for sort in sorts}, scope
-                )
-        made.append(
+        kind = game.kinds[name]
+        scope = Scope(static, problems, part="blocks")
+        blocks: list[ir.Block] = []
+        for attribute in kind.attributes:
+            if isinstance(attribute, ast.Blocks):
+                with problems.survive():
+                    blocks += _blocks(attribute, name, scope)
+        kinds.append(
             ir.Kind(
                 name=name,
                 glyph=kind.glyph.text,
                 fields=tuple(fields.values()),
-                blocks=tuple(found),
+                blocks=tuple(blocks),
                 origin=kind.span,
             )
         )
-    return tuple(made)
+    return tuple(kinds)
+
+
+def _blocks(blocks: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block]:
+    """Returns one line of `blocks`, its condition read for agents and each of the movers."""
+    tests: dict[ir.Sort, ir.Expr | None] = {}
+    for blocked_name in blocks.what:
+        is_mover = blocked_name.text in scope.static.movers
+        sort = ir.Sort("mover", (blocked_name.text,)) if is_mover else AGENTS
+        if sort not in tests:
+            tests[sort] = _blocks_when(blocks, kind, sort, scope)
+    return blocked(blocks, tests, scope)
 
 
 def _blocks_when(blocks: ast.Blocks, kind: str, sort: ir.Sort, scope: Scope) -> ir.Expr | None:
-    """Returns the condition of `blocks`, about the cell and about who moves: an agent (or the anchor of a shape), or a mover of a sort."""
+    """Returns the condition of `blocks`, about the cell and who moves.
+
+    Who moves is an agent, which may be the anchor of a shape, or a mover.
+    """
     if blocks.condition is None:
         return None
-    cell, who = (
-        ir.Member(name=kind, sort=ir.Sort("cell", (kind,))),
-        ir.Member(name=sort.name, sort=sort),
-    )
-    inner = scope.bind(kind, cell).bind(who.name, who)
+    cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
+    body = ir.Member(name=sort.name, sort=sort)
+    inner = scope.bind(kind, cell).bind(body.name, body)
     test = inner.condition(blocks.condition)
     check_possible(test, inner)
     return test

@@ -1,6 +1,7 @@
 """Elaborates expressions: from AST to typed IR, with units, intervals and guards checked.
 
-Every function takes the tree and the scope and returns IR, or reports what is wrong and raises `Poisoned`.
+Every function takes the tree and the scope and returns IR, or reports what is wrong and raises
+`Poisoned`.
 """
 
 from collections.abc import Callable
@@ -51,7 +52,10 @@ from sjdsl.compiler.ir.operations import (
 )
 from sjdsl.compiler.ir.types import element, integer, is_number, real, times
 
-WHERE_BEFORE_STANDS = "`before` stands in `always` and `once` of `checks`, not inside another; a rule keeps what it needs later in a field"
+WHERE_BEFORE_STANDS = (
+    "`before` stands in `always` and `once` of `checks`, not inside another; "
+    "a rule keeps what it needs later in a field"
+)
 
 
 def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
@@ -109,7 +113,7 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
 
 
 def product(e: ast.Binary, scope: Scope) -> ir.Expr:
-    """`a * b` or `a / b`; where units don't go together, the message tells of another order of the factors in which they do."""
+    """Returns `a * b` or `a / b`; a message about its units suggests an order in which they mix."""
     try:
         left, right = scope.expressions((e.left, e.right))
         return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
@@ -119,7 +123,10 @@ def product(e: ast.Binary, scope: Scope) -> ir.Expr:
 
 
 def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
-    """`a and b`: b is read knowing a; `a or b`: b is read knowing not a. All are read, also where one of them is wrong."""
+    """Returns `a and b`, where b is read knowing a, or `a or b`, where b is read knowing not a.
+
+    All operands are read, also if one of them is wrong.
+    """
     args: list[ir.Expr] = []
     is_wrong = False
     for operand in _operands(e):
@@ -127,13 +134,12 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
             condition = scope.condition(operand)
         except Poisoned:
             is_wrong = True
-            scope = scope.unsure()
+            scope = scope.after_unreadable_guard()
             continue
-        args.extend(
-            condition.args
-            if isinstance(condition, ir.Logic) and condition.fn == e.op
-            else [condition]
-        )
+        if isinstance(condition, ir.Logic) and condition.fn == e.op:
+            args += condition.args
+        else:
+            args.append(condition)
         scope = scope.knowing([condition if e.op == "and" else ir.Not(value=condition)])
     if is_wrong:
         raise Poisoned
@@ -141,7 +147,7 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
 
 
 def _operands(e: ast.Binary) -> list[ast.Expr]:
-    """Returns the operands of `a and b and c`, or of several `or`, which is read as `(a and b) and c`."""
+    """Returns the operands of `a and b and c`, whose tree is `(a and b) and c`, or of `or`."""
     last = [e.right]
     left = e.left
     while isinstance(left, ast.Binary) and left.op == e.op:
@@ -151,7 +157,7 @@ def _operands(e: ast.Binary) -> list[ast.Expr]:
 
 
 def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
-    """`x is y` between words, agents, cells, or a set of agents and nobody; where x is a word, y is not any name."""
+    """Returns `x is y` between words, agents, movers, cells, or a set of agents and nobody."""
     try:
         left = scope.expression(e.left)
     except Poisoned:
@@ -160,60 +166,73 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
     if left.type.kind == "word" and not left.type.by:
         check_known_word(e.right, left, left.type.words, scope)
     right = scope.expression(e.right)
-    if left.type.by or right.type.by:
-        raise wrong_type(
-            scope,
-            e.left if left.type.by else e.right,
-            "a single value",
-            left.type if left.type.by else right.type,
-        )
-    if isinstance(left, ir.Word) and isinstance(
-        right, ir.Word
-    ):  # one of them is what a phase is used with
+    for tree, side in ((e.left, left), (e.right, right)):
+        if side.type.by:
+            raise wrong_type(scope, tree, "a single value", side.type)
+    if isinstance(left, ir.Word) and isinstance(right, ir.Word):  # a phase's argument
         return ir.Truth(value=left.value == right.value, origin=e.span)
     kinds = {left.type.kind, right.type.kind}
     if kinds == {"agents", "agent"} and isinstance(right, ir.Nobody):
         return ir.IsEmpty(container=left, origin=e.span)
     if "cell" in kinds:
-        left, right = or_nowhere(left), or_nowhere(right)
-    cells = [kinds_of_cell(x) for x in (left, right)]
-    movers = (
+        left = or_nowhere(left)
+        right = or_nowhere(right)
+    left_kinds = kinds_of_cell(left)
+    right_kinds = kinds_of_cell(right)
+    if kinds == {"word"}:
+        _check_common_words(e, left, right, scope)
+    elif left_kinds is not None and right_kinds is not None:
+        if left_kinds and right_kinds and not set(left_kinds) & set(right_kinds):
+            raise scope.fail(errors.NeverOneCell(e.span))
+    elif not (_are_same_movers(left, right) or (as_agent(left) and as_agent(right))):
+        raise _not_identical(e, left, right, scope)
+    return ir.Same(left=left, right=right, origin=e.span)
+
+
+def _are_same_movers(left: ir.Expr, right: ir.Expr) -> bool:
+    """Returns whether two expressions are movers of one name."""
+    return (
         isinstance(left, ir.Member)
         and isinstance(right, ir.Member)
         and left.sort.what == "mover"
         and left.sort == right.sort
     )
-    if kinds == {"word"}:
-        for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
-            if isinstance(literal, ir.Word):
-                check_words((literal.value,), other.type.words, tree.span, other, scope)
-        if not set(left.type.words) & set(right.type.words):
-            raise scope.fail(errors.NeverEqual(e.span))
-    elif None not in cells:
-        if all(cells) and not set(cells[0] or ()) & set(cells[1] or ()):
-            raise scope.fail(errors.NeverOneCell(e.span))
-    elif not (movers or (as_agent(left) and as_agent(right))):
-        if isinstance(left, ir.Member) and left.sort.what == "mover":
-            raise wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
-        single = (
-            left.type.kind in ("word", "agent", "agents", "cell")
-            or as_agent(left)
-            or cells[0] is not None
-        )
-        tree, wrong = (e.right, right) if single else (e.left, left)
-        help_ = "compare numbers with `==`" if is_number(left.type) or is_number(right.type) else ""
-        raise wrong_type(scope, tree, "a word, an agent or a cell", wrong.type, help_)
-    return ir.Same(left=left, right=right, origin=e.span)
+
+
+def _check_common_words(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> None:
+    """Reports two values that have no word in common."""
+    for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
+        if isinstance(literal, ir.Word):
+            check_words((literal.value,), other.type.words, tree.span, other, scope)
+    if not set(left.type.words) & set(right.type.words):
+        raise scope.fail(errors.NeverEqual(e.span))
+
+
+def _not_identical(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> Poisoned:
+    """Reports the side of `x is y` that can't be compared with the other."""
+    if isinstance(left, ir.Member) and left.sort.what == "mover":
+        return wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
+    left_is_one = (
+        left.type.kind in ("word", "agent", "agents", "cell")
+        or as_agent(left)
+        or kinds_of_cell(left) is not None
+    )
+    help_ = ""
+    if is_number(left.type) or is_number(right.type):
+        help_ = "compare numbers with `==`"
+    tree = e.right if left_is_one else e.left
+    wrong = right if left_is_one else left
+    return wrong_type(scope, tree, "a word, an agent or a cell", wrong.type, help_)
 
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
     agent = scope.expression(e.agent)
     if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
         raise not_named(agent, e.agent, scope)
-    bound = scope.variables.get(e.action.name.text)
-    name = (
-        bound if isinstance(bound, str) else e.action.name.text
-    )  # what a phase's parameter stands for
+    name = e.action.name.text
+    argument = scope.variables.get(name)
+    if isinstance(argument, str):  # a parameter of the phase
+        name = argument
     actions.check_in_step(f"{agent.name} chose {name}", e.span, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} chose {name}", scope)
@@ -221,16 +240,16 @@ def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
 
 
 def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
-    """`nobody on soil` asks a cell variable; `x on soil` an agent and that cell, or a kind or group if no statement around binds the name."""
+    """Returns `nobody on CELL`, or `x on NAME`.
+
+    NAME is a cell that a statement around has bound, or else a kind or group.
+    """
     cell = bound_cell(e.kind, scope)
     if isinstance(e.who, ast.Nobody):
         if cell is None:
-            what = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
-            raise scope.fail(
-                errors.WrongSort(
-                    e.kind.span, name=e.kind.text, what=what, wanted="a cell of a statement around"
-                )
-            )
+            actual = "a kind" if scope.static.kinds_of(e.kind.text) else "not known here"
+            wanted = "a cell of a statement around"
+            raise scope.misused(e.kind, actual, wanted)
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
     if not (isinstance(agent, ir.Member) and agent.sort.what != "cell"):
@@ -243,29 +262,14 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
 
 
 def within(e: ast.Within, scope: Scope) -> ir.Expr:
+    """Returns `x in { a, b }`, `x in low .. high`, or `x in` a set of agents."""
     try:
         value = scope.expression(e.value)
     except Poisoned:
-        if isinstance(e.container, ast.Words):
-            for name in e.container.names:
-                read_beside(ast.Path(name.span, name, ()), scope)
-        else:
-            read_beside(e.container, scope)
-        if e.high is not None:
-            read_beside(e.high, scope)
+        _read_container(e, scope)
         raise
     if isinstance(e.container, ast.Words):
-        if value.type.kind != "word":
-            raise wrong_type(scope, e.value, "a word", value.type)
-        names = tuple(n.text for n in e.container.names)
-        if isinstance(value, ir.Word) and all(
-            map(scope.static.is_word, names)
-        ):  # what a phase is used with
-            return ir.Truth(value=value.value in names, origin=e.span)
-        for name in e.container.names:
-            check_words((name.text,), value.type.words, name.span, value, scope)
-            scope.static.refer(name, Symbol("word", name.text))
-        return ir.InWords(value=value, words=names, origin=e.span)
+        return _in_words(e, e.container, value, scope)
     if e.high is not None:
         low, high = scope.expressions((e.container, e.high))
         for bound, tree in ((low, e.container), (high, e.high)):
@@ -279,100 +283,114 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
     return ir.InSet(value=value, container=container, origin=e.span)
 
 
+def _read_container(e: ast.Within, scope: Scope) -> None:
+    """Reports the mistakes behind `in`, where what stands before it could not be read."""
+    if isinstance(e.container, ast.Words):
+        for name in e.container.names:
+            read_beside(ast.Path(name.span, name, ()), scope)
+    else:
+        read_beside(e.container, scope)
+    if e.high is not None:
+        read_beside(e.high, scope)
+
+
+def _in_words(e: ast.Within, container: ast.Words, value: ir.Expr, scope: Scope) -> ir.Expr:
+    if value.type.kind != "word":
+        raise wrong_type(scope, e.value, "a word", value.type)
+    names = tuple(n.text for n in container.names)
+    if isinstance(value, ir.Word) and all(map(scope.static.is_word, names)):  # a phase's argument
+        return ir.Truth(value=value.value in names, origin=e.span)
+    for name in container.names:
+        check_words((name.text,), value.type.words, name.span, value, scope)
+        scope.static.refer(name, Symbol("word", name.text))
+    return ir.InWords(value=value, words=names, origin=e.span)
+
+
 def count(d: ast.Domain, span: Span, scope: Scope, warns: bool = True) -> ir.Expr:
     built, _ = domain(d, scope, warns)
     return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=span)
 
 
 def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
-    """Returns `any(D)` and `all(D where c)` as counts: more than 0 members, and none for which c does not hold."""
-    domain_ = e.domain
-    if e.word == "all":
-        if domain_.where is None:
-            help_ = f"write what holds for all of them: `all({written(domain_, scope)} where …)`"
-            raise scope.fail(
-                errors.WrongType(
-                    e.span,
-                    wanted="a condition after `where`",
-                    given="`all` without one",
-                    help=help_,
-                )
-            )
-        domain_ = replace(domain_, where=ast.Unary(domain_.where.span, "not", domain_.where))
-    members, none = (
-        count(domain_, e.span, scope, warns=e.word == "any"),
-        ir.Number(type=integer(0, 0, "number"), value=0),
-    )
-    return ir.Compare(fn=">" if e.word == "any" else "==", left=members, right=none, origin=e.span)
+    """Returns `any(D)` as `count(D) > 0`, and `all(D where c)` as `count(D where not c) == 0`."""
+    zero = ir.Number(type=integer(0, 0, "number"), value=0)
+    if e.word == "any":
+        members = count(e.domain, e.span, scope)
+        return ir.Compare(fn=">", left=members, right=zero, origin=e.span)
+    condition = e.domain.where
+    if condition is None:
+        example = f"`all({scope.static.written(e.domain.span)} where …)`"
+        raise scope.expected(
+            e.span,
+            "a condition after `where`",
+            "`all` without one",
+            f"write what holds for all of them: {example}",
+        )
+    exceptions = replace(e.domain, where=ast.Unary(condition.span, "not", condition))
+    members = count(exceptions, e.span, scope, warns=False)
+    return ir.Compare(fn="==", left=members, right=zero, origin=e.span)
 
 
 def total(e: ast.Total, scope: Scope) -> ir.Expr:
-    """`sum(row)` and `sum(e over D)`."""
+    """Returns `sum(row)` or `sum(e over D)`."""
     if e.domain is None:
-        return sum_of_row(
-            row_of_numbers(e.value, scope, help_="write `sum(e over D)` to add over a domain"),
-            e.span,
-        )
+        help_ = "write `sum(e over D)` to add over a domain"
+        return sum_of_row(row_of_numbers(e.value, scope, help_=help_), e.span)
     built, inner = domain(e.domain, scope)
     value = inner.expression(e.value)
     if not is_number(value.type):
         raise wrong_type(scope, e.value, "a number", value.type)
     most = most_members(built, scope)
-    low, high = times(min(value.type.low, 0), most), times(max(value.type.high, 0), most)
-    return ir.Sum(
-        type=beyond_one(value.type.model_copy(update={"low": low, "high": high})),
-        value=value,
-        domain=built,
-        origin=e.span,
-    )
+    low = times(min(value.type.low, 0), most)
+    high = times(max(value.type.high, 0), most)
+    type_ = beyond_one(value.type.model_copy(update={"low": low, "high": high}))
+    return ir.Sum(type=type_, value=value, domain=built, origin=e.span)
 
 
 def call(e: ast.Call, scope: Scope) -> ir.Expr:
-    """Returns what a function makes of its arguments, or a `define` with arguments written out."""
+    """Returns a function applied to its arguments, or a `define` with arguments written out."""
     name = e.name.text
     row = FUNCTIONS.get(name)
     if name in scope.static.defines and (row is None or row.yields):
         return use_define(e.name, e.arguments, scope)
     if row is None:
-        found = [row.name for row in FUNCTIONS.values() if scope.part == "checks" or not row.checks]
-        raise scope.problems.unknown(
-            e.name, [*found, *scope.static.defines], "the functions and defines"
-        )
+        functions = [
+            row.name for row in FUNCTIONS.values() if scope.part == "checks" or not row.checks
+        ]
+        known = [*functions, *scope.static.defines]
+        raise scope.problems.unknown(e.name, known, "the functions and defines")
     if row.reduces is not None and len(e.arguments) == 1:
         values = row_of_numbers(e.arguments[0], scope, "a row of numbers, or several numbers")
         return ir.SumRow(type=element(values.type), row=values, fn=name, origin=e.span)  # type: ignore[arg-type]
     if not row.least <= len(e.arguments) <= row.most:
-        wanted = f"{row.least} arguments" if row.least != 1 else "1 argument"
-        wanted = wanted if row.most == row.least else f"{row.least} or more arguments"
+        wanted = _arguments_wanted(row)
         raise scope.fail(
-            errors.WrongArguments(e.span, name=name, wanted=wanted, given=len(e.arguments))
+            errors.WrongArguments(e.span, name=name, wanted=wanted, actual=len(e.arguments))
         )
     return BUILDERS[row.builds](row, e, scope)
 
 
-# What makes each class of node of a call.
+# The builders of calls, by the class of the node they build.
 def calculated(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     assert isinstance(row, Calculation)
     return calculation(row, e, e.arguments, scope.expressions(e.arguments), scope)
 
 
+def _arguments_wanted(row: Function) -> str:
+    if row.most != row.least:
+        return f"{row.least} or more arguments"
+    return "1 argument" if row.least == 1 else f"{row.least} arguments"
+
+
 def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     table = scope.expression(e.arguments[0])
     if scope.part != "checks":
-        raise scope.fail(
-            errors.WrongSort(
-                e.name.span, name=e.name.text, what="a class of games", wanted="a value"
-            )
-        )
-    if (
-        not isinstance(table, ir.ParamRef)
-        or len(table.type.by) != 2
-        or len(table.type.by[0]) != 2
-        or table.type.by[0] != table.type.by[1]
-    ):
-        raise wrong_type(
-            scope, e.arguments[0], "a table of two words by the same two words", table.type
-        )
+        raise scope.misused(e.name, "a class of games", "a value")
+    by = table.type.by
+    is_matrix = len(by) == 2 and len(by[0]) == 2 and by[0] == by[1]
+    if not isinstance(table, ir.ParamRef) or not is_matrix:
+        wanted = "a table of two words by the same two words"
+        raise wrong_type(scope, e.arguments[0], wanted, table.type)
     return ir.MatrixClass(name=row.name, table=table, origin=e.span)
 
 
@@ -383,46 +401,43 @@ def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
         raise scope.problems.unknown(e.name, REDUCTIONS, "what there is over a domain")
     built, inner = domain(e.domain, scope)
     value = inner.expression(e.value)
-    otherwise = None if e.if_none is None else scope.expression(e.if_none)
-    for tree, part in ((e.value, value), (e.if_none, otherwise)):
-        if tree is not None and part is not None and not is_number(part.type):
-            raise wrong_type(scope, tree, "a number", part.type)
-    if otherwise is None and can_be_empty(built, scope):
-        raise scope.fail(
-            errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written(e.domain, scope))
-        )
-    types = [value.type] if otherwise is None else [value.type, otherwise.type]
-    type_ = join_types(types, scope, "compare", e)
+    types = [value.type]
+    if not is_number(value.type):
+        raise wrong_type(scope, e.value, "a number", value.type)
+    otherwise = None
+    if e.if_none is not None:
+        otherwise = scope.expression(e.if_none)
+        types.append(otherwise.type)
+        if not is_number(otherwise.type):
+            raise wrong_type(scope, e.if_none, "a number", otherwise.type)
+    elif can_be_empty(built, scope):
+        written = scope.static.written(e.domain.span)
+        raise scope.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written))
     return ir.Extreme(
-        type=type_, fn=e.name.text, value=value, domain=built, otherwise=otherwise, origin=e.span
-    )  # type: ignore[arg-type]
-
-
-def written(d: ast.Domain, scope: Scope) -> str:
-    """Returns a domain as its author wrote it."""
-    return " ".join(scope.static.sources[d.span.file].text[d.span.start : d.span.end].split())
+        type=join_types(types, scope, "compare", e),
+        fn=e.name.text,  # type: ignore[arg-type]
+        value=value,
+        domain=built,
+        otherwise=otherwise,
+        origin=e.span,
+    )
 
 
 def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
-    """Returns `before(e)`; what is known of the state now, and who has a place now, says nothing of that state."""
+    """Returns `before(e)`, which is read without what is known of the state now."""
     if not scope.about_steps:
-        given = "`before`, which is about a step"
-        raise scope.fail(
-            errors.WrongType(
-                e.span, wanted="a value of one state", given=given, help=WHERE_BEFORE_STANDS
-            )
+        raise scope.expected(
+            e.span, "a value of one state", "`before`, which is about a step", WHERE_BEFORE_STANDS
         )
-    (value,) = e.arguments
-    bodies = {
-        v.name
-        for v in scope.variables.values()
-        if isinstance(v, ir.Member) and v.sort.what != "cell"
-    }
-    elsewhere = frozenset(bodies if scope.static.can_be_away else ())
-    inner = replace(scope, about_steps=False, facts=(), elsewhere=elsewhere).expression(value)
-    if inner.type.kind in ("member", "mix"):
-        raise wrong_type(scope, value, "a value", inner.type)
-    return ir.Before(type=inner.type, value=inner, origin=e.span)
+    (tree,) = e.arguments
+    elsewhere: frozenset[str] = frozenset()
+    if scope.static.can_be_away:
+        members = (v for v in scope.variables.values() if isinstance(v, ir.Member))
+        elsewhere = frozenset(v.name for v in members if v.sort.what != "cell")
+    value = replace(scope, about_steps=False, facts=(), elsewhere=elsewhere).expression(tree)
+    if value.type.kind in ("member", "mix"):
+        raise wrong_type(scope, tree, "a value", value.type)
+    return ir.Before(type=value.type, value=value, origin=e.span)
 
 
 BUILDERS: dict[type[ir.Node], Callable[[Function, ast.Call, Scope], ir.Expr]] = {

@@ -19,47 +19,51 @@ from sjdsl.compiler.ir.types import describe, join_units, words
 
 FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "cell of KIND", "reward")
 
+ATTRIBUTES = {  # names that fields of each owner can't have
+    "agent": AGENT_ATTRIBUTES,
+    "mover": AGENT_ATTRIBUTES,
+    "cell": CELL_ATTRIBUTES,
+    "world": (),
+}
+
+
+ROLES = {
+    "agent": "a field of the agents",
+    "mover": "a field of movers",
+    "cell": "a field of a kind",
+}
+
+
 REAL_FIELD = "a field of real numbers is `field {name} : reward = 0`"
 
 
 def fields_of(
     attributes: tuple[object, ...], scope: Scope, held_by: ir.Sort
 ) -> dict[str, ir.VarField]:
-    """Returns the fields and timers among the attributes of a kind of cell, or of movers, by name."""
-    made: dict[str, ir.VarField] = {}
+    """Returns the fields and timers of a kind of cell, or of movers, by name."""
+    fields: dict[str, ir.VarField] = {}
     for attribute in attributes:
-        if isinstance(attribute, ast.Field | ast.Timer):
-            if attribute.name.text in made:
-                scope.problems.add(
-                    errors.WrittenTwice(
-                        attribute.name.span, what=f"the field `{attribute.name.text}`"
-                    )
-                )
-                continue
-            with scope.problems.survive(
-                scope.static.broken, Symbol("field", attribute.name.text, held_by.name)
-            ):
-                made[attribute.name.text] = one_field(attribute, scope, held_by)
-    return made
+        if not isinstance(attribute, ast.Field | ast.Timer):
+            continue
+        name = attribute.name.text
+        if name in fields:
+            scope.problems.add(errors.WrittenTwice(attribute.name.span, part=f"the field `{name}`"))
+            continue
+        with scope.problems.survive(scope.static.broken, Symbol("field", name, held_by.name)):
+            fields[name] = one_field(attribute, scope, held_by)
+    return fields
 
 
 def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -> ir.VarField:
     """Returns one field with its type and starting value."""
-    taken = {
-        "agent": AGENT_ATTRIBUTES,
-        "mover": AGENT_ATTRIBUTES,
-        "cell": CELL_ATTRIBUTES,
-        "world": (),
-    }[held_by.what]
-    if declared.name.text in taken:
-        what = {"agent": "a field of the agents", "mover": "a field of movers"}.get(
-            held_by.what, "a field of a kind"
-        )
+    name = declared.name.text
+    span = declared.span
+    if name in ATTRIBUTES[held_by.what]:
+        role = ROLES[held_by.what]
         problem = f"every {held_by.what} has it already"
         scope.problems.add(
-            errors.BadName(declared.name.span, name=declared.name.text, what=what, problem=problem)
+            errors.BadName(declared.name.span, name=name, role=role, problem=problem)
         )
-    name, span = declared.name.text, declared.span
     if isinstance(declared, ast.Timer):
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
         return ir.VarField(name=name, held_by=held_by, type=type_, timer=True, start=0, origin=span)
@@ -67,11 +71,11 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     start = start_value(declared, type_, scope)
     if declared.by is not None:
         type_ = type_.model_copy(update={"by": (level_of(declared.by, scope),)})
-    capped = isinstance(declared.type, ast.Range) and declared.type.capped
-    if isinstance(declared.type, ast.Range) and any(
-        isinstance(node, ast.Path) for node in walk(declared.type)
-    ):
-        scope.static.sized.add(field_symbol(name, held_by.name))
+    capped = False
+    if isinstance(declared.type, ast.Range):
+        capped = declared.type.capped
+        if any(isinstance(node, ast.Path) for node in walk(declared.type)):
+            scope.static.sized.add(field_symbol(name, held_by.name))
     return ir.VarField(
         name=name, held_by=held_by, type=type_, capped=capped, start=start, origin=span
     )
@@ -98,47 +102,48 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
         case ast.NamedType(name=ast.Name(text=sort)) if sort in static.mover_sorts:
             help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {sort}`"
             raise scope.fail(
-                errors.Unsupported(declared.span, what="a field that holds a mover", help=help_)
+                errors.Unsupported(declared.span, feature="a field that holds a mover", help=help_)
             )
         case ast.NamedType():
             raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields")
 
 
 def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
-    units = [scope.expression(e).type.unit for e in (declared.low, declared.high)]
-    low, high = (scope.fixed(e, "the range of a field") for e in (declared.low, declared.high))
+    low_unit = scope.expression(declared.low).type.unit
+    high_unit = scope.expression(declared.high).type.unit
+    low = scope.fixed(declared.low, "the range of a field")
+    high = scope.fixed(declared.high, "the range of a field")
     if max(abs(low), abs(high)) > limits.MAX_VALUE:
         problem = f"an end of this range is {max(low, high, key=abs):.15g}"
         raise scope.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
-    if low != int(low) or high != int(high) or low > high:
-        wanted, help_ = (
-            "a range of whole numbers, the smaller first",
-            "" if low > high else REAL_FIELD.format(name="NAME"),
-        )
-        raise scope.fail(
-            errors.WrongType(declared.span, wanted=wanted, given="another one", help=help_)
-        )
-    unit = join_units(*units)
-    return ir.Type(
-        kind="int", unit="count" if unit in (None, "number") else unit, low=low, high=high
-    )
+    wanted = "a range of whole numbers, the smaller first"
+    if low > high:
+        raise scope.expected(declared.span, wanted, "another one")
+    if low != int(low) or high != int(high):
+        help_ = REAL_FIELD.format(name="NAME")
+        raise scope.expected(declared.span, wanted, "another one", help_)
+    unit = join_units(low_unit, high_unit)
+    if unit is None or unit == "number":
+        unit = "count"
+    return ir.Type(kind="int", unit=unit, low=low, high=high)
 
 
 def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | float | str | None:
-    """Returns the starting value: written, or 0 for rewards, nobody for agents."""
-    if declared.start is None:
-        if type_.kind in ("agent", "agents", "cell"):
-            return None
-        if type_.unit == "reward":
-            return 0.0
-        what = f"starting value for `{declared.name.text}`"
-        raise scope.fail(
-            errors.MissingPart(declared.span, what=what, how="`= value` after its type")
-        )
-    return starting(declared.start, declared.name.text, type_, scope)
+    """Returns the starting value: as written, else 0 for rewards, None for nobody and nowhere."""
+    if declared.start is not None:
+        return starting(declared.start, declared.name.text, type_, scope)
+    if type_.kind in ("agent", "agents", "cell"):
+        return None
+    if type_.unit == "reward":
+        return 0.0
+    part = f"starting value for `{declared.name.text}`"
+    raise scope.fail(
+        errors.MissingPart(declared.span, part=part, example="`= value` after its type")
+    )
 
 
 def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | float | str | None:
+    """Returns a starting value of a field; reports one that is not of its type."""
     if type_.kind == "word":
         check_known_word(tree, name, type_.words, scope)
     value = scope.expression(tree)
@@ -150,35 +155,34 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
         case ir.Word() if type_.kind == "word":
             check_words((value.value,), type_.words, tree.span, name, scope)
             return value.value
-        case ir.Number() if type_.kind in ("int", "real"):
-            if type_.kind == "int" and value.value != int(value.value):
-                help_ = REAL_FIELD.format(name=name)
-                raise scope.fail(
-                    errors.WrongType(
-                        tree.span, wanted="a whole number", given=f"{value.value:g}", help=help_
-                    )
-                )
-            if type_.kind == "int" and not type_.low <= value.value <= type_.high:
-                reached = interval_text(value.type.low, value.type.high)
-                help_ = "begin with a number of the range, or widen the range"
-                found = errors.FieldRange(
-                    tree.span,
-                    name=name,
-                    declared=name,
-                    low=type_.low,
-                    high=type_.high,
-                    reached=reached,
-                    help=help_,
-                )
-                raise scope.fail(found)
-            return int(value.value) if type_.kind == "int" else float(value.value)
-        case _:
-            nobody = {"agent": "nobody", "agents": "nobody", "cell": "nowhere"}.get(type_.kind)
-            help_ = (
-                ""
-                if nobody is None
-                else f"leave the starting value out: the field begins as `{nobody}`"
+        case ir.Number() if type_.kind == "int":
+            return _starting_number(value, tree, name, type_, scope)
+        case ir.Number() if type_.kind == "real":
+            return float(value.value)
+    help_ = ""
+    if type_.kind in ("agent", "agents", "cell"):
+        nobody = "nowhere" if type_.kind == "cell" else "nobody"
+        help_ = f"leave the starting value out: the field begins as `{nobody}`"
+    raise wrong_type(scope, tree, f"a starting value ({describe(type_)})", value.type, help_)
+
+
+def _starting_number(
+    number: ir.Number, tree: ast.Expr, name: str, type_: ir.Type, scope: Scope
+) -> int:
+    """Returns a whole number in the range of a field."""
+    if number.value != int(number.value):
+        help_ = REAL_FIELD.format(name=name)
+        raise scope.expected(tree.span, "a whole number", f"{number.value:g}", help_)
+    if not type_.low <= number.value <= type_.high:
+        raise scope.fail(
+            errors.FieldRange(
+                tree.span,
+                name=name,
+                declared=name,
+                low=type_.low,
+                high=type_.high,
+                reached=interval_text(number.type.low, number.type.high),
+                help="begin with a number of the range, or widen the range",
             )
-            raise wrong_type(
-                scope, tree, f"a starting value ({describe(type_)})", value.type, help_
-            )
+        )
+    return int(number.value)

@@ -1,8 +1,8 @@
-"""Elaborates what rows and tables are indexed by: the sort after `by`, the key in square brackets, and the entries that a table lists.
+"""Elaborates what rows and tables are indexed by: `by`, keys in brackets, entries of a table.
 
 by { raw, cut }   ->   raw, cut              row[agent.grade]   ->   a key of type word
 by agent          ->   agent 0, agent 1      row[b]             ->   a key that is an agent
-by 0 .. 2         ->   0, 1, 2               row[agent.turns]   ->   a key that is a number from 0 to 2
+by 0 .. 2         ->   0, 1, 2               row[agent.turns]   ->   a key from 0 to 2
 """
 
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.sorts import Level, level_of_agents, level_of_numbers
 from sjdsl.compiler.ir.types import describe
 
-SORTS = ("agent", "{ a, b }", "0 .. 4")
+ENTRIES = ("agent", "{ a, b }", "0 .. 4")
 OTHERWISE = "otherwise"
 Tree = ast.Expr | ast.Table
 
@@ -34,33 +34,35 @@ def level_of(by: ast.By, scope: Scope) -> Level:
         case ast.Words():
             return Level("word", tuple(dict.fromkeys(name.text for name in by.names)))
         case ast.Numbers():
-            low, high = (scope.fixed(e, "the entries of a row") for e in (by.low, by.high))
+            low = scope.fixed(by.low, "the entries of a row")
+            high = scope.fixed(by.high, "the entries of a row")
             if low != int(low) or high != int(high) or low > high:
-                wanted, given = (
-                    "a range of whole numbers, the smaller first",
-                    f"{low:g} .. {high:g}",
-                )
-                raise scope.fail(errors.WrongType(by.span, wanted=wanted, given=given))
+                wanted = "a range of whole numbers, the smaller first"
+                actual = f"{low:g} .. {high:g}"
+                raise scope.expected(by.span, wanted, actual)
             if high - low >= limits.MAX_WORDS:
-                raise scope.fail(
-                    errors.Unsupported(
-                        by.span, what=f"a row of more than {limits.MAX_WORDS} entries"
-                    )
-                )
+                feature = f"a row of more than {limits.MAX_WORDS} entries"
+                raise scope.fail(errors.Unsupported(by.span, feature=feature))
             return level_of_numbers(int(low), int(high))
         case ast.Name(text="agent"):
             return level_of_agents(scope.static.num_agents)
         case ast.Name():
-            instead = ""
+            help_ = ""
             if by.text in ("agents", "players"):
-                instead = "write `by agent`: one entry for each agent"
+                help_ = "write `by agent`: one entry for each agent"
             elif scope.static.kinds_of(by.text):
-                instead = f"cells keep what belongs to them in fields of their own: `kind {by.text} … {{ field … }}`"
-            raise scope.problems.unknown(by, SORTS, "what a row can be by", instead)
+                help_ = (
+                    "cells keep what belongs to them in fields of their own: "
+                    f"`kind {by.text} … {{ field … }}`"
+                )
+            raise scope.problems.unknown(by, ENTRIES, "what a row can be by", help_)
 
 
 def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir.Expr:
-    """Returns the key of an entry of a row (given as an expression, or by its name), of the sort that the row is by."""
+    """Returns the key of an entry of a row, one of those in `level`; reports any other.
+
+    row: an expression, or the name of an event.
+    """
     wanted = {
         "word": "a word",
         "agent": "an agent",
@@ -81,75 +83,75 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
                 raise wrong_type(scope, tree, wanted, key.type)
             check_words(key.type.words, level.names, tree.span, row, scope)
         case "agent":
-            if isinstance(key, ir.Nobody) or not as_agent(key):
-                given = "nobody" if isinstance(key, ir.Nobody) else describe(key.type)
-                help_ = (
-                    "rules name agents by variables, not by their numbers: `each agent as b`"
-                    if isinstance(key, ir.Number)
-                    else ""
-                )
-                raise scope.fail(
-                    errors.WrongType(tree.span, wanted=wanted, given=given, help=help_)
-                )
-            check_somebody(key, tree.span, scope)
+            _check_agent(key, tree, scope)
         case "number":
             if key.type.kind != "int":
                 raise wrong_type(scope, tree, wanted, key.type)
             low, high = narrowed(key, scope.facts_and_requires)
             if low < level.first or high > level.first + len(level) - 1:
-                given = f"a number that can be {interval_text(low, high)}"
-                help_ = (
-                    ""
-                    if isinstance(key, ir.Number)
-                    else "guard it with `when` or `where`, or bound it with `min` and `max`"
-                )
-                raise scope.fail(
-                    errors.WrongType(tree.span, wanted=wanted, given=given, help=help_)
-                )
+                actual = f"a number that can be {interval_text(low, high)}"
+                help_ = ""
+                if not isinstance(key, ir.Number):
+                    help_ = "guard it with `when` or `where`, or bound it with `min` and `max`"
+                raise scope.expected(tree.span, wanted, actual, help_)
     return key
+
+
+def _check_agent(key: ir.Expr, tree: ast.Expr, scope: Scope) -> None:
+    """Reports a key that isn't an agent, or can be nobody."""
+    if isinstance(key, ir.Nobody):
+        raise scope.expected(tree.span, "an agent", "nobody")
+    if not as_agent(key):
+        help_ = ""
+        if isinstance(key, ir.Number):
+            help_ = "rules name agents by variables, not by their numbers: `each agent as b`"
+        actual = describe(key.type)
+        raise scope.expected(tree.span, "an agent", actual, help_)
+    check_somebody(key, tree.span, scope)
 
 
 def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
     """Returns what is written for each entry of a level, with ranges and `otherwise` spelt out.
 
-    param taste by agent : reward = { 0: 2, 1 .. 3: 1, otherwise: 0 }   ->   the value of each agent, as written
+    param taste by agent : reward = { 0: 2, 1 .. 3: 1, otherwise: 0 }   ->   the value of each agent
 
     Anything but a table over the entries is the value of all of them.
     """
-
-    def is_key(text: str) -> bool:  # right or wrong
-        return text == OTHERWISE or (
-            text in level.names if level.sort == "word" else text[0].isdigit()
-        )
-
-    if not isinstance(tree, ast.Table) or not any(is_key(entry.key.text) for entry in tree.entries):
+    if not isinstance(tree, ast.Table) or not any(_is_key(e.key.text, level) for e in tree.entries):
         return [tree] * len(level)
-    found: dict[int, Tree] = {}
-    rest: ast.Entry | None = None
+    values: dict[int, Tree] = {}
+    otherwise: ast.Entry | None = None
     for entry in tree.entries:
         if entry.key.text == OTHERWISE:
-            rest = entry
+            otherwise = entry
             continue
         for place in _places(entry, level, scope):
-            if place in found:
+            if place in values:
                 raise scope.fail(errors.TableRepeats(entry.key.span, name=entry.key.text))
-            found[place] = entry.value
-    if rest is not None and rest is not tree.entries[-1]:
-        raise scope.fail(errors.OtherwiseNotLast(rest.span))
-    if rest is not None and len(found) == len(level) and level.sort != "agent":
-        raise scope.fail(errors.NothingForOtherwise(rest.span))
-    lacking = tuple(name for place, name in enumerate(level.names) if place not in found)
-    if rest is None and lacking:
-        raise scope.fail(errors.TableLacks(tree.span, words=lacking))
-    return [
-        found[place] if place in found or rest is None else rest.value
-        for place in range(len(level))
-    ]
+            values[place] = entry.value
+    lacking = [place for place in range(len(level)) if place not in values]
+    if otherwise is not None:
+        if otherwise is not tree.entries[-1]:
+            raise scope.fail(errors.OtherwiseNotLast(otherwise.span))
+        if not lacking and level.sort != "agent":
+            raise scope.fail(errors.NothingForOtherwise(otherwise.span))
+        values |= dict.fromkeys(lacking, otherwise.value)
+    elif lacking:
+        names = tuple(level.names[place] for place in lacking)
+        raise scope.fail(errors.TableLacks(tree.span, words=names))
+    return [values[place] for place in range(len(level))]
+
+
+def _is_key(text: str, level: Level) -> bool:
+    """Returns whether the key of a table may be meant for an entry of a level."""
+    if level.sort == "word":
+        return text == OTHERWISE or text in level.names
+    return text == OTHERWISE or text[0].isdigit()
 
 
 def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
-    """Yields the places in a level that a key stands for."""
-    text, first = entry.key.text, level.first
+    """Yields the places in a level that a key stands for: `cut`, `3`, `1 .. 3` or `2 ..`."""
+    text = entry.key.text
     if level.sort == "word":
         if text not in level.names:
             raise not_a_word(entry.key.span, text, "this table", level.names, scope)
@@ -159,16 +161,17 @@ def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
     if not text[0].isdigit():
         raise scope.fail(errors.WordForNumber(entry.key.span, name=text))
     ends = [int(part) for part in text.replace("..", " ").split()]
-    last = first + len(level) - 1 if text.endswith("..") else ends[-1]
-    if level.sort == "agent" and ends[0] <= ends[-1]:  # a table fits variants with fewer agents
-        if last >= len(level) and scope.static.own_number:
-            scope.problems.add(
-                errors.NeverHappens(entry.key.span, problem=f"the agents are 0 .. {len(level) - 1}")
-            )
-        last = min(last, len(level) - 1)
-    elif not first <= ends[0] <= last < first + len(level):
-        known = (f"{first} .. {first + len(level) - 1}",)
+    low = ends[0]
+    last_entry = level.first + len(level) - 1
+    high = last_entry if text.endswith("..") else ends[-1]
+    if level.sort == "agent" and low <= ends[-1]:  # a table fits variants with fewer agents
+        if high > last_entry and scope.static.number_from_file:
+            problem = f"the agents are 0 .. {last_entry}"
+            scope.problems.add(errors.NeverHappens(entry.key.span, problem=problem))
+        high = min(high, last_entry)
+    elif not level.first <= low <= high <= last_entry:
+        known = (f"{level.first} .. {last_entry}",)
         raise scope.fail(
             errors.WordOutside(entry.key.span, word=text, owner="this table", words=known)
         )
-    yield from range(ends[0] - first, last - first + 1)
+    yield from range(low - level.first, high - level.first + 1)

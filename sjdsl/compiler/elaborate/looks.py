@@ -2,40 +2,27 @@
 
 import re
 from dataclasses import replace
-from typing import Literal
+from itertools import chain
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
-from sjdsl.compiler.diagnostics.problems import Problems
+from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.near_names import nearest
 
 HEXADECIMAL = re.compile("#[0-9a-fA-F]{6}")
 SPRITES = (
-    *(
-        "tree",
-        "apple",
-        "water",
-        "mushroom",
-        "ore",
-        "gem",
-        "coin",
-        "wall",
-        "floor",
-        "animal",
-        "raft",
-        "pot",
-    ),
-    *("bush", "banana", "flag", "boat", "cart", "crate", "cube", "door", "block", "table", "plate"),
-)
+    "tree", "apple", "water", "mushroom", "ore", "gem", "coin", "wall", "floor", "animal", "raft",
+    "pot", "bush", "banana", "flag", "boat", "cart", "crate", "cube", "door", "block", "table",
+    "plate",
+)  # fmt: skip
 
-# The colours a file can name. Those after grey are Okabe and Ito's (2008, "Color universal design"), which people with any kind of
-# colour vision can tell apart, or darker and paler ones between them.
 COLOURS: dict[str, str] = {
     "white": "#f7f7f5",
     "grey": "#8b9098",
@@ -50,78 +37,103 @@ COLOURS: dict[str, str] = {
     "pink": "#cc79a7",
     "brown": "#8c5a2b",
 }
-READABLE = (  # what the condition of a look may be made of: a picture is drawn from the fields of a cell, an agent or a mover alone
-    ir.Member | ir.FieldRead | ir.At | ir.Word | ir.Number | ir.Truth | ir.Nobody | ir.Same | ir.Compare | ir.InRange | ir.InWords
-    | ir.IsEmpty | ir.Not | ir.Logic | ir.SumRow | ir.Named | ir.Narrowed
+READABLE = (
+    ir.Member | ir.FieldRead | ir.At | ir.Word | ir.Number | ir.Truth | ir.Nobody | ir.Same
+    | ir.Compare | ir.InRange | ir.InWords | ir.IsEmpty | ir.Not | ir.Logic | ir.SumRow | ir.Named
+    | ir.Narrowed
 )  # fmt: skip
 
 
 def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Look, ...]:
-    """Returns the looks in the order of the file, those of one kind together; what only they read still counts as unused."""
-    written = (look for alike in game.looks.values() for look in alike)
-    return tuple(
-        problems.each(
-            written,
-            lambda look: _look(look, Scope(replace(static, used=set()), problems, part="look")),
-        )
-    )
+    """Returns the looks in the order of the file, those of one kind together.
+
+    A field that only looks read still counts as unused.
+    """
+    scope = Scope(replace(static, used=set()), problems, part="look")
+    written = chain.from_iterable(game.looks.values())
+    return tuple(problems.each(written, lambda look: _look(look, scope)))
 
 
 def _look(look: ast.Look, scope: Scope) -> ir.Look:
-    name, static = look.what.text, scope.static
-    kinds = () if name == "agent" else (name,) if name in static.movers else static.kinds_of(name)
-    if kinds is None:
+    static = scope.static
+    name = look.what.text
+    sort = _sort_named(name, static)
+    if sort is None:
         meant = near(name, ["agent", *static.kinds, *static.groups, *static.movers])
         raise scope.fail(errors.UnknownName(look.what.span, name=name, near=meant))
     if name != "agent":
         static.refer(look.what, Symbol("name", name))
-    what: Literal["agent", "cell", "mover"] = (
-        "agent" if name == "agent" else "mover" if name in static.movers else "cell"
-    )
     test = None
     if look.where is not None:
-        inner = scope.bind(name, ir.Member(name=name, sort=ir.Sort(what, kinds)))
+        inner = scope.bind(name, ir.Member(name=name, sort=sort))
         test = inner.condition(look.where)
         check_possible(test, inner)
         for node in ir.walk(test):
-            field_of_other = isinstance(node, ir.FieldRead) and not isinstance(
-                node.owner, ir.Member
-            )
-            between_cells = isinstance(node, ir.At) and not isinstance(
-                node.key, ir.Word | ir.Number
-            )
-            if ir.is_expression(node) and (
-                not isinstance(node, READABLE) or field_of_other or between_cells
-            ):
-                raise scope.fail(errors.LookReads(node.origin or look.span, what=f"`{text(node)}`"))
-    body, badge = (
-        None if paint is None else _paint(paint, scope) for paint in (look.body, look.badge)
-    )
+            if ir.is_expression(node) and not _is_readable(node):
+                span = node.origin or look.span
+                raise scope.fail(errors.LookReads(span, reads=f"`{text(node)}`"))
+    assert sort.what != "world"
     return ir.Look(
-        what=what, name=name, kinds=kinds, condition=test, body=body, badge=badge, origin=look.span
+        what=sort.what,
+        name=name,
+        kinds=sort.names,
+        condition=test,
+        body=None if look.body is None else _paint(look.body, scope),
+        badge=None if look.badge is None else _paint(look.badge, scope),
+        origin=look.span,
     )
+
+
+def _sort_named(name: str, static: Static) -> ir.Sort | None:
+    """Returns what a name of agents, movers, a kind or a group stands for."""
+    if name == "agent":
+        return AGENTS
+    if name in static.movers:
+        return ir.Sort("mover", (name,))
+    kinds = static.kinds_of(name)
+    return None if kinds is None else ir.Sort("cell", kinds)
+
+
+def _is_readable(node: ir.Expr) -> bool:
+    """Returns whether a picture can show an expression: it is about one cell, agent or mover."""
+    match node:
+        case ir.FieldRead():
+            return isinstance(node.owner, ir.Member)
+        case ir.At():
+            return isinstance(node.key, ir.Word | ir.Number)
+        case _:
+            return isinstance(node, READABLE)
 
 
 def _paint(paint: ast.Paint, scope: Scope) -> ir.Paint:
-    """Returns the colour and the sprite; their names have none in common, so that their order is free."""
+    """Returns the colour and the sprite, in any order; no colour has the name of a sprite."""
     chosen: dict[str, str] = {}
     for word in paint.words:
-        sort = "sprite" if isinstance(word, ast.Name) and word.text in SPRITES else "colour"
-        is_colour = (
-            word.text in COLOURS if isinstance(word, ast.Name) else HEXADECIMAL.fullmatch(word.text)
-        )
-        if sort == "colour" and not is_colour:
-            known = (*SPRITES, *COLOURS)
-            meant = (
-                (word.text,) if word.text in known else nearest(word.text, known)
-            )  # a name in quotes is no colour
-            sprites, colours = ", ".join(SPRITES), ", ".join(COLOURS)
-            raise scope.fail(
-                errors.NoPaint(
-                    word.span, name=word.text, nearest=meant, sprites=sprites, colours=colours
-                )
-            )
-        if sort in chosen:
-            raise scope.fail(errors.WrittenTwice(word.span, what=f"a {sort} of one look"))
-        chosen[sort] = word.text
+        is_name = isinstance(word, ast.Name)
+        if is_name and word.text in SPRITES:
+            part = "sprite"
+        elif (is_name and word.text in COLOURS) or (
+            not is_name and HEXADECIMAL.fullmatch(word.text)
+        ):
+            part = "colour"
+        else:
+            raise _no_paint(word, scope)
+        if part in chosen:
+            raise scope.fail(errors.WrittenTwice(word.span, part=f"a {part} of one look"))
+        chosen[part] = word.text
     return ir.Paint(**chosen, origin=paint.span)
+
+
+def _no_paint(word: ast.Name | ast.String, scope: Scope) -> Poisoned:
+    """Reports what is neither a sprite nor a colour; a name in quotes is none."""
+    known = (*SPRITES, *COLOURS)
+    meant = (word.text,) if word.text in known else nearest(word.text, known)
+    return scope.fail(
+        errors.NoPaint(
+            word.span,
+            name=word.text,
+            nearest=meant,
+            sprites=", ".join(SPRITES),
+            colours=", ".join(COLOURS),
+        )
+    )

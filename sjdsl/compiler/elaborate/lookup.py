@@ -1,4 +1,4 @@
-"""Name lookup: kinds, words and defines by name, the names a variable may have, and errors for unknown names."""
+"""Looks names up: kinds, words and defines; refuses names that are taken or unknown."""
 
 import re
 from collections.abc import Container, Iterable, Sequence
@@ -11,7 +11,7 @@ from sjdsl.compiler.diagnostics.diagnostic import Fix, Near, near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.implications import is_known
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
@@ -19,7 +19,7 @@ from sjdsl.near_names import nearest
 AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
 MOVER_ATTRIBUTES = ("index", "moved", "away", "row", "col")
 CELL_ATTRIBUTES = ("row", "col")
-NOWHERE = "nowhere"  # the value of a field that holds no cell; a word where a field has such a word
+NOWHERE = "nowhere"  # no cell; where a field has a word `nowhere`, that word
 
 
 def as_agent(e: ir.Expr) -> bool:
@@ -27,21 +27,17 @@ def as_agent(e: ir.Expr) -> bool:
     return (isinstance(e, ir.Member) and e.sort.what == "agent") or e.type.kind == "agent"
 
 
-def not_named(given: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
-    """Reports something that isn't an agent with a name of its own; if a field holds it, with how to name it."""
-    held = as_agent(given) and not isinstance(given, ir.Member)
-    help_, described = (
-        (f"name it: `each agent as x in {text(given)}`", "an agent that a field holds")
-        if held
-        else ("", "")
-    )
-    return wrong_type(
-        scope, e, "an agent that a statement around has named", given.type, help_, described
-    )
+def not_named(value: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
+    """Reports something that isn't an agent that a statement has named."""
+    wanted = "an agent that a statement around has named"
+    if as_agent(value) and not isinstance(value, ir.Member):
+        help_ = f"name it: `each agent as x in {text(value)}`"
+        return wrong_type(scope, e, wanted, value.type, help_, "an agent that a field holds")
+    return wrong_type(scope, e, wanted, value.type)
 
 
 def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
-    """Returns the kinds that a cell can be of, be it a variable or a value; none for `nowhere`. None: it isn't a cell."""
+    """Returns the kinds that a cell can be of, none for `nowhere`; None if it isn't a cell."""
     if isinstance(e, ir.Member) and e.sort.what == "cell":
         return e.kinds
     return e.type.kinds if e.type.kind == "cell" and not e.type.by else None
@@ -49,37 +45,46 @@ def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
 
 def or_nowhere(e: ir.Expr) -> ir.Expr:
     """Returns no cell for the word `nowhere` of some field, where a cell is wanted."""
-    return ir.Nowhere(origin=e.origin) if isinstance(e, ir.Word) and e.value == NOWHERE else e
+    if isinstance(e, ir.Word) and e.value == NOWHERE:
+        return ir.Nowhere(origin=e.origin)
+    return e
 
 
 def check_somewhere(cell: ir.Expr, span: Span, scope: Scope) -> None:
-    """Reports a cell that a field holds, if it can be nowhere, as far as the guards around tell."""
-    if not isinstance(cell, ir.Member) and not is_known(
-        ir.Not(value=ir.Same(left=cell, right=ir.Nowhere())), scope.facts
-    ):
+    """Reports a cell that a field holds, unless a guard says that it isn't `nowhere`."""
+    if isinstance(cell, ir.Member):
+        return
+    is_somewhere = ir.Not(value=ir.Same(left=cell, right=ir.Nowhere()))
+    if not is_known(is_somewhere, scope.facts):
         raise scope.fail(errors.CanBeNowhere(span, path=text(cell)))
 
 
 def check_somebody(agent: ir.Expr, span: Span, scope: Scope) -> None:
-    """Reports an agent that a field holds, if it can be nobody, as far as the guards around tell."""
-    if not isinstance(agent, ir.Member | ir.ArgumentOf) and not is_known(
-        ir.Not(value=ir.Same(left=agent, right=ir.Nobody())), scope.facts
-    ):
+    """Reports an agent that a field holds, unless a guard says that it isn't `nobody`."""
+    if isinstance(agent, ir.Member | ir.ArgumentOf):
+        return
+    is_somebody = ir.Not(value=ir.Same(left=agent, right=ir.Nobody()))
+    if not is_known(is_somebody, scope.facts):
         raise scope.fail(errors.CanBeNobody(span, path=text(agent)))
 
 
-def check_placed(agent: ir.Expr, span: Span, what: str, scope: Scope) -> None:
-    """Reports `what`, if it asks for the place or choice of an agent that has none: in `phase start`, on its return, before the step."""
+def check_placed(agent: ir.Expr, span: Span, expression: str, scope: Scope) -> None:
+    """Reports an expression about the place or choice of an agent that has none.
+
+    That is so in `phase start`, when the agent comes back, and before the step.
+    """
     if scope.part == "start":
-        raise scope.fail(errors.NoPlaceYet(span, what=what))
-    if isinstance(agent, ir.Member) and agent.name == scope.returning:
-        raise scope.fail(errors.NoPlaceWhenBack(span, what=what, name=agent.name))
-    if isinstance(agent, ir.Member) and agent.name in scope.elsewhere:
-        raise scope.fail(errors.NoPlaceBefore(span, what=what, name=agent.name))
+        raise scope.fail(errors.NoPlaceYet(span, expression=expression))
+    if not isinstance(agent, ir.Member):
+        return
+    if agent.name == scope.returning:
+        raise scope.fail(errors.NoPlaceWhenBack(span, expression=expression, name=agent.name))
+    if agent.name in scope.elsewhere:
+        raise scope.fail(errors.NoPlaceBefore(span, expression=expression, name=agent.name))
 
 
 def table_words(table: ast.Table, scope: Scope) -> tuple[str, ...]:
-    """Returns the words of a table's entries; reports one that stands there twice."""
+    """Returns the words of a table's entries; reports one that is there twice."""
     names = tuple(entry.key.text for entry in table.entries)
     for i, entry in enumerate(table.entries):
         if entry.key.text in names[:i]:
@@ -102,7 +107,10 @@ def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
 
 
 def bound_cell(name: ast.Name, scope: Scope) -> ir.Member | None:
-    """Returns the cell that a statement around has bound by this name, which comes before a kind; None if it is no variable."""
+    """Returns the cell that a statement around has bound by this name; None if it is no variable.
+
+    A variable hides a kind of the same name.
+    """
     if name.text not in scope.variables:
         return None
     scope.refer(name)
@@ -111,33 +119,39 @@ def bound_cell(name: ast.Name, scope: Scope) -> ir.Member | None:
         raise Poisoned
     if not (isinstance(bound, ir.Member) and bound.sort.what == "cell"):
         wanted = "a kind, a group, or a cell of a statement around"
-        raise scope.fail(
-            errors.WrongSort(name.span, name=name.text, what="not a cell", wanted=wanted)
-        )
+        raise scope.misused(name, "not a cell", wanted)
     return bound.model_copy(update={"origin": name.span})
 
 
 def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
-    """Reports a variable's name that is in use already (`chosen`: written after `as`, `let` or `draw`)."""
-    static, what = scope.static, ""
+    """Reports a variable's name that is in use already.
+
+    chosen: whether the author wrote it after `as`, `let` or `draw`.
+    """
+    taken_by = ""
     if name.text in scope.variables:
-        what = "a variable around this statement"
+        taken_by = "a variable around this statement"
     elif chosen:
-        tables: dict[str, Container[str]] = {
-            "a size": static.sizes,
-            "a parameter": static.params,
-            "a define": static.defines,
-            "a field of the world": static.fields,
-            "a kind": static.kinds,
-            "a group": static.groups,
-            "a sort of movers": static.movers,
-            "a word": {word for words in static.word_sets for word in words},
-            "the agents' own name": ("agent",),
-            "a number of the language": ("step",),
-        }
-        what = next((w for w, table in tables.items() if name.text in table), "")
-    if what:
-        raise scope.fail(errors.NameTaken(name.span, name=name.text, what=what))
+        taken_by = _declared_as(name.text, scope.static)
+    if taken_by:
+        raise scope.fail(errors.NameTaken(name.span, name=name.text, taken_by=taken_by))
+
+
+def _declared_as(name: str, static: Static) -> str:
+    """Returns what a name stands for in the whole game, empty for a free name."""
+    tables: dict[str, Container[str]] = {
+        "a size": static.sizes,
+        "a parameter": static.params,
+        "a define": static.defines,
+        "a field of the world": static.fields,
+        "a kind": static.kinds,
+        "a group": static.groups,
+        "a sort of movers": static.movers,
+        "a word": {word for words in static.word_sets for word in words},
+        "the agents' own name": ("agent",),
+        "a number of the language": ("step",),
+    }
+    return next((meaning for meaning, table in tables.items() if name in table), "")
 
 
 def check_known_word(
@@ -145,35 +159,29 @@ def check_known_word(
 ) -> None:
     """Reports a name that means nothing here in the place of a word, with the words there are."""
     static = scope.static
-    if (
-        not isinstance(tree, ast.Path)
-        or tree.steps
-        or tree.name.text in scope.variables
-        or static.is_word(tree.name.text)
-    ):
+    if not isinstance(tree, ast.Path) or tree.steps:
         return
     name = tree.name.text
-    if (
-        name not in static.names()
-        and Symbol("name", name) not in static.broken
-        and name not in static.events
-    ):
-        raise not_a_word(tree.span, name, owner, words, scope.sure())
+    if name in scope.variables or static.is_word(name) or name in static.names():
+        return
+    if Symbol("name", name) not in static.broken and name not in static.events:
+        raise not_a_word(tree.span, name, owner, words, scope.reporting_all())
 
 
 def read_beside(tree: ast.Expr, scope: Scope) -> None:
-    """Reports the mistakes of what is compared with, or put into, something that could not be read.
+    """Reports the mistakes in the other operand of something that could not be read.
 
-    A name alone may be a word of that. It is a mistake if it is nothing in the whole game, and all of that could be read.
+    A name alone may be a word of what could not be read. It is a mistake only if it is unknown
+    everywhere, and all declarations could be read.
     """
     if not isinstance(tree, ast.Path) or tree.steps:
         with scope.problems.survive():
-            scope.unsure().expression(tree)
+            scope.after_unreadable_guard().expression(tree)
     elif not scope.static.broken:
         tried = Problems()
         with tried.survive():
             scope.but(problems=tried).expression(tree)
-        for problem in tried.found:
+        for problem in tried.diagnostics:
             if isinstance(problem, errors.UnknownName):
                 scope.problems.add(problem)
 
@@ -181,10 +189,15 @@ def read_beside(tree: ast.Expr, scope: Scope) -> None:
 def not_a_word(
     span: Span, word: str, owner: ir.Expr | str, words: Iterable[str], scope: Scope
 ) -> Poisoned:
-    """Reports a word that is none of those of `owner`: of a value, or of a field or event given by its name."""
-    name, declared = (
-        (owner, owner) if isinstance(owner, str) else (text(owner), declared_name(owner))
-    )
+    """Reports a word that is none of those of `owner`.
+
+    owner: a value, or the name of a field or event.
+    """
+    if isinstance(owner, str):
+        name = declared = owner
+    else:
+        name = text(owner)
+        declared = declared_name(owner)
     return scope.fail(
         errors.WordOutside(
             span, word=word, owner=f"`{name}`", declared=declared, words=tuple(words)
@@ -202,7 +215,10 @@ def check_words(
 
 
 def declared_name(e: ir.Expr) -> str:
-    """Returns the name of the field or event whose words or numbers a value has, empty if neither declares them."""
+    """Returns the name of the field or event that declares a value's words or numbers.
+
+    Empty if neither does.
+    """
     match e:
         case ir.FieldRead() | ir.EventTotal():
             return e.name
@@ -218,75 +234,95 @@ def unknown(name: ast.Name, scope: Scope) -> Poisoned:
     if Symbol("name", name.text) in static.broken:
         return Poisoned()
     if name.text in scope.withheld:
-        what, wanted = (
+        return scope.misused(
+            name,
             "a variable of the statements around",
             "the agent that is sent, or something of the world",
-        )
-        return scope.fail(
-            errors.WrongSort(
-                name.span, name=name.text, what=what, wanted=wanted, help=scope.withheld[name.text]
-            )
+            scope.withheld[name.text],
         )
     if static.kinds_of(name.text) or name.text == "agent" or name.text in static.movers:
-        what = (
-            "the agents"
-            if name.text == "agent"
-            else "a kind of cell"
-            if name.text in static.kinds
-            else "a group of kinds"
-        )
-        what = "a sort of movers" if name.text in static.movers else what
-        wanted, help_ = f"a variable of a statement around (`each {name.text} …`)", ""
-        if scope.defining:
-            wanted = "a parameter"
-            define, value = scope.defining[-1], static.defines[scope.defining[-1]].value.span
-            body = re.sub(
-                rf"\b{name.text}\b", "who", static.sources[value.file].text[value.start : value.end]
-            )
-            rewritten = f"`define {define}(who) = {' '.join(body.split())}`"
-            help_ = f"a define sees its parameters alone: write {rewritten}, and use it as `{define}({name.text})`"
-        elif scope.part in ("metrics", "checks"):
-            help_ = f"of all there are `count({name.text} where …)` and `sum(… over {name.text})`"
-        elif name.text != "agent" and "agent" in scope.variables:
-            help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
-        return scope.fail(
-            errors.WrongSort(name.span, name=name.text, what=what, wanted=wanted, help=help_)
-        )
-    for what, table, help_ in (
+        return _no_variable(name, scope)
+    others = (
         (
-            "an event",
             static.events,
+            "an event",
             "events are read in `checks`; what a rule reads is kept in a field",
         ),
         (
-            "an action",
             static.action_names,
+            "an action",
             f"`agent chose {name.text}` asks whether an agent chose it",
         ),
-        ("a shape", static.shapes, f"`count(KIND in {name.text} of agent)` counts what is in it"),
-    ):
+        (
+            static.shapes,
+            "a shape",
+            f"`count(KIND in {name.text} of agent)` counts what is in it",
+        ),
+    )
+    for table, actual, help_ in others:
         if name.text in table:
-            return scope.fail(
-                errors.WrongSort(name.span, name=name.text, what=what, wanted="a value", help=help_)
-            )
+            return scope.misused(name, actual, "a value", help_)
+    return _unknown_anywhere(name, scope)
+
+
+def _no_variable(name: ast.Name, scope: Scope) -> Poisoned:
+    """Reports the name of agents, movers or kinds of cells where one of them is wanted."""
+    static = scope.static
+    if name.text in static.movers:
+        actual = "a sort of movers"
+    elif name.text == "agent":
+        actual = "the agents"
+    elif name.text in static.kinds:
+        actual = "a kind of cell"
+    else:
+        actual = "a group of kinds"
+    wanted = f"a variable of a statement around (`each {name.text} …`)"
+    help_ = ""
+    if scope.defining:
+        wanted = "a parameter"
+        define = scope.defining[-1]
+        body = static.written(static.defines[define].value.span)
+        rewritten = re.sub(rf"\b{name.text}\b", "who", body)
+        help_ = (
+            f"a define sees its parameters alone: write `define {define}(who) = {rewritten}`, "
+            f"and use it as `{define}({name.text})`"
+        )
+    elif scope.part in ("metrics", "checks"):
+        help_ = f"of all there are `count({name.text} where …)` and `sum(… over {name.text})`"
+    elif name.text != "agent" and "agent" in scope.variables:
+        help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
+    return scope.misused(name, actual, wanted, help_)
+
+
+def _unknown_anywhere(name: ast.Name, scope: Scope) -> Poisoned:
+    """Reports the name of nothing, with those that the author may have meant."""
+    static = scope.static
     meant = nearest(name.text, static.names() | set(scope.variables))
     values = sorted(
         {*scope.variables, *static.sizes, *static.params, *static.fields, *static.defines, "step"}
     )
-    listed = near(name.text, values if len(values) > 1 else (), "the values known here").listed
+    listed = ""
+    if len(values) > 1:
+        listed = near(name.text, values, "the values known here").listed
     help_, word = slip(name.text, values)
     fix = Fix(name.span, word) if word else None
-    owners = ["agent"] * (name.text in static.agent_fields or name.text in AGENT_ATTRIBUTES)
-    owners += [kind for kind, fields in static.kinds.items() if name.text in fields]
-    owners += [sort for sort in static.movers if name.text in static.mover_fields(sort)]
-    if owners and not meant:
-        help_ = (
-            help_
-            or f"a field is written with its owner: {' or '.join(f'`{owner}.{name.text}`' for owner in owners[:3])}"
-        )
+    owners = _owners_of_field(name.text, static)
+    if owners and not meant and not help_:
+        paths = " or ".join(f"`{owner}.{name.text}`" for owner in owners[:3])
+        help_ = f"a field is written with its owner: {paths}"
     return scope.fail(
         errors.UnknownName(name.span, name=name.text, near=Near(meant, listed), help=help_, fix=fix)
     )
+
+
+def _owners_of_field(name: str, static: Static) -> list[str]:
+    """Returns what has a field of this name: `agent`, kinds and movers."""
+    owners = []
+    if name in static.agent_fields or name in AGENT_ATTRIBUTES:
+        owners.append("agent")
+    owners += [kind for kind, fields in static.kinds.items() if name in fields]
+    owners += [movers for movers in static.movers if name in static.mover_fields(movers)]
+    return owners
 
 
 def no_field(
@@ -295,7 +331,8 @@ def no_field(
     """Reports a field that `owner` does not have."""
     known = list(fields)
     hint, word = slip(name.text, known)
-    fix, meant = Fix(name.span, word) if word else None, near(name.text, known, "the fields")
+    fix = Fix(name.span, word) if word else None
+    meant = near(name.text, known, "the fields")
     return problems.fail(
         errors.NoField(
             name.span, owner=owner, name=name.text, help=help_ or hint, fix=fix, near=meant
@@ -306,53 +343,56 @@ def no_field(
 def interval_text(low: float, high: float) -> str:
     """Returns what numbers a value can reach, for messages."""
     lowest = "any number" if low == -inf else f"{low:g}"
-    return lowest if low == high else f"{lowest} .. {'any number' if high == inf else f'{high:g}'}"
+    if low == high:
+        return lowest
+    highest = "any number" if high == inf else f"{high:g}"
+    return f"{lowest} .. {highest}"
 
 
-def check_arguments(name: str, span: Span, given: int, wanted: int, scope: Scope) -> None:
-    """Reports arguments that are not as many as wanted."""
-    if given != wanted:
+def check_arguments(name: str, span: Span, number: int, wanted: int, scope: Scope) -> None:
+    """Reports another number of arguments than is wanted."""
+    if number != wanted:
+        noun = "argument" if wanted == 1 else "arguments"
         raise scope.fail(
-            errors.WrongArguments(
-                span, name=name, wanted=f"{wanted} argument{'s' * (wanted != 1)}", given=given
-            )
+            errors.WrongArguments(span, name=name, wanted=f"{wanted} {noun}", actual=number)
         )
 
 
 def use_define(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:
-    """Writes a `define` out where it is used: its own names and its arguments, none of the variables around."""
+    """Writes a `define` out where it is used; it sees its parameters, no variables around."""
     define = scope.static.defines[name.text]
     scope.static.use(name, Symbol("name", name.text))
     if name.text in scope.defining:
         raise scope.fail(errors.DefineCycle(name.span, name=name.text))
     check_arguments(name.text, name.span, len(arguments), len(define.parameters), scope)
     scope.static.expansions += 1
-    too_many = scope.static.expansions > limits.MAX_EXPANSIONS
-    if too_many or len(scope.defining) >= limits.MAX_DEFINES_DEEP:
-        what, limit = "defines that use one another", limits.MAX_DEFINES_DEEP
-        if too_many:
-            what, limit = (
-                "uses of defines, once those inside them are written out",
-                limits.MAX_EXPANSIONS,
-            )
-        if not any(isinstance(d, errors.TooMuch) for d in scope.problems.found):
-            scope.problems.add(
-                limits.too_much(
-                    f"too many {what}", limit, name.span, "name parts of it with `let` in the phase"
-                )
-            )
-        raise Poisoned
-    variables: dict[str, ir.Expr | str | None] = dict(
-        zip((p.text for p in define.parameters), scope.expressions(arguments), strict=True)
-    )
-    named = {p.text: local_symbol(p) for p in define.parameters}
-    never = None if scope.part == "checks" else scope.static.never_in(f"define {name.text}")
+    _check_expansions(name, scope)
+    values = scope.expressions(arguments)
+    variables: dict[str, ir.Expr | str | None] = {
+        parameter.text: value for parameter, value in zip(define.parameters, values, strict=True)
+    }
     inner = scope.but(
         variables=variables,
-        locals=named,
+        locals={p.text: local_symbol(p) for p in define.parameters},
         defining=(*scope.defining, name.text),
         withheld={},
-        never=never,
+        never=None if scope.part == "checks" else scope.static.never_in(f"define {name.text}"),
     )
     value = inner.expression(define.value)
     return ir.Named(type=value.type, name=name.text, value=value, origin=name.span)
+
+
+def _check_expansions(name: ast.Name, scope: Scope) -> None:
+    """Reports, once, defines that are nested too deeply or written out too often."""
+    if scope.static.expansions > limits.MAX_EXPANSIONS:
+        problem = "too many uses of defines, once those inside them are written out"
+        limit = limits.MAX_EXPANSIONS
+    elif len(scope.defining) >= limits.MAX_DEFINES_DEEP:
+        problem = "too many defines that use one another"
+        limit = limits.MAX_DEFINES_DEEP
+    else:
+        return
+    if not any(isinstance(d, errors.TooMuch) for d in scope.problems.diagnostics):
+        help_ = "name parts of it with `let` in the phase"
+        scope.problems.add(limits.too_much(problem, limit, name.span, help_))
+    raise Poisoned

@@ -22,32 +22,33 @@ from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe, integer, is_number
 
-REQUIRES = "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; `always` covers every state of play"
+REQUIRES = (
+    "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; "
+    "`always` covers every state of play"
+)
+
+
+CHANGING = ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member
 
 
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
-    """Returns the conditions of all `require`s, about numbers and the map only; proofs elsewhere rely on them."""
+    """Returns the conditions of all `require`s, about numbers and the map only.
+
+    Proofs elsewhere rely on them.
+    """
 
     def requirement(check: ast.Require) -> ir.Expr:
         test = _required(check, scope)
         for node in ir.walk(test):
-            if isinstance(
-                node,
-                ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member,
-            ):
-                raise scope.fail(
-                    errors.NotFixed(
-                        node.origin or check.span, what="what a `require` reads", help=REQUIRES
-                    )
-                )
+            if isinstance(node, CHANGING):
+                span = node.origin or check.span
+                quantity = "what a `require` reads"
+                raise scope.fail(errors.NotFixed(span, quantity=quantity, help=REQUIRES))
         return test
 
     written = chain.from_iterable(game.checks.values())
-    return tuple(
-        scope.problems.each(
-            (check for check in written if isinstance(check, ast.Require)), requirement
-        )
-    )
+    required = [check for check in written if isinstance(check, ast.Require)]
+    return tuple(scope.problems.each(required, requirement))
 
 
 def _required(check: ast.Require, scope: Scope) -> ir.Expr:
@@ -56,7 +57,7 @@ def _required(check: ast.Require, scope: Scope) -> ir.Expr:
 
 
 def _with_map_counts(test: ir.Expr, static: Static) -> ir.Expr:
-    """Returns a condition in which the counts of the map, as it is at the start, are numbers; other counts stay.
+    """Returns a condition in which counts that the map decides are numbers; other counts stay.
 
     require count(gate) >= count(agent)   ->   7 >= 7
 
@@ -64,120 +65,112 @@ def _with_map_counts(test: ir.Expr, static: Static) -> ir.Expr:
     """
 
     def counted(node: ir.Node) -> ir.Node:
-        found = _members_at_start(node.domain, static) if isinstance(node, ir.Count) else None
-        if found is None or not isinstance(node, ir.Count):
+        if not isinstance(node, ir.Count):
             return node
-        number = ir.Number(type=integer(found, found), value=found, origin=node.origin)
-        return ir.Named(
-            type=number.type,
-            name=f"count({domain_text(node.domain)})",
-            value=number,
-            origin=node.origin,
-        )
+        members = _members_at_start(node.domain, static)
+        if members is None:
+            return node
+        type_ = integer(members, members)
+        number = ir.Number(type=type_, value=members, origin=node.origin)
+        name = f"count({domain_text(node.domain)})"
+        return ir.Named(type=type_, name=name, value=number, origin=node.origin)
 
     result: ir.Expr = rewrite(test, counted)
     return result
 
 
 def _members_at_start(d: ir.Domain, static: Static) -> int | None:
-    """Returns how many members a domain has at the start; None if that is not the map's alone."""
+    """Returns how many members a domain has at the start; None if the map doesn't decide that."""
     if d.on is not None or d.restriction is not None:
         return None
     if d.var.sort.what != "cell":
-        everybody = (
-            static.num_agents
-            if d.var.sort.what == "agent"
-            else static.movers[d.var.sort.name].number
-        )
-        return everybody if d.where is None else None
+        if d.where is not None:
+            return None
+        if d.var.sort.what == "agent":
+            return static.num_agents
+        return static.movers[d.var.sort.name].number
     if d.where is not None and not _is_about_fields(d.where, d.var):
         return None
     if not static.rows:
         raise Poisoned
-
-    def is_member(meaning: ir.GlyphMeaning) -> bool:
-        starts = {name: field.start for name, field in static.kinds[meaning.kind].items()} | dict(
-            meaning.starts
-        )
-
-        def at_start(node: ir.Node) -> ir.Node:
-            if not isinstance(node, ir.FieldRead):
-                return node
-            value = starts[node.name]
-            if value is None:
-                return ir.Nobody()
-            return (
-                ir.Word(type=node.type, value=value)
-                if isinstance(value, str)
-                else ir.Number(type=node.type, value=value)
-            )
-
-        return d.where is None or holds(rewrite(d.where, at_start), {})
-
-    meanings = {
-        meaning.glyph: is_member(meaning)
+    members = {
+        meaning.glyph
         for _, meaning in static.glyphs
-        if meaning.kind in d.var.kinds
+        if meaning.kind in d.var.kinds and _holds_at_start(d.where, meaning, static)
     }
-    return sum(meanings.get(glyph, False) for row in static.rows for glyph in row)
+    return sum(glyph in members for row in static.rows for glyph in row)
+
+
+def _holds_at_start(test: ir.Expr | None, meaning: ir.GlyphMeaning, static: Static) -> bool:
+    """Returns whether a condition on its fields holds for a cell of a glyph, at the start."""
+    starts = {name: field.start for name, field in static.kinds[meaning.kind].items()}
+    starts |= dict(meaning.starts)
+
+    def at_start(node: ir.Node) -> ir.Node:
+        if not isinstance(node, ir.FieldRead):
+            return node
+        value = starts[node.name]
+        if value is None:
+            return ir.Nobody()
+        if isinstance(value, str):
+            return ir.Word(type=node.type, value=value)
+        return ir.Number(type=node.type, value=value)
+
+    return test is None or holds(rewrite(test, at_start), {})
 
 
 def _is_about_fields(test: ir.Expr, cell: ir.Member) -> bool:
-    """Returns whether a condition compares fields of the cell with words and numbers, and reads nothing else."""
-    values = (
-        ir.Number
-        | ir.Truth
-        | ir.Word
-        | ir.Nobody
-        | ir.Named
-        | ir.Arithmetic
-        | ir.FieldRead
-        | ir.Member
-    )
+    """Returns whether a condition compares the cell's fields with words and numbers, no more."""
+    values = ir.Number | ir.Truth | ir.Word | ir.Nobody | ir.Named | ir.Arithmetic | ir.FieldRead
     tests = ir.Compare | ir.InRange | ir.InWords | ir.Same | ir.Not | ir.Logic
-    plain = all(isinstance(n, values | tests) for n in ir.walk(test))
-    reads = [n for n in ir.walk(test) if isinstance(n, ir.FieldRead)]
-    simple = all(
-        isinstance(n.owner, ir.Member) and n.owner.name == cell.name and not n.type.by
-        for n in reads
-    )
-    return plain and simple and sum(isinstance(n, ir.Member) for n in ir.walk(test)) == len(reads)
+    reads = 0
+    members = 0
+    for node in ir.walk(test):
+        if not isinstance(node, values | tests | ir.Member):
+            return False
+        members += isinstance(node, ir.Member)
+        if isinstance(node, ir.FieldRead):
+            reads += 1
+            is_own = isinstance(node.owner, ir.Member) and node.owner.name == cell.name
+            if not is_own or node.type.by:
+                return False
+    return members == reads
 
 
 def check_requires(game: Composition, scope: Scope) -> None:
     """Reports every `require` that the file's own numbers break."""
     values = {p.name: p.value for p in scope.static.params.values()}
     for test in scope.static.requires:
-        if not holds(test, values):
-            read = sorted({n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)})
-            shown = ", ".join(
-                f"{n} is {values[n]}" for n in read if not isinstance(values[n], tuple)
-            )
-            problem = text(test) + (f" ({shown})" if shown else "")
-            scope.problems.add(
-                errors.RequireFalse(
-                    test.origin or game.span,
-                    labels=parameters_read(scope.static, test),
-                    problem=problem,
-                )
-            )
+        if holds(test, values):
+            continue
+        problem = text(test)
+        names = sorted({n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)})
+        numbers = [f"{n} is {values[n]}" for n in names if not isinstance(values[n], tuple)]
+        if numbers:
+            problem = f"{problem} ({', '.join(numbers)})"
+        labels = parameters_read(scope.static, test)
+        scope.problems.add(
+            errors.RequireFalse(test.origin or game.span, labels=labels, problem=problem)
+        )
 
 
 def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
     """Returns the declared events; each is counted for agents or for the game, not both."""
-    tallies = [n for phase in phases for n in ir.walk(phase) if isinstance(n, ir.Tally)]
-    found = []
-    for event in scope.static.events.values():
-        mine = [t for t in tallies if t.event == event.name.text]
-        per_agent = {t.receiver is not None for t in mine} or {True}
-        if len(per_agent) > 1:
-            what = f"event `{event.name.text}` counted with and without `for`, so it"
-            raise scope.fail(errors.WrittenTwice(event.span, what=what))
-        by = scope.static.event_levels.get(event.name.text)
-        found.append(
-            ir.Event(name=event.name.text, by=by, per_agent=per_agent.pop(), origin=event.span)
-        )
-    return tuple(found)
+    counted_for_agents: dict[str, set[bool]] = {}
+    for phase in phases:
+        for node in ir.walk(phase):
+            if isinstance(node, ir.Tally):
+                counted_for_agents.setdefault(node.event, set()).add(node.receiver is not None)
+    typed = []
+    for name, event in scope.static.events.items():
+        ways = counted_for_agents.get(name, {True})
+        if len(ways) > 1:
+            part = f"event `{name}` counted with and without `for`, so it"
+            raise scope.fail(errors.WrittenTwice(event.span, part=part))
+        (per_agent,) = ways
+        by = scope.static.event_levels.get(name)
+        typed.append(ir.Event(name=name, by=by, per_agent=per_agent, origin=event.span))
+    return tuple(typed)
 
 
 def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
@@ -191,50 +184,45 @@ def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
             name=metric.name.text, mean=metric.is_mean, value=value, origin=metric.span
         )
 
-    return tuple(
-        scope.problems.each(
-            (metric for metric in game.metrics.values() if isinstance(metric, ast.Measure)), measure
-        )
-    )
+    written = [metric for metric in game.metrics.values() if isinstance(metric, ast.Measure)]
+    return tuple(scope.problems.each(written, measure))
 
 
 def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
     """Returns the checks of a game, their expressions typed."""
-    return tuple(
-        scope.problems.each(
-            chain.from_iterable(game.checks.values()), lambda check: _check(check, game, scope)
-        )
-    )
+    written = chain.from_iterable(game.checks.values())
+    return tuple(scope.problems.each(written, lambda check: _check(check, game, scope)))
 
 
 def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
     steps = replace(scope, about_steps=True)
     match check:
         case ast.Require():
-            return ir.Check(sort="require", values=(_required(check, scope),), origin=check.span)
+            values = (_required(check, scope),)
+            return ir.Check(sort="require", values=values, origin=check.span)
         case ast.Always():
-            return ir.Check(
-                sort="always", values=(steps.condition(check.condition),), origin=check.span
-            )
+            values = (steps.condition(check.condition),)
+            return ir.Check(sort="always", values=values, origin=check.span)
         case ast.Once():
-            values = (steps.condition(check.trigger), steps.condition(check.condition))
-            return ir.Check(sort="once", values=values, origin=check.span)
+            trigger = steps.condition(check.trigger)
+            condition = steps.condition(check.condition)
+            return ir.Check(sort="once", values=(trigger, condition), origin=check.span)
         case ast.Conserved():
             value = scope.expression(check.value)
             if value.type.by or value.type.kind not in ("int", "real", "word", "condition"):
-                raise wrong_type(
-                    scope, check.value, "one value (a number, a word, a condition)", value.type
-                )
+                wanted = "one value (a number, a word, a condition)"
+                raise wrong_type(scope, check.value, wanted, value.type)
             return ir.Check(sort="conserved", values=(value,), origin=check.span)
         case ast.Monotone():
             return _monotone(check, scope)
         case ast.Symmetric():
+            name = check.what.text
             known = ("agents", *scope.static.movers)
-            if check.what.text not in known:
+            if name not in known:
                 raise scope.problems.unknown(check.what, known, "the symmetries")
-            if check.what.text in scope.static.movers:
-                scope.static.refer(check.what, Symbol("name", check.what.text))
-            return ir.Check(sort="symmetric", words=(check.what.text,), origin=check.span)
+            if name in scope.static.movers:
+                scope.static.refer(check.what, Symbol("name", name))
+            return ir.Check(sort="symmetric", words=(name,), origin=check.span)
         case ast.Expect():
             test = scope.condition(check.condition)
             policies = tuple(_policy(p, game, scope) for p in check.policies)
@@ -254,14 +242,13 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
             meant = near(name.text, scope.static.defines, "the defines")
             raise scope.fail(
                 errors.WrongSort(
-                    name.span, name=name.text, what="no define", wanted="a define", near=meant
+                    name.span, name=name.text, actual="no define", wanted="a define", near=meant
                 )
             )
-        values.append(use_define(name, (), scope))
-        if not is_number(values[-1].type):
-            raise scope.fail(
-                errors.WrongType(name.span, wanted="a number", given=describe(values[-1].type))
-            )
+        value = use_define(name, (), scope)
+        if not is_number(value.type):
+            raise scope.expected(name.span, "a number", describe(value.type))
+        values.append(value)
     if check.direction.text not in ("falling", "rising"):
         raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
     words = (check.direction.text, check.value.text, check.argument.text)
@@ -271,18 +258,16 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
 def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
     name = policy.name.text
     if policy.domain is not None:
-        built, _ = domain(policy.domain, scope.bind("agent", ir.Member(name="agent", sort=AGENTS)))
+        inner = scope.bind("agent", ir.Member(name="agent", sort=AGENTS))
+        built, _ = domain(policy.domain, inner)
         return ir.Policy(name="seek", domain=built, origin=policy.span)
     if name in game.policies and not policy.actions:
         scope.static.refer(policy.name, Symbol("policy", name))
         return ir.Policy(name="scripted", scripted=name, origin=policy.span)
     if name not in ("random", "never") or (name == "never") != bool(policy.actions):
-        raise scope.problems.unknown(
-            policy.name, ("random", "never(ACTION)", "seek KIND", *game.policies), "the policies"
-        )
-    actions = tuple(
-        number
-        for action in policy.actions
-        for number in action_numbers(ast.Chosen(action.span, action, None), scope)
-    )
-    return ir.Policy(name=name, actions=actions, origin=policy.span)  # type: ignore[arg-type]
+        known = ("random", "never(ACTION)", "seek KIND", *game.policies)
+        raise scope.problems.unknown(policy.name, known, "the policies")
+    numbers: list[int] = []
+    for action in policy.actions:
+        numbers += action_numbers(ast.Chosen(action.span, action, None), scope)
+    return ir.Policy(name=name, actions=tuple(numbers), origin=policy.span)  # type: ignore[arg-type]

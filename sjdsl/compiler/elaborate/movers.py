@@ -1,4 +1,4 @@
-"""Elaborates movers: the sorts of them, their fields, and the way they go."""
+"""Elaborates movers: their declarations and fields, and the courses by which they go."""
 
 from typing import assert_never
 
@@ -6,6 +6,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.fields import fields_of
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
@@ -17,11 +18,10 @@ from sjdsl.runtime.actions import HEADINGS
 
 
 def declare_movers(game: Composition, scope: Scope) -> None:
-    """Adds the sorts of movers to the tables. Each has a field `heading`, which rules may set as any other."""
-    static = scope.static
+    """Adds the movers to the tables, each with a field `heading`, which rules may set."""
     for declared in game.movers.values():
         name = declared.name.text
-        with scope.problems.survive(static.broken, Symbol("name", name)):
+        with scope.problems.survive(scope.static.broken, Symbol("name", name)):
             sort = ir.Sort("mover", (name,))
             heading = ir.VarField(
                 name="heading",
@@ -31,95 +31,99 @@ def declare_movers(game: Composition, scope: Scope) -> None:
                 origin=declared.name.span,
             )
             fields = {"heading": heading} | fields_of(declared.attributes, scope, sort)
-            problem, glyph = check_glyph(declared.glyph.text), declared.glyph.text
-            taken = {meaning.glyph: meaning.kind for _, meaning in static.glyphs} | {
-                m.glyph: other for other, m in static.movers.items()
-            }
-            if problem or glyph in POSES:
-                problem, shown = (
-                    problem or "agents are drawn with it",
-                    glyph.encode("unicode_escape").decode(),
-                )
-                scope.problems.add(
-                    errors.BadGlyph(declared.glyph.span, glyph=shown, problem=problem)
-                )
-            elif glyph in taken:
-                scope.problems.add(
-                    errors.GlyphTwice(
-                        declared.glyph.span, glyph=glyph, first=taken[glyph], second=name
-                    )
-                )
-            what = f"the number of movers `{name}`"
-            number = scope.whole(declared.number, what, what, 1, limits.MAX_MOVERS)
-            static.movers[name] = ir.Movers(
+            _check_mover_glyph(declared, scope)
+            quantity = f"the number of movers `{name}`"
+            number = scope.whole(declared.number, quantity, quantity, 1, limits.MAX_MOVERS)
+            scope.static.movers[name] = ir.Movers(
                 name=name,
                 number=number,
-                glyph=glyph,
+                glyph=declared.glyph.text,
                 fields=tuple(fields.values()),
                 origin=declared.span,
             )
 
 
+def _check_mover_glyph(declared: ast.Movers, scope: Scope) -> None:
+    """Reports a glyph that can't be one, or that something else has."""
+    static = scope.static
+    glyph = declared.glyph.text
+    owners = {meaning.glyph: meaning.kind for _, meaning in static.glyphs}
+    owners |= {movers.glyph: other for other, movers in static.movers.items()}
+    problem = check_glyph(glyph)
+    if glyph in POSES:
+        problem = problem or "agents are drawn with it"
+    if problem:
+        shown = glyph.encode("unicode_escape").decode()
+        scope.problems.add(errors.BadGlyph(declared.glyph.span, glyph=shown, problem=problem))
+    elif glyph in owners:
+        name = declared.name.text
+        scope.problems.add(
+            errors.GlyphTwice(declared.glyph.span, glyph=glyph, first=owners[glyph], second=name)
+        )
+
+
+def heading_of(who: ir.Expr, span: Span) -> ir.Expr:
+    """Returns the heading of an agent, or of a mover, which has it as a field."""
+    type_ = words(HEADINGS)
+    if isinstance(who, ir.Member) and who.sort.what == "mover":
+        return ir.FieldRead(type=type_, owner=who, held_by=who.sort, name="heading", origin=span)
+    return ir.Attribute(type=type_, owner=who, name="heading", origin=span)
+
+
 def check_heading(heading: ir.Expr, tree: ast.Expr, wanted: str, scope: Scope) -> None:
-    """Reports a value that isn't a heading. `wanted`: what the message asks for."""
-    if (
-        heading.type.kind != "word"
-        or heading.type.by
-        or not set(heading.type.words) <= set(HEADINGS)
-    ):
-        raise wrong_type(scope, tree, wanted, heading.type)
+    """Reports a value that isn't a heading. wanted: what the message asks for."""
+    type_ = heading.type
+    if type_.kind != "word" or type_.by or not set(type_.words) <= set(HEADINGS):
+        raise wrong_type(scope, tree, wanted, type_)
 
 
 def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
-    """Returns `move each agent`, or `move each SORT` with the way that movers go."""
+    """Returns `move each agent`, or `move each MOVER` with a course."""
     members, inner = domain(s.domain, scope)
-    name, var = s.domain.kind.text, members.var
+    name = s.domain.kind.text
+    var = members.var
     if var.sort.what == "cell":
         wanted = "`agent`, or a sort of movers" if scope.static.movers else "`agent`"
-        raise scope.fail(
-            errors.WrongSort(s.domain.kind.span, name=name, what="a kind of cell", wanted=wanted)
-        )
-    text = use.streams.header(s.span, s.span.end)
-    course = None
+        raise scope.misused(s.domain.kind, "a kind of cell", wanted)
     if var.sort.what == "agent" and s.course is not None:
-        help_ = "which way agents go, they choose: write `move each agent`"
-        raise scope.fail(
-            errors.WrongType(s.course.span, wanted="no way to go", given="one", help=help_)
-        )
+        help_ = "agents choose their direction: write `move each agent`"
+        raise scope.expected(s.course.span, "nothing after the agents", "a course", help_)
+    header = use.streams.header(s.span, s.span.end)
+    course = None
     if var.sort.what == "mover":
         if s.course is None:
-            help_ = f"write `move each {name} ahead`, or `at random`, `along h`, `toward D`, `away from D`"
-            raise scope.fail(
-                errors.WrongType(s.span, wanted="the way that movers go", given="none", help=help_)
+            help_ = (
+                f"write `move each {name} ahead`, "
+                "or `at random`, `along h`, `toward D`, `away from D`"
             )
-        course = _course(s.course, var, inner, use.streams.of_statement(f"{text}\nwhich way"))
+            raise scope.expected(s.span, "the course of the movers", "none", help_)
+        course = _course(s.course, var, inner, use.streams.of_statement(f"{header}\nwhich way"))
     return ir.Move(
-        domain=members, course=course, stream=use.streams.of_statement(text), origin=s.span
+        domain=members, course=course, stream=use.streams.of_statement(header), origin=s.span
     )
 
 
 def _course(c: ast.Course, var: ir.Member, scope: Scope, stream: int) -> ir.Wander | ir.Along:
-    def one(d: ast.Domain | None) -> ir.Domain | None:
+    def optional(d: ast.Domain | None) -> ir.Domain | None:
         return None if d is None else domain(d, scope)[0]
 
     match c:
         case ast.Toward() | ast.AwayFrom():
-            away = isinstance(c, ast.AwayFrom)
             return ir.Wander(
-                goal=one(c.domain), away=away, avoided=one(c.avoided), stream=stream, origin=c.span
+                goal=optional(c.domain),
+                away=isinstance(c, ast.AwayFrom),
+                avoided=optional(c.avoided),
+                stream=stream,
+                origin=c.span,
             )
         case ast.AtRandom():
-            return ir.Wander(avoided=one(c.avoided), stream=stream, origin=c.span)
+            return ir.Wander(avoided=optional(c.avoided), stream=stream, origin=c.span)
         case ast.Ahead():
-            own = ir.FieldRead(
-                type=words(HEADINGS), owner=var, held_by=var.sort, name="heading", origin=c.span
-            )
-            return ir.Along(heading=own, origin=c.span)
+            return ir.Along(heading=heading_of(var, c.span), origin=c.span)
         case ast.Along():
             heading = narrow_word(scope.expression(c.heading), scope.facts)
-            check_heading(
-                heading, c.heading, "a heading (`north`, `east`, `south` or `west`)", scope
-            )
+            wanted = "a heading (`north`, `east`, `south` or `west`)"
+            check_heading(heading, c.heading, wanted, scope)
             return ir.Along(heading=heading, origin=c.span)
         case _:
             assert_never(c)

@@ -1,6 +1,7 @@
-"""Resolves dotted paths such as `agent.bag[raw]`: variables, their attributes, and entries of tables."""
+"""Resolves paths such as `agent.bag[raw]`: variables, their attributes, entries of tables."""
 
 from dataclasses import replace
+from math import inf
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -33,44 +34,35 @@ from sjdsl.runtime.actions import HEADINGS
 
 def path(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns what a path stands for."""
-    value, steps = head(e, scope), e.steps
+    value = head(e, scope)
+    steps = e.steps
     while steps:
-        step, used = steps[0], 1
+        step = steps[0]
+        used = 1
         if isinstance(step, ast.Index):
             value = index(value, step, scope)
         elif as_agent(value) and step.name.text in scope.static.with_arguments:
             value, used = argument_read(value, steps, scope)
         else:
             value = member(value, step.name, scope)
-        value = value.model_copy(
-            update={"origin": replace(e.span, end=steps[used - 1].span.end)}
-        )  # of the path up to here
+        read_so_far = replace(e.span, end=steps[used - 1].span.end)
+        value = value.model_copy(update={"origin": read_so_far})
         steps = steps[used:]
     return value
 
 
 def head(e: ast.Path, scope: Scope) -> ir.Expr:
-    """Returns what the first name of a path stands for; variables come before all else."""
-    name, static = e.name.text, scope.static
+    """Returns what the first name of a path stands for; variables hide everything else."""
+    name = e.name.text
+    static = scope.static
     if name in scope.variables:
-        scope.refer(e.name)
-        bound = scope.variables[name]
-        if bound is None:
-            raise Poisoned
-        if isinstance(bound, str):
-            raise scope.fail(
-                errors.WrongSort(
-                    e.name.span, name=name, what=f"the action `{bound}`", wanted="a value"
-                )
-            )
-        return bound.model_copy(update={"origin": e.span})
+        return _variable(e, scope)
     if name == "step":
-        return ir.Step(type=integer(0, float("inf"), "steps"), origin=e.span)
+        return ir.Step(type=integer(0, inf, "steps"), origin=e.span)
     if name in static.sizes:
         static.use(e.name, Symbol("name", name))
-        return ir.Number(
-            type=static.sizes[name].type, value=static.sizes[name].value, origin=e.span
-        )  # type: ignore[arg-type]
+        size = static.sizes[name]
+        return ir.Number(type=size.type, value=size.value, origin=e.span)  # type: ignore[arg-type]
     if name in static.params:
         static.use(e.name, Symbol("name", name))
         return ir.ParamRef(type=static.params[name].type, name=name, origin=e.span)
@@ -78,16 +70,12 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         return use_define(e.name, (), scope)
     if name in static.fields:
         static.use(e.name, Symbol("name", name))
-        return ir.FieldRead(
-            type=static.fields[name].type,
-            owner=None,
-            held_by=ir.Sort("world"),
-            name=name,
-            origin=e.span,
-        )
+        type_ = static.fields[name].type
+        world = ir.Sort("world")
+        return ir.FieldRead(type=type_, owner=None, held_by=world, name=name, origin=e.span)
     if scope.events_readable and name in static.events:
         static.refer(e.name, Symbol("metric", name))
-        type_ = integer(0, float("inf"), "count")
+        type_ = integer(0, inf, "count")
         if name in static.event_levels and e.steps:
             type_ = type_.model_copy(update={"by": (static.event_levels[name],)})
         return ir.EventTotal(type=type_, name=name, origin=e.span)
@@ -99,29 +87,39 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     raise unknown(e.name, scope)
 
 
+def _variable(e: ast.Path, scope: Scope) -> ir.Expr:
+    scope.refer(e.name)
+    bound = scope.variables[e.name.text]
+    if bound is None:
+        raise Poisoned
+    if isinstance(bound, str):
+        actual = f"the action `{bound}`"
+        raise scope.misused(e.name, actual, "a value")
+    return bound.model_copy(update={"origin": e.span})
+
+
 def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     """Returns `owner.name`: a field or a read-only attribute of an agent, a mover or a cell."""
     if kinds_of_cell(owner) is not None:
         return cell_member(owner, name, scope)
-    static, types = scope.static, attribute_types(scope.static)
+    static = scope.static
+    types = attribute_types(static)
+    known: tuple[str, ...]
     if isinstance(owner, ir.Member) and owner.sort.what == "mover":  # its heading is a field
-        held_by, fields, called = (
-            owner.sort,
-            static.mover_fields(owner.sort.name),
-            f"a mover `{owner.sort.name}`",
-        )
-        types["index"] = integer(0, static.movers[owner.sort.name].number - 1, "number")
-        known: tuple[str, ...] = MOVER_ATTRIBUTES
+        held_by = owner.sort
+        fields = static.mover_fields(held_by.name)
+        described = f"a mover `{held_by.name}`"
+        known = MOVER_ATTRIBUTES
+        types["index"] = integer(0, static.movers[held_by.name].number - 1, "number")
     elif as_agent(owner):
         check_somebody(owner, name.span, scope)
-        held_by, fields, called = AGENTS, static.agent_fields, "an agent"
+        held_by = AGENTS
+        fields = static.agent_fields
+        described = "an agent"
         known = AGENT_ATTRIBUTES
     else:
-        raise scope.fail(
-            errors.WrongType(
-                name.span, wanted="an agent or a cell before the point", given=describe(owner.type)
-            )
-        )
+        wanted = "an agent or a cell before the point"
+        raise scope.expected(name.span, wanted, describe(owner.type))
     if name.text in fields:
         static.use(name, Symbol("field", name.text, held_by.name))
         return ir.FieldRead(
@@ -139,7 +137,7 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
         return ir.Attribute(type=types[name.text], owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
     if Symbol("field", name.text, held_by.name) in static.broken:
         raise Poisoned
-    raise no_field(name, called, [*fields, *known], scope.problems)
+    raise no_field(name, described, [*fields, *known], scope.problems)
 
 
 def attribute_types(static: Static) -> dict[str, ir.Type]:
@@ -154,39 +152,47 @@ def attribute_types(static: Static) -> dict[str, ir.Type]:
     }
 
 
-def _perhaps_away(agent: ir.Expr, span: Span, asked: str, instead: str, scope: Scope) -> Poisoned:
-    what = f"the {asked} of an agent that a field holds: it may be away"
-    help_ = f"name it: `each agent as x in {text(agent)}` has those who are there, and `{instead}`"
-    return scope.fail(errors.Unsupported(span, what=what, help=help_))
+def _perhaps_away(
+    agent: ir.Expr, span: Span, attribute: str, example: str, scope: Scope
+) -> Poisoned:
+    """Reports the row, column or distance of an agent that a field holds."""
+    feature = f"the {attribute} of an agent that a field holds: it may be away"
+    help_ = f"name it: `each agent as x in {text(agent)}` has those who are there, and `{example}`"
+    return scope.fail(errors.Unsupported(span, feature=feature, help=help_))
 
 
 def distance(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `distance(a, b)` between two agents or cells that domains around have named."""
-    question = f"distance({', '.join(tree.name.text if isinstance(tree, ast.Path) else '…' for tree in e.arguments)})"
+    names = [tree.name.text if isinstance(tree, ast.Path) else "…" for tree in e.arguments]
+    question = f"distance({', '.join(names)})"
     values = scope.expressions(e.arguments)
     left, right = (
         placed(tree, value, question, scope)
         for tree, value in zip(e.arguments, values, strict=True)
     )
-    rows, cols = scope.static.map_rows, scope.static.map_cols
-    farthest = (
-        rows // 2 + cols // 2 if scope.static.wraps else max(rows + cols - 2, 0)
-    )  # steps between two cells
+    rows = scope.static.map_rows
+    cols = scope.static.map_cols
+    farthest = max(rows + cols - 2, 0)
+    if scope.static.wraps:
+        farthest = rows // 2 + cols // 2
     return ir.Distance(type=integer(0, farthest, "cells"), left=left, right=right, origin=e.span)
 
 
 def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Expr:
-    """Returns an agent or a cell that has a place; `question`: what asks for it."""
+    """Returns an agent or a cell that has a place; reports anything else.
+
+    question: the expression that needs the place.
+    """
     if place.type.kind == "cell" and not place.type.by:
         check_somewhere(place, tree.span, scope)
         return place
-    if isinstance(place, ir.Nobody) or not (
-        isinstance(place, ir.Member) or place.type.kind == "agent"
-    ):
-        given = "nobody" if isinstance(place, ir.Nobody) else describe(place.type)
-        raise scope.fail(errors.WrongType(tree.span, wanted="an agent or a cell", given=given))
+    if isinstance(place, ir.Nobody):
+        raise scope.expected(tree.span, "an agent or a cell", "nobody")
     if not isinstance(place, ir.Member):
-        raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
+        if place.type.kind == "agent":
+            raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
+        actual = describe(place.type)
+        raise scope.expected(tree.span, "an agent or a cell", actual)
     if place.sort.what != "cell":
         check_placed(place, tree.span, question, scope)
     return place
@@ -197,28 +203,26 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     check_somewhere(owner, name.span, scope)
     kinds = kinds_of_cell(owner) or ()
     if name.text in CELL_ATTRIBUTES:
-        type_ = integer(
-            0, max((static.map_rows if name.text == "row" else static.map_cols) - 1, 0), "cells"
-        )
+        type_ = attribute_types(static)[name.text]
         return ir.Attribute(type=type_, owner=owner, name=name.text, origin=name.span)  # type: ignore[arg-type]
-    found = []
+    declared = []
     for kind in kinds:
         fields = static.kinds[kind]
         if Symbol("field", name.text, kind) in static.broken:
             raise Poisoned
         if name.text not in fields:
-            what = f"the kind `{kind}`" if len(kinds) == 1 else f"the kind `{kind}` of the group"
-            raise no_field(name, what, [*fields, *CELL_ATTRIBUTES], scope.problems)
-        found.append(fields[name.text])
+            described = f"the kind `{kind}`"
+            if len(kinds) > 1:
+                described = f"{described} of the group"
+            raise no_field(name, described, [*fields, *CELL_ATTRIBUTES], scope.problems)
+        declared.append(fields[name.text])
         static.use(name, Symbol("field", name.text, kind))
-    if any(f.type != found[0].type or f.timer != found[0].timer for f in found):
-        raise scope.fail(
-            errors.NoField(
-                name.span, owner="the group: its kinds disagree on the type, so it", name=name.text
-            )
-        )
+    first = declared[0]
+    if any(f.type != first.type or f.timer != first.timer for f in declared):
+        described = "the group: its kinds disagree on the type, so it"
+        raise scope.fail(errors.NoField(name.span, owner=described, name=name.text))
     return ir.FieldRead(
-        type=found[0].type,
+        type=first.type,
         owner=owner,
         held_by=ir.Sort("cell", kinds),
         name=name.text,
@@ -227,34 +231,24 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
 
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
-    """Returns `row[key]`, the key of the sort that the row is by, or a mix over its entries."""
+    """Returns `row[key]`, or a mix over the entries of the row."""
     if not row.type.by:
-        raise scope.fail(
-            errors.WrongType(
-                step.span, wanted="a row or table before `[`", given=describe(row.type)
-            )
-        )
+        wanted = "a row or table before `[`"
+        raise scope.expected(step.span, wanted, describe(row.type))
     level = row.type.by[0]
     key = key_of(step.key, row, level, scope)
+    type_ = element(row.type)
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
-            raise scope.fail(
-                errors.WrongType(step.key.span, wanted="one entry", given=describe(key.type))
-            )
-        return row.model_copy(
-            update={"word": level.keys[level.place_of(key.value)], "type": element(row.type)}
-        )  # type: ignore[arg-type]
-    type_ = element(row.type)
+            actual = describe(key.type)
+            raise scope.expected(step.key.span, "one entry", actual)
+        entry = level.keys[level.place_of(key.value)]  # type: ignore[arg-type]
+        return row.model_copy(update={"word": entry, "type": type_})
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):
-            raise scope.fail(
-                errors.WrongType(
-                    step.key.span, wanted="a word (only tables of numbers are mixed)", given="a mix"
-                )
-            )
-        type_ = type_.model_copy(
-            update={"kind": "real", "unit": type_.unit if type_.unit == "reward" else "number"}
-        )
-        if row.type.unit in ("probability", "fraction"):
-            type_ = type_.model_copy(update={"unit": row.type.unit})
+            wanted = "a word (only tables of numbers are mixed)"
+            raise scope.expected(step.key.span, wanted, "a mix")
+        keeps_unit = type_.unit in ("reward", "probability", "fraction")
+        unit = type_.unit if keeps_unit else "number"
+        type_ = type_.model_copy(update={"kind": "real", "unit": unit})
     return ir.At(type=type_, row=row, key=key, origin=step.span)

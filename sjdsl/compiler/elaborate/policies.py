@@ -1,6 +1,6 @@
-"""Elaborates scripted policies and scenarios: the rules by which an agent plays, and the line-ups of focal agents among others.
+"""Elaborates scripted policies, by whose rules an agent plays, and scenarios.
 
-policy greedy { seek tree where tree.fruit is ripe }   ->   ScriptedPolicy(name="greedy", rules=(Go(...),))
+policy greedy { seek tree where tree.fruit is ripe }   ->   ScriptedPolicy("greedy", (Go(...),))
 """
 
 from collections.abc import Sequence
@@ -22,18 +22,20 @@ OF_EXPECT = ("never", "seek")
 
 
 def policies(game: Composition, scope: Scope) -> tuple[ir.ScriptedPolicy, ...]:
-    """Returns the policies of a game, their rules typed. `scope`: in which `agent` is the one that plays by them."""
+    """Returns the policies of a game, their rules typed.
+
+    scope: one in which `agent` is the one that plays by them.
+    """
 
     def scripted(policy: ast.ScriptedPolicy) -> ir.ScriptedPolicy:
         name = policy.name
         if name.text in (*WITHOUT_RULES, *OF_EXPECT):
             raise scope.fail(
-                errors.NameTaken(name.span, name=name.text, what="a policy of the language")
+                errors.NameTaken(name.span, name=name.text, taken_by="a policy of the language")
             )
         title = "" if policy.title is None else policy.title.text
-        return ir.ScriptedPolicy(
-            name=name.text, title=title, rules=_rules(policy.rules, scope), origin=name.span
-        )
+        rules = _rules(policy.rules, scope)
+        return ir.ScriptedPolicy(name=name.text, title=title, rules=rules, origin=name.span)
 
     return tuple(scope.problems.each(game.policies.values(), scripted))
 
@@ -41,41 +43,41 @@ def policies(game: Composition, scope: Scope) -> tuple[ir.ScriptedPolicy, ...]:
 def _rules(
     written: Sequence[ast.Act | ast.Go | ast.Aim], scope: Scope
 ) -> tuple[ir.PolicyRule, ...]:
-    """Each rule is read where no `when` above it holds; one that is never reached is warned of."""
-    found: list[ir.PolicyRule] = []
-    certain = ""  # why the rule above always applies, empty if it may not
-    for rule in written:
-        if certain:
-            scope.problems.add(
-                errors.NeverHappens(rule.span, problem=f"the rule above always applies ({certain})")
-            )
-            certain = ""
-        made = _rule(rule, scope)
-        found.append(made)
-        if isinstance(made, ir.Act):
-            check_possible(made.condition, scope)
-            otherwise = ir.Not(value=made.condition)
-            certain = next(
-                (why for part in conjuncts(otherwise) if (why := why_impossible(part, scope))), ""
-            )
+    """Returns the rules, each read where no `when` above it holds; warns of unreachable ones."""
+    rules: list[ir.PolicyRule] = []
+    always_applies = ""  # why the rule above always applies, empty if it may not
+    for tree in written:
+        if always_applies:
+            problem = f"the rule above always applies ({always_applies})"
+            scope.problems.add(errors.NeverHappens(tree.span, problem=problem))
+            always_applies = ""
+        rule = _rule(tree, scope)
+        rules.append(rule)
+        if isinstance(rule, ir.Act):
+            check_possible(rule.condition, scope)
+            otherwise = ir.Not(value=rule.condition)
+            reasons = (why_impossible(part, scope) for part in conjuncts(otherwise))
+            always_applies = next(filter(None, reasons), "")
             scope = scope.knowing([otherwise])
-    return tuple(found)
+    return tuple(rules)
 
 
 def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
     if isinstance(rule, ast.Act):
         test = scope.condition(rule.condition)
-        action, chosen, given = _taken(rule.action, scope.knowing([test]))
+        action, chosen, given = _action(rule.action, scope.knowing([test]))
         return ir.Act(condition=test, action=action, chosen=chosen, given=given, origin=rule.span)
     shape = "" if isinstance(rule, ast.Go) else shapes.used(rule.shape, scope).name
-    sought = domain(rule.domain, scope)[0]
-    avoided = None if rule.avoided is None else domain(rule.avoided, scope)[0]
+    goal, _ = domain(rule.domain, scope)
+    avoided = None
+    if rule.avoided is not None:
+        avoided, _ = domain(rule.avoided, scope)
     if isinstance(rule, ast.Go):
-        return ir.Go(domain=sought, avoided=avoided, origin=rule.span)
-    action, chosen, given = _taken(rule.action, scope)
+        return ir.Go(domain=goal, avoided=avoided, origin=rule.span)
+    action, chosen, given = _action(rule.action, scope)
     return ir.Aim(
         shape=shape,
-        domain=sought,
+        domain=goal,
         avoided=avoided,
         action=action,
         chosen=chosen,
@@ -84,55 +86,59 @@ def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
     )
 
 
-def _taken(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given, ...]]:
-    """Returns the number of an action; of one with arguments the first number, its name, and its arguments."""
+def _action(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given, ...]]:
+    """Returns the number of an action, and for one with arguments its name and arguments.
+
+    An action with arguments has several numbers, of which this is the first.
+    """
     name = action.name.text
     declared = declared_action(action, name, scope)
     if declared is None:
         return scope.static.actions.index(name), "", ()
     check_arguments(name, action.span, len(action.arguments or ()), len(declared.arguments), scope)
-    asked = arguments_given(action, declared, scope)
-    check_exists(asked, declared, scope)
-    return declared.first, name, asked
+    given = arguments_given(action, declared, scope)
+    check_exists(given, declared, scope)
+    return declared.first, name, given
 
 
 def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
-    """Returns the scenarios of a game; where a caller has chosen the number of agents, also those that it doesn't fill."""
-    static, own_number = scope.static, scope.static.own_number
+    """Returns the scenarios of a game.
 
-    def one(scenario: ast.Scenario) -> ir.Scenario:
+    Where a caller has chosen the number of agents, slots needn't add up to it.
+    """
+    static = scope.static
+    has_written_number = static.number_from_file
+
+    def typed(scenario: ast.Scenario) -> ir.Scenario:
         slots = tuple(_slots(part, game, scope) for part in scenario.slots)
-        name, span, total = (
-            scenario.name.text,
-            scenario.name.span,
-            sum(part.number for part in slots),
-        )
-        if own_number and (total != static.num_agents or any(part.number < 0 for part in slots)):
+        name = scenario.name.text
+        span = scenario.name.span
+        total = sum(part.number for part in slots)
+        is_filled = total == static.num_agents and all(part.number >= 0 for part in slots)
+        if has_written_number and not is_filled:
             raise scope.fail(
-                errors.SlotsUnfilled(span, name=name, given=total, agents=static.num_agents)
+                errors.SlotsUnfilled(span, name=name, slots=total, agents=static.num_agents)
             )
-        if not any(not part.policy and (part.number or not own_number) for part in slots):
+        focal = [part for part in slots if not part.policy]
+        if not any(part.number or not has_written_number for part in focal):
             raise scope.fail(errors.NoFocalSlot(span, name=name))
         title = "" if scenario.title is None else scenario.title.text
         return ir.Scenario(name=name, title=title, slots=slots, origin=span)
 
-    return tuple(scope.problems.each(game.scenarios.values(), one))
+    return tuple(scope.problems.each(game.scenarios.values(), typed))
 
 
 def _slots(part: ast.Slots, game: Composition, scope: Scope) -> ir.Slots:
-    number = scope.fixed(part.number, "a number of slots")
-    if number != int(number):
-        raise scope.fail(
-            errors.WrongType(
-                part.number.span, wanted="a whole number of slots", given=f"{number:g}"
-            )
-        )
-    number = int(number)
+    value = scope.fixed(part.number, "a number of slots")
+    number = int(value)
+    if value != number:
+        raise scope.expected(part.number.span, "a whole number of slots", f"{value:g}")
     if part.policy is None:
         return ir.Slots(number=number, origin=part.span)
+    name = part.policy.text
     known = (*game.policies, *WITHOUT_RULES)
-    if part.policy.text not in known:
+    if name not in known:
         raise scope.problems.unknown(part.policy, known, "the policies")
-    if part.policy.text in game.policies:
-        scope.static.refer(part.policy, Symbol("policy", part.policy.text))
-    return ir.Slots(number=number, policy=part.policy.text, origin=part.span)
+    if name in game.policies:
+        scope.static.refer(part.policy, Symbol("policy", name))
+    return ir.Slots(number=number, policy=name, origin=part.span)

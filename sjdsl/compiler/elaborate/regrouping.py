@@ -1,4 +1,4 @@
-"""Suggests another order of the factors of a product whose units don't go together: `a * (b / c)` for `a * b / c`."""
+"""Suggests another order of factors where units don't mix: `a * (b / c)` for `a * b / c`."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -6,38 +6,25 @@ from functools import reduce
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.scope import Scope
 
 
 def add_regrouped(e: ast.Binary, scope: Scope) -> None:
-    """Adds to the message about units inside a product how to write the product, if a quotient taken first helps."""
-    found = scope.problems.found
-    at = next(
-        (
-            i
-            for i, d in enumerate(found)
-            if isinstance(d, errors.UnitMismatch) and _is_inside(d, e) and not d.help
-        ),
-        None,
-    )
-    if at is None:
-        return
-    suggested = next((tree for tree in _regrouped(e) if _has_units(tree, scope)), None)
-    if suggested is not None:
-        found[at] = replace(found[at], help=f"divide first: `{_written(suggested, scope)}`")
-
-
-def _is_inside(mismatch: errors.UnitMismatch, e: ast.Binary) -> bool:
-    return (
-        mismatch.span.file == e.span.file
-        and e.span.start <= mismatch.span.start
-        and mismatch.span.end <= e.span.end
-    )
+    """Adds to the message about units inside a product how to write it, if dividing first helps."""
+    diagnostics = scope.problems.diagnostics
+    for i, diagnostic in enumerate(diagnostics):
+        if _is_helpless_mismatch(diagnostic, e):
+            suggested = next((tree for tree in _regrouped(e) if _has_units(tree, scope)), None)
+            if suggested is not None:
+                help_ = f"divide first: `{_written(suggested, scope)}`"
+                diagnostics[i] = replace(diagnostic, help=help_)
+            return
 
 
 def _regrouped(e: ast.Binary) -> Iterator[ast.Binary]:
-    """Yields the product with one of its quotients taken first, for each pair of a factor and a divisor."""
+    """Yields the product with a quotient taken first, for each pair of factor and divisor."""
     factors, divisors = _parts(e)
     for divisor in divisors:
         for factor in factors[::-1]:
@@ -65,22 +52,28 @@ def _chain(factors: Sequence[ast.Expr], divisors: Sequence[ast.Expr]) -> ast.Bin
 
 
 def _has_units(e: ast.Binary, scope: Scope) -> bool:
-    """Returns whether the units of an expression go together, whatever else may be wrong with it."""
+    """Returns whether the units of an expression mix, whatever else may be wrong with it."""
     quiet = Problems()
     try:
         scope.but(problems=quiet).expression(e)
     except Poisoned:
-        return not any(isinstance(d, errors.UnitMismatch) for d in quiet.found)
+        return not any(isinstance(d, errors.UnitMismatch) for d in quiet.diagnostics)
     return True
 
 
+def _is_helpless_mismatch(diagnostic: Diagnostic, e: ast.Binary) -> bool:
+    """Returns whether a diagnostic is about units inside a product, and has no help yet."""
+    span = diagnostic.span
+    is_inside = span.file == e.span.file and e.span.start <= span.start and span.end <= e.span.end
+    return isinstance(diagnostic, errors.UnitMismatch) and is_inside and not diagnostic.help
+
+
 def _written(e: ast.Expr, scope: Scope) -> str:
-    """Returns a product as its author would write it: the parts as they are, the quotient in brackets."""
+    """Returns a product as its author would write it, with the quotient in brackets."""
     if isinstance(e, ast.Binary) and e.op in ("*", "/"):
         right = _written(e.right, scope)
-        return f"{_written(e.left, scope)} {e.op} " + (
-            f"({right})" if isinstance(e.right, ast.Binary | ast.Unary) else right
-        )
-    text = scope.static.sources[e.span.file].text[e.span.start : e.span.end]
-    words = " ".join(text.split())
-    return f"({words})" if isinstance(e, ast.Binary) else words
+        if isinstance(e.right, ast.Binary | ast.Unary):
+            right = f"({right})"
+        return f"{_written(e.left, scope)} {e.op} {right}"
+    text = scope.static.written(e.span)
+    return f"({text})" if isinstance(e, ast.Binary) else text

@@ -1,4 +1,4 @@
-"""Elaborates what is made of a whole row: its sum, its least and greatest entry, the key of its first entry, its shares, the row shifted."""
+"""Elaborates functions of a whole row: its sum, extremes, shares, and the row shifted."""
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
@@ -32,14 +32,14 @@ def row_of_numbers(
 def sum_of_row(row: ir.Expr, origin: Span | None = None) -> ir.SumRow:
     """Returns the sum of all entries."""
     n = len(row.type.by[0])
-    type_ = row.type.model_copy(
-        update={"by": (), "low": row.type.low * n, "high": row.type.high * n}
-    )
+    low = row.type.low * n
+    high = row.type.high * n
+    type_ = row.type.model_copy(update={"by": (), "low": low, "high": high})
     return ir.SumRow(type=beyond_one(type_), row=row, origin=origin)
 
 
 def beyond_one(type_: ir.Type) -> ir.Type:
-    """Returns the type of a sum: one of shares or chances that can exceed 1 is a bare number."""
+    """Returns the type of a sum: a sum of fractions or probabilities above 1 is a bare number."""
     if type_.unit in ("fraction", "probability") and type_.high > 1:
         return type_.model_copy(update={"unit": "number"})
     return type_
@@ -49,13 +49,14 @@ def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `lowest(row)` or `highest(row)`."""
     row = row_of_numbers(e.arguments[0], scope)
     level = row.type.by[0]
-    if level.sort == "agent":
-        raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
-    type_ = (
-        words(level.names)
-        if level.sort == "word"
-        else integer(level.first, level.first + len(level) - 1)
-    )
+    match level.sort:
+        case "agent":
+            wanted = "a row by words or numbers"
+            raise wrong_type(scope, e.arguments[0], wanted, row.type, NO_ORDER)
+        case "word":
+            type_ = words(level.names)
+        case "number":
+            type_ = integer(level.first, level.first + len(level) - 1)
     return ir.Lowest(type=type_, row=row, last=function.last, origin=e.span)
 
 
@@ -71,7 +72,7 @@ def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 
 
 def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
-    """Returns `shift(row, n, filler)`: entries moved on by n places, the filler where none comes from."""
+    """Returns `shift(row, n, filler)`: entries moved on by n places, the filler in free ones."""
     row = scope.expression(e.arguments[0])
     if len(row.type.by) != 1:
         raise wrong_type(scope, e.arguments[0], "a row", row.type)
@@ -79,48 +80,53 @@ def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
         raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
     by = scope.fixed(e.arguments[1], "by how many places a row is shifted")
     if by != int(by):
-        raise scope.fail(
-            errors.WrongType(
-                e.arguments[1].span, wanted="a whole number of places", given=f"{by:g}"
-            )
-        )
+        wanted = "a whole number of places"
+        raise scope.expected(e.arguments[1].span, wanted, f"{by:g}")
     filler = _filler(e.arguments[2], row, scope)
     type_ = row.type
     if is_number(element(type_)):
         low, high = hull([type_, filler.type])
-        type_ = type_.model_copy(
-            update={
-                "low": low,
-                "high": high,
-                "kind": "real" if "real" in (type_.kind, filler.type.kind) else "int",
-            }
-        )
+        kind = "real" if "real" in (type_.kind, filler.type.kind) else "int"
+        type_ = type_.model_copy(update={"low": low, "high": high, "kind": kind})
     return ir.ShiftRow(type=type_, row=row, by=int(by), filler=filler, origin=e.span)
 
 
 def _filler(tree: ast.Expr, row: ir.Expr, scope: Scope) -> ir.Expr:
-    """Returns what comes in at the end of a row: of the type of its entries."""
-    one = element(row.type)
-    if one.kind == "word":
-        check_known_word(tree, row, one.words, scope)
+    """Returns what comes in at the end of a shifted row, of the type of its entries."""
+    entry = element(row.type)
+    if entry.kind == "word":
+        check_known_word(tree, row, entry.words, scope)
     filler = narrow_word(scope.expression(tree), scope.facts)
-    filler = or_nowhere(filler) if one.kind == "cell" else filler
-    kinds = kinds_of_cell(filler)
-    fits = {
-        "cell": kinds is not None and set(kinds) <= set(one.kinds),
-        "int": is_number(filler.type) and filler.type.kind == "int",
-        "real": is_number(filler.type),
-        "word": filler.type.kind == "word" and not filler.type.by,
-        "agent": as_agent(filler) and not filler.type.by,
-        "agents": isinstance(filler, ir.Nobody)
-        or (filler.type.kind == "agents" and not filler.type.by),
-    }
-    if not fits[one.kind]:
-        raise wrong_type(scope, tree, describe(one), filler.type)
-    check_words(filler.type.words, one.words, tree.span, row, scope)
-    if is_number(one) and join_units(one.unit, filler.type.unit) is None:
-        left, right = describe(one), describe(filler.type)
+    if entry.kind == "cell":
+        filler = or_nowhere(filler)
+    if not _fits(filler, entry):
+        raise wrong_type(scope, tree, describe(entry), filler.type)
+    check_words(filler.type.words, entry.words, tree.span, row, scope)
+    if is_number(entry) and join_units(entry.unit, filler.type.unit) is None:
+        left = describe(entry)
+        right = describe(filler.type)
         raise scope.fail(
             errors.UnitMismatch(tree.span, verb="put into one row", left=left, right=right)
         )
     return filler
+
+
+def _fits(value: ir.Expr, type_: ir.Type) -> bool:
+    """Returns whether a value has the kind of a type, whatever its unit, words or interval."""
+    match type_.kind:
+        case "cell":
+            kinds = kinds_of_cell(value)
+            return kinds is not None and set(kinds) <= set(type_.kinds)
+        case "int":
+            return is_number(value.type) and value.type.kind == "int"
+        case "real":
+            return is_number(value.type)
+        case "word":
+            return value.type.kind == "word" and not value.type.by
+        case "agent":
+            return as_agent(value) and not value.type.by
+        case "agents":
+            is_set = value.type.kind == "agents" and not value.type.by
+            return is_set or isinstance(value, ir.Nobody)
+        case _:
+            raise AssertionError(type_)

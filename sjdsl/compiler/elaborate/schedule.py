@@ -1,11 +1,13 @@
-"""Elaborates the schedule: each use of a phase is built separately, with its arguments filled in."""
+"""Elaborates the schedule: builds each use of a phase separately, with its arguments."""
 
+import re
 from dataclasses import replace
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.lookup import check_arguments
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.statements import block
@@ -14,7 +16,7 @@ from sjdsl.compiler.ir.names import Names, phase_function
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
 
-ALIKE = (
+CONSTANT = (
     ir.Word,
     ir.Number,
     ir.ParamRef,
@@ -23,8 +25,13 @@ ALIKE = (
     ir.SumRow,
     ir.Named,
     ir.Narrowed,
-)  # the same in all of an episode
-USED_WITH = "use words, numbers, `size`s, `param`s and names of actions; what changes in play, and who is meant, the phase says itself"
+)  # nodes whose value is the same in all of an episode
+
+
+ARGUMENTS = (
+    "use words, numbers, `size`s, `param`s and names of actions; "
+    "what changes in play, and who is meant, the phase says itself"
+)
 
 
 def start(game: Composition, scope: Scope) -> ir.Phase | None:
@@ -34,79 +41,66 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
         scope.problems.add(errors.NoStart(game.span))
         return None
     if phase.parameters:
-        scope.problems.add(
-            errors.WrongArguments(
-                phase.name.span, name="start", wanted="no arguments", given=len(phase.parameters)
-            )
-        )
+        _report_arguments("start", phase.name.span, len(phase.parameters), scope)
     return _use(phase, "start", "start", {}, replace(scope, part="start"))
+
+
+def _report_arguments(name: str, span: Span, number: int, scope: Scope) -> None:
+    scope.problems.add(errors.WrongArguments(span, name=name, wanted="no arguments", actual=number))
 
 
 def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     """Returns the turns of a step in order."""
     if game.schedule is None:
-        scope.problems.add(
-            errors.MissingPart(
-                game.span, what="schedule", how="`schedule phase -> phase` with its phases in order"
-            )
-        )
+        example = "`schedule phase -> phase` with its phases in order"
+        scope.problems.add(errors.MissingPart(game.span, part="schedule", example=example))
         return ()
     if len(game.schedule.turns) > limits.MAX_TURNS:
-        what = f"a schedule of more than {limits.MAX_TURNS} turns"
-        scope.problems.add(errors.Unsupported(game.schedule.span, what=what))
+        feature = f"a schedule of more than {limits.MAX_TURNS} turns"
+        scope.problems.add(errors.Unsupported(game.schedule.span, feature=feature))
         return ()
     _check_written(game, game.schedule, scope)
-    written = [
-        turn
-        for turn in game.schedule.turns
-        if turn.name.text in game.phases or turn.name.text == "tick"
-    ]
-    labels, functions = list[str](), Names({"start"})
+    written = [turn for turn in game.schedule.turns if turn.name.text in {*game.phases, "tick"}]
+    labels: list[str] = []
+    functions = Names({"start"})
     turns = scope.problems.each(written, lambda turn: _turn(turn, game, scope, labels, functions))
-    scheduled = {t.name.text for t in game.schedule.turns} | {"start"}
-    for phase in game.phases.values():
-        if phase.name.text not in scheduled:
-            scope.problems.add(errors.PhaseNotScheduled(phase.name.span, name=phase.name.text))
-            _use(
-                phase,
-                phase.name.text,
-                "",
-                {parameter.text: None for parameter in phase.parameters},
-                scope,
-            )  # for its mistakes
+    scheduled = {turn.name.text for turn in game.schedule.turns} | {"start"}
+    for name, phase in game.phases.items():
+        if name not in scheduled:
+            scope.problems.add(errors.PhaseNotScheduled(phase.name.span, name=name))
+            arguments = dict.fromkeys(parameter.text for parameter in phase.parameters)
+            _use(phase, name, "", arguments, scope)  # to report its mistakes
     return tuple(turns)
 
 
 def _check_written(game: Composition, schedule: ast.Schedule, scope: Scope) -> None:
-    """Reports the phases that a schedule names and nobody has written: each that is like another one alone, the rest together."""
+    """Reports the phases that a schedule names and nobody has written.
+
+    One with a similar name is reported by itself, all others together.
+    """
     known = [*game.phases, "tick"]
-    missing = {
-        turn.name.text: turn.name.span
-        for turn in reversed(schedule.turns)
-        if turn.name.text not in known
-    }
-    alike = {name: nearest(name, known) for name in reversed(missing)}
-    others = tuple(name for name, like in alike.items() if not like)
-    for name, like in alike.items():
-        if like or len(others) == 1:
-            scope.problems.add(errors.PhaseNotWritten(missing[name], name=name, nearest=like))
+    missing: dict[str, Span] = {}
+    for turn in schedule.turns:
+        if turn.name.text not in known:
+            missing.setdefault(turn.name.text, turn.name.span)
+    similar = {name: nearest(name, known) for name in missing}
+    others = tuple(name for name in missing if not similar[name])
+    for name, span in missing.items():
+        if similar[name] or len(others) == 1:
+            scope.problems.add(errors.PhaseNotWritten(span, name=name, nearest=similar[name]))
     if len(others) > 1:
-        scope.problems.add(
-            errors.PhasesNotWritten(missing[others[0]], name=others[0], names=others)
-        )
+        span = missing[others[0]]
+        scope.problems.add(errors.PhasesNotWritten(span, name=others[0], names=others))
 
 
 def _turn(
     turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], functions: Names
 ) -> ir.Turn:
+    """Returns a turn; adds its label and the name of its function to those there are."""
     name = turn.name.text
     if name == "tick":
         if turn.arguments:
-            scope.problems.add(
-                errors.WrongArguments(
-                    turn.span, name="tick", wanted="no arguments", given=len(turn.arguments)
-                )
-            )
+            _report_arguments("tick", turn.span, len(turn.arguments), scope)
         return ir.Tick(origin=turn.span)
     phase = game.phases[name]
     scope.static.refer(turn.name, Symbol("phase", name))
@@ -118,50 +112,50 @@ def _turn(
     for parameter, argument in zip(phase.parameters, turn.arguments, strict=True):
         if parameter.text in scope.static.names() and not scope.static.is_word(parameter.text):
             scope.problems.add(
-                errors.NameTaken(parameter.span, name=parameter.text, what="something else")
+                errors.NameTaken(parameter.span, name=parameter.text, taken_by="something else")
             )
         value = _argument(argument, scope)
         values[parameter.text] = value
         shown.append(value if isinstance(value, str) else text(value))
     label = f"{name}({', '.join(shown)})" if shown else name
-    times = labels.count(label)
+    function = "_".join([name, *(re.sub(r"[\W_]", "_", argument) for argument in shown)])
+    earlier_uses = labels.count(label)
     labels.append(label)
-    if times:
-        label = f"{label} #{times + 1}"
-    identifier = "_".join([name, *("".join(c if c.isalnum() else "_" for c in s) for s in shown)])
-    identifier += f"_{times + 1}" if times else ""
-    return _use(phase, label, functions.fresh(phase_function(identifier)), values, scope)
+    if earlier_uses:
+        label = f"{label} #{earlier_uses + 1}"
+        function = f"{function}_{earlier_uses + 1}"
+    return _use(phase, label, functions.fresh(phase_function(function)), values, scope)
 
 
 def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
-    """Returns a word, something made of numbers alone (params too, which may change from run to run), or the name of an action."""
-    if (
-        isinstance(argument, ast.Path)
-        and not argument.steps
-        and argument.name.text in scope.static.action_names
-    ):
-        if not scope.static.is_word(argument.name.text):
-            scope.static.refer(argument.name, Symbol("action", argument.name.text))
-            return argument.name.text
+    """Returns a word, the name of an action, or an expression of numbers and parameters alone."""
+    static = scope.static
+    if isinstance(argument, ast.Path) and not argument.steps:
+        name = argument.name
+        if name.text in static.action_names and not static.is_word(name.text):
+            static.refer(name, Symbol("action", name.text))
+            return name.text
     value = scope.expression(argument)
-    if not all(isinstance(node, ALIKE) for node in ir.walk(value)):
-        raise scope.fail(
-            errors.NotFixed(argument.span, what="what a phase is used with", help=USED_WITH)
-        )
+    if not all(isinstance(node, CONSTANT) for node in ir.walk(value)):
+        quantity = "what a phase is used with"
+        raise scope.fail(errors.NotFixed(argument.span, quantity=quantity, help=ARGUMENTS))
     return value
 
 
 def _use(
-    phase: ast.Phase, label: str, name: str, values: dict[str, ir.Expr | str | None], scope: Scope
+    phase: ast.Phase,
+    label: str,
+    function: str,
+    values: dict[str, ir.Expr | str | None],
+    scope: Scope,
 ) -> ir.Phase:
-    use = PhaseUse(Streams(label, scope.static.sources))
-    locals_ = {p.text: local_symbol(p) for p in phase.parameters}
+    """Returns one use of a phase. values: of its parameters."""
     inner = replace(
         scope,
         variables=values,
-        locals=locals_,
+        locals={parameter.text: local_symbol(parameter) for parameter in phase.parameters},
         never=scope.static.never_in(f"phase {phase.name.text}"),
     )
-    body = block(phase.block, inner, use)
+    body = block(phase.block, inner, PhaseUse(Streams(label, scope.static.sources)))
     marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
-    return ir.Phase(label=label, name=name, body=body, marks=tuple(marks), origin=phase.span)
+    return ir.Phase(label=label, name=function, body=body, marks=tuple(marks), origin=phase.span)

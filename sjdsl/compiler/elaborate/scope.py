@@ -1,4 +1,4 @@
-"""Scopes: the symbol table of a game, and the variables and known facts at one point of the rules."""
+"""Scopes: the symbol table of a game, and the variables and facts at one place of the rules."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -26,65 +26,62 @@ ALL_ACTIONS = Symbol("action", "", "agent")
 
 @dataclass
 class Static:
-    """The declarations every scope sees.
+    """The declarations that every scope sees.
 
-    `elaborate_expression`: what makes any expression typed. All kinds of expressions contain others, so those who make one kind call it
-    by `scope.expression`.
+    elaborate_expression: `expressions.expression`, by which all that contains expressions makes
+      them typed, through `Scope.expression`: `expressions` imports those modules itself.
+    kinds: the fields of each kind. cell_types: the kinds that `cell of NAME` can be, known before
+      any field is. action_names: as declared, `vote` where `actions` has `vote(0)`, `vote(1)`, ...
+    event_levels: by what the entries of an event are told apart, of events with entries.
+    number_from_file: whether `num_agents` is the file's, not a caller's.
+    references: each name that was resolved, with what it stands for. used: what makes a
+      difference to the game. required: numbers that a `require` reads, which doesn't use them.
+    broken: what has a mistake in its declaration, where that is reported; uses of it are not.
+    required_facts: what `requires` say. observed_facts, rule_facts: what holds in every state that
+      is observed, or that rules read.
+    sized: fields whose range is made of sizes.
+    never: by phase and define, a list for each use of it: what can't happen in that use.
     """
 
     sources: dict[str, Source]
     elaborate_expression: "Callable[[ast.Expr, Scope], ir.Expr]"
     sizes: dict[str, ir.Size] = field(default_factory=dict)
     params: dict[str, ir.Param] = field(default_factory=dict)
-    kinds: dict[str, dict[str, ir.VarField]] = field(default_factory=dict)  # the fields of each
+    kinds: dict[str, dict[str, ir.VarField]] = field(default_factory=dict)
     glyphs: list[tuple[Span, ir.GlyphMeaning]] = field(default_factory=list)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    cell_types: dict[str, tuple[str, ...]] = field(
-        default_factory=dict
-    )  # what `cell of NAME` can be, known before any field is
+    cell_types: dict[str, tuple[str, ...]] = field(default_factory=dict)
     fields: dict[str, ir.VarField] = field(default_factory=dict)
     agent_fields: dict[str, ir.VarField] = field(default_factory=dict)
     movers: dict[str, ir.Movers] = field(default_factory=dict)
     mover_sorts: tuple[str, ...] = ()
     actions: tuple[str, ...] = ()
-    action_names: list[str] = field(
-        default_factory=list
-    )  # as declared: `vote`, where the actions are `vote(0)`, `vote(1)`, …
+    action_names: list[str] = field(default_factory=list)
     with_arguments: dict[str, ir.ActionWithArguments] = field(default_factory=dict)
     broken_actions: set[str] = field(default_factory=set)
     shapes: dict[str, ir.Shape] = field(default_factory=dict)
     defines: dict[str, ast.Define] = field(default_factory=dict)
     word_sets: list[tuple[str, ...]] = field(default_factory=list)
     events: dict[str, ast.Event] = field(default_factory=dict)
-    event_levels: dict[str, Level] = field(
-        default_factory=dict
-    )  # what those are counted by that have entries
+    event_levels: dict[str, Level] = field(default_factory=dict)
     cells: dict[str, int] = field(default_factory=dict)
     num_agents: int = 1
-    own_number: bool = True  # whether that is the file's, and not a caller's
+    number_from_file: bool = True
     rows: tuple[str, ...] = ()
     map_rows: int = 0
     map_cols: int = 0
     wraps: bool = False
-    references: list[tuple[Span, Symbol]] = field(
-        default_factory=list
-    )  # the names that were resolved, and what each stands for
+    references: list[tuple[Span, Symbol]] = field(default_factory=list)
     used: set[Symbol] = field(default_factory=set)
-    required: set[Symbol] = field(
-        default_factory=set
-    )  # numbers that a `require` reads, which does not use them
-    broken: set[Symbol] = field(
-        default_factory=set
-    )  # declared, but wrong: reported once, where it is declared
+    required: set[Symbol] = field(default_factory=set)
+    broken: set[Symbol] = field(default_factory=set)
     expansions: int = 0
     requires: tuple[ir.Expr, ...] = ()
-    required_facts: tuple[Fact, ...] = ()  # what they say
-    sized: set[Symbol] = field(default_factory=set)  # fields whose range is made of sizes
-    of_observed: tuple[Fact, ...] = ()  # of every state that is observed
-    of_rules: tuple[Fact, ...] = ()  # of every state that rules read
-    never: dict[str, list[list[errors.NeverHappens]]] = field(
-        default_factory=dict
-    )  # by phase and define: what each use can't make happen
+    required_facts: tuple[Fact, ...] = ()
+    observed_facts: tuple[Fact, ...] = ()
+    rule_facts: tuple[Fact, ...] = ()
+    sized: set[Symbol] = field(default_factory=set)
+    never: dict[str, list[list[errors.NeverHappens]]] = field(default_factory=dict)
     phases: tuple[ast.Phase, ...] = ()
 
     @cached_property
@@ -102,11 +99,11 @@ class Static:
 
     def use(self, name: ast.Name, declared: Symbol) -> None:
         """Records what a name stands for, and that it makes a difference to the game."""
-        self.references.append((name.span, declared))
+        self.refer(name, declared)
         self.used.add(declared)
 
     def never_in(self, text: str) -> list[errors.NeverHappens]:
-        """Returns what collects the warnings of one more use of a phase or define."""
+        """Returns the list that collects the warnings of one more use of a phase or define."""
         warnings: list[errors.NeverHappens] = []
         self.never.setdefault(text, []).append(warnings)
         return warnings
@@ -121,41 +118,51 @@ class Static:
         self.used -= read
 
     def kinds_of(self, name: str) -> tuple[str, ...] | None:
-        """Returns the kinds a kind's or group's name stands for."""
+        """Returns the kinds that the name of a kind or group stands for, None for other names."""
         return (name,) if name in self.kinds else self.groups.get(name)
 
-    def mover_fields(self, sort: str) -> dict[str, ir.VarField]:
-        """Returns the fields of a sort of movers by name."""
-        return {field.name: field for field in self.movers[sort].fields}
+    def mover_fields(self, movers: str) -> dict[str, ir.VarField]:
+        """Returns the fields of movers by name."""
+        return {field.name: field for field in self.movers[movers].fields}
 
     def is_word(self, name: str) -> bool:
         return any(name in words for words in self.word_sets)
 
+    def written(self, span: Span) -> str:
+        """Returns a part of the text as its author wrote it, in one line."""
+        text = self.sources[span.file].text[span.start : span.end]
+        return " ".join(text.split())
+
     def names(self) -> set[str]:
         """Returns every name an expression may start with."""
-        named = {
-            *self.sizes,
-            *self.params,
-            *self.fields,
-            *self.defines,
-            *self.kinds,
-            *self.groups,
-            *self.movers,
-            "step",
-            "agent",
-        }
-        return named | {w for words in self.word_sets for w in words}
+        tables = (
+            self.sizes,
+            self.params,
+            self.fields,
+            self.defines,
+            self.kinds,
+            self.groups,
+            self.movers,
+        )
+        return {"step", "agent"}.union(*tables, *self.word_sets)
 
 
 class Scope(Record):
     """Variables and known facts at one place of the text.
 
-    `variables`: a Member, a Local, or (a phase's or define's parameter) any expression or action name; None: poisoned.
-    `locals`: the variables that the text names in this place or around it; others have the name of their kind.
-    `facts`: conditions that hold here. `part`: of the game; in `start` no agent stands anywhere.
-    `withheld`: variables around that cannot be used here, with what to write instead. `returning`: an agent that is away until now.
-    `about_steps`: in a check that compares the state with that before the step; `elsewhere`: variables of which nobody knows whether they were
-    away in the state that is read. `never`: collects what can't happen in this use of a phase or define; None: there are no other uses.
+    variables: a Member, a Local, or (a phase's or define's parameter) any expression or action
+      name; None for one whose declaration has a mistake.
+    locals: the variables that the text names in or around this place; others have the name of
+      their kind.
+    facts: conditions that hold here.
+    part: of the game; in `start` no agent stands anywhere.
+    defining: the defines that this place is in, outermost first.
+    withheld: variables around that can't be used here, with what to write instead.
+    returning: an agent that is away until now.
+    about_steps: whether this is a check that compares the state with that before the step.
+    elsewhere: variables that may have been away in the state that is read.
+    never: collects what can't happen in this use of a phase or define; None if there are no other
+      uses.
     """
 
     static: Static
@@ -172,9 +179,19 @@ class Scope(Record):
     elsewhere: frozenset[str] = frozenset()
     never: list[errors.NeverHappens] | None = None
 
-    def fail(self, new: Diagnostic) -> Poisoned:
+    def fail(self, diagnostic: Diagnostic) -> Poisoned:
         """Records one diagnostic and returns what to raise: `raise scope.fail(...)`."""
-        return self.problems.fail(new)
+        return self.problems.fail(diagnostic)
+
+    def expected(self, span: Span, wanted: str, actual: str, help_: str = "") -> Poisoned:
+        """Reports that something of another type is wanted."""
+        return self.fail(errors.WrongType(span, wanted=wanted, actual=actual, help=help_))
+
+    def misused(self, name: ast.Name, actual: str, wanted: str, help_: str = "") -> Poisoned:
+        """Reports the name of something else than is wanted."""
+        return self.fail(
+            errors.WrongSort(name.span, name=name.text, actual=actual, wanted=wanted, help=help_)
+        )
 
     def expression(self, e: ast.Expr) -> ir.Expr:
         """Returns the typed form of any expression."""
@@ -188,14 +205,17 @@ class Scope(Record):
         return built
 
     def condition(self, e: ast.Expr) -> ir.Expr:
-        """Returns a condition, or says that one is wanted."""
+        """Returns a condition; reports anything else."""
         built = self.expression(e)
         if built.type.kind != "condition" or built.type.by:
             raise wrong_type(self, e, "a condition", built.type)
         return built
 
     def number(self, e: ast.Expr, units: tuple[ir.Unit, ...], wanted: str) -> ir.Expr:
-        """Returns a number of one of the units (a bare number takes the first), or says that `wanted` is wanted."""
+        """Returns a number of one of the units, or a bare one; reports anything else.
+
+        wanted: what the message asks for.
+        """
         built = self.expression(e)
         if not is_number(built.type) or built.type.unit not in (*units, "number"):
             raise wrong_type(self, e, wanted, built.type)
@@ -203,35 +223,37 @@ class Scope(Record):
             raise wrong_type(self, e, wanted, built.type)
         return built
 
-    def fixed(self, e: ast.Expr, what: str) -> int | float:
-        """Returns the value of an expression known when compiled: numbers and sizes only."""
+    def fixed(self, e: ast.Expr, quantity: str) -> int | float:
+        """Returns the value of an expression that is known when compiled: numbers and sizes only.
+
+        quantity: what messages call it.
+        """
         built = self.expression(e)
         if isinstance(built, ir.Number):
             return built.value
         for node in ir.walk(built):
             if isinstance(node, ir.ParamRef):
-                raise self.fail(errors.ShapeParam(e.span, name=node.name, what=what))
-        raise self.fail(errors.NotFixed(e.span, what=what))
+                raise self.fail(errors.ShapeParam(e.span, name=node.name, quantity=quantity))
+        raise self.fail(errors.NotFixed(e.span, quantity=quantity))
 
-    def whole(self, e: ast.Expr, what: str, name: str, low: int, high: int) -> int:
-        """Returns a whole number from `low` to `high` that is known when compiled; `name`: what messages call it."""
-        value = self.fixed(e, what)
+    def whole(self, e: ast.Expr, quantity: str, name: str, low: int, high: int) -> int:
+        """Returns a whole number from `low` to `high` that is known when compiled.
+
+        quantity, name: what messages call it.
+        """
+        value = self.fixed(e, quantity)
         if value != int(value) or not low <= value <= high:
             raise self.fail(errors.OutOfLimits(e.span, name=name, value=value, low=low, high=high))
         return int(value)
 
     def but(self, **changes: Any) -> "Scope":
-        """Returns this scope with other values in some fields; `dataclasses.replace` would take several times as long."""
+        """Returns this scope with some fields changed, several times as fast as `replace`."""
         return Scope(*(self.__dict__ | changes).values())
 
     def bind(self, name: str, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which has the name of its kind."""
-        known = (
-            {n: s for n, s in self.locals.items() if n != name}
-            if name in self.locals
-            else self.locals
-        )
-        return self.but(variables={**self.variables, name: value}, locals=known)
+        locals_ = {n: symbol for n, symbol in self.locals.items() if n != name}
+        return self.but(variables={**self.variables, name: value}, locals=locals_)
 
     def bind_named(self, name: ast.Name, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which the text names here."""
@@ -241,7 +263,7 @@ class Scope(Record):
         )
 
     def refer(self, name: ast.Name) -> None:
-        """Records which variable a name stands for; one that has the name of its kind stands for the kind."""
+        """Records which variable a name stands for, or which kind, for one with its kind's name."""
         static = self.static
         if name.text in self.locals:
             static.refer(name, self.locals[name.text])
@@ -250,44 +272,46 @@ class Scope(Record):
 
     def knowing(self, conditions: "Iterable[ir.Expr]") -> "Scope":
         """Returns this scope in which the conditions are known to hold."""
-        return self.but(
-            facts=(*self.facts, *(f for condition in conditions for f in facts(condition)))
-        )
+        known = [fact for condition in conditions for fact in facts(condition)]
+        return self.but(facts=(*self.facts, *known))
 
     @property
     def facts_and_requires(self) -> tuple[Fact, ...]:
-        """What holds here, the game's `require`s too."""
+        """What holds here, with the game's `require`s."""
         return (*self.facts, *self.static.required_facts)
 
-    def unsure(self) -> "Scope":
-        """Returns this scope where a condition around could not be read: what it may have made sure is not reported as missing."""
+    def after_unreadable_guard(self) -> "Scope":
+        """Returns this scope inside a condition that has a mistake.
+
+        Mistakes that the condition might have ruled out are then not reported.
+        """
         return self.but(problems=replace(self.problems, suppressed=errors.GUARDABLE))
 
-    def sure(self) -> "Scope":
-        """Returns this scope for a mistake that no condition around could rule out: it is always reported."""
+    def reporting_all(self) -> "Scope":
+        """Returns this scope for a mistake that no condition around it could rule out."""
         return self.but(problems=replace(self.problems, suppressed=()))
 
     def with_agent(self, part: Part) -> "Scope":
-        """Returns a scope of another part of the game, in which `agent` stands for any one of them."""
+        """Returns a scope of another part of the game, in which `agent` is any one of them."""
         return Scope(self.static, self.problems, part=part).bind(
             "agent", ir.Member(name="agent", sort=AGENTS)
         )
 
 
 def wrong_type(
-    scope: Scope, e: ast.Expr, wanted: str, given: ir.Type, help: str = "", described: str = ""
+    scope: Scope, e: ast.Expr, wanted: str, actual: ir.Type, help: str = "", described: str = ""
 ) -> Poisoned:
-    """Reports that something else is wanted in the place of `e`. `described`: what it is instead, if its type doesn't say that well."""
-    bound = (
-        scope.variables.get(e.name.text)
-        if isinstance(e, ast.Path) and given.kind == "member"
-        else None
-    )
-    described = described or describe(given)
-    if isinstance(bound, ir.Member):
-        described = {
-            "agent": "an agent",
-            "cell": "a cell",
-            "mover": f"a mover `{bound.sort.name}`",
-        }[bound.sort.what]
-    return scope.fail(errors.WrongType(e.span, wanted=wanted, given=described, help=help))
+    """Reports that something else is wanted in the place of `e`.
+
+    described: what stands there, if its type doesn't say that well.
+    """
+    described = described or describe(actual)
+    if isinstance(e, ast.Path) and actual.kind == "member":
+        bound = scope.variables.get(e.name.text)
+        if isinstance(bound, ir.Member):
+            described = {
+                "agent": "an agent",
+                "cell": "a cell",
+                "mover": f"a mover `{bound.sort.name}`",
+            }[bound.sort.what]
+    return scope.expected(e.span, wanted, described, help)

@@ -1,6 +1,7 @@
-"""Elaborates shapes such as beams: pictures and built-in forms become lanes of (ahead, right) offsets."""
+"""Elaborates shapes such as beams: pictures and built-in forms become lanes of offsets."""
 
 from collections.abc import Callable
+from itertools import product
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -8,7 +9,7 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.scope import Scope
 
-Offset = tuple[int, int]
+Offset = tuple[int, int]  # ahead, right
 BUILT_IN = {
     "line": ("n",),
     "fan": ("length", "radius"),
@@ -16,9 +17,8 @@ BUILT_IN = {
     "diamond": ("r",),
     "square": ("r",),
 }
-SEE_THROUGH: dict[
-    str, Callable[[int, int, int], bool]
-] = {  # whether a cell so far ahead and to the right is within r
+SEE_THROUGH: dict[str, Callable[[int, int, int], bool]] = {
+    # whether a cell so far ahead and to the right is within r
     "disc": lambda ahead, right, r: ahead * ahead + right * right <= r * r,
     "diamond": lambda ahead, right, r: abs(ahead) + abs(right) <= r,
     "square": lambda *_: True,
@@ -26,32 +26,18 @@ SEE_THROUGH: dict[
 
 
 def declared(shape: ast.Shape, scope: Scope) -> ir.Shape:
-    """Returns a named shape."""
+    """Returns a named shape: a built-in form, or a picture."""
     if shape.call is not None:
-        built = built_in(
-            ast.ShapeRef(shape.call.span, shape.call.name, shape.call.arguments), scope
-        )
-        return built.model_copy(update={"name": shape.name.text, "origin": shape.span})
+        ref = ast.ShapeRef(shape.call.span, shape.call.name, shape.call.arguments)
+        form = built_in(ref, scope)
+        return form.model_copy(update={"name": shape.name.text, "origin": shape.span})
     rows = [row.text for row in shape.rows]
     problem = _picture_problem(rows)
     if problem:
         raise scope.fail(errors.BadPicture(shape.span, problem=problem))
-    anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
-    anchor_col = rows[anchor_row].index("^")
-    cells = {
-        (anchor_row - r, c - anchor_col)
-        for r, row in enumerate(rows)
-        for c, glyph in enumerate(row)
-        if glyph == "x"
-    }
-    lanes = []
-    for right in sorted({c for _, c in cells}):  # a column is a lane, ahead and behind
-        ahead = sorted(a for a, c in cells if c == right and a >= 0)
-        behind = sorted((a for a, c in cells if c == right and a < 0), reverse=True)
-        lanes += [tuple((a, right) for a in lane) for lane in (ahead, behind) if lane]
     return ir.Shape(
         name=shape.name.text,
-        lanes=tuple(lanes),
+        lanes=_lanes(rows),
         see_through=False,
         directed=True,
         origin=shape.span,
@@ -59,7 +45,7 @@ def declared(shape: ast.Shape, scope: Scope) -> ir.Shape:
 
 
 def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
-    """Returns the shape of `in SHAPE of x`: a named one, or a built-in form, kept under its text."""
+    """Returns the shape of `in SHAPE of x`: a named one, or a built-in form, named by its text."""
     static = scope.static
     if ref.arguments is None:
         shape = static.shapes.get(ref.name.text)
@@ -73,69 +59,98 @@ def used(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     return static.shapes.setdefault(shape.name, shape)
 
 
+def _lanes(rows: list[str]) -> tuple[tuple[Offset, ...], ...]:
+    """Returns the lanes of a picture: each column is two, one ahead and one behind."""
+    anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
+    anchor_col = rows[anchor_row].index("^")
+    columns: dict[
+        int, list[int]
+    ] = {}  # the cells ahead, farthest first, by their place to the right
+    for r, row in enumerate(rows):
+        for c, glyph in enumerate(row):
+            if glyph == "x":
+                columns.setdefault(c - anchor_col, []).append(anchor_row - r)
+    lanes = []
+    for right, cells in sorted(columns.items()):
+        ahead = [a for a in reversed(cells) if a >= 0]
+        behind = [a for a in cells if a < 0]
+        lanes += [tuple((a, right) for a in lane) for lane in (ahead, behind) if lane]
+    return tuple(lanes)
+
+
 def _picture_problem(rows: list[str]) -> str:
-    """Returns what is wrong with a picture, in which `^` is the agent facing up and `x` its cells; empty if nothing is."""
-    agents, cells = ("".join(rows).count(sign) for sign in "^x")
+    """Returns why a picture is no shape, empty if it is one."""
+    signs = "".join(rows)
+    agents = signs.count("^")
+    cells = signs.count("x")
     if agents != 1:
         return f"this picture has {agents} `^`, and needs one"
-    if set("".join(rows)) - set("^x."):
+    if set(signs) - set("^x."):
         return "a picture is made of `^`, `x` and `.`"
     if len({len(row) for row in rows}) != 1:
         return "the rows of this picture have different lengths"
     if not cells:
         return "this picture has no cell `x`"
-    return (
-        f"this picture has more than {limits.MAX_SHAPE_CELLS} cells"
-        if cells > limits.MAX_SHAPE_CELLS
-        else ""
-    )
+    if cells > limits.MAX_SHAPE_CELLS:
+        return f"this picture has more than {limits.MAX_SHAPE_CELLS} cells"
+    return ""
 
 
 def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
-    """Returns `line(n)`, `fan(length, radius)`, `disc(r)`, `diamond(r)`, `square(r)` (these three also `(r, centre)`)."""
-    name, arguments = ref.name.text, ref.arguments or ()
+    """Returns `line(n)`, `fan(length, radius)`, `disc(r)`, `diamond(r)` or `square(r)`.
+
+    The last three may have a second argument, `centre`.
+    """
+    name = ref.name.text
+    arguments = ref.arguments or ()
     if name not in BUILT_IN:
         raise scope.problems.unknown(ref.name, [*BUILT_IN, *scope.static.shapes], "the shapes")
-    centre = False
-    if (
-        name in SEE_THROUGH
-        and len(arguments) == 2
-        and isinstance(arguments[1], ast.Path)
-        and arguments[1].name.text == "centre"
-    ):
-        arguments, centre = arguments[:1], True
-    if len(arguments) != len(BUILT_IN[name]):
-        wanted = f"{len(BUILT_IN[name])} number{'s' * (len(BUILT_IN[name]) > 1)} ({', '.join(BUILT_IN[name])})"
-        help_ = f"`{name}(r, centre)` includes the middle" if name in SEE_THROUGH else ""
+    see_through = name in SEE_THROUGH
+    has_centre = see_through and len(arguments) == 2 and _is_centre(arguments[1])
+    if has_centre:
+        arguments = arguments[:1]
+    parameters = BUILT_IN[name]
+    if len(arguments) != len(parameters):
+        noun = "number" if len(parameters) == 1 else "numbers"
         raise scope.fail(
             errors.WrongArguments(
-                ref.span, name=name, wanted=wanted, given=len(arguments), help=help_
+                ref.span,
+                name=name,
+                wanted=f"{len(parameters)} {noun} ({', '.join(parameters)})",
+                actual=len(arguments),
+                help=f"`{name}(r, centre)` includes the middle" if see_through else "",
             )
         )
     numbers = [scope.whole(a, "a shape", "the reach of a shape", 1, 64) for a in arguments]
-    label = f"{name}({', '.join(map(str, numbers))}{', centre' if centre else ''})"
-    see_through, r = name in SEE_THROUGH, numbers[0]
-    if see_through:
-        around = (
-            (a, c)
-            for a in range(r, -r - 1, -1)
-            for c in range(-r, r + 1)
-            if centre or (a, c) != (0, 0)
-        )
-        lanes: tuple[tuple[Offset, ...], ...] = (
-            tuple(cell for cell in around if SEE_THROUGH[name](*cell, r)),
-        )
-    else:
-        lanes = _directed(name, numbers)
+    lanes = _around(name, numbers[0], has_centre) if see_through else _directed(name, numbers)
     if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
-        raise scope.fail(
-            errors.Unsupported(
-                ref.span, what=f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"
-            )
-        )
+        feature = f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"
+        raise scope.fail(errors.Unsupported(ref.span, feature=feature))
+    label = ", ".join([*map(str, numbers), "centre"] if has_centre else map(str, numbers))
     return ir.Shape(
-        name=label, lanes=lanes, see_through=see_through, directed=not see_through, origin=ref.span
+        name=f"{name}({label})",
+        lanes=lanes,
+        see_through=see_through,
+        directed=not see_through,
+        origin=ref.span,
     )
+
+
+def _is_centre(argument: ast.Expr) -> bool:
+    return isinstance(argument, ast.Path) and argument.name.text == "centre"
+
+
+def _around(name: str, r: int, has_centre: bool) -> tuple[tuple[Offset, ...], ...]:
+    """Returns the one lane of a form that is the same in all directions."""
+    is_within = SEE_THROUGH[name]
+    cells = [
+        (ahead, right)
+        for ahead, right in product(range(r, -r - 1, -1), range(-r, r + 1))
+        if is_within(ahead, right, r)
+    ]
+    if not has_centre:
+        cells.remove((0, 0))
+    return (tuple(cells),)
 
 
 def _directed(name: str, numbers: list[int]) -> tuple[tuple[Offset, ...], ...]:

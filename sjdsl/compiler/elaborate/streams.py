@@ -1,8 +1,13 @@
-"""Names of random streams: made from the phase use and the text of a statement, so that other statements do not matter."""
+"""Numbers of random streams: hashes of a phase use and a statement's text.
+
+A change to one statement leaves the streams of all others alone.
+"""
 
 import hashlib
 import re
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from sjdsl.compiler.diagnostics.source import Source, Span
@@ -29,7 +34,7 @@ class Streams:
         return layout_free(self.sources[span.file], span.start, end)
 
     def of_statement(self, text: str) -> int:
-        """Returns the stream of a statement; identical ones in identical surroundings are numbered."""
+        """Returns the stream of a statement; equal ones in equal surroundings are numbered."""
         full = "\n".join((*self.around, text))
         self.seen[full] += 1
         return number(self.label, f"{full}\n{self.seen[full]}")
@@ -38,10 +43,19 @@ class Streams:
         """Returns the stream that all statements of this phase use share for one purpose."""
         return number(self.label, f"{purpose}\n{text}")
 
+    @contextmanager
+    def inside(self, header: str) -> Iterator[None]:
+        """Counts the header of a statement among the surroundings of those in its block."""
+        self.around.append(header)
+        try:
+            yield
+        finally:
+            self.around.pop()
+
 
 @dataclass
 class PhaseUse:
-    """What is kept while one use of a phase is built: its streams, and its pools of sends by destination."""
+    """The streams of one use of a phase, and its pools of sends by destination."""
 
     streams: Streams
     pools: dict[str, int] = field(default_factory=dict)

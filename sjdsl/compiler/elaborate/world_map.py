@@ -1,10 +1,11 @@
-"""Elaborates the map: text in the game or in a file beside it; refuses ragged rows and unknown glyphs."""
+"""Elaborates the map, text in the game or in a file beside it; refuses unsound ones."""
 
 import errno
 import re
 import unicodedata
 from collections import Counter
 from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 
 from sjdsl.compiler import ast, ir
@@ -18,58 +19,56 @@ from sjdsl.files import read_bytes
 from sjdsl.near_names import nearest
 
 MAX_MAP_BYTES = 4 * limits.MAX_MAP_CELLS
+MOST_UNKNOWN = 20  # glyphs that are reported
 POSES = "^>v<"  # how agents are drawn, by their heading
 TOO_MANY_CELLS = f"it has more than {limits.MAX_MAP_CELLS} cells"
-Rows = tuple[
-    tuple[str, ...], tuple[Span, ...]
-]  # of a map in a file of its own: each row, and where it stands there
+Rows = tuple[tuple[str, ...], tuple[Span, ...]]  # of a map; for a map in a file, where each stands
 
 
 def read_rows(map_: ast.Map, source: Source, problems: Problems) -> Rows:
-    """Returns the rows of a map; one that cannot be read has none, and the reason is reported. Rows in the game itself have no spans."""
+    """Returns the rows of a map; none for one that cannot be read, which is reported.
+
+    Rows in the game itself have no spans.
+    """
     if map_.file is None:
         return tuple(row.text for row in map_.rows), ()
-    name, span = map_.file.text, map_.file.span
+    name = map_.file.text
+    span = map_.file.span
     path = inside_folder(name, span, source, problems)
     if path is None:
         return (), ()
-    name_here = (Path(source.name).parent / name).as_posix()
-    over = source.instead_of(path)
-    if over is not None:
-        return _parse_rows(over.encode("utf-8", "replace"), name_here, span, problems)
+    shown_name = (Path(source.name).parent / name).as_posix()
+    unsaved = source.instead_of(path)
+    if unsaved is not None:
+        return _parse_rows(unsaved.encode("utf-8", "replace"), shown_name, span, problems)
     if path.exists():
-        return parse_file(path, name_here, span, problems)
-    meant = nearest(
-        path.name, [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else []
-    )
-    problems.add(
-        errors.NoFile(
-            span, name=name, near=Near(tuple(str(Path(name).with_name(one)) for one in meant))
-        )
-    )
+        return parse_file(path, shown_name, span, problems)
+    siblings = [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else []
+    similar = nearest(path.name, siblings)
+    near = Near(tuple(str(Path(name).with_name(sibling)) for sibling in similar))
+    problems.add(errors.NoFile(span, name=name, near=near))
     return (), ()
 
 
 def parse_file(path: Path, name: str, span: Span, problems: Problems) -> Rows:
     """Returns the rows of a map file, of which no more is read than a map may have.
 
-    name: of the file, as messages call it. span: what names the file, to say there that it cannot be read.
+    name: of the file, for messages. span: what names the file, where problems are reported.
     """
     try:
         data = read_bytes(path, MAX_MAP_BYTES)
     except OSError as error:
-        problem = (
-            TOO_MANY_CELLS
-            if error.errno == errno.EFBIG
-            else f"it cannot be read: {(error.strerror or 'unknown').lower()}"
-        )
+        problem = TOO_MANY_CELLS
+        if error.errno != errno.EFBIG:
+            problem = f"it cannot be read: {(error.strerror or 'unknown').lower()}"
         problems.add(errors.MapFile(span, name=name, problem=problem))
         return (), ()
     return _parse_rows(data, name, span, problems)
 
 
 def _parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
-    text, problem = "", ""
+    text = ""
+    problem = ""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -86,8 +85,12 @@ def _parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
 
 
 def row_spans(lines: Iterable[str], name: str) -> tuple[Span, ...]:
-    """Returns where each line of a map stands in its file, without the line's end; of a map without lines, the file's beginning."""
-    spans, start = [], 0
+    """Returns where each line of a map stands in its file, without the line's end.
+
+    For a map without lines it returns the file's beginning.
+    """
+    spans = []
+    start = 0
     for number, line in enumerate(lines, 1):
         spans.append(Span(name, start, start + len(line.rstrip("\r")), number, 1))
         start += len(line) + 1
@@ -95,7 +98,7 @@ def row_spans(lines: Iterable[str], name: str) -> tuple[Span, ...]:
 
 
 def check_glyph(glyph: str) -> str:
-    """Returns what is wrong with a glyph, or nothing."""
+    """Returns why a text can't be a glyph, empty if it can."""
     if len(glyph) != 1:
         return "it is not one character"
     if not glyph.isascii() or not glyph.isprintable():
@@ -104,87 +107,90 @@ def check_glyph(glyph: str) -> str:
 
 
 def check_rows(
-    given: Rows,
+    rows_and_spans: Rows,
     glyphs: dict[str, ir.GlyphMeaning],
     span: Span,
     problems: Problems,
     inline: tuple[ast.String, ...] = (),
 ) -> bool:
-    """Reports ragged rows, unknown glyphs and maps beyond the limits; returns whether the map is sound.
+    """Returns whether a map is sound; reports ragged rows, unknown glyphs and maps too large.
 
-    `span`: the map as a whole; `inline`: the rows as written in the game, to point at the very place.
+    span: the map as a whole. inline: the rows as written in the game, to point at the very place.
     """
-    rows, spans = given
+    rows, spans = rows_and_spans
     span = spans[0] if spans else span
     if not rows or not rows[0]:
         problems.add(errors.EmptyMap(span))
         return False
     widths = [len(row) for row in rows]
-    wanted = max(set(widths), key=widths.count)
-    sound = True
-    if len(rows) > limits.MAX_MAP_SIDE or wanted > limits.MAX_MAP_SIDE:
-        what = f"a map of {len(rows)} x {wanted} cells (at most {limits.MAX_MAP_SIDE} x {limits.MAX_MAP_SIDE})"
-        problems.add(errors.Unsupported(span, what=what))
+    width = max(set(widths), key=widths.count)
+    side = limits.MAX_MAP_SIDE
+    if len(rows) > side or width > side:
+        feature = f"a map of {len(rows)} x {width} cells (at most {side} x {side})"
+        problems.add(errors.Unsupported(span, feature=feature))
         return False
+
+    def place(row: int, column: int | None) -> Span:
+        return _place(inline, spans, row, column) or span
+
     for number, row in enumerate(rows):
-        if len(row) != wanted:
+        if len(row) != width:
             problems.add(
-                errors.RaggedMap(
-                    _place(inline, spans, number, None, span),
-                    row=number,
-                    length=len(row),
-                    wanted=wanted,
-                )
+                errors.RaggedMap(place(number, None), row=number, length=len(row), wanted=width)
             )
-            sound = False
     unknown: dict[str, tuple[int, int]] = {}
     for number, row in enumerate(rows):
         for column, glyph in enumerate(row):
             if glyph not in glyphs:
                 unknown.setdefault(glyph, (number, column))
-    # the place of the one glyph that is declared and nowhere on the map: perhaps it is the one that is misspelt
-    absent = [
-        m
-        for m in glyphs.values()
-        if m.origin is not None and not any(m.glyph in row for row in rows)
-    ]
-    labels = tuple(
-        Label(m.span, f"`{m.glyph}` is nowhere on the map") for m in absent if len(absent) == 1
-    )
-    for glyph, (number, column) in list(unknown.items())[:20]:
-        other_case = glyph.swapcase() if glyph.swapcase() in glyphs else ""
-        shown = glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}"
-        place = _place(inline, spans, number, column, span)
+    labels = _label_of_absent(rows, glyphs)
+    for glyph, (number, column) in islice(unknown.items(), MOST_UNKNOWN):
         problems.add(
             errors.UnknownGlyph(
-                place, labels=labels, glyph=shown, row=number, column=column, other_case=other_case
+                place(number, column),
+                labels=labels,
+                glyph=glyph if glyph.isprintable() else f"\\x{ord(glyph):02x}",
+                row=number,
+                column=column,
+                other_case=glyph.swapcase() if glyph.swapcase() in glyphs else "",
             )
         )
-    return sound and not unknown
+    return not unknown and set(widths) == {width}
+
+
+def _label_of_absent(
+    rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]
+) -> tuple[Label, ...]:
+    """Returns a label for the one glyph that is declared and nowhere on the map.
+
+    If a glyph of the map is unknown, the declaration may be what is misspelt.
+    """
+    on_map = set().union(*rows)
+    absent = [m for m in glyphs.values() if m.origin is not None and m.glyph not in on_map]
+    if len(absent) != 1:
+        return ()
+    return (Label(absent[0].span, f"`{absent[0].glyph}` is nowhere on the map"),)
 
 
 def _place(
-    inline: tuple[ast.String, ...],
-    spans: tuple[Span, ...],
-    row: int,
-    column: int | None,
-    span: Span,
-) -> Span:
-    """Returns the span of a row, or of one glyph of it, in the map's own file or in the game's text."""
+    inline: tuple[ast.String, ...], spans: tuple[Span, ...], row: int, column: int | None
+) -> Span | None:
+    """Returns where a row, or one glyph of it, is written: in the map's file or in the game."""
     if row < len(spans):
-        whole, before = spans[row], 0
+        whole = spans[row]
+        offset = 0
     elif row < len(inline):
-        whole, before = inline[row].span, 1  # a quote
-        if (
-            whole.end - whole.start != len(inline[row].text) + 2
-        ):  # something is escaped: characters do not stand where they seem to
+        whole = inline[row].span
+        offset = 1  # after a quote
+        has_escapes = whole.end - whole.start != len(inline[row].text) + 2
+        if has_escapes:  # characters are not where they seem to be
             return whole
     else:
-        return span
+        return None
     if column is None:
         return whole
-    start = whole.start + before + column
-    return Span(whole.file, start, start + 1, whole.line, whole.column + before + column)
+    start = whole.start + offset + column
+    return Span(whole.file, start, start + 1, whole.line, whole.column + offset + column)
 
 
 def count_cells(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]) -> dict[str, int]:
@@ -196,22 +202,24 @@ def glyph_table(static: Static, problems: Problems) -> dict[str, ir.GlyphMeaning
     """Returns the legend; reports a glyph of two kinds, and one that can't be a glyph."""
     table: dict[str, ir.GlyphMeaning] = {}
     for span, meaning in static.glyphs:
-        problem = check_glyph(meaning.glyph)
+        glyph = meaning.glyph
+        problem = check_glyph(glyph)
+        first = table.get(glyph)
         if problem:
-            shown = meaning.glyph.encode("unicode_escape").decode()
+            shown = glyph.encode("unicode_escape").decode()
             problems.add(errors.BadGlyph(span, glyph=shown, problem=problem))
-        elif meaning.glyph in table:
-            first = table[meaning.glyph].kind
-            there = table[meaning.glyph].origin
-            labels = (Label(there, f"of `{first}` here"),) if there is not None else ()
+        elif first is not None:
+            labels: tuple[Label, ...] = ()
+            if first.origin is not None:
+                labels = (Label(first.origin, f"of `{first.kind}` here"),)
             problems.add(
                 errors.GlyphTwice(
-                    span, labels=labels, glyph=meaning.glyph, first=first, second=meaning.kind
+                    span, labels=labels, glyph=glyph, first=first.kind, second=meaning.kind
                 )
             )
         else:
-            table[meaning.glyph] = meaning
-            if meaning.glyph in POSES:
-                problems.add(errors.GlyphOfAgents(span, glyph=meaning.glyph))
+            table[glyph] = meaning
+            if glyph in POSES:
+                problems.add(errors.GlyphOfAgents(span, glyph=glyph))
     assert all(m.kind in static.kinds for m in table.values())
     return table

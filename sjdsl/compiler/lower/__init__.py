@@ -1,8 +1,9 @@
-"""Lowering: from the typed IR to an array program, with tables of the map and one function a phase.
+"""Lowering: from the typed IR to an array program, with tables of the map and a function a phase.
 
     ir.Game -> Program
 
-Assumes a verified game; guarantees that every index stays in the padded frame and every draw has its stream.
+Assumes a verified game; guarantees that every index stays in the padded frame and every draw has
+its stream.
 """
 
 import dataclasses
@@ -24,9 +25,11 @@ from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe
-from sjdsl.compiler.lower.relocation import Pool, Sends, all_pools, bring_back
-from sjdsl.compiler.lower.relocation import finish as finish_sends
+from sjdsl.compiler.lower.pools import Pool, all_pools
+from sjdsl.compiler.lower.returning import bring_back
 from sjdsl.compiler.lower.scope import IterationScope, NotSupported
+from sjdsl.compiler.lower.sending import Sends
+from sjdsl.compiler.lower.sending import finish as finish_sends
 from sjdsl.compiler.lower.shared_phases import Turn, share
 from sjdsl.compiler.lower.state import (
     described_fields,
@@ -61,45 +64,44 @@ def new_module(game: ir.Game) -> Module:
 
 
 def lower(game: ir.Game, source: str, sources: Mapping[str, Source] | None = None) -> Program:
-    """Returns the array program of a game. Raises NotSupported, with a place, for what it cannot say exactly.
+    """Returns the array program of a game.
 
     Args:
-      game: its rules; source: the name of the file they come from.
+      game: its rules.
+      source: the name of the file they come from.
       sources: the texts that the rules come from, by name: functions show those of their phases.
+    Raises:
+      NotSupported: with a place, for what the program can't express exactly.
     """
     module = Module(game, Layout(game), expressions.lower, sources or {})
     try:
         return _program(game, source, module)
     except NotSupported as refused:
-        around = None if module.writer is None else module.writer.origin
-        refused.origin = refused.origin or around or game.agents.origin
+        last = None if module.writer is None else module.writer.origin
+        refused.origin = refused.origin or last or game.agents.origin
         raise
 
 
 def _program(game: ir.Game, source: str, module: Module) -> Program:
     pools = all_pools(game)
     start = _phase(game.start, pools[game.start.name], module)
-    lowered = [
-        (t, _tick(pools, module) if isinstance(t, ir.Tick) else _phase(t, pools[t.name], module))
-        for t in game.schedule
-    ]
-    lowered = [
-        (t, function) for t, function in lowered if function.body != (array.Return((STATE, OUT)),)
-    ]
-    shared = iter(share([(t, function) for t, function in lowered if isinstance(t, ir.Phase)]))
-    turns = [Turn(function) if isinstance(t, ir.Tick) else next(shared) for t, function in lowered]
+    turns = _turns(pools, module)
     others = [allowed_actions(module), _measures(module), _episode(module), _observe(module)]
     w = Writer(module)
-    state, params, outcome = state_fields(game, w), params_fields(game), outcome_fields(game, w)
-    made = [
-        _made("default_params", "Params", "Returns the numbers as the file has them.", params),
-        _made(
+    state = state_fields(game, w)
+    params = params_fields(game)
+    outcome = outcome_fields(game, w)
+    constructors = [
+        _constructor(
+            "default_params", "Params", "Returns the numbers as the file has them.", params
+        ),
+        _constructor(
             "initial_state",
             "State",
             "Returns the declared starting values, before the phase `start`.",
             state,
         ),
-        _made(
+        _constructor(
             "no_outcome",
             "Outcome",
             "Returns the outcome of a step in which nothing has happened yet.",
@@ -107,7 +109,7 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
         ),
     ]
     phases = dict.fromkeys(turn.function for turn in turns)
-    functions = (*made, _reset(), _step(turns, module), start, *phases, *others)
+    functions = (*constructors, _reset(), _step(turns, module), start, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
     return Program(
@@ -127,9 +129,28 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
     )
 
 
+def _turns(pools: dict[str, tuple[Pool, ...]], module: Module) -> list[Turn]:
+    """Returns the calls of a step, without those of functions that do nothing."""
+    lowered: list[tuple[ir.Turn, Function]] = []
+    for turn in module.game.schedule:
+        if isinstance(turn, ir.Tick):
+            function = _tick(pools, module)
+        else:
+            function = _phase(turn, pools[turn.name], module)
+        if function.body != (array.Return((STATE, OUT)),):
+            lowered.append((turn, function))
+    phases = [(turn, function) for turn, function in lowered if isinstance(turn, ir.Phase)]
+    shared = iter(share(phases))
+    return [
+        Turn(function) if isinstance(turn, ir.Tick) else next(shared) for turn, function in lowered
+    ]
+
+
 def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
-    """Returns what the module says of itself."""
+    """Returns the constants by which a module describes itself."""
     actions = game.agents.actions
+    layout = module.layout
+    events_comment = "counts of a step: name, attribute of Outcome, entry of its last axis"
     facts: tuple[tuple[str, object, str], ...] = (
         ("NAME", game.name, ""),
         ("TITLE", game.title, ""),
@@ -137,55 +158,44 @@ def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
         ("ACTIONS", actions, ""),
         ("STAY", actions.index("stay"), ""),
         ("NUM_AGENTS", game.agents.number, ""),
-        ("PAD", module.layout.pad, "cells around the map on each side"),
-        ("FRAME", (module.layout.rows, module.layout.cols), "rows and columns of the padded map"),
+        ("PAD", layout.pad, "cells around the map on each side"),
+        ("FRAME", (layout.rows, layout.cols), "rows and columns of the padded map"),
         ("WINDOW", view_size(game), "rows and columns that an agent sees"),
         ("FORBIDS_ACTIONS", bool(game.agents.forbids), ""),
         ("ROLE", role_attribute(game), "attribute of State that holds the agents' roles"),
-        (
-            "EVENTS",
-            events(game),
-            "counts of a step: name, attribute of Outcome, entry of its last axis",
-        ),
+        ("EVENTS", events(game), events_comment),
     )
     fields = array.Sequence(tuple(map(_state_field_call, described_fields(game))))
     return (
-        *(Fact(n, array.constant(value), c) for n, value, c in facts),
+        *(Fact(name, array.constant(value), comment) for name, value, comment in facts),
         Fact("FIELDS", fields, "variables of the game, in State"),
     )
 
 
 def _state_field_call(field: StateField) -> array.Expression:
-    given = {
-        f.name: getattr(field, f.name)
-        for f in dataclasses.fields(field)
-        if getattr(field, f.name) != f.default
-    }
-    return array.call(
-        "StateField", **{name: array.constant(value) for name, value in given.items()}
-    )
+    arguments = {}
+    for declared in dataclasses.fields(field):
+        value = getattr(field, declared.name)
+        if value != declared.default:
+            arguments[declared.name] = array.constant(value)
+    return array.call("StateField", **arguments)
 
 
 def _used(
     functions: tuple[Function, ...], module: Module
 ) -> tuple[tuple[Constant, ...], tuple[Number, ...]]:
-    """Returns the constants and numbers of the module that its functions use, in the order in which they were met."""
-    nodes = [node for function in functions for node in walk(function)]
-    names = {n.identifier for n in nodes if isinstance(n, array.Name)} | {
-        n.name for n in nodes if isinstance(n, array.Literal)
-    }
+    """Returns the constants and numbers that functions use, in the order of their first use."""
+    names = set()
+    for function in functions:
+        for node in walk(function):
+            if isinstance(node, array.Name):
+                names.add(node.identifier)
+            elif isinstance(node, array.Literal):
+                names.add(node.name)
     constants = tuple(c for c in module.constants.values() if c.name in names)
+    numbers = [n for n in module.numbers.values() if n.name in names]
     groups = get_args(Group)
-    numbers = sorted(
-        (n for n in module.numbers.values() if n.name in names), key=lambda n: groups.index(n.group)
-    )
-    return constants, tuple(numbers)
-
-
-def _made(name: str, of: str, doc: str, fields: list[Field]) -> Function:
-    """Returns the function that makes the first value of a class."""
-    made = array.Call(array.Name(of), (), tuple((field.name, field.default) for field in fields))
-    return Function(name, (), of, doc, (array.Return((made,)),))
+    return constants, tuple(sorted(numbers, key=lambda n: groups.index(n.group)))
 
 
 def _function(
@@ -194,59 +204,60 @@ def _function(
     return Function(name, parameters, returns, doc, array.live(w.body))
 
 
+def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Function:
+    """Returns the function that makes the first value of a class."""
+    values = tuple((field.name, field.default) for field in fields)
+    call = array.Call(array.Name(class_), (), values)
+    return Function(name, (), class_, doc, (array.Return((call,)),))
+
+
 def _reset() -> Function:
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
     actions = array.call("jnp.full", array.Name("NUM_AGENTS"), STAY, array.DTYPES["i32"])
-    first = array.call(
-        "start", array.call("initial_state"), array.call("no_outcome"), PARAMS, actions, KEY
-    )
-    return Function(
-        "reset",
-        parameters,
-        "State",
-        doc,
-        (array.Return((array.Index(first, (array.Literal(0),)),)),),
-    )
+    initial_state = array.call("initial_state")
+    no_outcome = array.call("no_outcome")
+    start = array.call("start", initial_state, no_outcome, PARAMS, actions, KEY)
+    state = array.Index(start, (array.Literal(0),))
+    return Function("reset", parameters, "State", doc, (array.Return((state,)),))
 
 
 def _step(turns: list[Turn], module: Module) -> Function:
-    """Unknown and forbidden actions become `stay`, marks of the last step go, then the phases follow in schedule order."""
+    """Returns the function of a step.
+
+    Unknown and forbidden actions become `stay`, marks of the last step go, then the phases follow
+    in the order of the schedule.
+    """
     w = Writer(module)
-    below, above = (
-        array.Binary("<", ACTIONS, array.Literal(0)),
-        array.Binary(">=", ACTIONS, NUM_ACTIONS),
-    )
+    below = array.Binary("<", ACTIONS, array.Literal(0))
+    above = array.Binary(">=", ACTIONS, NUM_ACTIONS)
     w.set(ACTIONS, array.Where(array.Binary("|", below, above), STAY, ACTIONS))
     if module.game.agents.forbids:
         allowed = array.call("allowed_actions", STATE, PARAMS)
-        numbers = array.Index(
-            array.call("jnp.arange", NUM_ACTIONS, dtype=array.DTYPES["i32"]),
-            (array.NEW_AXIS, array.ALL),
-        )
+        arange = array.call("jnp.arange", NUM_ACTIONS, dtype=array.DTYPES["i32"])
+        numbers = array.Index(arange, (array.NEW_AXIS, array.ALL))
         chosen = array.Binary("==", array.Index(ACTIONS, (array.ALL, array.NEW_AXIS)), numbers)
         w.set(array.Name("allowed"), array.Reduce("any", array.Binary("&", allowed, chosen), (1,)))
         w.set(ACTIONS, array.Where(array.Name("allowed"), ACTIONS, STAY))
     w.set(OUT, array.call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]
     if marks:
-        w.set(
-            STATE,
-            replaced(
-                "state",
-                {mark: array.call("jnp.zeros_like", array.path(f"state.{mark}")) for mark in marks},
-            ),
-        )
+        none: dict[str, array.Expression] = {
+            mark: array.call("jnp.zeros_like", array.path(f"state.{mark}")) for mark in marks
+        }
+        w.set(STATE, replaced("state", none))
+    marked = array.Name("marked")
     for turn in turns:
-        marked = (array.Name("marked"),) if turn.marks else ()
-        w.unpack(
-            (STATE, OUT, *marked),
-            array.call(turn.function.name, STATE, OUT, PARAMS, ACTIONS, KEY, *turn.given),
-        )
+        results = (STATE, OUT, marked) if turn.marks else (STATE, OUT)
+        arguments = (STATE, OUT, PARAMS, ACTIONS, KEY, *turn.given)
+        w.unpack(results, array.call(turn.function.name, *arguments))
         if turn.marks:
-            w.set(STATE, replaced("state", {turn.marks: array.Name("marked")}))
+            w.set(STATE, replaced("state", {turn.marks: marked}))
     w.give_back(STATE, OUT)
-    doc = "Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."
+    doc = (
+        "Returns the state after one step and what it yielded. "
+        "`actions`: `[N]` int32; `key`: two uint32 words."
+    )
     parameters = (("state", "State"), ("actions", "Array"), ("params", "Params"), ("key", "Array"))
     return _function(w, "step", parameters, "tuple[State, Outcome]", doc)
 
@@ -264,26 +275,24 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
     finish_writes(w)
     finish_sends(sends, w)
     if w.marked:
-        missing = mark_size(phase, module.game) - sum(w.marked.values())
-        parts: tuple[array.Expression, ...] = (
-            *w.marked,
-            *(
-                [array.call("jnp.zeros", array.Literal(missing), array.DTYPES["i32"])]
-                if missing
-                else []
-            ),
-        )
-        w.changed[f"mark_{phase.name}"] = (
-            parts[0]
-            if len(parts) == 1
-            else array.call("jnp.concatenate", array.Sequence(parts, is_list=True))
-        )
+        w.changed[f"mark_{phase.name}"] = _all_marks(phase, w)
     w.give_back(replaced("state", w.changed), replaced("out", w.outcome))
     return _function(w, phase.name, PHASE, "tuple[State, Outcome]", _written(phase, module.sources))
 
 
+def _all_marks(phase: ir.Phase, w: Writer) -> array.Expression:
+    """Returns the cells that a phase marks, with zeros for statements that never happen."""
+    parts: list[array.Expression] = list(w.marked)
+    missing = mark_size(phase, w.module.game) - sum(w.marked.values())
+    if missing:
+        parts.append(array.call("jnp.zeros", array.Literal(missing), array.DTYPES["i32"]))
+    if len(parts) == 1:
+        return parts[0]
+    return array.call("jnp.concatenate", array.Sequence(tuple(parts), is_list=True))
+
+
 def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
-    """Returns a phase as the rules have it, from its first column on; its name alone where their text is not known."""
+    """Returns the text of a phase, from its first column on, or its name if that isn't known."""
     span = phase.origin
     if span is None or span.file not in sources:
         return f"Phase `{phase.label}`."
@@ -294,30 +303,24 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
 
 def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
     w = Writer(module, "tick")
+    one = array.Literal(1)
     for field in all_fields(module.game):
         if field.timer:
-            old = array.path(f"state.{attribute_name(field)}")
+            attribute = attribute_name(field)
+            before = array.path(f"state.{attribute}")
             w.origin = field.origin
-            w.assign(
-                attribute_name(field),
-                array.Binary(
-                    "-", array.call("jnp.maximum", old, array.Literal(1)), array.Literal(1)
-                ),
-            )
+            w.assign(attribute, array.Binary("-", array.call("jnp.maximum", before, one), one))
     w.origin = None
+    doc = "All timers fall by one."
     away = [sort for sort in body_sorts(module.game) if module.stores_away(sort)]
     if away:
         if w.changed:
             w.set(STATE, replaced("state", w.changed))
             w.changed.clear()
         bring_back(pools, away, w)
+        plurals = " and ".join(sort.plural for sort in away)
+        doc = f"All timers fall by one; {plurals} whose time away is over return."
     w.give_back(replaced("state", w.changed), OUT)
-    who = " and ".join(sort.plural for sort in away)
-    doc = (
-        f"All timers fall by one; {who} whose time away is over return."
-        if away
-        else "All timers fall by one."
-    )
     return _function(w, "tick", PHASE, "tuple[State, Outcome]", doc)
 
 
@@ -327,9 +330,8 @@ def _measures(module: Module) -> Function:
     for measure in module.game.measures:
         w.origin = measure.origin
         value = as_dtype(w.value(measure.value, IterationScope()), "f32")
-        values.append(
-            (measure.name, array.scalar(value.node, "f32") if value.literal else value.node)
-        )
+        node = array.scalar(value.node, "f32") if value.literal else value.node
+        values.append((measure.name, node))
     w.origin = None
     w.give_back(array.Mapping(tuple(values)))
     doc = "Returns the `mean` and `final` values at the end of a step: float32 scalars by name."
@@ -351,7 +353,11 @@ def _observe(module: Module) -> Function:
     w.origin = None
     w.give_back(planes)
     rows, cols = view_size(module.game)
-    doc = f"Returns what each agent sees: `[N, {len(token_planes(module.game))}, {rows}, {cols}]` uint8; planes as in TOKEN_PLANES."
+    num_planes = len(token_planes(module.game))
+    doc = (
+        f"Returns what each agent sees: `[N, {num_planes}, {rows}, {cols}]` uint8; "
+        "planes as in TOKEN_PLANES."
+    )
     return _function(w, "observe", READING, "Array", doc)
 
 

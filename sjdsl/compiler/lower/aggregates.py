@@ -1,4 +1,4 @@
-"""Lowers `count`, `sum`, `min` and `max` over domains, with a fast form for neighbours on a fixed map."""
+"""Lowers `count`, `sum`, `min` and `max` over domains, with a fast form for neighbours of cells."""
 
 from dataclasses import replace
 from math import isinf
@@ -33,44 +33,43 @@ from sjdsl.compiler.program.expressions import (
 )
 
 MOST = 32  # cells of a shape: each is a few lines of the program that XLA compiles
-_PLAIN = (
-    ir.Number, ir.Word, ir.Truth, ir.ParamRef, ir.Member, ir.Local, ir.At, ir.Named, ir.FieldRead, ir.Arithmetic, ir.Compare, ir.Same,
-    ir.InRange, ir.InWords, ir.Not, ir.Logic, ir.Case, ir.Narrowed,
+_PLAIN = (  # what may be computed of a neighbour in a function of its own
+    ir.Number, ir.Word, ir.Truth, ir.ParamRef, ir.Member, ir.Local, ir.At, ir.Named, ir.FieldRead,
+    ir.Arithmetic, ir.Compare, ir.Same, ir.InRange, ir.InWords, ir.Not, ir.Logic, ir.Case,
+    ir.Narrowed,
 )  # fmt: skip
 
 
 def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w: Writer) -> bool:
-    """Returns whether a domain is the cells of a small shape around each cell, and what is asked about them is plain."""
+    """Returns whether `over_neighbours` can compute an aggregate.
+
+    Its domain is the cells of a small shape around each cell, and it reads plain fields of them.
+    """
     d = e.domain
-    if (
-        not isinstance(d.restriction, ir.Near)
-        or d.var.sort.what != "cell"
-        or len(d.var.kinds) != 1
-        or w.parameters
-        or e.type.kind != "int"
-    ):
+    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell":
+        return False
+    if len(d.var.kinds) != 1 or w.parameters or e.type.kind != "int":
         return False
     anchor = scope.variables[d.restriction.anchor.name]
-    if (
-        not isinstance(anchor, CellVar)
-        or anchor.painted is not None
-        or len(scope.axes) != 1
-        or anchor.site.axes != scope.axes
-    ):
+    if not isinstance(anchor, CellVar) or anchor.painted is not None:
+        return False
+    if len(scope.axes) != 1 or anchor.site.axes != scope.axes:
         return False
     if anchor.axis is None and scope.axes[0].size < state_reads.MANY:
         return False
-    asked = [x for x in (d.where, None if isinstance(e, ir.Count) else e.value) if x is not None]
-    nodes = [n for x in asked for n in ir.walk(x)]
+    roots = [] if isinstance(e, ir.Count) else [e.value]
+    if d.where is not None:
+        roots.append(d.where)
+    nodes = [node for root in roots for node in ir.walk(root)]
     if not all(isinstance(n, _PLAIN) for n in nodes if isinstance(n, ir.Expression)):
         return False
-    fields = any(
+    reads_field = any(
         isinstance(n, ir.FieldRead)
         and isinstance(n.owner, ir.Member)
         and n.owner.name == d.var.name
         for n in nodes
     )
-    return fields and sum(map(len, w.module.shape(d.restriction.shape).lanes)) <= MOST
+    return reads_field and sum(map(len, w.module.shape(d.restriction.shape).lanes)) <= MOST
 
 
 def over_neighbours(
@@ -79,7 +78,10 @@ def over_neighbours(
     w: Writer,
     otherwise: Value | None = None,
 ) -> Value:
-    """Returns a count, a sum or an extreme over the cells around each cell. `otherwise`: what stands for no cell."""
+    """Returns a count, a sum or an extreme over the cells around each cell.
+
+    otherwise: what stands for no cell.
+    """
     d = e.domain
     assert isinstance(d.restriction, ir.Near)
     anchor = scope.variables[d.restriction.anchor.name]
@@ -158,56 +160,54 @@ def _exact_sum(values: Value, over: tuple[Axis, ...]) -> Value:
 
 
 def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
-    """Returns the least or greatest value over a domain, with the axes of the surroundings it depends on."""
+    """Returns the least or greatest value over a domain, with the axes that it depends on."""
+    reduction = REDUCTIONS[e.fn]
     dtype: DType = "i32" if e.type.kind == "int" else "f32"
-    otherwise = (
-        None if e.otherwise is None else as_dtype(w.value(e.otherwise, scope.always()), dtype)
-    )
+    otherwise = None
+    if e.otherwise is not None:
+        otherwise = as_dtype(w.value(e.otherwise, scope.always()), dtype)
     if is_empty(e.domain, w):
         assert otherwise is not None
         return otherwise
-    if (
-        e.otherwise is not None
-        and otherwise == _nothing(e, otherwise, dtype)
-        and is_over_neighbours(e, scope, w)
-    ):
-        return w.keep(REDUCTIONS[e.fn].kept, over_neighbours(e, scope, w, otherwise))
+    neutral = _neutral(e, otherwise, dtype)
+    if otherwise == neutral and is_over_neighbours(e, scope, w):
+        return w.keep(reduction.kept, over_neighbours(e, scope, w, otherwise))
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
-    value, mask = as_dtype(w.value(e.value, inner.always()), dtype), inner.mask
+    value = as_dtype(w.value(e.value, inner.always()), dtype)
+    mask = inner.mask
     if any(a in value.axes for a in new):
-        nothing = _nothing(e, otherwise, dtype)
-        if mask != TRUE and otherwise not in (None, nothing):
-            mask = w.keep("member", mask)  # for it is read twice
-        value = w.keep(
-            REDUCTIONS[e.fn].kept, reduce(REDUCTIONS[e.fn].array, select(mask, value, nothing), new)
-        )
-        if nothing == otherwise:
+        if mask != TRUE and otherwise not in (None, neutral):
+            mask = w.keep("member", mask)  # it is read twice
+        value = reduce(reduction.array, select(mask, value, neutral), new)
+        value = w.keep(reduction.kept, value)
+        if otherwise == neutral:
             return value
     if otherwise is None or mask == TRUE:
         return value
     return select(w.keep("anybody", reduce("any", mask, new)), value, otherwise)
 
 
-def _nothing(e: ir.Extreme, otherwise: Value | None, dtype: DType) -> Value:
-    """Returns what stands for those who are no members: the value for none if it yields to all others, else one that does."""
-    least = REDUCTIONS[e.fn].nothing > 0
+def _neutral(e: ir.Extreme, otherwise: Value | None, dtype: DType) -> Value:
+    """Returns what stands for those who are no members.
+
+    It is the value for none, if that yields to all others, else one that does.
+    """
+    is_min = REDUCTIONS[e.fn].nothing > 0
     if dtype == "f32":
         infinity = path("jnp.inf")
-        return Value(infinity if least else Unary("-", infinity), "f32")
-    last = e.value.type.high if least else e.value.type.low
-    if (
-        otherwise is not None
-        and otherwise.literal
-        and (otherwise.number >= last if least else otherwise.number <= last)
-    ):
-        return otherwise
-    bound = LARGEST if least else -LARGEST - 1
+        return Value(infinity if is_min else Unary("-", infinity), "f32")
+    last = e.value.type.high if is_min else e.value.type.low
+    if otherwise is not None and otherwise.literal:
+        yields = otherwise.number >= last if is_min else otherwise.number <= last
+        if yields:
+            return otherwise
+    bound = LARGEST if is_min else -LARGEST - 1
     return literal(bound if isinf(last) else int(last), "i32")
 
 
 def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
-    """`count(agent in SET)` where nobody is ever away: the bits of the set itself."""
+    """Returns `count(agent in SET)`, if nobody is ever away: the number of bits of the set."""
     members = whole_set(e.domain, scope, w)
     if members is None:
         return None
@@ -216,7 +216,7 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
 
 
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
-    """`count(K as other in disc(r) of k where …)` whose condition is about `other` alone: bits and popcount."""
+    """Returns `count(K as other in disc(r) of k where …)`, if `where` is about `other` alone."""
     d = e.domain
     if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell":
         return None

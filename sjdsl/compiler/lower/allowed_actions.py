@@ -16,30 +16,26 @@ NUM_ACTIONS = array.call("len", array.Name("ACTIONS"))
 
 
 def allowed_actions(module: Module) -> Function:
-    """Returns the function of the actions that are open; what is forbidden or unknown becomes `stay` elsewhere."""
+    """Returns the function of the actions that each agent may take."""
     w = Writer(module)
     agents = module.game.agents
     axes = (w.axis("agent", module.agents), w.axis("action", len(agents.actions)))
-    everything = array.call(
-        "jnp.ones", array.Sequence((module.agents, NUM_ACTIONS)), array.Name("bool")
-    )
+    shape = array.Sequence((module.agents, NUM_ACTIONS))
+    everything = array.call("jnp.ones", shape, array.Name("bool"))
     allowed: array.Expression = everything
     for forbid in agents.forbids:
         w.origin = forbid.origin
         test = w.keep("forbidden", w.value(forbid.condition, _scope(forbid, axes, w)))
         closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
-        name = module.constant(
-            "forbids", array.constant(closes), "actions a `forbid` is about", "bool"
-        )
-        closed = w.bind(
-            "closed", array.Binary("&", aligned(test, axes), array.Index(name, (array.NEW_AXIS,)))
-        )
-        first = allowed == everything and axes[0] in test.axes
-        allowed = (
-            array.Unary("~", closed)
-            if first
-            else array.Binary("&", allowed, array.Unary("~", closed))
-        )
+        comment = "actions a `forbid` is about"
+        table = module.constant("forbids", array.constant(closes), comment, "bool")
+        of_actions = array.Index(table, (array.NEW_AXIS,))
+        closed = w.bind("closed", array.Binary("&", aligned(test, axes), of_actions))
+        is_open = array.Unary("~", closed)
+        if allowed == everything and axes[0] in test.axes:
+            allowed = is_open
+        else:
+            allowed = array.Binary("&", allowed, is_open)
     w.origin = None
     w.give_back(allowed)
     doc = "Returns which actions each agent may take: `[N, A]` bool."
@@ -47,8 +43,13 @@ def allowed_actions(module: Module) -> Function:
 
 
 def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationScope:
-    """Returns the scope of a condition: the agent, and along the actions the arguments that the `forbid` names."""
-    scope = IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0])})
+    """Returns the scope of a condition: the agent, and the arguments that the `forbid` names.
+
+    The arguments are those of each action along the axis of the actions.
+    """
+    agent_axis, action_axis = axes
+    agent = AgentVar(iota(agent_axis), agent_axis)
+    scope = IterationScope(axes=axes, variables={"agent": agent})
     if not forbid.names:
         return scope
     action = action_named(w.module.game, forbid.action)
@@ -57,13 +58,12 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
         rest //= argument.count
         if not name:
             continue
-        at = [
-            (a - action.first) // rest % argument.count if a in action.numbers else 0
-            for a in range(axes[1].size)
-        ]
+        places = [0] * action_axis.size
+        for number in action.numbers:
+            places[number] = (number - action.first) // rest % argument.count
         comment = f"the argument `{name}` of each action that is {action.name}(..), 0 of others"
-        table = w.module.constant(f"{action.name}_{name}", array.constant(at), comment, "i32")
-        value = argument_value(argument, Value(table, "i32", (axes[1],)))
+        table = w.module.constant(f"{action.name}_{name}", array.constant(places), comment, "i32")
+        value = argument_value(argument, Value(table, "i32", (action_axis,)))
         if argument.type.kind == "agent":
             scope = scope.binding(**{name: AgentVar(value)})
         else:

@@ -1,5 +1,6 @@
-"""Lowers `set` and `add`: by selection where the target is the axis itself, by scatter where its index is computed, or by lot."""
+"""Lowers `set` and `add`: by selection along an axis, by scatter at computed places, or by lot."""
 
+from collections import Counter
 from dataclasses import replace
 from math import prod
 
@@ -38,7 +39,10 @@ MOST_TERMS = 2**19  # of an exact sum: `runtime/exact_reals.py`
 
 
 class Target(Record):
-    """One field that a statement writes: of whom (None: the world), at which keys of its row, in which instances."""
+    """One field that a statement writes.
+
+    who: whose it is, None for the world's. keys: of its row. scope: the instances that write.
+    """
 
     declared: ir.VarField
     who: Variable | None
@@ -52,124 +56,145 @@ class Target(Record):
 
     @property
     def own_axes(self) -> tuple[Axis, ...] | None:
-        """The axis of those whose field it is, none for the world; None if they are computed numbers."""
+        """The axis of those whose field it is, none for the world's.
+
+        None if they are computed numbers.
+        """
         if self.who is None:
             return ()
         return None if self.who.axis is None else (self.who.axis,)
 
     def key(self, w: Writer) -> Value | None:
         """Returns the place of the entry of a row that is written; None for all of it."""
-        return (
-            row_key(self.keys[0], self.read.type.by[0], self.scope.always(), w)
-            if self.keys
-            else None
-        )
+        if not self.keys:
+            return None
+        return row_key(self.keys[0], self.read.type.by[0], self.scope.always(), w)
 
     @property
     def along(self) -> Axis | None:
-        """The axis that runs along the row that is written, one entry for each place; None where entries are found one by one."""
+        """The axis that runs along the row that is written, one entry for each place.
+
+        None where entries are found one by one.
+        """
         axis = whole_axis(self.keys[0], self.scope) if self.keys else None
-        return (
-            axis
-            if axis is not None and self.own_axes is not None and axis not in self.own_axes
-            else None
-        )
+        if axis is None or self.own_axes is None or axis in self.own_axes:
+            return None
+        return axis
 
 
 def past_the_end(who: Variable, w: Writer) -> Value:
-    """Returns the number after that of the last agent, or cell of its kinds: what is written there is dropped."""
+    """Returns the number after that of the last agent or cell: what is written there is dropped."""
     return Value(w.module.extent(who.sort), "i32")
 
 
 def fields_of_several_lots(phase: ir.Phase) -> frozenset[tuple[str, str]]:
     """Returns the fields, by holder and name, that several statements of a phase set by lot."""
-    sets = [
-        written_field(s.target)
-        for s in ir.walk(phase)
-        if isinstance(s, ir.Set) and s.lot is not None
-    ]
-    named = [(read.held_by.what, read.name) for read in sets]
-    return frozenset(field for field in named if named.count(field) > 1)
+    counts: Counter[tuple[str, str]] = Counter()
+    for node in ir.walk(phase):
+        if isinstance(node, ir.Set) and node.lot is not None:
+            read = written_field(node.target)
+            counts[read.held_by.what, read.name] += 1
+    return frozenset(field for field, count in counts.items() if count > 1)
 
 
 def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
-    """Writes one field, or an entry of a row, where the scope's mask holds and the lot falls on the instance: one for each target.
+    """Writes one field, or an entry of a row, where the mask holds and the lot falls on it.
 
-    What an earlier statement wrote by lot is overwritten where this one drew a greater rank.
+    Of the instances with one target, the one with the greatest rank writes. An earlier statement
+    by lot is overwritten where this one drew a greater rank.
     """
     scope = target.scope
-    word = binary(">>", random_bits(stream, scope, w), literal(1, "u32"), "u32")
-    rank = select(scope.mask, binary("+", word, literal(1, "u32"), "u32"), literal(0, "u32"))
+    one = literal(1, "u32")
+    bits = binary(">>", random_bits(stream, scope, w), one, "u32")
+    rank = select(scope.mask, binary("+", bits, one, "u32"), literal(0, "u32"))
     index = literal(0, "i32") if target.who is None else target.who.number
     key = target.key(w)
     axes = union(scope.axes, index.axes, rank.axes, value.axes, () if key is None else key.axes)
-    at = _flat(select(scope.mask, index, literal(0, "i32")), axes, "i32")
-    entry = (
-        None
-        if key is None
-        else _flat(select(scope.mask, as_dtype(key, "i32"), literal(0, "i32")), axes, "i32")
-    )
-    place, ranks = at, _flat(rank, axes, "u32")
-    extent: array.Expression = (
-        array.Literal(1) if target.who is None else w.module.extent(target.who.sort)
-    )
-    if entry is not None:
-        words = w.module.num_entries(target.read.type.by[0])
-        place = (
-            entry if target.who is None else array.Binary("+", array.Binary("*", at, words), entry)
-        )
-        extent = words if target.who is None else array.Binary("*", extent, words)
-    if (
-        target.read.held_by.what,
-        target.read.name,
-    ) in w.several_lots:  # only ranks above those that earlier statements drew count
-        place, ranks = w.bind("place", place), w.bind("rank", ranks)
-        best: array.Expression | None = w.best_ranks.get(target.attribute)
-        if best is not None:
-            ranks = w.bind("rank", array.call("outranking", place, ranks, best))
-        best = best or array.call("jnp.zeros", extent, array.DTYPES["u32"])
-        w.best_ranks[target.attribute] = w.bind(
-            "best", array.call("best_ranks", place, ranks, best)
-        )
+    zero = literal(0, "i32")
+    at = _flat(select(scope.mask, index, zero), axes, "i32")
+    entry: array.Expression | None = None
+    if key is not None:
+        entry = _flat(select(scope.mask, as_dtype(key, "i32"), zero), axes, "i32")
+    ranks = _flat(rank, axes, "u32")
+    place, extent = _lot_places(target, at, entry, w)
+    if (target.read.held_by.what, target.read.name) in w.several_lots:
+        place = w.bind("place", place)
+        ranks = _outranking(target, place, w.bind("rank", ranks), extent, w)
     won = w.bind("won", array.call("drawn_by_lot", place, ranks, extent))
+    current = w.current(target.attribute)
     if target.who is None and entry is None:
         drawn = array.Index(_values(value, target, axes, w), (array.call("jnp.argmax", won),))
-        w.assign(
-            target.attribute,
-            array.Where(array.Reduce("any", won, None, None), drawn, w.current(target.attribute)),
-        )
+        any_won = array.Reduce("any", won, None, None)
+        w.assign(target.attribute, array.Where(any_won, drawn, current))
         return
-    past = (
-        w.module.num_entries(target.read.type.by[0])
-        if target.who is None
-        else past_the_end(target.who, w).node
-    )
-    mine = place if target.who is None or entry is None else at
-    keys = (
-        array.Where(won, mine, array.scalar(past, "i32")),
-        *([entry] if target.who is not None and entry is not None else []),
-    )
+    keys: tuple[array.Expression, ...]
+    if target.who is None:
+        past = array.scalar(w.module.num_entries(target.read.type.by[0]), "i32")
+        keys = (array.Where(won, place, past),)
+    else:
+        past = array.scalar(past_the_end(target.who, w).node, "i32")
+        if entry is None:
+            keys = (array.Where(won, place, past),)
+        else:
+            keys = (array.Where(won, at, past), entry)
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
-    w.assign(
-        target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True)
-    )
+    w.assign(target.attribute, array.Update(current, keys, "set", new, drop=True))
+
+
+def _lot_places(
+    target: Target, at: array.Expression, entry: array.Expression | None, w: Writer
+) -> tuple[array.Expression, array.Expression]:
+    """Returns the number of each instance's target among all that it may have, and how many.
+
+    Each entry of each row is one target.
+    """
+    extent: array.Expression = array.Literal(1)
+    if target.who is not None:
+        extent = w.module.extent(target.who.sort)
+    if entry is None:
+        return at, extent
+    num_entries = w.module.num_entries(target.read.type.by[0])
+    if target.who is None:
+        return entry, num_entries
+    place = array.Binary("+", array.Binary("*", at, num_entries), entry)
+    return place, array.Binary("*", extent, num_entries)
+
+
+def _outranking(
+    target: Target,
+    place: array.Expression,
+    ranks: array.Name,
+    extent: array.Expression,
+    w: Writer,
+) -> array.Name:
+    """Returns the ranks above those that earlier statements drew for a target, others as 0."""
+    best: array.Expression | None = w.best_ranks.get(target.attribute)
+    if best is not None:
+        ranks = w.bind("rank", array.call("outranking", place, ranks, best))
+    best = best or array.call("jnp.zeros", extent, array.DTYPES["u32"])
+    kept = w.bind("best", array.call("best_ranks", place, ranks, best))
+    w.best_ranks[target.attribute] = kept
+    return ranks
 
 
 def _values(
     value: Value, target: Target, axes: tuple[Axis, ...], w: Writer, along_row: bool = False
 ) -> array.Expression:
-    """Returns the value of each instance; one value that a whole row is set to stands beside a new axis."""
-    type_ = target.read.type if not target.keys else target.read.type.model_copy(update={"by": ()})
-    words = [w.module.num_entries(level) for level in type_.by]
-    large = [array.Literal(w.module.set_words)] * (w.module.levels(type_) - len(words))
-    flat = _flat(
-        value, axes, value.dtype, tuple([*words, *large] if value.levels > len(large) else large)
-    )
-    return (
-        array.Index(flat, (array.ALL, array.NEW_AXIS))
-        if along_row and words and value.levels == len(large)
-        else flat
-    )
+    """Returns the value of each instance, in the order of their numbers.
+
+    along_row: whether one value that a whole row is set to gets a new axis.
+    """
+    type_ = target.read.type
+    if target.keys:
+        type_ = type_.model_copy(update={"by": ()})
+    entries = [w.module.num_entries(level) for level in type_.by]
+    set_words = [array.Literal(w.module.set_words)] * (w.module.levels(type_) - len(entries))
+    if value.levels > len(set_words):
+        return _flat(value, axes, value.dtype, (*entries, *set_words))
+    flat = _flat(value, axes, value.dtype, tuple(set_words))
+    if along_row and entries and value.levels == len(set_words):
+        return array.Index(flat, (array.ALL, array.NEW_AXIS))
+    return flat
 
 
 def _flat(
@@ -178,14 +203,15 @@ def _flat(
     dtype: array.DType,
     inside: tuple[array.Expression, ...] = (),
 ) -> array.Expression:
-    """Returns a value for each instance, in the order of their numbers. `inside`: extents of the value's own axes."""
-    extents = (*(a.extent for a in axes), *inside)
-    full = array.Broadcast(
-        array.as_array(aligned(value, axes), dtype)
-        if value.literal
-        else aligned(value, axes, value.levels),
-        extents,
-    )
+    """Returns a value for each instance, in the order of their numbers.
+
+    inside: extents of the value's own levels.
+    """
+    if value.literal:
+        node = array.as_array(aligned(value, axes), dtype)
+    else:
+        node = aligned(value, axes, value.levels)
+    full = array.Broadcast(node, (*(a.extent for a in axes), *inside))
     return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1), *inside))
 
 
@@ -205,12 +231,13 @@ def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
 
 
 def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns a value as the field keeps it: words of its own set, agents as numbers, nobody as the empty set."""
+    """Returns a value as a field stores it.
+
+    Words are numbered in its own set, agents are numbers, and nobody may be the empty set.
+    """
     if isinstance(e, ir.Nobody):
         return literal(0, w.module.set_dtype) if target.type.kind == "agents" else nobody(w)
-    if (
-        isinstance(e, ir.Case) and e.type.kind == "word"
-    ):  # the words of the field at once, not those of the arms first
+    if isinstance(e, ir.Case) and e.type.kind == "word":  # its arms at once in the field's words
         e = e.model_copy(update={"type": target.type})
     if target.type.kind == "cell":
         return state_reads.kept_cell(e, scope, w)
@@ -225,29 +252,29 @@ def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) 
 
 
 def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
-    """Returns the fields a write reaches, each with whose it is: one, or one for each kind of a group that is on the map."""
+    """Returns the fields a write reaches: one, or one for each kind of a group on the map."""
     keys: tuple[ir.Expr, ...] = ()
     while isinstance(target, ir.At):
-        keys, target = (target.key, *keys), target.row
+        keys = (target.key, *keys)
+        target = target.row
     assert isinstance(target, ir.FieldRead)
-    read, who = target, None if target.owner is None else owner(target.owner, scope, w)
+    read = target
+    who = None if read.owner is None else owner(read.owner, scope, w)
     if not isinstance(who, CellVar) or len(who.kinds) == 1:
         return [Target(w.module.field(read), who, keys, read, scope)]
-    found = []
     layout = w.module.layout
-    there = [
-        kind for kind in who.kinds if layout.num_cells((kind,))
-    ]  # of others there is no cell that could be written
-    if len(there) > 1:  # once for all kinds
+    on_map = [kind for kind in who.kinds if layout.num_cells((kind,))]
+    if len(on_map) > 1:  # the mask once for all kinds
         scope = replace(scope, mask=w.keep("active", scope.mask))
-    for kind in there:
+    of_kinds = []
+    for kind in on_map:
         table = layout.numbers_table(who.kinds, kind)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
-        key = array.Slice(None, array.Literal(-1)) if who.axis is not None else who.site.node
+        key = who.site.node if who.axis is None else array.Slice(None, array.Literal(-1))
         cell = CellVar(Value(array.Index(name, (key,)), "i32", who.site.axes), (kind,))
-        found.append(Target(w.module.field(read, kind), cell, keys, read, scope))
-    return found
+        of_kinds.append(Target(w.module.field(read, kind), cell, keys, read, scope))
+    return of_kinds
 
 
 def _write(target: Target, value: Value, w: Writer) -> None:
@@ -276,10 +303,11 @@ def _write(target: Target, value: Value, w: Writer) -> None:
 
 
 def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
-    """Returns a value or key without `over`, the axes of the scope that the target lacks: that of the one instance that writes.
+    """Returns a value or key without axes of the scope that the target lacks.
 
-    It differs along them only if one instance at most reaches each target (else the write is refused): they are lanes of shapes
-    with one lane, or `mask` holds for one instance at most.
+    It is that of the one instance that writes. The value differs along them only if one instance
+    at most reaches each target (else the write is refused): they are lanes of shapes with one
+    lane, or `mask` holds for one instance at most.
     """
     gone = tuple(a for a in over if a in value.axes)
     if not gone:
@@ -287,18 +315,11 @@ def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
     if any(a.size > 1 for a in gone):  # the sum is the value of the one instance that happens
         assert mask != TRUE, over
         number: array.DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
-        return as_dtype(
-            reduce("sum", select(mask, as_dtype(value, number), literal(0, number)), over),
-            value.dtype,
-        )
+        masked = select(mask, as_dtype(value, number), literal(0, number))
+        return as_dtype(reduce("sum", masked, over), value.dtype)
+    keys = tuple(array.Literal(0) if a in gone else array.ALL for a in value.axes)
     kept = tuple(a for a in value.axes if a not in gone)
-    return replace(
-        value,
-        node=array.Index(
-            value.node, tuple(array.Literal(0) if a in gone else array.ALL for a in value.axes)
-        ),
-        axes=kept,
-    )
+    return replace(value, node=array.Index(value.node, keys), axes=kept)
 
 
 def _entries(
@@ -355,23 +376,24 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     scope = target.scope
     if target.who is None:
         assert key is not None
-        index, name, rest = as_dtype(key, "i32"), "to_entry", None
+        index = as_dtype(key, "i32")
+        name = "to_entry"
         past = Value(w.module.num_entries(target.read.type.by[0]), "i32")
+        entry = None
     else:
-        index, name, rest, past = (
-            target.who.number,
-            _place(target.who),
-            key,
-            past_the_end(target.who, w),
-        )
-    axes = union(index.axes, scope.mask.axes, value.axes, () if rest is None else rest.axes)
+        index = target.who.number
+        name = _place(target.who)
+        past = past_the_end(target.who, w)
+        entry = key
+    axes = union(index.axes, scope.mask.axes, value.axes, () if entry is None else entry.axes)
     at = w.keep(name, Value(spread(select(scope.mask, index, past), axes), "i32", axes))
-    keys = (at.node, *([] if rest is None else [aligned(rest, axes)]))
+    keys: tuple[array.Expression, ...] = (at.node,)
+    if entry is not None:
+        keys = (at.node, aligned(entry, axes))
     levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
-    w.assign(
-        target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True)
-    )
+    current = w.current(target.attribute)
+    w.assign(target.attribute, array.Update(current, keys, "set", new, drop=True))
 
 
 def _place(who: Variable) -> str:
@@ -386,11 +408,9 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
         if target.read.type.kind == "agents":
             _add_member(s, target, w)
             continue
+        dtype: array.DType = "f32" if target.read.type.kind == "real" else "i32"
         with w.deciding(decides):
-            value = as_dtype(
-                w.value(s.value, scope.always()),
-                "f32" if target.read.type.kind == "real" else "i32",
-            )
+            value = as_dtype(w.value(s.value, scope.always()), dtype)
         is_exact = decides and value.dtype == "f32"
         if is_exact:
             _count_terms(target, s, w)
@@ -398,15 +418,15 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
 
 
 def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
-    """Counts the terms of an exact sum, of which there is room for so many."""
-    apart = target.own_axes or ()  # each member of these has a sum of its own
-    summed = prod(axis.size for axis in target.scope.axes if axis not in apart)
+    """Counts the terms of an exact sum, and refuses too many."""
+    separate = target.own_axes or ()  # each member of these has a sum of its own
+    summed = prod(axis.size for axis in target.scope.axes if axis not in separate)
     terms = w.terms.get(target.attribute, 0) + summed
     if terms >= MOST_TERMS:
-        wanted = (
+        feature = (
             f"{MOST_TERMS:,} or more additions in a phase to a real field that decides something"
         )
-        raise NotSupported(wanted, s.origin, "add up in several phases, or count in whole numbers")
+        raise NotSupported(feature, s.origin, "add up in several phases, or count in whole numbers")
     w.terms[target.attribute] = terms
 
 
@@ -558,31 +578,29 @@ def finish(w: Writer) -> None:
     """Applies the sums of the phase, brings capped fields into their range, and joins sets."""
     for attribute, sums in w.added.items():
         declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
-        dtype = state_reads.storage(declared, w)
-        node = as_dtype(
-            Value(w.current(attribute), dtype), "i32" if declared.type.kind == "int" else "f32"
-        ).node
+        stored_dtype = state_reads.storage(declared, w)
+        dtype: array.DType = "i32" if declared.type.kind == "int" else "f32"
+        node = as_dtype(Value(w.current(attribute), stored_dtype), dtype).node
         is_exact = attribute in w.terms
-        node = array.call("fixed_point", node) if is_exact else node
+        if is_exact:
+            node = array.call("fixed_point", node)
         for number, total in enumerate(sums, 1):
             node = joined("+", node, total.node)
             if number % MOST_NESTED == 0:
                 node = w.bind(attribute, node)
-        node = array.call("rounded", node) if is_exact else node
+        if is_exact:
+            node = array.call("rounded", node)
         if declared.capped:
-            node = array.call(
-                "jnp.clip",
-                node,
-                array.Literal(int(declared.type.low)),
-                array.Literal(int(declared.type.high)),
-            )
-        if dtype not in ("i32", "f32"):
-            node = array.Cast(node, dtype)
+            low = array.Literal(int(declared.type.low))
+            high = array.Literal(int(declared.type.high))
+            node = array.call("jnp.clip", node, low, high)
+        if stored_dtype not in ("i32", "f32"):
+            node = array.Cast(node, stored_dtype)
         w.assign(attribute, node)
     for attribute, sets in w.joined.items():
         node = w.current(attribute)
-        for number, added in enumerate(sets, 1):
-            node = array.Binary("|", node, added)
+        for number, members in enumerate(sets, 1):
+            node = array.Binary("|", node, members)
             if number % MOST_NESTED == 0:
                 node = w.bind(attribute, node)
         w.assign(attribute, node)

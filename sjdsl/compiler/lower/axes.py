@@ -1,6 +1,7 @@
-"""Array values: an expression with the named axes it has, and how values are combined (broadcasting by name).
+"""Array values with named axes, and how they are combined (broadcasting by name).
 
-An operation lines its operands up by the names of their axes. An axis made later (of an inner statement) stands further right.
+An operation lines its operands up by the names of their axes. Axes are in the order in which they
+were made, those of outer statements first.
 """
 
 import operator
@@ -40,10 +41,14 @@ _OPERATIONS = {
     "%": operator.mod,
 }
 _OPPOSITES = {"==": "!=", "!=": "=="}
+_NEUTRAL = {"+": 0, "-": 0, "*": 1, "<<": 0, ">>": 0, "|": 0}
 
 
 class Axis(Record):
-    """One named axis; `order` is its place from left to right, `constant` the module's constant that is its size."""
+    """A named axis.
+
+    order: its place from left to right. constant: the module's constant that is its size, if any.
+    """
 
     name: str
     size: int
@@ -56,7 +61,11 @@ class Axis(Record):
 
 
 class Value(Record):
-    """`node` computes an array with `axes`, then `levels` axes: those of the entries of rows, last that of the words of large sets."""
+    """An array: `node` computes it.
+
+    Its axes are `axes`, then `levels` more: those of the entries of rows and tables, and last that
+    of the words of large sets of agents.
+    """
 
     node: Expression
     dtype: DType
@@ -75,10 +84,14 @@ class Value(Record):
 
 
 def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
-    """Returns a number. `name`: the module's constant that it is printed as."""
-    if dtype == "bool":
-        return Value(Literal(bool(value)), "bool")
-    return Value(Literal(float(value)) if dtype == "f32" else Literal(int(value), name), dtype)
+    """Returns a number. name: the module's constant that it is printed as."""
+    match dtype:
+        case "bool":
+            return Value(Literal(bool(value)), "bool")
+        case "f32":
+            return Value(Literal(float(value)), dtype)
+        case _:
+            return Value(Literal(int(value), name), dtype)
 
 
 TRUE, FALSE = literal(True, "bool"), literal(False, "bool")
@@ -99,22 +112,37 @@ def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
     return tuple(sorted({a for group in axes for a in group}, key=lambda a: a.order))
 
 
+TRUE = literal(True, "bool")
+
+
+FALSE = literal(False, "bool")
+
+
 def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression:
-    """Returns a value with an axis of length 1 for each of `axes` and `levels` that it lacks; scalars stay scalars."""
-    lacking = max(0, levels - value.levels)
-    if (value.axes == axes and not lacking) or not (value.axes or value.levels):
+    """Returns a value with an axis of length 1 for each of `axes` and `levels` that it lacks.
+
+    Scalars stay scalars.
+    """
+    if not value.axes and not value.levels:
         return value.node
-    return indexed(
-        value.node, (*(ALL if a in value.axes else NEW_AXIS for a in axes), *[NEW_AXIS] * lacking)
-    )
+    lacking = max(0, levels - value.levels)
+    if value.axes == axes and not lacking:
+        return value.node
+    keys = [ALL if axis in value.axes else NEW_AXIS for axis in axes]
+    return indexed(value.node, (*keys, *[NEW_AXIS] * lacking))
 
 
 def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expression:
-    """Returns entries of an array; those of one that is converted are taken before they are, and new axes are added at once."""
+    """Returns entries of an array.
+
+    A conversion is moved outside, and new axes are added to an array in one step.
+    """
     if isinstance(node, Cast):
         return Cast(indexed(node.value, keys), node.dtype, node.source)
     if isinstance(node, Index) and all(key in (ALL, NEW_AXIS) for key in node.keys):
-        outer = tuple(ALL for _ in node.keys) + keys[1:] if keys[0] == REST else keys
+        outer = keys
+        if keys[0] == REST:
+            outer = (*[ALL] * len(node.keys), *keys[1:])
         if all(key in (ALL, NEW_AXIS) for key in outer) and outer.count(ALL) == len(node.keys):
             inner = iter(node.keys)
             return Index(
@@ -124,56 +152,57 @@ def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expressio
 
 
 def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
-    """Returns a value spelt out over exactly these axes; a scalar over no axes stays one."""
-    return (
-        value.node
-        if value.axes == axes
-        else Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
-    )
+    """Returns a value broadcast to exactly these axes; a scalar over no axes stays one."""
+    if value.axes == axes:
+        return value.node
+    return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
 
 
 def taken(value: Value, key: Expression, levels: int = 0) -> Value:
-    """Returns the entry of a row that stands last, by a key that is the same for all."""
+    """Returns one entry of rows, the same for all. levels: of the entry."""
     return replace(value, node=indexed(value.node, (*[ALL] * len(value.axes), key)), levels=levels)
 
 
 def as_dtype(value: Value, dtype: DType) -> Value:
-    """Returns the value converted; literals are written anew."""
+    """Returns the value converted; a literal becomes another literal."""
     if value.dtype == dtype:
         return value
-    if isinstance(value.node, Literal):
-        return literal(value.number, dtype, value.node.name)
-    if (
-        isinstance(value.node, Cast)
-        and value.node.source in ("u8", "bool")
-        and (value.dtype, dtype) == ("i32", "f32")
-    ):
-        return replace(value, node=Cast(value.node.value, dtype, value.node.source), dtype=dtype)
-    return replace(value, node=Cast(value.node, dtype, value.dtype), dtype=dtype)
+    node = value.node
+    if isinstance(node, Literal):
+        return literal(value.number, dtype, node.name)
+    if isinstance(node, Cast) and node.source in ("u8", "bool"):
+        if (value.dtype, dtype) == ("i32", "f32"):  # at once, not by way of int32
+            return replace(value, node=Cast(node.value, dtype, node.source), dtype=dtype)
+    return replace(value, node=Cast(node, dtype, value.dtype), dtype=dtype)
 
 
 def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
-    """Returns `a op b`; of two literals a literal, and nothing for what changes nothing."""
-    if a.literal and b.literal and op in COMPARISONS:
-        return literal(COMPARISONS[op].holds(a.number, b.number), "bool")
-    if (
-        a.literal
-        and b.literal
-        and op in _OPERATIONS
-        and not (op in ("/", "//", "%") and not b.number)
-    ):
-        number = float32 if dtype == "f32" else int
-        return literal(number(_OPERATIONS[op](number(a.number), number(b.number))), dtype)
+    """Returns `a op b`, computed if both are literals, without an operand that changes nothing."""
+    if a.literal and b.literal:
+        result = _folded(op, a.number, b.number, dtype)
+        if result is not None:
+            return result
     if op in COMPARISONS:
-        a, b = _as_kept(a, b), _as_kept(b, a)
+        a, b = _before_conversion(a, b), _before_conversion(b, a)
     if _is_neutral(op, b) and a.dtype == dtype:
         return a
     if op in "+*" and _is_neutral(op, a) and b.dtype == dtype:
         return b
     axes = union(a.axes, b.axes)
     levels = max(a.levels, b.levels)
-    left, right = (aligned(x, axes, levels) for x in (a, b))
+    left = aligned(a, axes, levels)
+    right = aligned(b, axes, levels)
     return Value(joined(op, left, right), dtype, axes, levels)
+
+
+def _folded(op: str, a: float, b: float, dtype: DType) -> Value | None:
+    """Returns the result of an operation on two literals; None if it isn't known here."""
+    if op in COMPARISONS:
+        return literal(COMPARISONS[op].holds(a, b), "bool")
+    if op not in _OPERATIONS or (op in ("/", "//", "%") and not b):
+        return None
+    number = float32 if dtype == "f32" else int
+    return literal(number(_OPERATIONS[op](number(a), number(b))), dtype)
 
 
 def joined(op: str, left: Expression, right: Expression) -> Expression:
@@ -187,11 +216,14 @@ def joined(op: str, left: Expression, right: Expression) -> Expression:
             return Binary(op, left, right)
 
 
-def _as_kept(value: Value, other: Value) -> Value:
-    """Returns what is kept without its conversion: a byte that is compared with what a byte can be, a word kept in an integer."""
+def _before_conversion(value: Value, other: Value) -> Value:
+    """Returns an operand of a comparison as it is stored, if the conversion makes no difference.
+
+    Such are a byte that is compared with a byte, and a word of an enum stored as int32.
+    """
     match value.node, other.node:
-        case Cast(value=Attribute() as word, dtype="u8", source="i32"), Literal():
-            return replace(value, node=word, dtype="i32")
+        case Cast(value=Attribute() as stored, dtype="u8", source="i32"), Literal():
+            return replace(value, node=stored, dtype="i32")
         case Cast(value=byte, dtype="i32", source="u8"), Literal(value=int(number)) if (
             0 <= number <= 255
         ):
@@ -203,16 +235,12 @@ def _as_kept(value: Value, other: Value) -> Value:
 
 
 def _is_neutral(op: str, value: Value) -> bool:
-    """Whether a literal changes nothing as the right operand. (x + 0.0 is not x: it has no negative zero.)"""
-    if not value.literal:
+    """Returns whether a literal changes nothing as the right operand."""
+    if not value.literal or value.dtype == "bool":
         return False
-    neutral = {"+": 0, "-": 0, "*": 1, "<<": 0, ">>": 0, "|": 0}.get(op)
-    return (
-        neutral is not None
-        and value.number == neutral
-        and value.dtype != "bool"
-        and (value.dtype != "f32" or op == "*")
-    )
+    if value.dtype == "f32" and op != "*":  # x + 0.0 is not x for the negative zero
+        return False
+    return value.number == _NEUTRAL.get(op)
 
 
 def both(*conditions: Value) -> Value:
@@ -258,48 +286,47 @@ def select(condition: Value, a: Value, b: Value) -> Value:
     axes = union(condition.axes, a.axes, b.axes)
     levels = max(a.levels, b.levels, condition.levels)
     dtype = b.dtype if a.literal else a.dtype
-    test, then, otherwise = (aligned(x, axes, levels) for x in (condition, a, b))
+    test = aligned(condition, axes, levels)
+    then = aligned(a, axes, levels)
+    otherwise = aligned(b, axes, levels)
     if a.literal and b.literal and dtype != "bool":
-        if dtype != "f32" and (a.number, b.number) == (
-            1,
-            0,
-        ):  # 1 where it holds: the condition as a number
+        if dtype != "f32" and (a.number, b.number) == (1, 0):  # the condition as a number
             return Value(Cast(test, dtype), dtype, axes, levels)
-        then, otherwise = scalar(then, dtype), scalar(otherwise, dtype)
+        then = scalar(then, dtype)
+        otherwise = scalar(otherwise, dtype)
     return Value(Where(test, then, otherwise), dtype, axes, levels)
 
 
 def reduce(
     fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: tuple[Axis, ...]
 ) -> Value:
-    """Returns `any`, `all`, `sum`, `min` or `max` over axes; a value without an axis is the same all along it (`sum` multiplies)."""
-    gone = tuple(a for a in over if a in value.axes)
-    times = prod(a.size for a in over if a not in value.axes)
-    if value.literal:
-        number = as_dtype(value, "i32" if value.dtype == "bool" else value.dtype)
-        return (
-            binary("*", number, literal(times, number.dtype), number.dtype)
-            if fn == "sum"
-            else value
-        )
+    """Returns `any`, `all`, `sum`, `min` or `max` over axes.
+
+    A value without one of the axes is the same all along it, so its sum is multiplied.
+    """
+    if value.literal and fn != "sum":
+        return value
     result = value
-    if gone:
-        where = tuple(value.axes.index(a) for a in gone)
-        everything = len(where) == len(value.axes) and not value.levels
+    gone = tuple(a for a in over if a in value.axes)
+    if gone and not value.literal:
+        places = tuple(value.axes.index(a) for a in gone)
+        is_whole = len(places) == len(value.axes) and not value.levels
         dtype: DType = "i32" if fn == "sum" and value.dtype == "bool" else value.dtype
-        node = Reduce(
-            fn,
-            summed(value.node, dtype) if fn == "sum" else value.node,
-            None if everything else where,
-            dtype if fn == "sum" else None,
-        )
+        node = value.node
+        sum_dtype = None
+        if fn == "sum":
+            node = summed(node, dtype)
+            sum_dtype = dtype
+        node = Reduce(fn, node, None if is_whole else places, sum_dtype)
         result = Value(node, dtype, tuple(a for a in value.axes if a not in gone), value.levels)
     if fn != "sum":
         return result
-    result = as_dtype(result, "i32") if result.dtype == "bool" else result
+    if result.dtype == "bool":
+        result = as_dtype(result, "i32")
+    times = prod(a.size for a in over if a not in value.axes)
     return binary("*", result, literal(times, result.dtype), result.dtype)
 
 
 def summed(node: Expression, dtype: DType) -> Expression:
-    """Returns what is summed up in a dtype: the sum converts it itself."""
+    """Returns the operand of a sum, without a conversion to the dtype of the sum."""
     return node.value if isinstance(node, Cast) and node.dtype == dtype else node

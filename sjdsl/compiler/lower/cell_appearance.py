@@ -1,7 +1,7 @@
-"""Appearance of cells: numbers for the states of kinds, as painted and as an observer sees them."""
+"""Numbers for the appearance of cells, as they are painted and as an observer sees them."""
 
 from dataclasses import replace
-from math import prod
+from math import inf, prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -35,11 +35,13 @@ HIDDEN = "hidden"
 
 
 class Look(Record):
-    """One kind: its painted fields with their numbers of values, and its observables in order.
+    """How cells of one kind look.
 
-    `raw` and `final` are the first numbers of the kind in the two numberings; a kind that is not on the map has no raw ones. `labels`: the
-    final numbers of the labels of a kind that is shown as a whole. A kind that always looks like another is painted as that, and not
-    `present` as itself.
+    painted: its painted fields, with how many values each has. observables: in order.
+    raw, final: the first number of the kind, as painted and as seen. labels: the final numbers of
+      the labels of a kind that is shown as a whole.
+    present: whether it is painted as itself: it is on the map, and doesn't always look like
+      something else.
     """
 
     kind: ir.Kind
@@ -67,68 +69,80 @@ class Look(Record):
 
 
 def observable_words(observable: ir.Observable) -> tuple[str, ...]:
-    """Returns the words or labels a cell observable shows; `hidden` is the last if it can be hidden."""
-    words = (
-        tuple(dict.fromkeys(label.name for label in observable.labels))
-        if observable.labels
-        else observable.type.words
-    )
+    """Returns the words or labels of a cell observable, `hidden` last if it can be hidden."""
+    words = _labels_or_words(observable)
     return (*words, HIDDEN) if observable.hidden_when is not None else words
 
 
+def _labels_or_words(observable: ir.Observable) -> tuple[str, ...]:
+    if observable.labels:
+        return tuple(dict.fromkeys(label.name for label in observable.labels))
+    return observable.type.words
+
+
 def looks(game: ir.Game) -> tuple[Look, ...]:
-    """Returns the looks of all kinds in declaration order. If they are too many for a byte, what only labels read is not painted."""
-    found, raw = _numbered_looks(game, True)
-    if raw > 256:
-        found, raw = _numbered_looks(game, False)
-    if raw > 256 or len(content_labels(game)) > 256:
-        what = f"{max(raw, len(content_labels(game)))} different looks of cells (at most 256)"
-        raise NotSupported(
-            what,
-            game.kinds[-1].origin,
-            "`hide` fields of cells that need not be seen, or show them with fewer labels",
-        )
-    painted_as = {name: _as_another(look, game) for name, look in found.items()}
-    raws = {
-        name: 0 if other == OUTSIDE else found[other].raw
-        for name, other in painted_as.items()
-        if other is not None
-    }
-    return tuple(
-        replace(look, raw=raws[name], present=False) if name in raws else look
-        for name, look in found.items()
-    )
+    """Returns the looks of all kinds in declaration order.
+
+    If they are too many for a byte, fields that only labels read are not painted.
+    """
+    by_kind, num_painted = _numbered_looks(game, True)
+    if num_painted > 256:
+        by_kind, num_painted = _numbered_looks(game, False)
+    number = max(num_painted, len(content_labels(game)))
+    if number > 256:
+        instead = "`hide` fields of cells that need not be seen, or show them with fewer labels"
+        feature = f"{number} different looks of cells (at most 256)"
+        raise NotSupported(feature, game.kinds[-1].origin, instead)
+    result = []
+    for look in by_kind.values():
+        other = _as_another(look, game)
+        if other is not None:
+            raw = 0 if other == OUTSIDE else by_kind[other].raw
+            look = replace(look, raw=raw, present=False)
+        result.append(look)
+    return tuple(result)
 
 
-def _numbered_looks(game: ir.Game, read: bool) -> tuple[dict[str, Look], int]:
-    """Returns the looks of all kinds, and how many numbers are painted. `read`: also the fields are painted that labels and `hide` read."""
-    raw, labels, there = 1, content_labels(game), _kinds_on_map(game)
-    found: dict[str, Look] = {}
+def _numbered_looks(game: ir.Game, paints_read: bool) -> tuple[dict[str, Look], int]:
+    """Returns the looks of all kinds, and how many numbers are painted.
+
+    paints_read: whether fields are painted that only labels and `hide` read.
+    """
+    raw = 1
+    labels = content_labels(game)
+    on_map = _kinds_on_map(game)
+    by_kind: dict[str, Look] = {}
     for kind in game.kinds:
         observables = _observables_of(kind, game)
         whole = _shown_as(kind, game)
-        numbers = (
-            tuple(labels.index(word) for word in observable_words(whole))
-            if whole is not None
-            else ()
-        )
-        final = numbers[0] if numbers else labels.index(_states(kind, game)[0])
-        painted = tuple((f, _values(f, game)) for f in _painted(kind, observables, game, read))
-        found[kind.name] = Look(kind, painted, observables, raw, final, kind.name in there, numbers)
-        if _as_another(found[kind.name], game) is None:
-            raw += found[kind.name].raw_values
-    return found, raw
+        numbers: tuple[int, ...] = ()
+        if whole is None:
+            final = labels.index(_states(kind, game)[0])
+        else:
+            numbers = tuple(labels.index(word) for word in observable_words(whole))
+            final = numbers[0]
+        fields = _painted(kind, observables, game, paints_read)
+        painted = tuple((f, _values(f, game)) for f in fields)
+        look = Look(kind, painted, observables, raw, final, kind.name in on_map, numbers)
+        by_kind[kind.name] = look
+        if _as_another(look, game) is None:
+            raw += look.raw_values
+    return by_kind, raw
 
 
 def _as_another(look: Look, game: ir.Game) -> str | None:
-    """Returns what else, that can be painted, a kind always looks like: another kind on the map, or what is outside."""
-    name = look.observables[0].labels[-1].name if len(look.labels) == 1 else ""
-    if not name or any(
-        kind in hidden.kinds for hidden in game.hidden for kind in (look.kind.name, name)
-    ):
+    """Returns what else a kind always looks like: another kind on the map, or what is outside.
+
+    None if it looks like nothing else, or that can't be painted in its place.
+    """
+    if len(look.labels) != 1:
         return None
-    there = name in _kinds_on_map(game) and all(s.kind != name for s in game.observables)
-    return name if name == OUTSIDE or there else None
+    name = look.observables[0].labels[-1].name
+    hidden_kinds = {kind for hidden in game.hidden for kind in hidden.kinds}
+    if look.kind.name in hidden_kinds or name in hidden_kinds:
+        return None
+    is_plain_kind = name in _kinds_on_map(game) and all(s.kind != name for s in game.observables)
+    return name if name == OUTSIDE or is_plain_kind else None
 
 
 def _kinds_on_map(game: ir.Game) -> set[str]:
@@ -145,24 +159,21 @@ def _shown_as(kind: ir.Kind, game: ir.Game) -> ir.Observable | None:
 
 
 def _painted(
-    kind: ir.Kind, observables: tuple[ir.Observable, ...], game: ir.Game, read: bool
+    kind: ir.Kind, observables: tuple[ir.Observable, ...], game: ir.Game, paints_read: bool
 ) -> list[ir.VarField]:
-    """Returns the fields that are painted: those shown as they are, and those that labels and `hide` read and that have few values.
+    """Returns the fields that are painted, of those that have few values.
 
-    The others are looked up, for each cell of each window.
+    They are the fields shown as they are, and those that labels and `hide` read. All others are
+    looked up for each cell of each window.
     """
     wanted = {s.field for s in observables if not s.labels}
-    conditions = [
-        c for s in observables for c in (*(label.condition for label in s.labels), s.hidden_when)
-    ]
-    conditions += [hidden.when for hidden in game.hidden if kind.name in hidden.kinds]
-    for node in (n for c in conditions if c is not None and read for n in ir.walk(c)):
-        if (
-            isinstance(node, ir.FieldRead)
-            and isinstance(node.owner, ir.Member)
-            and kind.name in node.held_by.names
-        ):
-            wanted.add(node.name)
+    if paints_read:
+        conditions = [label.condition for s in observables for label in s.labels]
+        conditions += [s.hidden_when for s in observables]
+        conditions += [hidden.when for hidden in game.hidden if kind.name in hidden.kinds]
+        for condition in conditions:
+            if condition is not None:
+                wanted |= _fields_read(condition, kind)
     return [f for f in kind.fields if f.name in wanted and _values(f, game)]
 
 
@@ -182,20 +193,30 @@ def _values(field: ir.VarField, game: ir.Game) -> int:
             return 0
 
 
+def _fields_read(condition: ir.Expr, kind: ir.Kind) -> set[str]:
+    """Returns the fields of a cell of a kind that a condition reads."""
+    names = set()
+    for node in ir.walk(condition):
+        if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member):
+            if kind.name in node.held_by.names:
+                names.add(node.name)
+    return names
+
+
 def content_labels(game: ir.Game) -> tuple[str, ...]:
     """Returns the labels of the content plane in the order of its values."""
-    whole = [(kind, _shown_as(kind, game)) for kind in game.kinds]
-    states = [
-        state for kind, observable in whole if observable is None for state in _states(kind, game)
-    ]
-    looks = [
-        word
-        for _, observable in whole
-        if observable is not None
-        for word in observable_words(observable)
-    ]
-    covered = [COVERED] if any(hidden.what == "content" for hidden in game.hidden) else []
-    return tuple(dict.fromkeys([OUTSIDE, *states, *looks, *covered]))
+    states: list[str] = []
+    labels: list[str] = []
+    for kind in game.kinds:
+        whole = _shown_as(kind, game)
+        if whole is None:
+            states += _states(kind, game)
+        else:
+            labels += observable_words(whole)
+    all_labels = [OUTSIDE, *states, *labels]
+    if any(hidden.what == "content" for hidden in game.hidden):
+        all_labels.append(COVERED)
+    return tuple(dict.fromkeys(all_labels))
 
 
 def _states(kind: ir.Kind, game: ir.Game) -> list[str]:
@@ -207,23 +228,23 @@ def _states(kind: ir.Kind, game: ir.Game) -> list[str]:
 
 
 def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:
-    """Returns those whose marks are seen: all, or none if marks are hidden everywhere."""
-    return (
-        ()
-        if any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden)
-        else marking_phases(game)
-    )
+    """Returns the phases whose marks are seen: all, or none if marks are hidden everywhere."""
+    if any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden):
+        return ()
+    return marking_phases(game)
 
 
 def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     """Returns what each plane of a `tokens` observation means, in order."""
-    planes = [TokenPlane("content", "word", content_labels(game), len(content_labels(game)) - 1)]
-    planes.append(TokenPlane("agent", "word", AGENT_LABELS, len(AGENT_LABELS) - 1))
+    content = content_labels(game)
+    planes = [
+        TokenPlane("content", "word", content, len(content) - 1),
+        TokenPlane("agent", "word", AGENT_LABELS, len(AGENT_LABELS) - 1),
+    ]
     marking = seen_marks(game)
     if marking:
-        planes.append(
-            TokenPlane("marks", "bits", tuple(p.label for p in marking), 2 ** len(marking) - 1)
-        )
+        labels = tuple(phase.label for phase in marking)
+        planes.append(TokenPlane("marks", "bits", labels, 2 ** len(marking) - 1))
     everyone = tuple(f"everyone[{agent}]." for agent in range(game.agents.number))
     owners: dict[str, tuple[str, ...]] = {
         "other": ("other.",),
@@ -240,73 +261,75 @@ def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
 
 
 def _field_plane(observable: ir.Observable, prefix: str, game: ir.Game) -> TokenPlane:
+    """Returns the plane of a field. prefix: its owner, as the name of the plane begins."""
     if observable.what == "mover":
         prefix = f"{observable.kind}." if observable.field else observable.kind
-    name = f"{prefix}{observable.field}" + (f"[{observable.word.key}]" if observable.word else "")
+    name = f"{prefix}{observable.field}"
+    if observable.word:
+        name = f"{name}[{observable.word.key}]"
     uniform = observable.what in UNIFORM
-    if words := shown_words(observable):
-        words = (*{"other": ("nobody",), "mover": ("none",)}.get(observable.what, ()), *words)
+    words = shown_words(observable)
+    if words:
+        if observable.what == "other":
+            words = ("nobody", *words)
+        elif observable.what == "mover":
+            words = ("none", *words)
         return TokenPlane(name, "word", words, len(words) - 1, uniform)
     high = number_bound(observable, game)
-    if high == float("inf"):
-        raise NotSupported(
-            f"showing `{name}`, which has no bound: give the numbers it is set to limits within 0 .. 255",
-            observable.origin,
+    if high == inf:
+        feature = (
+            f"showing `{name}`, which has no bound: "
+            "give the numbers it is set to limits within 0 .. 255"
         )
+        raise NotSupported(feature, observable.origin)
     if high > 255:
-        instead = (
-            f"show it with labels, such as `show {name} as {{ much where {name} > 99, little }}`"
-        )
-        instead += (
-            f", or a define of less, such as `quotient({name}, {high // 256 + 1:g})`"
-            if observable.value is not None
-            else ""
-        )
-        raise NotSupported(
-            f"showing `{name}`, which can reach {high:g} (at most 255)", observable.origin, instead
-        )
+        example = f"`show {name} as {{ much where {name} > 99, little }}`"
+        instead = f"show it with labels, such as {example}"
+        if observable.value is not None:
+            smaller = f"`quotient({name}, {high // 256 + 1:g})`"
+            instead = f"{instead}, or a define of less, such as {smaller}"
+        feature = f"showing `{name}`, which can reach {high:g} (at most 255)"
+        raise NotSupported(feature, observable.origin, instead)
     return TokenPlane(name, "number", (), int(high), uniform)
 
 
 def shown_words(observable: ir.Observable) -> tuple[str, ...]:
-    """Returns the words that a plane of a field shows, none for a number; `hidden` is the last of what is shown under a condition."""
-    words = (
-        tuple(dict.fromkeys(x.name for x in observable.labels))
-        if observable.labels
-        else observable.type.words
-    )
+    """Returns the words that a plane of a field shows, none for a number.
+
+    The last is `hidden`, if the field is shown under a condition.
+    """
+    words = _labels_or_words(observable)
     return (*words, HIDDEN) if words and observable.shown_when is not None else words
 
 
 def number_bound(observable: ir.Observable, game: ir.Game) -> float:
-    """Returns the largest value of a shown number; for a timer what the limits of the numbers it is set to allow."""
+    """Returns the largest value of a shown number; for a timer, of the numbers it is set to."""
     if shows_attribute(observable) or observable.value is not None:
         return observable.type.high
     field = shown_field(game, observable)
     if not field.timer:
         return field.type.high
-    sets = (
-        n
-        for n in ir.walk(game)
-        if isinstance(n, ir.Set) and isinstance(n.target, ir.FieldRead) and can_be(n.target, field)
-    )
-    return max((largest(s.value, game) for s in sets), default=0.0)
+    bounds = [0.0]
+    for node in ir.walk(game):
+        match node:
+            case ir.Set(target=ir.FieldRead() as target, value=value) if can_be(target, field):
+                bounds.append(largest(value, game))
+    return max(bounds)
 
 
 def largest(e: ir.Expr, game: ir.Game) -> float:
     """Returns an upper bound of a number, whatever the parameters are set to."""
-    if isinstance(e, ir.Local) and e.type.high == float("inf"):
-        drawn = [
-            d
-            for d in ir.walk(game)
-            if isinstance(d, ir.Draw) and d.name == e.name and d.high is not None
-        ]
-        return max((largest(d.high, game) for d in drawn), default=e.type.high)  # type: ignore[arg-type]
-    return e.type.high
+    if not isinstance(e, ir.Local) or e.type.high != inf:
+        return e.type.high
+    bounds = [
+        largest(node.high, game)
+        for node in ir.walk(game)
+        if isinstance(node, ir.Draw) and node.name == e.name and node.high is not None
+    ]
+    return max(bounds, default=e.type.high)
 
 
 def relative_heading(difference: array.Expression) -> array.Expression:
     """Returns the number of another's heading relative to the observer's."""
-    return array.Binary(
-        "+", array.Literal(OTHER_FACING), array.Binary("&", difference, array.Literal(3))
-    )
+    turned = array.Binary("&", difference, array.Literal(3))
+    return array.Binary("+", array.Literal(OTHER_FACING), turned)

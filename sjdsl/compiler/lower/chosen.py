@@ -1,4 +1,4 @@
-"""Lowers what agents chose: the number of their action, what an action with arguments is asked, and the arguments that rules read."""
+"""Lowers what agents chose: numbers of actions, and the arguments of actions."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
@@ -12,12 +12,11 @@ from sjdsl.compiler.program import expressions as array
 def action_of(agent: ir.Expr, scope: IterationScope) -> Value:
     """Returns the number of the action an agent takes in this step."""
     assert isinstance(agent, ir.Member), agent
-    who, actions = scope.variables[agent.name], array.Name("actions")
-    return Value(
-        actions if who.axis is not None else array.Index(actions, (who.number.node,)),
-        "i32",
-        who.number.axes,
-    )
+    variable = scope.variables[agent.name]
+    actions: array.Expression = array.Name("actions")
+    if variable.axis is None:
+        actions = array.Index(actions, (variable.number.node,))
+    return Value(actions, "i32", variable.number.axes)
 
 
 def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
@@ -25,8 +24,8 @@ def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
     action = action_named(w.module.game, e.action)
     taken = action_of(e.agent, scope)
     if e.given:
-        number, possible = action_number(action, e.given, scope, w)
-        return both(binary("==", taken, number, "bool"), possible)
+        number, exists = action_number(action, e.given, scope, w)
+        return both(binary("==", taken, number, "bool"), exists)
     first = Value(w.module.first_action(action), "i32")
     if len(action.numbers) == 1:
         return binary("==", taken, first, "bool")
@@ -38,58 +37,68 @@ def action_number(
     action: ir.ActionWithArguments, given: tuple[ir.Given, ...], scope: IterationScope, w: Writer
 ) -> tuple[Value, Value]:
     """Returns the number of an action with these arguments, and whether there is one."""
-    offset, possible = literal(0, "i32"), TRUE
-    for asked, argument in zip(given, action.arguments, strict=True):
-        at, exists = _place(asked, argument, scope, w)
-        offset = binary("+", binary("*", offset, literal(argument.count, "i32"), "i32"), at, "i32")
-        possible = both(possible, exists)
-    if offset.literal and 0 <= offset.number < len(action.numbers):  # else it is not possible
-        return Value(w.module.action(action.first + int(offset.number)), "i32"), possible
-    return binary("+", offset, Value(w.module.first_action(action), "i32"), "i32"), possible
+    offset = literal(0, "i32")
+    exists = TRUE
+    for argument, declared in zip(given, action.arguments, strict=True):
+        place, is_value = _place(argument, declared, scope, w)
+        count = literal(declared.count, "i32")
+        offset = binary("+", binary("*", offset, count, "i32"), place, "i32")
+        exists = both(exists, is_value)
+    if offset.literal and 0 <= offset.number < len(action.numbers):  # else none exists
+        return Value(w.module.action(action.first + int(offset.number)), "i32"), exists
+    first = Value(w.module.first_action(action), "i32")
+    return binary("+", offset, first, "i32"), exists
 
 
 def _place(
-    asked: ir.Given, argument: ir.ActionArgument, scope: IterationScope, w: Writer
+    argument: ir.Given, declared: ir.ActionArgument, scope: IterationScope, w: Writer
 ) -> tuple[Value, Value]:
-    """Returns which of the values of an argument is asked for, and whether it is one of them."""
-    value, type_ = w.value(asked.value, scope), asked.value.type
-    match argument.type.kind:
+    """Returns the place of a value among those of an argument, and whether it is one of them."""
+    value = w.value(argument.value, scope)
+    type_ = argument.value.type
+    match declared.type.kind:
         case "word":
-            inside = set(type_.words) <= set(argument.type.words)
-            number = to_words(value, type_.words, argument.type.words, w)
-            exists = TRUE if inside else binary("!=", number, literal(ABSENT, "u8"), "bool")
+            words = declared.type.words
+            number = to_words(value, type_.words, words, w)
+            exists = TRUE
+            if not set(type_.words) <= set(words):
+                exists = binary("!=", number, literal(ABSENT, "u8"), "bool")
             return as_dtype(number, "i32"), exists
         case "int":
-            low, high = argument.type.low, argument.type.high
+            low = literal(declared.type.low, "i32")
+            high = declared.type.high
             value = as_dtype(value, "i32")
-            tests = [] if type_.low >= low else [binary(">=", value, literal(low, "i32"), "bool")]
-            tests += (
-                [] if type_.high <= high else [binary("<=", value, literal(high, "i32"), "bool")]
-            )
-            return binary("-", value, literal(low, "i32"), "i32"), both(*tests)
+            exists = TRUE
+            if type_.low < declared.type.low:
+                exists = binary(">=", value, low, "bool")
+            if type_.high > high:
+                exists = both(exists, binary("<=", value, literal(high, "i32"), "bool"))
+            return binary("-", value, low, "i32"), exists
         case _:
             return as_dtype(value, "i32"), TRUE
 
 
 def argument_of(e: ir.ArgumentOf, scope: IterationScope, w: Writer) -> Value:
-    """Returns an argument of the action an agent chose; of another action's number some value of the argument, which no rule looks at."""
+    """Returns an argument of the action an agent chose.
+
+    If it chose another action, the value means nothing, and no rule reads it.
+    """
     action = action_named(w.module.game, e.action)
-    offset = binary(
-        "-", action_of(e.agent, scope), Value(w.module.first_action(action), "i32"), "i32"
-    )
+    first = Value(w.module.first_action(action), "i32")
+    place = binary("-", action_of(e.agent, scope), first, "i32")
     for argument in reversed(action.arguments[e.number + 1 :]):
-        offset = binary("//", offset, literal(argument.count, "i32"), "i32")
+        place = binary("//", place, literal(argument.count, "i32"), "i32")
     argument = action.arguments[e.number]
-    at = binary("%", offset, literal(argument.count, "i32"), "i32")
-    return argument_value(argument, w.keep(f"{e.action}_{e.name}".strip("_"), at))
+    place = binary("%", place, literal(argument.count, "i32"), "i32")
+    return argument_value(argument, w.keep(f"{e.action}_{e.name}".strip("_"), place))
 
 
-def argument_value(argument: ir.ActionArgument, at: Value) -> Value:
-    """Returns a value of an argument, from which of them it is."""
-    if argument.type.kind == "word":
-        return as_dtype(at, "u8")
-    return (
-        binary("+", at, literal(argument.type.low, "i32"), "i32")
-        if argument.type.kind == "int"
-        else at
-    )
+def argument_value(argument: ir.ActionArgument, place: Value) -> Value:
+    """Returns the value of an argument at a place among its values."""
+    match argument.type.kind:
+        case "word":
+            return as_dtype(place, "u8")
+        case "int":
+            return binary("+", place, literal(argument.type.low, "i32"), "i32")
+        case _:
+            return place

@@ -1,4 +1,4 @@
-"""Names of masks and of what is compared, after the rule that says when they hold: `rock.ore is iron` is `is_iron`."""
+"""Names masks and compared values after their rules: `rock.ore is iron` is `is_iron`."""
 
 import re
 
@@ -10,7 +10,10 @@ LONGEST = 28  # characters of a name that is put together
 
 
 def condition_name(e: ir.Expr | None, game: ir.Game) -> str:
-    """Returns a name for where a condition holds, nothing if it has no short one. Of a long one the name says what fits."""
+    """Returns a name for where a condition holds, empty if it has no short one.
+
+    A name of several conditions has as many of them as fit.
+    """
     match e:
         case ir.Named():
             return _fitting(e.name)
@@ -94,24 +97,21 @@ def value_name(e: ir.Expr) -> str:
 
 
 def _fitting(*parts: str) -> str:
-    """Returns parts of a name together; nothing if one is missing, or it would be no identifier or too long a one."""
+    """Returns parts of a name together; empty if one is missing, or the name is too long."""
     name = "_".join(parts).lower()
-    return (
-        name
-        if all(parts) and len(name) <= LONGEST and re.fullmatch(r"[a-z][a-z0-9_]*", name)
-        else ""
-    )
+    is_short_name = len(name) <= LONGEST and re.fullmatch(r"[a-z][a-z0-9_]*", name)
+    return name if all(parts) and is_short_name else ""
 
 
 def _joined(word: str, names: list[str]) -> str:
-    """Returns the names of conditions in one: of several that all hold as many as fit."""
+    """Returns the names of conditions joined by `or`, or of as many as fit by `and`."""
     if word == "or" and not all(names):
         return ""
-    found = ""
+    joined = ""
     for name in filter(None, names):
-        longer = f"{found}_{word}_{name}" if found else name
+        longer = f"{joined}_{word}_{name}" if joined else name
         if len(longer) <= LONGEST:
-            found = longer
+            joined = longer
         elif word == "or":
             return ""
-    return found
+    return joined

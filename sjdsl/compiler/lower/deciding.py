@@ -1,6 +1,7 @@
-"""Which reals decide something discrete: a test, a chance, what is rounded; and so do the fields and variables that these read.
+"""Finds the reals that decide something discrete: a test, a chance, what is rounded.
 
-Their arithmetic is exact (docs/semantics.md, section 4), which takes kernels of `sjdsl/runtime/exact_reals.py` in place of operators.
+So do the fields and variables that these read. Their arithmetic is exact (docs/semantics.md,
+section 4), which takes kernels of `sjdsl/runtime/exact_reals.py` in place of operators.
 """
 
 from collections.abc import Iterable, Iterator
@@ -12,7 +13,10 @@ from sjdsl.compiler.ir.queries import written_field
 
 
 class Deciding(Record):
-    """What of a game decides. fields: by holder and name; variables: the names that `let` and `draw` give."""
+    """The reals of a game that decide something.
+
+    fields: by holder and name. variables: the names that `let` and `draw` give.
+    """
 
     fields: frozenset[tuple[ir.Sort, str]]
     variables: frozenset[str]
@@ -25,25 +29,21 @@ class Deciding(Record):
 
 
 def deciding(game: ir.Game) -> Deciding:
-    """Returns what of a game's rules, observations and metrics decides; its checks are no part of the play."""
+    """Returns which reals decide in a game's rules, observations and metrics, not its checks."""
     played = game.rules.model_copy(update={"checks": ()})
     nodes = tuple(ir.walk(played))
     statements = [node for node in nodes if isinstance(node, ir.Set | ir.Add | ir.Let | ir.Draw)]
-    found = _read_by(root for node in nodes for root in _roots(node))
+    known = _read_by(expression for node in nodes for expression in _deciding_in(node))
     while True:
-        more = _read_by(
-            source
-            for statement in statements
-            if _is_read(statement, found)
-            for source in _sources(statement)
-        )
-        joined = Deciding(found.fields | more.fields, found.variables | more.variables)
-        if joined == found:
-            return found
-        found = joined
+        read = [s for s in statements if _is_read(s, known)]
+        more = _read_by(source for statement in read for source in _sources(statement))
+        joined = Deciding(known.fields | more.fields, known.variables | more.variables)
+        if joined == known:
+            return known
+        known = joined
 
 
-def _roots(node: ir.Node) -> Iterator[ir.Expr]:
+def _deciding_in(node: ir.Node) -> Iterator[ir.Expr]:
     """Yields the expressions of a node whose values decide."""
     match node:
         case ir.Compare():
@@ -62,24 +62,25 @@ def _roots(node: ir.Node) -> Iterator[ir.Expr]:
 
 def _read_by(expressions: Iterable[ir.Expr]) -> Deciding:
     """Returns the reals that expressions read."""
-    nodes = [node for expression in expressions for node in ir.walk(expression)]
-    fields = (
-        (node.held_by, node.name)
-        for node in nodes
-        if isinstance(node, ir.FieldRead) and node.type.kind == "real"
-    )
-    variables = (
-        node.name for node in nodes if isinstance(node, ir.Local) and node.type.kind == "real"
-    )
+    fields = set()
+    variables = set()
+    for expression in expressions:
+        for node in ir.walk(expression):
+            match node:
+                case ir.FieldRead(type=ir.Type(kind="real")):
+                    fields.add((node.held_by, node.name))
+                case ir.Local(type=ir.Type(kind="real")):
+                    variables.add(node.name)
     return Deciding(frozenset(fields), frozenset(variables))
 
 
-def _is_read(statement: ir.Stmt, found: Deciding) -> bool:
+def _is_read(statement: ir.Stmt, known: Deciding) -> bool:
+    """Returns whether a statement gives a value to what decides."""
     match statement:
         case ir.Let() | ir.Draw():
-            return statement.name in found.variables
+            return statement.name in known.variables
         case ir.Set() | ir.Add():
-            return found.has_field(written_field(statement.target))
+            return known.has_field(written_field(statement.target))
         case _:
             return False
 

@@ -1,7 +1,6 @@
 """Lowers domains: the axis that a quantifier adds, its membership mask, and the cells of shapes."""
 
 from dataclasses import replace
-from itertools import combinations
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -38,7 +37,10 @@ from sjdsl.compiler.program.expressions import (
 
 
 class Swept(Record):
-    """The cells of a shape around an anchor: in the frame, along `axis`; `ok`: on the map and reached."""
+    """The cells of a shape around an anchor, in the frame, along `axis`.
+
+    ok: which are on the map and not behind what blocks the shape.
+    """
 
     cells: Value
     axis: Axis
@@ -46,48 +48,52 @@ class Swept(Record):
 
 
 def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
-    """Returns the scope inside a domain: one more axis unless the member is determined, its mask and its variables."""
+    """Returns the scope inside a domain, with its variables and its mask.
+
+    It has one more axis, unless the domain has exactly one candidate.
+    """
     if isinstance(d.restriction, ir.Among):
         inner = _among(d, d.restriction, scope, w)
+    elif d.var.sort.what == "cell":
+        inner = _cells(d, scope, w)
     else:
-        inner = _cells(d, scope, w) if d.var.sort.what == "cell" else _bodies(d, scope, w)
+        inner = _bodies(d, scope, w)
     if d.on is not None:
         agent = inner.variables[d.var.name]
         assert isinstance(agent, AgentVar)
-        site, there = state_reads.site_under(agent, d.on.kinds, w)
-        inner = inner.binding(**{d.on.name: CellVar(site, d.on.kinds)}).when(there)
+        site, is_on = state_reads.site_under(agent, d.on.kinds, w)
+        inner = inner.binding(**{d.on.name: CellVar(site, d.on.kinds)}).when(is_on)
     if d.where is not None:
         inner = inner.when(w.value(d.where, inner.always()))
     return inner
 
 
 def is_empty(d: ir.Domain, w: Writer) -> bool:
-    """Returns whether nobody can ever be a member, because the map has no cell of a kind; tables of such cells have no entries."""
-    kinds = ([d.var.kinds] if d.var.sort.what == "cell" else []) + (
-        [d.on.kinds] if d.on is not None else []
-    )
-    return not all(map(w.module.layout.num_cells, kinds))
+    """Returns whether a domain can have no member, because the map has no cell of a kind.
+
+    Tables of such cells have no entries.
+    """
+    num_cells = w.module.layout.num_cells
+    if d.on is not None and not num_cells(d.on.kinds):
+        return True
+    return d.var.sort.what == "cell" and not num_cells(d.var.kinds)
 
 
 def in_set(members: Value, axis: Axis) -> Value:
-    """Returns which agents, along an axis, are in a set that is kept as bits, of a large one in several words."""
+    """Returns which agents, along an axis, are in a set that is kept as bits."""
     assert all(axis.order > a.order for a in members.axes)
-    return Value(
-        call("unpack" if members.levels else "from_bits", members.node, axis.extent),
-        "bool",
-        (*members.axes, axis),
-    )
+    kernel = "unpack" if members.levels else "from_bits"
+    return Value(call(kernel, members.node, axis.extent), "bool", (*members.axes, axis))
 
 
 def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
-    """Returns the set that a domain is, as bits, if it is nothing but a set of agents none of whom can be away."""
-    if (
-        not isinstance(d.restriction, ir.InAgents)
-        or d.restriction.value.type.kind != "agents"
-        or d.on
-        or d.where
-        or w.module.can_be_away()
-    ):
+    """Returns the set that a domain is, as bits.
+
+    None if it is more than a set of agents, or one of its members can be away.
+    """
+    if not isinstance(d.restriction, ir.InAgents) or d.on or d.where or w.module.can_be_away():
+        return None
+    if d.restriction.value.type.kind != "agents":
         return None
     return w.value(d.restriction.value, scope.always())
 
@@ -109,60 +115,60 @@ def extended(
 
 
 def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
-    n = w.module.extent(d.var.sort)
-    if isinstance(d.restriction, ir.InAgents) and d.restriction.value.type.kind in (
-        "agent",
-        "member",
-    ):
-        index = w.keep(d.var.name, w.value(d.restriction.value, scope))
-        variable = AgentVar(index)
-        inner = extended(scope, None, d, variable, index, n)
-        return inner.when(binary(">=", index, literal(0, "i32"), "bool")).when(
-            state_reads.present(variable, w)
-        )
-    axis = w.axis(d.var.name, n)
+    """Returns the scope inside a domain of agents or movers."""
+    extent = w.module.extent(d.var.sort)
+    match d.restriction:
+        case ir.InAgents(value=value) if value.type.kind in ("agent", "member"):
+            index = w.keep(d.var.name, w.value(value, scope))
+            variable = AgentVar(index)
+            inner = extended(scope, None, d, variable, index, extent)
+            inner = inner.when(binary(">=", index, literal(0, "i32"), "bool"))
+            return inner.when(state_reads.present(variable, w))
+    axis = w.axis(d.var.name, extent)
     variable = AgentVar(iota(axis), axis, d.var.sort)
-    inner = extended(scope, axis, d, variable, variable.index, n).when(
-        state_reads.present(variable, w)
-    )
+    inner = extended(scope, axis, d, variable, variable.index, extent)
+    inner = inner.when(state_reads.present(variable, w))
     match d.restriction:
         case ir.Near():
             return inner.when(agents_in(d.restriction, variable, inner, w))
-        case ir.InAgents():
-            return inner.when(in_set(w.value(d.restriction.value, scope), axis))
+        case ir.InAgents(value=value):
+            return inner.when(in_set(w.value(value, scope), axis))
         case _:
             return inner
 
 
 def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> IterationScope:
-    """`each agent as one in { a, b }`: an axis over the named variables; one agent or cell named twice counts once."""
+    """Returns the scope inside `each agent as one in { a, b }`, with an axis over the variables.
+
+    One agent or cell that is named twice counts once.
+    """
     axis = w.axis(d.var.name, len(among.members))
     indices = [number_in(d, scope.variables[m.name], w) for m in among.members]
     axes = union(*(i.axes for i in indices))
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
-    index = w.keep(
-        d.var.name, Value(call("jnp.stack", parts, axis=Literal(len(axes))), "i32", (*axes, axis))
-    )
-    variable = (
-        CellVar(index, d.var.kinds)
-        if d.var.sort.what == "cell"
-        else AgentVar(index, sort=d.var.sort)
-    )
-    there = (
-        state_reads.is_site(index, d.var.kinds, w)
-        if isinstance(variable, CellVar)
-        else state_reads.present(variable, w)
-    )
-    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort)).when(there)
-    for earlier, later in sorted(combinations(range(len(indices)), 2), key=lambda pair: pair[::-1]):
-        is_later = binary("==", iota(axis), literal(later, "i32"), "bool")
-        same = binary("==", indices[later], indices[earlier], "bool")
-        inner = inner.when(invert(both(is_later, same)))
+    stacked = call("jnp.stack", parts, axis=Literal(len(axes)))
+    index = w.keep(d.var.name, Value(stacked, "i32", (*axes, axis)))
+    variable: Variable
+    if d.var.sort.what == "cell":
+        variable = CellVar(index, d.var.kinds)
+        exists = state_reads.is_site(index, d.var.kinds, w)
+    else:
+        variable = AgentVar(index, sort=d.var.sort)
+        exists = state_reads.present(variable, w)
+    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort)).when(exists)
+    for later in range(len(indices)):
+        for earlier in range(later):
+            is_later = binary("==", iota(axis), literal(later, "i32"), "bool")
+            same = binary("==", indices[later], indices[earlier], "bool")
+            inner = inner.when(invert(both(is_later, same)))
     return inner
 
 
 def number_in(d: ir.Domain, member: Variable, w: Writer) -> Value:
-    """Returns the number of a variable among all that a domain may have; past the end of a cell of another kind."""
+    """Returns the number of a variable among all candidates of a domain.
+
+    For a cell of another kind it is past the end.
+    """
     if isinstance(member, AgentVar):
         return member.number
     if member.kinds == d.var.kinds:
@@ -171,24 +177,27 @@ def number_in(d: ir.Domain, member: Variable, w: Writer) -> Value:
 
 
 def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
-    if isinstance(d.restriction, ir.Near):
-        site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
-        return extended(scope, axis, d, CellVar(site, d.var.kinds), iota(axis), axis.extent).when(
-            ok
-        )
-    if isinstance(d.restriction, ir.InCell):
-        held = state_reads.held_cell(d.restriction.value, d.var.kinds, scope, w)
-        inner = extended(scope, None, d, held, held.site, w.module.num_cells(d.var.kinds))
-        return inner.when(state_reads.is_site(held.site, d.var.kinds, w))
-    axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
-    variable = CellVar(iota(axis), d.var.kinds, axis)
-    return extended(scope, axis, d, variable, variable.site, axis.extent)
+    """Returns the scope inside a domain of cells."""
+    kinds = d.var.kinds
+    match d.restriction:
+        case ir.Near():
+            site, axis, ok = sites_in(d.restriction, kinds, scope, w, d.var.name)
+            inner = extended(scope, axis, d, CellVar(site, kinds), iota(axis), axis.extent)
+            return inner.when(ok)
+        case ir.InCell(value=value):
+            held = state_reads.held_cell(value, kinds, scope, w)
+            inner = extended(scope, None, d, held, held.site, w.module.num_cells(kinds))
+            return inner.when(state_reads.is_site(held.site, kinds, w))
+        case _:
+            axis = w.axis(d.var.name, w.module.num_cells(kinds))
+            variable = CellVar(iota(axis), kinds, axis)
+            return extended(scope, axis, d, variable, variable.site, axis.extent)
 
 
 def sites_in(
     near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Writer, name: str
 ) -> tuple[Value, Axis, Value]:
-    """Returns the numbers (among `kinds`) of a shape's cells around an anchor, their axis, and which are there."""
+    """Returns a shape's cells around an anchor, by number among `kinds`, their axis and mask."""
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
     if isinstance(anchor, CellVar):
@@ -199,46 +208,31 @@ def sites_in(
         site = Value(node, "i32", (*anchor.site.axes, axis))
         return site, axis, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
-    site = w.keep(
-        f"{near.shape.split('(')[0]}_{'_'.join(kinds)}", state_reads.site_at(swept.cells, kinds, w)
-    )
-    return (
-        site,
-        swept.axis,
-        both(state_reads.is_site(site, kinds, w), swept.ok if has_inner_blocks(shape, w) else TRUE),
-    )
+    site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
+    exists = state_reads.is_site(site, kinds, w)
+    if has_inner_blocks(shape, w):
+        exists = both(exists, swept.ok)
+    return site, swept.axis, exists
 
 
 def neighbours_constant(near: ir.Near, anchor: CellVar, kinds: tuple[str, ...], w: Writer) -> Name:
-    """Returns the table of the numbers (among `kinds`) of a shape's cells around each cell of the anchor's kinds."""
+    """Returns the table of a shape's cells around each cell, by number among `kinds`."""
     shape = w.module.shape(near.shape)
     table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
-    label = f"{near.shape.split('(')[0]}_{'_'.join(kinds)}"
-    return w.module.constant(
-        label,
-        table,
-        f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none",
-    )
+    comment = f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none"
+    return w.module.constant(_site_name(near, kinds), table, comment)
+
+
+def _site_name(near: ir.Near, kinds: tuple[str, ...]) -> str:
+    return f"{near.shape.split('(')[0]}_{'_'.join(kinds)}"
 
 
 def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
-    """Whether some cell of the map ends a lane of the shape; off the map there is nothing to be shielded."""
+    """Returns whether some cell of the map may end a lane of the shape before its last cell."""
     if shape.see_through or not any(len(lane) > 1 for lane in shape.lanes):
         return False
-    return (
-        _by_state(shape, w)
-        or w.module.layout.count(w.module.layout.blocking_glyphs(shape.name)) > 0
-    )
-
-
-def _by_state(shape: ir.Shape, w: Writer) -> bool:
-    """Whether the state decides where a lane of the shape ends: a condition on cells, or agents in the way."""
-    cells = any(
-        b.what == shape.name and b.condition is not None
-        for k in w.module.game.kinds
-        for b in k.blocks
-    )
-    return cells or any(b.what == shape.name for b in w.module.game.agents.blocks)
+    layout = w.module.layout
+    return _has_changing_blocks(shape, w) or layout.count(layout.blocking_glyphs(shape.name)) > 0
 
 
 def shape_name(shape: str) -> str:
@@ -246,50 +240,69 @@ def shape_name(shape: str) -> str:
     return "_".join("".join(c if c.isalnum() else " " for c in shape).split())
 
 
+def _has_changing_blocks(shape: ir.Shape, w: Writer) -> bool:
+    """Returns whether agents, or cells under a condition, may end a lane of the shape."""
+    game = w.module.game
+    if any(b.what == shape.name for b in game.agents.blocks):
+        return True
+    blocks = [b for kind in game.kinds for b in kind.blocks]
+    return any(b.what == shape.name and b.condition is not None for b in blocks)
+
+
 def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
-    """Returns the cells of a shape around an agent or a cell, such as a beam's, up to what blocks it."""
+    """Returns the cells of a shape around an agent or a cell, such as a beam's.
+
+    The cells of one shape around one anchor have one axis in all of a function, so that they are
+    the same array wherever they are read.
+    """
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
     offsets = w.module.layout.offsets_table(shape)
     ident = shape_name(near.shape)
-    name = w.module.constant(
-        f"{ident}_offsets", offsets, f"cells of {shape.name} from an agent's cell, for each heading"
-    )
-    if (
-        (ident, anchor) not in w.shape_axes
-    ):  # one axis a shape and anchor, so that cells found twice are the same array
-        size = w.module.number(
-            f"num_{ident}_cells", sum(map(len, shape.lanes)), "cells of the shape"
-        )
+    comment = f"cells of {shape.name} from an agent's cell, for each heading"
+    table = w.module.constant(f"{ident}_offsets", offsets, comment)
+    if (ident, anchor) not in w.shape_axes:
+        num_cells = sum(map(len, shape.lanes))
+        size = w.module.number(f"num_{ident}_cells", num_cells, "cells of the shape")
         w.shape_axes[ident, anchor] = w.axis(ident, size)
     axis = w.shape_axes[ident, anchor]
     if isinstance(anchor, AgentVar):
-        at, facing = state_reads.position(anchor, w), state_reads.heading(anchor, w)
+        at = state_reads.position(anchor, w)
+        facing = state_reads.heading(anchor, w)
     else:  # a cell has no heading, and the shapes around cells have no direction
-        at, facing = state_reads.cell(anchor, w), literal(0, "i32")
-    step = Value(
-        Index(name, (Literal(0) if shape.see_through else facing.node,)),
-        "i32",
-        (axis,) if shape.see_through else (*at.axes, axis),
-    )
-    cells = w.keep(f"{ident}_cells", _plus(at, step, axis, w))
+        at = state_reads.cell(anchor, w)
+        facing = literal(0, "i32")
+    if shape.see_through:
+        steps = Value(Index(table, (Literal(0),)), "i32", (axis,))
+    else:
+        steps = Value(Index(table, (facing.node,)), "i32", (*at.axes, axis))
+    cells = w.keep(f"{ident}_cells", _plus(at, steps, axis, w))
     ok = _reached(shape, ident, at, facing, cells, axis, w)
-    if any(
-        a.order >= axis.order for a in scope.axes
-    ):  # the same shape of the same agent once more inside itself, or in a later statement
-        other = replace(w.axis(ident, axis.size), constant=axis.constant)
-        cells, ok = (
-            replace(v, axes=tuple(other if a == axis else a for a in v.axes)) for v in (cells, ok)
-        )
-        axis = other
+    if any(a.order >= axis.order for a in scope.axes):
+        # The shape has been swept around or before an axis of this scope: it gets a new axis here.
+        renamed = replace(w.axis(ident, axis.size), constant=axis.constant)
+        cells = _with_axis(cells, axis, renamed)
+        ok = _with_axis(ok, axis, renamed)
+        axis = renamed
     return Swept(cells, axis, ok)
 
 
-def _plus(at: Value, step: Value, axis: Axis, w: Writer) -> Value:
-    """Returns cells with the steps to each cell of a shape added; the shape's axis comes last, whenever it was made."""
+def _with_axis(value: Value, axis: Axis, renamed: Axis) -> Value:
+    return replace(value, axes=tuple(renamed if a == axis else a for a in value.axes))
+
+
+def _plus(at: Value, steps: Value, axis: Axis, w: Writer) -> Value:
+    """Returns cells with the steps to each cell of a shape added.
+
+    The shape's axis comes last, whenever it was made.
+    """
     axes = (*at.axes, axis)
-    lead = Index(at.node, (*[ALL] * len(at.axes), NEW_AXIS)) if at.axes else at.node
-    tail = Index(step.node, (*[NEW_AXIS] * len(at.axes), ALL)) if step.axes != axes else step.node
+    lead = at.node
+    if at.axes:
+        lead = Index(lead, (*[ALL] * len(at.axes), NEW_AXIS))
+    tail = steps.node
+    if steps.axes != axes:
+        tail = Index(tail, (*[NEW_AXIS] * len(at.axes), ALL))
     return state_reads.on_map(Value(Binary("+", lead, tail), "i32", axes), w)
 
 
@@ -297,48 +310,42 @@ def _reached(
     shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value, axis: Axis, w: Writer
 ) -> Value:
     """Returns which of the cells are on the map and not behind a cell that blocks the shape."""
-    inside = w.module.constant(
-        "inside", w.module.layout.inside_table, "cells of the map in the frame"
-    )
+    inside_table = w.module.layout.inside_table
+    inside = w.module.constant("inside", inside_table, "cells of the map in the frame")
     on_map = Value(Index(inside, (cells.node,)), "bool", cells.axes)
     if not has_inner_blocks(shape, w):
         return on_map
-    if _by_state(shape, w):
+    if _has_changing_blocks(shape, w):
         return w.keep(f"{ident}_reached", _walked(shape, on_map, cells, w))
     if axis.size > 32:
-        what = f"a shape of {axis.size} cells that something on the map blocks (at most 32)"
-        raise NotSupported(what, shape.origin, "make it smaller, or let nothing block it")
+        feature = f"a shape of {axis.size} cells that something on the map blocks (at most 32)"
+        raise NotSupported(feature, shape.origin, "make it smaller, or let nothing block it")
     dtype: DType = "u8" if axis.size <= 8 else "u32"
     comment = f"cells of {shape.name} not behind what blocks it: bits by cell and heading"
     table = w.module.constant(f"{ident}_reach", w.module.layout.reach_table(shape), comment)
-    entry = binary(
-        "+", binary("*", at, literal(4, "i32"), "i32"), replace(facing, axes=at.axes), "i32"
-    )
+    row = binary("*", at, literal(4, "i32"), "i32")
+    entry = binary("+", row, replace(facing, axes=at.axes), "i32")
     bits = w.keep(f"{ident}_bits", Value(Index(table, (entry.node,)), dtype, at.axes))
-    return w.keep(
-        f"{ident}_reached",
-        Value(call("from_bits", bits.node, axis.extent), "bool", (*at.axes, axis)),
-    )
+    reached = call("from_bits", bits.node, axis.extent)
+    return w.keep(f"{ident}_reached", Value(reached, "bool", (*at.axes, axis)))
 
 
 def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
-    """Lanes that may end at cells whose state decides: walked cell by cell."""
-    layout = w.module.layout
-    fixed = w.module.constant(
-        f"blocks_{shape.name}",
-        layout.blocking_table(shape.name),
-        f"cells that always block {shape.name}",
-    )
+    """Returns which cells are reached if lanes may end at cells whose state decides."""
+    name = shape.name
+    comment = f"cells that always block {name}"
+    table = w.module.layout.blocking_table(name)
+    fixed = w.module.constant(f"blocks_{name}", table, comment)
     blocked = Value(Index(fixed, (cells.node,)), "bool", cells.axes)
-    for condition, kind in conditional_blocks(shape.name, w):
+    for condition, kind in conditional_blocks(name, w):
         blocked = binary("|", blocked, blocked_by(condition, kind, cells, w), "bool")
     for block in w.module.game.agents.blocks:
-        if block.what == shape.name:
+        if block.what == name:
             blocked = binary("|", blocked, _agents_block(block, cells, w), "bool")
-    blocked = w.keep(f"{shape.name}_blocked", blocked)
-    starts = constant([at == 0 for lane in shape.lanes for at in range(len(lane))])
+    blocked = w.keep(f"{name}_blocked", blocked)
+    starts = constant([number == 0 for lane in shape.lanes for number in range(len(lane))])
     first = w.module.constant(
-        f"{shape.name}_starts", starts, f"first cells of the lanes of {shape.name}", "bool"
+        f"{name}_starts", starts, f"first cells of the lanes of {name}", "bool"
     )
     return Value(call("reached", blocked.node, on_map.node, first), "bool", cells.axes)
 
@@ -349,22 +356,24 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
     if block.condition is not None:
         axis = w.axis("blocker", w.module.agents)
         scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
-        stops = Index(
-            spread(w.value(block.condition, scope), (axis,)), (*(NEW_AXIS for _ in cells.axes), ALL)
-        )
+        stops = spread(w.value(block.condition, scope), (axis,))
+        stops = Index(stops, (*(NEW_AXIS for _ in cells.axes), ALL))
         standing = Binary("&", standing, stops)
     return Value(Reduce("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
 
-def conditional_blocks(what: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
-    """Returns what blocks agents, a sort of movers or a shape under conditions, each with the kind of the cells."""
-    kinds = [kind for kind in w.module.game.kinds if w.module.layout.num_cells((kind.name,))]
-    return [
-        (block, kind)
-        for kind in kinds
-        for block in kind.blocks
-        if block.what == what and block.condition is not None
-    ]
+def conditional_blocks(name: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
+    """Returns what blocks something under conditions, each with the kind of the cells.
+
+    name: "agents", or that of movers or of a shape.
+    """
+    pairs = []
+    for kind in w.module.game.kinds:
+        if w.module.layout.num_cells((kind.name,)):
+            for block in kind.blocks:
+                if block.what == name and block.condition is not None:
+                    pairs.append((block, kind))
+    return pairs
 
 
 def blocked_by(
@@ -372,15 +381,13 @@ def blocked_by(
 ) -> Value:
     """Returns which of the cells are of a kind and block, by the state of the snapshot."""
     site = state_reads.site_at(cells, (kind.name,), w)
-    if agent is None and any(
-        isinstance(n, ir.Member) and n.sort.what == "agent" for n in ir.walk(block)
-    ):
-        what = "a shape blocked by a condition on the agent"
-        raise NotSupported(
-            what,
-            block.origin,
-            "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone",
+    members = [n for n in ir.walk(block) if isinstance(n, ir.Member)]
+    if agent is None and any(member.sort.what == "agent" for member in members):
+        instead = (
+            "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone"
         )
+        feature = "a shape blocked by a condition on the agent"
+        raise NotSupported(feature, block.origin, instead)
     variables: dict[str, Variable] = {kind.name: CellVar(site, (kind.name,))}
     if agent is not None:
         variables[agent.sort.name] = agent
@@ -394,27 +401,27 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
     assert variable.axis is not None
+    ok = TRUE
     if isinstance(anchor, CellVar):
         around = Index(w.module.layout.offsets_table(shape), (Literal(0),))
-        offsets = w.module.constant(
-            f"{shape.name.split('(')[0]}_around", around, f"cells of {shape.name}"
-        )
+        name = f"{shape.name.split('(')[0]}_around"
+        offsets = w.module.constant(name, around, f"cells of {shape.name}")
         axis = w.axis("around", sum(map(len, shape.lanes)))
-        cells, ok = (
-            _plus(state_reads.cell(anchor, w), Value(offsets, "i32", (axis,)), axis, w),
-            TRUE,
-        )
+        steps = Value(offsets, "i32", (axis,))
+        cells = _plus(state_reads.cell(anchor, w), steps, axis, w)
     else:
         swept = sweep(near, scope, w)
-        cells, ok = swept.cells, swept.ok if has_inner_blocks(shape, w) else TRUE
-    axes = (*cells.axes[:-1], variable.axis) if variable.axis not in cells.axes else cells.axes[:-1]
-    here = stand_on(cells, state_reads.position(variable, w).node)
+        cells = swept.cells
+        if has_inner_blocks(shape, w):
+            ok = swept.ok
+    axes = cells.axes[:-1]
+    if variable.axis not in cells.axes:
+        axes = (*axes, variable.axis)
+    standing = stand_on(cells, state_reads.position(variable, w).node)
     if ok != TRUE:
-        here = Binary("&", here, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
-    return w.keep(
-        f"in_{shape_name(near.shape)}",
-        Value(Reduce("any", here, (len(cells.axes) - 1,)), "bool", axes),
-    )
+        standing = Binary("&", standing, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
+    inside = Value(Reduce("any", standing, (len(cells.axes) - 1,)), "bool", axes)
+    return w.keep(f"in_{shape_name(near.shape)}", inside)
 
 
 def stand_on(cells: Value, position: Expression) -> Expression:

@@ -1,4 +1,4 @@
-"""Lowers random draws: one number of a stream for every instance, and the distribution made of it."""
+"""Lowers random draws: 32 random bits for every instance, and the distribution made of them."""
 
 from dataclasses import replace
 
@@ -35,34 +35,27 @@ KEY = Name("key")
 
 
 def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | None = None) -> Value:
-    """Returns 32 random bits an instance; with `extra` for each member of that axis too (numbered inside the instance)."""
+    """Returns 32 random bits for each instance, or for each member of another axis in it."""
     digits = scope.digits if extra is None else (*scope.digits, (iota(extra), extra.extent))
     if need_no_state(digits):
         axes = tuple(digit.axes[0] for digit, _ in digits)
-        return Value(
-            call("random_bits", KEY, w.stream(stream), *(a.extent for a in axes)), "u32", axes
-        )
+        extents = [axis.extent for axis in axes]
+        return Value(call("random_bits", KEY, w.stream(stream), *extents), "u32", axes)
     number = literal(0, "i32")
     for digit, radix in digits:
         number = binary("+", binary("*", number, Value(radix, "i32"), "i32"), digit, "i32")
-    bits = call(
-        "random_bits_at",
-        KEY,
-        w.stream(stream),
-        w.keep(
-            "instance",
-            Value(
-                as_array(number.node, "u32") if number.literal else Cast(number.node, "u32"),
-                "u32",
-                number.axes,
-            ),
-        ).node,
-    )
+    node = as_array(number.node, "u32") if number.literal else Cast(number.node, "u32")
+    stream_number = w.stream(stream)
+    instance = w.keep("instance", Value(node, "u32", number.axes))
+    bits = call("random_bits_at", KEY, stream_number, instance.node)
     return w.keep("word", Value(bits, "u32", number.axes))
 
 
 def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
-    """Whether random bits depend on the key alone: each digit of the index simply counts along its axis."""
+    """Returns whether random bits depend on the key alone.
+
+    Each digit of an instance's number then simply counts along its axis.
+    """
     return all(
         isinstance(digit.node, Arange)
         and len(digit.axes) == 1
@@ -72,31 +65,32 @@ def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
 
 
 def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value], Value]:
-    """Returns when each branch of a chain happens, and when none does: one word, compared with rising thresholds."""
-    word = binary(">>", random_bits(s.stream, scope, w), literal(1, "u32"), "u32")
-    word = w.keep("word", word) if len(s.branches) > 1 or s.otherwise else word
+    """Returns when each branch of a chain happens, and when none does.
+
+    The same random bits are compared with a rising limit for each branch.
+    """
+    is_chain = len(s.branches) > 1
+    bits = binary(">>", random_bits(s.stream, scope, w), literal(1, "u32"), "u32")
+    if is_chain or s.otherwise:
+        bits = w.keep("word", bits)
     happens: list[Value] = []
-    before: Value | None = None
+    lower: Value | None = None  # the limit of the branch before
     for branch in s.branches:
-        if before is None:
+        if lower is None:
             limit = first_limit(branch.test, scope, w)
         else:
-            with w.deciding():
-                p = operand(branch.test, _probability(branch.test, scope, w), w)
-            axes = union(before.axes, p.axes)
-            limit = Value(
-                call("next_threshold", aligned(before, axes), _array(p, axes)), "u32", axes
-            )
-        if len(s.branches) > 1:
-            limit = w.keep(_named(branch, "limit"), limit)
-        hit = binary("<", word, limit, "bool")
-        if before is not None:
-            hit = binary("&", hit, binary(">=", word, before, "bool"), "bool")
-        happens.append(w.keep(_named(branch, "happens") if len(s.branches) > 1 else "happens", hit))
-        before = limit
-    assert before is not None
-    last = happens[0] if len(s.branches) == 1 else binary("<", word, before, "bool")
-    return happens, invert(last)
+            limit = _next_limit(lower, branch.test, scope, w)
+        if is_chain:
+            limit = w.keep(_branch_name(branch, "limit"), limit)
+        hit = binary("<", bits, limit, "bool")
+        if lower is not None:
+            hit = binary("&", hit, binary(">=", bits, lower, "bool"), "bool")
+        name = _branch_name(branch, "happens") if is_chain else "happens"
+        happens.append(w.keep(name, hit))
+        lower = limit
+    assert lower is not None
+    any_happens = binary("<", bits, lower, "bool") if is_chain else happens[0]
+    return happens, invert(any_happens)
 
 
 def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -105,76 +99,92 @@ def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value
     return Value(call("threshold", _array(p)), "u32", p.axes)
 
 
-def _named(branch: ir.Branch, what: str) -> str:
-    """Returns a name for a fact about one of several branches, after its probability if that has a name."""
+def _next_limit(lower: Value, probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns the limit below which a branch of a chain happens, or one before it."""
+    with w.deciding():
+        p = operand(probability, _probability(probability, scope, w), w)
+    axes = union(lower.axes, p.axes)
+    return Value(call("next_threshold", aligned(lower, axes), _array(p, axes)), "u32", axes)
+
+
+def _branch_name(branch: ir.Branch, noun: str) -> str:
+    """Returns a name for a fact about a branch, after its probability if that has a name."""
     name = "" if isinstance(branch.test, ir.Number) else value_name(branch.test)
-    return f"{name}_{what}".strip("_")
+    return f"{name}_{noun}".strip("_")
 
 
 def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns a probability; where a guard alone keeps it from being negative, what rounding has brought below 0 is 0."""
+    """Returns a probability.
+
+    Where only a guard keeps it from being negative, rounding may bring it below 0: it is 0 then.
+    """
     with w.deciding():
         p = real(e, scope.always(), w)
-    return replace(p, node=call("jnp.maximum", p.node, Literal(0.0))) if e.type.low < 0 else p
+    if e.type.low < 0:
+        return replace(p, node=call("jnp.maximum", p.node, Literal(0.0)))
+    return p
 
 
 def _array(p: Value, axes: tuple[Axis, ...] | None = None) -> Expression:
+    """Returns a probability as an array, lined up with axes."""
     return scalar(p.node, "f32") if p.literal else aligned(p, p.axes if axes is None else axes)
 
 
 def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     """Returns a drawn number or word."""
-    word = random_bits(s.stream, scope, w)
-    if s.words and not s.weights:
-        return w.keep(
-            s.name,
-            Value(Cast(call("below", word.node, Literal(len(s.words))), "u8"), "u8", word.axes),
-        )
+    bits = random_bits(s.stream, scope, w)
     if s.weights:
-        return w.keep(s.name, _weighted(s, word, scope, w))
+        return w.keep(s.name, _weighted(s, bits, scope, w))
+    if s.words:
+        place = Cast(call("below", bits.node, Literal(len(s.words))), "u8")
+        return w.keep(s.name, Value(place, "u8", bits.axes))
     assert s.low is not None and s.high is not None
     if s.type.kind == "real":
-        return w.keep(s.name, _between(s, s.low, s.high, word, scope, w))
-    low, high = (as_dtype(w.value(x, scope.always()), "i32") for x in (s.low, s.high))
+        return w.keep(s.name, _between(s, s.low, s.high, bits, scope, w))
+    low = as_dtype(w.value(s.low, scope.always()), "i32")
+    high = as_dtype(w.value(s.high, scope.always()), "i32")
     span = binary("+", binary("-", high, low, "i32"), literal(1, "i32"), "i32")
-    axes = union(word.axes, span.axes)
-    drawn = Value(call("below", aligned(word, axes), aligned(span, axes)), "i32", axes)
+    axes = union(bits.axes, span.axes)
+    drawn = Value(call("below", aligned(bits, axes), aligned(span, axes)), "i32", axes)
     return w.keep(s.name, binary("+", drawn, low, "i32"))
 
 
 def _between(
-    s: ir.Draw, low: ir.Expr, high: ir.Expr, word: Value, scope: IterationScope, w: Writer
+    s: ir.Draw, low: ir.Expr, high: ir.Expr, bits: Value, scope: IterationScope, w: Writer
 ) -> Value:
     """Returns a real drawn between two others."""
     with w.deciding(s.name in w.module.deciding.variables):
-        start, end = (operand(x, real(x, scope.always(), w), w) for x in (low, high))
-        place = replace(word, node=call("unit", word.node), dtype="f32")
-        length = binary("-", end, start, "f32")
-        way = binary("*", length, place, "f32")
+        start = operand(low, real(low, scope.always(), w), w)
+        end = operand(high, real(high, scope.always(), w), w)
+        share = replace(bits, node=call("unit", bits.node), dtype="f32")
+        offset = binary("*", binary("-", end, start, "f32"), share, "f32")
         if w.exact:
-            way = replace(way, node=call("exactly", way.node))
-        return binary("+", start, way, "f32")
+            offset = replace(offset, node=call("exactly", offset.node))
+        return binary("+", start, offset, "f32")
 
 
-def _weighted(s: ir.Draw, word: Value, scope: IterationScope, w: Writer) -> Value:
-    shifted = w.keep("word", binary(">>", word, literal(1, "u32"), "u32"))
+def _weighted(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
+    """Returns a word's number, or a whole number, drawn with weights."""
+    shifted = w.keep("word", binary(">>", bits, literal(1, "u32"), "u32"))
     total: Value | None = None
-    result = literal(0, "i32")
+    place = literal(0, "i32")
     for weight in s.weights[:-1]:
         with w.deciding():
             p = _probability(weight, scope, w)
-            total = p if total is None else _more(total, weight, p, w)
+            total = p if total is None else _add_weight(total, weight, p, w)
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
-        result = binary("+", result, as_dtype(binary(">=", shifted, limit, "bool"), "i32"), "i32")
+        is_later = as_dtype(binary(">=", shifted, limit, "bool"), "i32")
+        place = binary("+", place, is_later, "i32")
     if s.numbers:
-        table = w.module.constant(
-            f"{s.name}_values", constant(list(s.numbers)), f"what `{s.name}` is drawn from", "i32"
-        )
-        return replace(result, node=Index(table, (result.node,)))
-    return as_dtype(result, "u8")
+        values = constant(list(s.numbers))
+        comment = f"what `{s.name}` is drawn from"
+        table = w.module.constant(f"{s.name}_values", values, comment, "i32")
+        return replace(place, node=Index(table, (place.node,)))
+    return as_dtype(place, "u8")
 
 
-def _more(total: Value, weight: ir.Expr, p: Value, w: Writer) -> Value:
+def _add_weight(total: Value, weight: ir.Expr, p: Value, w: Writer) -> Value:
     """Returns the sum of some weights and the next one."""
-    before = total if total.literal else replace(total, node=call("exactly", total.node))
-    return binary("+", before, operand(weight, p, w), "f32")
+    if not total.literal:
+        total = replace(total, node=call("exactly", total.node))
+    return binary("+", total, operand(weight, p, w), "f32")

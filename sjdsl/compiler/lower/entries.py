@@ -1,6 +1,6 @@
-"""Lowers entries of rows and tables: the place that a key stands for, and rows whose entries an axis runs along.
+"""Lowers entries of rows and tables: places of keys, and rows along an axis.
 
-agent.trust[b] of two axes is the stored table itself, one side of it being the row: nothing is looked up.
+agent.trust[b] with two axes is the stored table itself: nothing is looked up.
 """
 
 from dataclasses import replace
@@ -51,7 +51,11 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
 
 
 def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
-    """Returns the place of an entry in its row: of a word in the row's own set, of a number from the first one, of an agent its number."""
+    """Returns the place of an entry in its row.
+
+    It is that of a word in the row's own set, a number's distance from the first, or an agent's
+    number.
+    """
     if isinstance(e, ir.Word) and level.sort != "word":
         return literal(level.place_of(e.value), "i32")
     key = w.value(e, scope)
@@ -65,31 +69,29 @@ def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value
 
 
 def whole_axis(key: ir.Expr, scope: IterationScope) -> Axis | None:
-    """Returns the axis along which a key is each agent once, in the order of their numbers; None for all other keys."""
-    who = scope.variables[key.name] if isinstance(key, ir.Member) else None
-    return who.axis if isinstance(who, AgentVar) else None
+    """Returns the axis along which a key is each agent once, in order; None for other keys."""
+    variable = scope.variables[key.name] if isinstance(key, ir.Member) else None
+    return variable.axis if isinstance(variable, AgentVar) else None
 
 
 def unrolled(row: Value, along: Axis) -> Value:
-    """Returns a row as what it holds along an axis, one entry for each place."""
+    """Returns a row as values along an axis, one for each entry."""
     axes = union(row.axes, (along,))
-    place, first = axes.index(along), len(row.axes)
-    node = (
-        row.node
-        if place == first
-        else array.call("jnp.moveaxis", row.node, array.Literal(first), array.Literal(place))
-    )
+    place = axes.index(along)
+    first_level = len(row.axes)
+    node = row.node
+    if place != first_level:
+        node = array.call("jnp.moveaxis", node, array.Literal(first_level), array.Literal(place))
     return replace(row, node=node, axes=axes, levels=row.levels - 1)
 
 
 def rolled(node: array.Expression, axes: tuple[Axis, ...], along: Axis) -> array.Expression:
-    """Returns an array over axes with one of them last: what `unrolled` was given."""
-    place, last = axes.index(along), len(axes) - 1
-    return (
-        node
-        if place == last
-        else array.call("jnp.moveaxis", node, array.Literal(place), array.Literal(last))
-    )
+    """Returns an array over axes with one of them last: the inverse of `unrolled`."""
+    place = axes.index(along)
+    last = len(axes) - 1
+    if place == last:
+        return node
+    return array.call("jnp.moveaxis", node, array.Literal(place), array.Literal(last))
 
 
 def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
@@ -102,12 +104,12 @@ def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
 
 
 def words_first(sets: array.Expression) -> array.Expression:
-    """Returns large sets with the axis of their words first, so that the entries of rows stand last as those of other rows do."""
+    """Returns large sets with the axis of their words first, so that entries come last."""
     return array.call("jnp.moveaxis", sets, array.Literal(-1), array.Literal(0))
 
 
 def words_last(sets: array.Expression) -> array.Expression:
-    """Returns what was made of `words_first` as sets are kept."""
+    """Returns large sets as they are stored: the inverse of `words_first`."""
     return array.call("jnp.moveaxis", sets, array.Literal(0), array.Literal(-1))
 
 
@@ -130,34 +132,30 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
 
 def to_words(
     value: Value,
-    given: tuple[str, ...],
-    wanted: tuple[str, ...],
+    old: tuple[str, ...],
+    new: tuple[str, ...],
     w: Writer,
     declared: ir.VarField | None = None,
 ) -> Value:
-    """Returns a word of the set `given`, renumbered for the set `wanted`; ABSENT where that lacks it.
+    """Returns a word of the set `old`, numbered as in the set `new`; ABSENT where that lacks it.
 
     Args:
       declared: the field that the word will be a value of; names the constant of a literal.
     """
-    if given == wanted and not (value.literal and declared):
+    if old == new and not (value.literal and declared):
         return value
     if value.literal:
-        word = given[int(value.number)]
-        return w.module.word(word, wanted, declared) if word in wanted else literal(ABSENT, "u8")
-    numbers = [wanted.index(x) if x in wanted else ABSENT for x in given]
-    shift = numbers[-1] - (
-        len(numbers) - 1
-    )  # uint8 wraps around, so a shift may also lead to ABSENT
-    if numbers == [(shift + i) % 256 for i in range(len(numbers))]:
-        return binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
-    if len(numbers) > 4 and numbers[1:] == [
-        (shift + i) % 256 for i in range(1, len(numbers))
-    ]:  # all but the first
-        others = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
-        return select(
-            binary("==", value, literal(0, "u8"), "bool"), literal(numbers[0], "u8"), others
-        )
-    return replace(
-        value, node=array.Index(array.as_array(array.constant([*numbers]), "u8"), (value.node,))
-    )
+        word = old[int(value.number)]
+        return w.module.word(word, new, declared) if word in new else literal(ABSENT, "u8")
+    numbers = [new.index(word) if word in new else ABSENT for word in old]
+    # Adding one number may do; uint8 wraps around, so that it may also lead to ABSENT.
+    shift = numbers[-1] - (len(numbers) - 1)
+    shifted = [(shift + i) % 256 for i in range(len(numbers))]
+    if numbers[1:] == shifted[1:] and (numbers[0] == shifted[0] or len(numbers) > 4):
+        moved = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
+        if numbers[0] == shifted[0]:
+            return moved
+        is_first = binary("==", value, literal(0, "u8"), "bool")
+        return select(is_first, literal(numbers[0], "u8"), moved)
+    table = array.as_array(array.constant(numbers), "u8")
+    return replace(value, node=array.Index(table, (value.node,)))

@@ -56,12 +56,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Nowhere():
             return state_reads.no_cell(w)
         case ir.ParamRef():
-            return Value(
-                array.path(f"params.{param_attribute(e.name)}"),
-                VALUE_DTYPES[e.type.kind],
-                (),
-                len(e.type.by),
-            )
+            node = array.path(f"params.{param_attribute(e.name)}")
+            return Value(node, VALUE_DTYPES[e.type.kind], (), len(e.type.by))
         case ir.Member():
             return scope.variables[e.name].number
         case ir.Local():
@@ -89,39 +85,23 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.InWords():
             return _is_one_of(lower(e.value, scope, w), e.words, e.value, w)
         case ir.InSet():
-            container, value = lower(e.container, scope, w), lower(e.value, scope, w)
-            if container.levels:
-                axes = union(container.axes, value.axes)
-                return Value(
-                    array.call("has_member", aligned_row(container, axes), aligned(value, axes)),
-                    "bool",
-                    axes,
-                )
-            bit = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
-            return binary(
-                "!=", binary("&", bit, literal(1, "u32"), "u32"), literal(0, "u32"), "bool"
-            )
+            return in_set(e, scope, w)
         case ir.IsEmpty():
             container = lower(e.container, scope, w)
             empty = binary("==", container, literal(0, "u32"), "bool")
-            return (
-                replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0)
-                if container.levels
-                else empty
-            )
+            if not container.levels:
+                return empty
+            return replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0)
         case ir.Chose():
-            return binary(
-                "==",
-                chosen.action_of(e.agent, scope),
-                Value(w.module.action(e.action), "i32"),
-                "bool",
-            )
+            action = Value(w.module.action(e.action), "i32")
+            return binary("==", chosen.action_of(e.agent, scope), action, "bool")
         case ir.Unoccupied():
             cell = owner(e.cell, scope, w)
             assert isinstance(cell, CellVar)
             return invert(state_reads.occupied(cell, w))
         case ir.StandsOn():
-            return state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)[1]
+            _, is_on = state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)
+            return is_on
         case ir.StandsAt():
             return stands_at(e, scope, w)
         case ir.ChoseWith():
@@ -138,53 +118,29 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Extreme():
             return extreme(e, scope, w)
         case ir.SumRow():
-            row, reduction = lower(e.row, scope, w), REDUCTIONS[e.fn]
-            if reduction.adds and w.exact and row.dtype == "f32":
-                return replace(
-                    row,
-                    node=array.call("exact_sum", row.node, array.Literal(len(row.axes))),
-                    levels=0,
-                )
-            node = summed(row.node, row.dtype) if reduction.adds else row.node
-            return replace(
-                row,
-                node=array.Reduce(
-                    reduction.array, node, (-1,), row.dtype if reduction.adds else None
-                ),
-                levels=0,
-            )
+            return sum_row(e, scope, w)
         case ir.Lowest():
             with w.deciding():
                 row = lower(e.row, scope, w)
-            return replace(
-                row,
-                node=array.call("highest" if e.last else "lowest", row.node),
-                dtype="u8",
-                levels=0,
-            )
+            node = array.call("highest" if e.last else "lowest", row.node)
+            return replace(row, node=node, dtype="u8", levels=0)
         case ir.Mix():
             row = lower(e.row, scope, w)
-            return Value(
-                array.call("exact_mix" if w.exact else "mix", row.node), "f32", row.axes, 1
-            )
+            node = array.call("exact_mix" if w.exact else "mix", row.node)
+            return Value(node, "f32", row.axes, 1)
         case ir.ShiftRow():
             return shift(e, scope, w)
         case ir.Case():
             return case(e, scope, w)
-        case ir.Named():  # short conditions are written out, all else is kept under its name for all who read it
+        case ir.Named():
             value = lower(e.value, scope, w)
-            return (
-                value
-                if value.dtype == "bool" and len(list(walk(value.node))) < LARGE
-                else w.keep(e.name, value)
-            )
+            is_short = value.dtype == "bool" and len(list(walk(value.node))) < LARGE
+            return value if is_short else w.keep(e.name, value)
         case ir.Narrowed():
             return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
-        case ir.Before():  # of the state before the step, which a function of checks is given beside the state
-            here, w.state = w.state, "before"
-            value = lower(e.value, scope, w)
-            w.state = here
-            return value
+        case ir.Before():
+            with w.reading("before"):  # a parameter of the functions of checks
+                return lower(e.value, scope, w)
         case ir.EventTotal() | ir.MatrixClass():
             raise AssertionError(e)
         case _:
@@ -196,31 +152,59 @@ def nobody(w: Writer) -> Value:
     return Value(w.module.number("nobody", NOBODY, "in place of an agent's number"), "i32")
 
 
+def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
+    """Returns whether an agent is in a set, which is kept as bits."""
+    container = lower(e.container, scope, w)
+    value = lower(e.value, scope, w)
+    if container.levels:
+        axes = union(container.axes, value.axes)
+        node = array.call("has_member", aligned_row(container, axes), aligned(value, axes))
+        return Value(node, "bool", axes)
+    shifted = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
+    bit = binary("&", shifted, literal(1, "u32"), "u32")
+    return binary("!=", bit, literal(0, "u32"), "bool")
+
+
+def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
+    """Returns the sum or an extreme of all entries of a row."""
+    row = lower(e.row, scope, w)
+    reduction = REDUCTIONS[e.fn]
+    node: array.Expression
+    if not reduction.adds:
+        node = array.Reduce(reduction.array, row.node, (-1,), None)
+    elif w.exact and row.dtype == "f32":
+        node = array.call("exact_sum", row.node, array.Literal(len(row.axes)))
+    else:
+        node = array.Reduce(reduction.array, summed(row.node, row.dtype), (-1,), row.dtype)
+    return replace(row, node=node, levels=0)
+
+
 def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
     """Returns a row with its entries moved on."""
-    row, filler = lower(e.row, scope, w), lower(e.filler, scope, w)
+    row = lower(e.row, scope, w)
+    filler = lower(e.filler, scope, w)
     match e.type.kind:
         case "word":
             filler = to_words(filler, e.filler.type.words, e.type.words, w)
         case "agents":
-            filler = literal(0, row.dtype) if isinstance(e.filler, ir.Nobody) else filler
+            if isinstance(e.filler, ir.Nobody):
+                filler = literal(0, row.dtype)
         case "cell":
             filler = state_reads.kept_cell(e.filler, scope, w)
-        case "int" | "real":
-            row, filler = (
-                as_dtype(part, "i32" if e.type.kind == "int" else "f32") for part in (row, filler)
-            )
+        case "int" | "real" as kind:
+            row = as_dtype(row, VALUE_DTYPES[kind])
+            filler = as_dtype(filler, VALUE_DTYPES[kind])
         case _:
             pass
     axes = union(row.axes, filler.axes)
+    entries = aligned_row(row, axes)
     fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
     if row.levels > 1:  # of large sets
-        fill = fill if filler.literal else words_first(fill)
-        moved = words_last(
-            array.call("shifted", words_first(aligned_row(row, axes)), array.Literal(e.by), fill)
-        )
-    else:
-        moved = array.call("shifted", aligned_row(row, axes), array.Literal(e.by), fill)
+        if not filler.literal:
+            fill = words_first(fill)
+        moved = array.call("shifted", words_first(entries), array.Literal(e.by), fill)
+        return replace(row, node=words_last(moved), axes=axes)
+    moved = array.call("shifted", entries, array.Literal(e.by), fill)
     return replace(row, node=moved, axes=axes)
 
 
@@ -230,14 +214,12 @@ def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
 
 
 def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
-    """Returns the variable whose field is read: one in scope, or the agent an expression gives."""
+    """Returns the variable whose field is read: one in scope, or what an expression gives."""
     if isinstance(e, ir.Member):
         return scope.variables[e.name]
-    return (
-        state_reads.held_cell(e, e.type.kinds, scope, w)
-        if e.type.kind == "cell"
-        else AgentVar(w.value(e, scope))
-    )
+    if e.type.kind == "cell":
+        return state_reads.held_cell(e, e.type.kinds, scope, w)
+    return AgentVar(w.value(e, scope))
 
 
 def agent(e: ir.Expr, scope: IterationScope, w: Writer) -> AgentVar:
@@ -253,116 +235,120 @@ def is_cell(e: ir.Expr) -> bool:
 
 
 def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:
-    """Returns the field that an expression is a value of, if it is nothing but that."""
+    """Returns the field that an expression is a value of, None for other values."""
     while isinstance(e, ir.At | ir.Narrowed):
         e = e.row if isinstance(e, ir.At) else e.value
     return w.module.field(e) if isinstance(e, ir.FieldRead) else None
 
 
 def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
-    """Returns a read-only fact about an agent or a cell."""
-    who = owner(e.owner, scope, w)
+    """Returns a read-only attribute of an agent, a mover or a cell."""
+    variable = owner(e.owner, scope, w)
     if e.name in ("row", "col"):
-        placed = _in_frame(who, e.name, w)
-        return replace(
-            placed, node=array.Binary("-", placed.node, array.Literal(w.module.layout.pad, "PAD"))
-        )
-    assert isinstance(who, AgentVar)
+        in_frame = _in_frame(variable, e.name, w)
+        pad = array.Literal(w.module.layout.pad, "PAD")
+        return replace(in_frame, node=array.Binary("-", in_frame.node, pad))
+    assert isinstance(variable, AgentVar)
     match e.name:
         case "index":
-            return who.index
+            return variable.index
         case "heading":
-            return as_dtype(state_reads.heading(who, w), "u8")
+            return as_dtype(state_reads.heading(variable, w), "u8")
         case "moved":
-            return state_reads.moved(who, w)
+            return state_reads.moved(variable, w)
         case "away":
-            return invert(state_reads.present(who, w))
+            return invert(state_reads.present(variable, w))
         case _:
             raise AssertionError(e)
 
 
-def _in_frame(who: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
+def _in_frame(variable: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
     """Returns the row or column of an agent or a cell in the frame around the map."""
-    at = state_reads.position(who, w) if isinstance(who, AgentVar) else state_reads.cell(who, w)
+    if isinstance(variable, AgentVar):
+        at = state_reads.position(variable, w)
+    else:
+        at = state_reads.cell(variable, w)
     cols = w.module.number("frame_cols", w.module.layout.cols)
-    return w.keep(
-        side, Value(array.Binary("//" if side == "row" else "%", at.node, cols), "i32", at.axes)
-    )
+    op = "//" if side == "row" else "%"
+    return w.keep(side, Value(array.Binary(op, at.node, cols), "i32", at.axes))
 
 
 def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
-    """Returns the steps between two agents or cells, once for all who ask in this function."""
-    a, b = owner(e.left, scope, w), owner(e.right, scope, w)
-    for one, other in ((a, b), (b, a)):
-        if (
-            isinstance(one, CellVar)
-            and one.seen
-            and isinstance(other, AgentVar)
-            and other.axis == one.seen[0]
-        ):
-            return state_reads.seen_steps(w, *one.seen)
-    sides = [
-        binary("-", _in_frame(a, side, w), _in_frame(b, side, w), "i32") for side in ("row", "col")
-    ]
-    if w.module.layout.wraps:
-        lengths = (w.module.layout.height, w.module.layout.width)
-        sides = [
-            replace(x, node=array.call("shorter_way", x.node, array.Literal(n)))
-            for x, n in zip(sides, lengths, strict=True)
-        ]
-    rows, cols = (replace(side, node=array.call("jnp.abs", side.node)) for side in sides)
+    """Returns the steps between two agents or cells."""
+    a = owner(e.left, scope, w)
+    b = owner(e.right, scope, w)
+    for cell, observer in ((a, b), (b, a)):
+        if isinstance(cell, CellVar) and cell.seen and isinstance(observer, AgentVar):
+            if observer.axis == cell.seen[0]:
+                return state_reads.seen_steps(w, *cell.seen)
+    rows = binary("-", _in_frame(a, "row", w), _in_frame(b, "row", w), "i32")
+    cols = binary("-", _in_frame(a, "col", w), _in_frame(b, "col", w), "i32")
+    layout = w.module.layout
+    if layout.wraps:
+        height = array.Literal(layout.height)
+        width = array.Literal(layout.width)
+        rows = replace(rows, node=array.call("shorter_way", rows.node, height))
+        cols = replace(cols, node=array.call("shorter_way", cols.node, width))
+    rows = replace(rows, node=array.call("jnp.abs", rows.node))
+    cols = replace(cols, node=array.call("jnp.abs", cols.node))
     return w.keep("distance", binary("+", rows, cols, "i32"))
 
 
 def stands_at(e: ir.StandsAt, scope: IterationScope, w: Writer) -> Value:
-    """Returns whether an agent or a mover is on a cell. Who is away is on cell 0 of the frame, which is beside the map."""
+    """Returns whether an agent or a mover is on a cell.
+
+    One that is away is on cell 0 of the frame, which is no cell of the map.
+    """
     cell = owner(e.cell, scope, w)
     assert isinstance(cell, CellVar)
-    return binary(
-        "==", state_reads.position(agent(e.agent, scope, w), w), state_reads.cell(cell, w), "bool"
-    )
+    position = state_reads.position(agent(e.agent, scope, w), w)
+    return binary("==", position, state_reads.cell(cell, w), "bool")
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
-    """Returns a number calculated from others: int32 or float32, the others all of one of the two."""
+    """Returns an operation on numbers, which are all int32 or all float32."""
     row = CALCULATIONS[e.fn]
-    dtype: array.DType = "i32" if e.type.kind == "int" else "f32"
-    of: array.DType = (
-        "i32" if dtype == "i32" and all(a.type.kind == "int" for a in e.args) else "f32"
-    )
+    dtype = VALUE_DTYPES[e.type.kind]
+    is_whole = dtype == "i32" and all(a.type.kind == "int" for a in e.args)
+    args_dtype: array.DType = "i32" if is_whole else "f32"
     with w.deciding(row.kind == "whole"):
-        args = [as_dtype(lower(a, scope, w), of) for a in e.args]
-    exact = w.exact and of == "f32" and not all(a.literal for a in args)
-    if exact and (row.rounding is not None or row.exact):
-        args = [operand(a, value, w) for a, value in zip(e.args, args, strict=True)]
-    if exact and row.exact:
-        return _called(row.exact, args, dtype)
-    if not row.array[0].isalpha():
-        if len(args) == 2:
-            return binary(row.array, args[0], args[1], dtype)
-        return (
-            replace(args[0], node=array.Unary(row.array, args[0].node))
-            if not args[0].literal
-            else literal(row.fold(args[0].number), of)
-        )
-    if all(a.literal for a in args) and row.rounding is None:
-        return literal(
-            row.fold(*(float32(a.number) if of != dtype else a.number for a in args)), dtype
-        )
+        args = [as_dtype(lower(a, scope, w), args_dtype) for a in e.args]
+    are_literal = all(a.literal for a in args)
+    if w.exact and not is_whole and not are_literal:
+        if row.rounding is not None or row.exact:
+            args = [operand(a, value, w) for a, value in zip(e.args, args, strict=True)]
+        if row.exact:
+            return _called(row.exact, args, dtype)
+    is_operator = not row.array[0].isalpha()
+    if is_operator and len(args) == 2:
+        return binary(row.array, args[0], args[1], dtype)
+    if is_operator and are_literal:
+        return literal(row.fold(args[0].number), args_dtype)
+    if is_operator:
+        return replace(args[0], node=array.Unary(row.array, args[0].node))
+    if are_literal and row.rounding is None:
+        numbers = [a.number if args_dtype == dtype else float32(a.number) for a in args]
+        return literal(row.fold(*numbers), dtype)
     if row.least == row.most:
-        return as_dtype(_called(row.array, args, of), dtype)
-    return reduce(lambda one, other: _called(row.array, [one, other], dtype), args)
+        return as_dtype(_called(row.array, args, args_dtype), dtype)
+    return reduce(lambda left, right: _called(row.array, [left, right], dtype), args)
 
 
 def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
-    """Returns a real that arithmetic reads. If it decides something, it is rounded before; numbers and parameters are anyway."""
+    """Returns a real that arithmetic reads; what decides something is rounded to float32 first.
+
+    Written numbers and parameters are float32 anyway.
+    """
     if not w.exact or value.dtype != "f32" or value.literal or _is_given(e):
         return value
     return replace(value, node=array.call("exactly", value.node))
 
 
 def _is_given(e: ir.Expr) -> bool:
-    """Returns whether no arithmetic of reals has made a number: it is written, a parameter, or a whole number."""
+    """Returns whether a number is no result of the arithmetic of reals.
+
+    Such are written numbers, parameters and whole numbers.
+    """
     match e:
         case ir.Named():
             return _is_given(e.value)
@@ -372,31 +358,31 @@ def _is_given(e: ir.Expr) -> bool:
             return isinstance(e, ir.Number | ir.ParamRef) or e.type.kind == "int"
 
 
-def _called(function: str, args: list[Value], dtype: array.DType) -> Value:
-    """Returns what a function of arrays makes of numbers."""
+def _called(kernel: str, args: list[Value], dtype: array.DType) -> Value:
+    """Returns a call of a function of arrays."""
     axes = union(*(a.axes for a in args))
-    return Value(array.call(function, *(aligned(a, axes) for a in args)), dtype, axes)
+    return Value(array.call(kernel, *(aligned(a, axes) for a in args)), dtype, axes)
 
 
 def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
     """Returns whether two cells, agents or words are the same."""
     if is_cell(e.left):
-        return binary(
-            "==",
-            state_reads.kept_cell(e.left, scope, w),
-            state_reads.kept_cell(e.right, scope, w),
-            "bool",
-        )
-    left, right = lower(e.left, scope, w), lower(e.right, scope, w)
+        left = state_reads.kept_cell(e.left, scope, w)
+        right = state_reads.kept_cell(e.right, scope, w)
+        return binary("==", left, right, "bool")
+    left = lower(e.left, scope, w)
+    right = lower(e.right, scope, w)
     if e.left.type.kind == "word":
-        a, b = e.left.type.words, e.right.type.words
+        left_words = e.left.type.words
+        right_words = e.right.type.words
         if isinstance(e.right, ir.Word):
-            right = to_words(right, b, a, w, declared_by(e.left, w))
+            right = to_words(right, right_words, left_words, w, declared_by(e.left, w))
         elif isinstance(e.left, ir.Word):
-            left = to_words(left, a, b, w, declared_by(e.right, w))
+            left = to_words(left, left_words, right_words, w, declared_by(e.right, w))
         else:
-            words = tuple(dict.fromkeys(a + b))
-            left, right = to_words(left, a, words, w), to_words(right, b, words, w)
+            words = tuple(dict.fromkeys(left_words + right_words))
+            left = to_words(left, left_words, words, w)
+            right = to_words(right, right_words, words, w)
     return binary("==", left, right, "bool")
 
 
@@ -404,15 +390,15 @@ def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer)
     """Returns numbers to be compared: reals if one of them is one."""
     with w.deciding():
         values = [lower(x, scope, w) for x in expressions]
-    return [as_dtype(v, "f32" if any(o.dtype == "f32" for o in values) else "i32") for v in values]
+    dtype: array.DType = "f32" if any(v.dtype == "f32" for v in values) else "i32"
+    return [as_dtype(v, dtype) for v in values]
 
 
-def _is_one_of(value: Value, words: tuple[str, ...], what: ir.Expr, w: Writer) -> Value:
-    """Returns whether a word is one of some."""
-    declared = declared_by(what, w)
-    return either(
-        [binary("==", value, w.module.word(x, what.type.words, declared), "bool") for x in words]
-    )
+def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> Value:
+    """Returns whether a word is one of some. e: what the value is of."""
+    declared = declared_by(e, w)
+    numbers = [w.module.word(word, e.type.words, declared) for word in words]
+    return either([binary("==", value, number, "bool") for number in numbers])
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
@@ -430,10 +416,14 @@ def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
 
 
 def first_of(arms: list[tuple[Value, Value]], otherwise: Value, w: Writer) -> Value:
-    """Returns the value of the first arm whose test holds; of many arms a few at a time, so that brackets do not pile up."""
+    """Returns the value of the first arm whose test holds.
+
+    Of many arms a few at a time are kept under a name, so that brackets do not pile up.
+    """
     result = otherwise
     for number, (test, value) in enumerate(reversed(arms)):
-        result = w.keep("chosen", result) if number and number % ARMS == 0 else result
+        if number and number % ARMS == 0:
+            result = w.keep("chosen", result)
         result = select(test, value, result)
     return result
 

@@ -1,4 +1,4 @@
-"""Tables of the map for lowered code: glyphs of kinds, padding, and the expression that makes each table when a module is loaded."""
+"""Tables of the map for lowered code: each is a call of `sjdsl.runtime.geometry`."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +17,7 @@ def _sides(view: ir.View | ir.Window) -> tuple[Expression, ...]:
 
 @dataclass(frozen=True)
 class Layout:
-    """The map of one game and every table that follows from it: a call of what `sjdsl.runtime.geometry` has."""
+    """The map of one game, and every table that follows from it."""
 
     game: ir.Game
 
@@ -35,7 +35,7 @@ class Layout:
 
     @property
     def _edges(self) -> dict[str, Expression]:
-        """What tables of a map that wraps are told."""
+        """The keyword arguments of tables for a map that wraps."""
         return {"wraps": Literal(True)} if self.wraps else {}
 
     @cached_property
@@ -43,7 +43,8 @@ class Layout:
         """Cells of padding on each side: as far as a window or a shape reaches."""
         view = self.game.window
         reach = [max(abs(a), abs(c)) for s in self.game.shapes for lane in s.lanes for a, c in lane]
-        along, across = max(view.ahead, view.behind), max(view.left, view.right)
+        along = max(view.ahead, view.behind)
+        across = max(view.left, view.right)
         corner = along == across  # then a window could show cell 0, which stands for nowhere
         return max(along + corner, across + corner, 1, *reach)
 
@@ -70,18 +71,20 @@ class Layout:
         return call("cells_of", *MAP, Literal(self.glyphs(kinds)))
 
     def site_table(self, kinds: tuple[str, ...]) -> Expression:
-        """The number of each cell of the frame among the cells of the kinds; past the end if it is none."""
+        """The number of each cell of the frame among the cells of the kinds; past the end: none."""
         return call("site_numbers", *MAP, self.cells_table(kinds))
 
     def order_table(self, kinds: tuple[str, ...]) -> Expression:
-        """Where each cell of a group stands among those of its kinds, one kind after another."""
+        """The places of a group's cells in reading order, where they are listed kind by kind."""
         return call("reading_order", MAP[0], constant([self.glyphs((kind,)) for kind in kinds]))
 
     def numbers_table(self, group: tuple[str, ...], kind: str) -> Expression:
-        """The number of each cell of a group among the cells of one kind; past the end if it is none, and once more at the end."""
-        return call(
-            "numbers_among", MAP[0], Literal(self.glyphs(group)), Literal(self.glyphs((kind,)))
-        )
+        """The number of each cell of a group among the cells of one kind.
+
+        It is past the end for cells of other kinds, and once more at the end.
+        """
+        group_glyphs = Literal(self.glyphs(group))
+        return call("numbers_among", MAP[0], group_glyphs, Literal(self.glyphs((kind,))))
 
     def starts_table(
         self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str
@@ -115,11 +118,9 @@ class Layout:
     @property
     def steps_table(self) -> Expression:
         """The steps from an observer to each cell of its window."""
-        return (
-            call("view_steps_around", MAP[0], *self._view)
-            if self.wraps
-            else call("view_steps", *self._view)
-        )
+        if self.wraps:
+            return call("view_steps_around", MAP[0], *self._view)
+        return call("view_steps", *self._view)
 
     def view_cells_table(self, view: ir.View) -> Expression:
         """Which cells of what an observation covers are in a window."""
@@ -133,9 +134,8 @@ class Layout:
     def shows_cells_twice(self) -> bool:
         """Whether a window can go round the map and show the observer's own cell once more."""
         view = self.game.window
-        return self.wraps and max(view.ahead, view.behind, view.left, view.right) >= min(
-            self.height, self.width
-        )
+        farthest = max(view.ahead, view.behind, view.left, view.right)
+        return self.wraps and farthest >= min(self.height, self.width)
 
     @property
     def own_cells_table(self) -> Expression:
@@ -151,30 +151,28 @@ class Layout:
     def inside_table(self) -> Expression:
         return call("inside", *MAP)
 
-    def blocking_glyphs(self, what: str) -> str:
-        """Returns the glyphs of cells that always block agents, or a shape's lanes."""
-        return self.glyphs(
-            tuple(kind.name for kind in self.game.kinds if blocks_always(kind, what))
-        )
+    def blocking_glyphs(self, name: str) -> str:
+        """Returns the glyphs of cells that always block agents, movers, or a shape's lanes."""
+        kinds = [kind.name for kind in self.game.kinds if blocks_always(kind, name)]
+        return self.glyphs(tuple(kinds))
 
-    def blocking_table(self, what: str) -> Expression:
-        return call("blocking", *MAP, Literal(self.blocking_glyphs(what)))
+    def blocking_table(self, name: str) -> Expression:
+        return call("blocking", *MAP, Literal(self.blocking_glyphs(name)))
 
-    def next_table(self, what: str = "agents") -> Expression:
-        """Where a step from a cell in a direction leads agents, or movers of a sort."""
-        return call("next_cells", *MAP, Literal(self.blocking_glyphs(what)), **self._edges)
+    def next_table(self, name: str = "agents") -> Expression:
+        """The cell that a step leads agents or movers to, by cell and direction."""
+        return call("next_cells", *MAP, Literal(self.blocking_glyphs(name)), **self._edges)
 
     def offsets_table(self, shape: ir.Shape) -> Expression:
-        """What to add to a cell for each heading and each cell of a shape, which are numbered lane by lane."""
-        return call(
-            "shape_offsets",
-            *MAP,
-            constant(tuple(cell for lane in shape.lanes for cell in lane)),
-            **self._edges,
-        )
+        """What to add to a cell for each heading and each cell of a shape, lane by lane."""
+        cells = constant(tuple(cell for lane in shape.lanes for cell in lane))
+        return call("shape_offsets", *MAP, cells, **self._edges)
 
     def reach_table(self, shape: ir.Shape) -> Expression:
-        """Which cells of the shape are on the map and not behind what always blocks it: bits by cell and heading."""
+        """The cells of a shape on the map and not behind what always blocks it.
+
+        They are bits, by cell and heading.
+        """
         lanes = constant(tuple(map(len, shape.lanes)))
         glyphs = Literal(self.blocking_glyphs(shape.name))
         return call("lane_reach", *MAP, self.offsets_table(shape), lanes, glyphs, **self._edges)
@@ -182,20 +180,15 @@ class Layout:
     def neighbours_table(
         self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]
     ) -> Expression:
-        """For each cell of the kinds, the numbers (among `others`) of the cells of the shape; past the end: none."""
-        numbers = (
-            Index(self.site_table(others), (self.edges_table,))
-            if self.wraps
-            else self.site_table(others)
-        )
+        """The cells of a shape around each cell, by number among `others`; past the end: none."""
+        numbers = self.site_table(others)
+        if self.wraps:
+            numbers = Index(numbers, (self.edges_table,))
         return call("neighbours", self.cells_table(kinds), numbers, self.offsets_table(shape))
 
     def near_table(
         self, kinds: tuple[str, ...], shape: ir.Shape, others: tuple[str, ...]
     ) -> Expression:
         """The neighbours of each cell as bits."""
-        return call(
-            "near_masks",
-            self.neighbours_table(kinds, shape, others),
-            Literal(self.num_cells(others)),
-        )
+        neighbours = self.neighbours_table(kinds, shape, others)
+        return call("near_masks", neighbours, Literal(self.num_cells(others)))

@@ -1,4 +1,4 @@
-"""Lowers `move`: agents step as they chose, movers on their course; then collisions of all at once are settled."""
+"""Lowers `move`: agents step as they chose, movers on their course; then collisions are settled."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
@@ -44,34 +44,33 @@ NO_STEP = 4
 POSITION, HEADING = path("state.position"), path("state.heading")
 
 
+POSITION = path("state.position")
+
+
+HEADING = path("state.heading")
+
+
 def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
-    """Writes a movement phase."""
-    game, layout = w.module.game, w.module.layout
+    """Writes a movement phase of agents."""
+    game = w.module.game
     inner = enter(s.domain, scope, w)
     actions = game.agents.actions
-    turns, steps = (
-        constant([found.get(a, other) for a in actions])
-        for found, other in ((TURNS, 0), (STEPS, NO_STEP))
-    )
+    turns = constant([TURNS.get(action, 0) for action in actions])
+    steps = constant([STEPS.get(action, NO_STEP) for action in actions])
     turn = w.module.constant("turn", turns, "quarter turns to the right by action", "i32")
     step = w.module.constant("step_by", steps, "direction of a step by action; 4: none", "i32")
-    table = w.module.constant(
-        "next_cell",
-        layout.next_table(),
-        "where a step leads, by cell and direction; the cell itself if blocked",
-    )
-    chosen = Value(Name("actions"), "i32")
+    comment = "where a step leads, by cell and direction; the cell itself if blocked"
+    table = w.module.constant("next_cell", w.module.layout.next_table(), comment)
+    chosen: Expression = Name("actions")
     if inner.mask != TRUE:
         stay = Literal(actions.index("stay"), "STAY")
-        chosen = w.keep("chosen", Value(Where(inner.mask.node, Name("actions"), stay), "i32"))
-    w.assign("heading", Binary("&", Binary("+", HEADING, Index(turn, (chosen.node,))), Literal(3)))
-    stride = w.bind("stride", Index(step, (chosen.node,)))
+        chosen = w.keep("chosen", Value(Where(inner.mask.node, chosen, stay), "i32")).node
+    w.assign("heading", Binary("&", Binary("+", HEADING, Index(turn, (chosen,))), Literal(3)))
+    stride = w.bind("stride", Index(step, (chosen,)))
     ahead = Binary("+", w.current("heading"), stride) if game.agents.relative else stride
-    next_cell = Index(
-        table, (Binary("+", Binary("*", POSITION, Literal(4)), Binary("&", ahead, Literal(3))),)
-    )
+    entry = Binary("+", Binary("*", POSITION, Literal(4)), Binary("&", ahead, Literal(3)))
     stays = Binary("==", stride, w.module.number("no_step", NO_STEP))
-    target = w.bind("target", Where(stays, POSITION, next_cell))
+    target = w.bind("target", Where(stays, POSITION, Index(table, (entry,))))
     stay_if_blocked(agent(s.domain.var, inner, w), target, w)
     settle(s, AGENTS, target, w)
 
@@ -85,33 +84,25 @@ def nobody_moves(s: ir.Move, w: Writer) -> None:
 
 
 def settle(s: ir.Move, sort: ir.Sort, target: Name, w: Writer) -> None:
-    """Writes where agents, or the movers of a sort, stand after all of them have wanted their targets."""
+    """Writes where agents, or the movers of a name, come to stand, all of whom have targets."""
     position = state_reads.positions(w, sort)
-    if w.module.game.movers:  # others stay, so whoever wants their cells stays as well
-        w.set(
-            target,
-            Where(
-                call("is_one_of", target, state_reads.all_positions(w, but=sort)), position, target
-            ),
-        )
+    attribute = attribute_of("position", sort)
+    if w.module.game.movers:  # all others stay, and whoever wants a cell of theirs stays as well
+        taken = call("is_one_of", target, state_reads.all_positions(w, but=sort))
+        w.set(target, Where(taken, position, target))
     bits = call("random_bits", KEY, w.stream(s.stream), w.module.extent(sort))
-    w.assign(attribute_of("position", sort), call("resolve", position, target, bits))
+    w.assign(attribute, call("resolve", position, target, bits))
     if w.module.stores_moved(sort):
-        w.assign(
-            attribute_of("moved", sort),
-            Binary("!=", w.current(attribute_of("position", sort)), position),
-        )
+        w.assign(attribute_of("moved", sort), Binary("!=", w.current(attribute), position))
 
 
 def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
-    """Cells that block only in some states: who wants to enter stays."""
+    """Writes that whoever wants to enter a cell that blocks under a condition stays."""
     position = state_reads.positions(w, body.sort)
     for block, kind in conditional_blocks(body.sort.plural, w):
         if body.axis is None:
-            raise NotSupported(
-                "`move each` of agents named one by one where cells block under a condition",
-                w.origin,
-            )
+            feature = "`move each` of agents named one by one where cells block under a condition"
+            raise NotSupported(feature, w.origin)
         blocked = blocked_by(block, kind, Value(target, "i32", (body.axis,)), w, body)
         moves = Value(Binary("!=", target, position), "bool", (body.axis,))
         w.set(target, Where(binary("&", blocked, moves, "bool").node, position, target))
@@ -119,48 +110,38 @@ def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
 
 
 def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
-    """Writes a phase in which movers go: along a heading, or to one of the open cells beside them."""
+    """Writes a phase in which movers go along a heading, or to an open cell beside them."""
     course = s.course
     assert course is not None
     inner = enter(s.domain, scope, w)
     mover = agent(s.domain.var, inner, w)
     if mover.axis is None:
-        raise NotSupported(
-            "`move each` of movers that are named one by one",
-            s.origin,
-            "say with `where` which of them move",
-        )
-    axis, position = mover.axis, state_reads.positions(w, mover.sort)
+        instead = "say with `where` which of them move"
+        raise NotSupported("`move each` of movers that are named one by one", s.origin, instead)
+    axis = mover.axis
+    position = state_reads.positions(w, mover.sort)
     match course:
         case ir.Along():
-            heading = to_words(
-                w.value(course.heading, inner.always()), course.heading.type.words, HEADINGS, w
-            )
-            way, goes = (
-                w.keep("way", as_dtype(Value(spread(heading, (axis,)), "u8", (axis,)), "i32")),
-                inner.mask,
-            )
+            value = w.value(course.heading, inner.always())
+            heading = to_words(value, course.heading.type.words, HEADINGS, w)
+            spread_heading = Value(spread(heading, (axis,)), "u8", (axis,))
+            direction = w.keep("way", as_dtype(spread_heading, "i32"))
+            goes = inner.mask
         case ir.Wander():
-            way, goes = _open_way(course, inner, mover, w)
-    beside = Index(
-        _next_table(mover.sort, w), (Binary("+", Binary("*", position, Literal(4)), way.node),)
-    )
-    target = w.bind(
-        "target", beside if goes == TRUE else Where(spread(goes, (axis,)), beside, position)
-    )
+            direction, goes = _open_direction(course, inner, mover, w)
+    entry = Binary("+", Binary("*", position, Literal(4)), direction.node)
+    next_cell: Expression = Index(_next_table(mover.sort, w), (entry,))
+    if goes != TRUE:
+        next_cell = Where(spread(goes, (axis,)), next_cell, position)
+    target = w.bind("target", next_cell)
     if isinstance(course, ir.Along):
         stay_if_blocked(mover, target, w)
-    read = course.heading if isinstance(course, ir.Along) else None
-    if not (
-        isinstance(read, ir.FieldRead) and (read.held_by.what, read.name) == ("mover", "heading")
-    ):  # who looks there already
-        attribute, turned = attribute_of("heading", mover.sort), Cast(way.node, "u8")
-        w.assign(
-            attribute,
-            turned
-            if goes == TRUE
-            else Where(spread(goes, (axis,)), turned, path(f"state.{attribute}")),
-        )
+    if not _keeps_heading(course):
+        attribute = attribute_of("heading", mover.sort)
+        turned: Expression = Cast(direction.node, "u8")
+        if goes != TRUE:
+            turned = Where(spread(goes, (axis,)), turned, path(f"state.{attribute}"))
+        w.assign(attribute, turned)
     settle(s, mover.sort, target, w)
 
 
@@ -171,72 +152,87 @@ def _next_table(sort: ir.Sort, w: Writer) -> Name:
     )
 
 
-def _open_way(
+def _keeps_heading(course: ir.Along | ir.Wander) -> bool:
+    """Returns whether movers go along the heading that they have already."""
+    if not isinstance(course, ir.Along) or not isinstance(course.heading, ir.FieldRead):
+        return False
+    read = course.heading
+    return read.held_by.what == "mover" and read.name == "heading"
+
+
+def _open_direction(
     course: ir.Wander, scope: IterationScope, mover: AgentVar, w: Writer
 ) -> tuple[Value, Value]:
-    """Returns in which direction each mover goes, one of those open to it by lot, and whether it goes at all."""
+    """Returns in which direction each mover goes, a random open one, and whether it goes at all."""
     assert mover.axis is not None
-    axis, ways = mover.axis, w.axis("way", 4)
+    axis = mover.axis
+    ways = w.axis("way", 4)
+    axes = (axis, ways)
     position = Index(state_reads.positions(w, mover.sort), (ALL, NEW_AXIS))
-    each_way = Binary(
-        "+", Binary("*", position, Literal(4)), Index(iota(ways).node, (NEW_AXIS, ALL))
-    )
-    beside = w.keep(
-        "beside", Value(Index(_next_table(mover.sort, w), (each_way,)), "i32", (axis, ways))
-    )
+    directions = Index(iota(ways).node, (NEW_AXIS, ALL))
+    entry = Binary("+", Binary("*", position, Literal(4)), directions)
+    beside = w.keep("beside", Value(Index(_next_table(mover.sort, w), (entry,)), "i32", axes))
     taken = call("is_one_of", beside.node, state_reads.all_positions(w))
-    open_ = Value(
-        Binary("&", Binary("!=", beside.node, position), Unary("~", taken)), "bool", (axis, ways)
-    )
+    leads_away = Binary("!=", beside.node, position)
+    is_open = Value(Binary("&", leads_away, Unary("~", taken)), "bool", axes)
     for block, kind in conditional_blocks(mover.sort.plural, w):
-        open_ = binary("&", open_, invert(blocked_by(block, kind, beside, w, mover)), "bool")
+        is_open = binary("&", is_open, invert(blocked_by(block, kind, beside, w, mover)), "bool")
     if course.avoided is not None and not is_empty(course.avoided, w):
-        cells, member = _members(course.avoided, scope, axis, w)
-        avoided = Where(member, cells, Literal(-1))  # a row of cells for each mover
+        cells, is_member = _members(course.avoided, scope, axis, w)
+        avoided = Where(is_member, cells, Literal(-1))  # a row of cells for each mover
         within = call("is_one_of", beside.node, Index(avoided, (ALL, NEW_AXIS, ALL)))
-        open_ = binary("&", open_, Value(Unary("~", within), "bool", (axis, ways)), "bool")
+        is_open = binary("&", is_open, Value(Unary("~", within), "bool", axes), "bool")
     if course.goal is not None:
         better = _better(course.goal, course.away, scope, mover, axis, w)
-        open_ = binary("&", open_, Value(better, "bool", (axis, ways)), "bool")
-    way, found = Name(w.names.fresh("way")), Name(w.names.fresh("found"))
+        is_open = binary("&", is_open, Value(better, "bool", axes), "bool")
+    direction = Name(w.names.fresh("way"))
+    found = Name(w.names.fresh("found"))
     bits = call("random_bits", KEY, w.stream(course.stream), w.module.extent(mover.sort))
-    w.unpack((way, found), call("pick", open_.node, bits))
-    return Value(way, "i32", (axis,)), w.keep(
-        "goes", both(scope.mask, Value(found, "bool", (axis,)))
-    )
+    w.unpack((direction, found), call("pick", is_open.node, bits))
+    goes = w.keep("goes", both(scope.mask, Value(found, "bool", (axis,))))
+    return Value(direction, "i32", (axis,)), goes
 
 
 def _better(
     goal: ir.Domain, away: bool, scope: IterationScope, mover: AgentVar, axis: Axis, w: Writer
 ) -> Expression:
-    """Returns which of the cells beside each mover are nearer to the nearest member of a goal, or farther from it: `[M, 4]` bool."""
+    """Returns which cells beside each mover are nearer to the nearest member of a goal.
+
+    away: farther from it. Returns `[M, 4]` bool.
+    """
     if is_empty(goal, w):
         return call("jnp.zeros", Sequence((axis.extent, Literal(4))), Name("bool"))
-    cells, member = _members(goal, scope, axis, w)
+    cells, is_member = _members(goal, scope, axis, w)
     layout = w.module.layout
-    given = (
-        state_reads.positions(w, mover.sort),
-        cells,
-        member,
-        w.module.number("frame_cols", layout.cols),
-    )
-    around = (Literal(layout.height), Literal(layout.width)) if layout.wraps else ()
-    gained = call("gains_around" if layout.wraps else "gains", *given, *around)
+    positions = state_reads.positions(w, mover.sort)
+    cols = w.module.number("frame_cols", layout.cols)
+    if layout.wraps:
+        height = Literal(layout.height)
+        width = Literal(layout.width)
+        gained = call("gains_around", positions, cells, is_member, cols, height, width)
+    else:
+        gained = call("gains", positions, cells, is_member, cols)
     return Binary(">" if away else "<", gained, Literal(0))
 
 
 def _members(
     d: ir.Domain, scope: IterationScope, axis: Axis, w: Writer
 ) -> tuple[Expression, Expression]:
-    """Returns the cells of a domain's members for each mover, and which of them are members: `[M, T]`, or `[1, T]` if all have the same."""
+    """Returns the cells of a domain's candidates, and which of them are members.
+
+    Both are `[M, T]`, or `[1, T]` if they are the same for all movers.
+    """
     inner = enter(d, scope.always(), w)
-    one = inner.variables[d.var.name]
-    at = state_reads.cell(one, w) if isinstance(one, CellVar) else state_reads.position(one, w)
-    new = next((a for a in inner.axes if a not in scope.axes), None)
+    candidate = inner.variables[d.var.name]
+    if isinstance(candidate, CellVar):
+        at = state_reads.cell(candidate, w)
+    else:
+        at = state_reads.position(candidate, w)
     mask = inner.mask
-    if new is None:  # the member is determined: one for each mover
-        return Index(spread(at, (axis,)), (ALL, NEW_AXIS)), Index(
-            spread(mask, (axis,)), (ALL, NEW_AXIS)
-        )
-    there = mask if mask.axes else Value(spread(mask, (new,)), "bool", (new,))
-    return aligned(at, (axis, new)), aligned(there, (axis, new))
+    new = next((a for a in inner.axes if a not in scope.axes), None)
+    if new is None:  # one candidate for each mover
+        cells = Index(spread(at, (axis,)), (ALL, NEW_AXIS))
+        return cells, Index(spread(mask, (axis,)), (ALL, NEW_AXIS))
+    if not mask.axes:
+        mask = Value(spread(mask, (new,)), "bool", (new,))
+    return aligned(at, (axis, new)), aligned(mask, (axis, new))

@@ -1,4 +1,4 @@
-"""Painting: lowers the map as an observer sees it to numbers in its cells, packed into as few bytes as possible."""
+"""Paints the map as observers see it: numbers in cells, packed into as few bytes as fit."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -13,8 +13,14 @@ from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, constan
 POSITION, HEADING = path("state.position"), path("state.heading")
 
 
+POSITION = path("state.position")
+
+
+HEADING = path("state.heading")
+
+
 class Part(Record):
-    """Some bits of a painted byte. `marks`: the phase whose marks they are."""
+    """Some bits of a painted byte. marks: the phase whose marks they are."""
 
     name: str
     plane: int
@@ -24,108 +30,83 @@ class Part(Record):
 
 
 def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
-    """Returns where content, agents and marks are kept: packed into as few bytes as they fit."""
-    contents = max(look.raw + look.raw_values for look in looks(game))
-    wanted: list[tuple[str, int, ir.Phase | None]] = [("content", _bits(contents), None)]
+    """Returns where content, agents, movers and marks are kept, in as few bytes as they fit.
+
+    by_id: whether agents are told apart by their numbers, not by their headings alone.
+    """
+    num_contents = max(look.raw + look.raw_values for look in looks(game))
+    wanted: list[tuple[str, int, ir.Phase | None]] = [("content", _bits(num_contents), None)]
     wanted.append(("agent", _bits(game.agents.number + 1) if by_id else 3, None))
-    wanted += [
-        (sort.name, _bits(1 + shown_movers(sort, game)), None)
-        for sort in game.movers
-        if shown_movers(sort, game)
-    ]
+    for movers in game.movers:
+        number = shown_movers(movers, game)
+        if number:
+            wanted.append((movers.name, _bits(1 + number), None))
     wanted += [(f"mark_{phase.name}", 1, phase) for phase in seen_marks(game)]
-    found: list[Part] = []
-    used = [0]
+    parts: list[Part] = []
+    used = [0]  # bits of each plane
     for name, bits, phase in wanted:
         plane = next((i for i, u in enumerate(used) if u + bits <= 8), len(used))
         if plane == len(used):
             used.append(0)
-        found.append(Part(name, plane, used[plane], bits, phase))
+        parts.append(Part(name, plane, used[plane], bits, phase))
         used[plane] += bits
-    return tuple(found)
+    return tuple(parts)
 
 
-def shown_movers(sort: ir.Movers, game: ir.Game) -> int:
-    """Returns how many movers of a sort are told apart: 1 if only their presence is seen, 0 if nothing is."""
-    shown = [s for s in game.observables if s.what == "mover" and s.kind == sort.name]
-    conditions = [c for s in shown for c in (s.hidden_when, s.shown_when) if c is not None]
-    asked = any(
-        isinstance(n, ir.Member) and n.sort.what == "mover" for c in conditions for n in ir.walk(c)
-    )
-    return sort.number if asked or any(s.field for s in shown) else min(len(shown), 1)
+def shown_movers(movers: ir.Movers, game: ir.Game) -> int:
+    """Returns how many movers are told apart: 1 if only their presence is seen, 0 if nothing."""
+    shown = [s for s in game.observables if s.what == "mover" and s.kind == movers.name]
+    if not shown:
+        return 0
+    if any(s.field for s in shown):
+        return movers.number
+    for observable in shown:
+        for condition in (observable.hidden_when, observable.shown_when):
+            if condition is not None and _reads_mover(condition):
+                return movers.number
+    return 1
 
 
 def _bits(values: int) -> int:
     return max(1, (values - 1).bit_length())
 
 
+def _reads_mover(condition: ir.Expr) -> bool:
+    return any(isinstance(n, ir.Member) and n.sort.what == "mover" for n in ir.walk(condition))
+
+
 def shift_of(part: Part, w: Writer) -> Value:
     """Returns the place of a part's lowest bit."""
-    return (
-        literal(0, "u8")
-        if not part.shift
-        else Value(w.module.number(f"{part.name}_shift", part.shift), "u8")
-    )
+    if not part.shift:
+        return literal(0, "u8")
+    return Value(w.module.number(f"{part.name}_shift", part.shift), "u8")
 
 
 def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
-    """Writes the planes of bytes in which everything that is seen is painted into the cells of the map."""
-    layout, game = w.module.layout, w.module.game
+    """Writes the planes of bytes with all that is seen of the cells of the map."""
+    layout = w.module.layout
     content = next(p for p in parts if p.name == "content")
-    base = layout.base_table({look.kind.name: look.raw << content.shift for look in looks(game)})
-    name = w.module.constant("base", base, "looks of the cells of the frame, fields aside")
-    empty = call(
-        "jnp.zeros", w.module.number("frame_cells", layout.rows * layout.cols), path("jnp.uint8")
-    )
+    numbers = {look.kind.name: look.raw << content.shift for look in looks(w.module.game)}
+    comment = "looks of the cells of the frame, fields aside"
+    base = w.module.constant("base", layout.base_table(numbers), comment)
+    frame_cells = w.module.number("frame_cells", layout.rows * layout.cols)
+    empty = call("jnp.zeros", frame_cells, path("jnp.uint8"))
     planes = [
-        w.bind(f"plane_{plane}", name if plane == content.plane else empty)
+        w.bind(f"plane_{plane}", base if plane == content.plane else empty)
         for plane in range(1 + max(p.plane for p in parts))
     ]
-    for look in looks(game):
-        if not look.painted or not layout.num_cells((look.kind.name,)):
-            continue
-        cells = state_reads.cells_of((look.kind.name,), w)
-        w.origin = look.kind.origin
-        values = []
-        for field, _ in look.painted:
-            stored = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
-            values.append(
-                binary("+", stored, literal(1, "i32"), "i32")
-                if field.type.kind == "agent"
-                else stored
-            )  # one up, 0 is nobody
-        value = binary(
-            "<<",
-            look_number(first_look(look, w), tuple(size for _, size in look.painted), values),
-            shift_of(content, w),
-            "u8",
-        )
-        w.set(planes[content.plane], call("fill", planes[content.plane], cells, value.node))
+    _paint_fields(planes[content.plane], content, w)
     for part in parts:
         if part.marks is not None:
             w.origin = part.marks.origin
+            plane = planes[part.plane]
             bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
-            w.set(
-                planes[part.plane],
-                call("paint", planes[part.plane], path(f"state.{part.name}"), bit),
-            )
-    for sort in body_sorts(game):
-        place = next((p for p in parts if p.name == sort.name), None)
-        if place is None:  # nothing is seen of these movers
-            continue
-        is_agent, extent = sort.what == "agent", w.module.extent(sort)
-        w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
-        if by_id if is_agent else place.bits > 1:  # who it is, one up
-            shown = binary("+", Value(Arange(extent, "u8"), "u8"), literal(1, "u8"), "u8")
-        elif is_agent:
-            shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), literal(1, "u8"), "u8")
-        else:
-            shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
-        shifted = binary("<<", shown, shift_of(place, w), "u8")
-        w.set(
-            planes[place.plane],
-            call("paint", planes[place.plane], state_reads.positions(w, sort), shifted.node),
-        )
+            w.set(plane, call("paint", plane, path(f"state.{part.name}"), bit))
+    by_name = {part.name: part for part in parts}
+    for sort in body_sorts(w.module.game):
+        if sort.name in by_name:
+            part = by_name[sort.name]
+            _paint_bodies(planes[part.plane], part, sort, by_id, w)
     return planes
 
 
@@ -134,8 +115,49 @@ def first_look(look: Look, w: Writer) -> Value:
     return Value(w.module.number(f"{look.kind.name}_look", look.raw, "as it is painted"), "u8")
 
 
+def _paint_fields(plane: Name, content: Part, w: Writer) -> None:
+    """Writes the looks of cells of which fields are seen."""
+    for look in looks(w.module.game):
+        kinds = (look.kind.name,)
+        if not look.painted or not w.module.layout.num_cells(kinds):
+            continue
+        cells = state_reads.cells_of(kinds, w)
+        w.origin = look.kind.origin
+        values = []
+        for field, _ in look.painted:
+            value = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
+            if field.type.kind == "agent":  # one up: 0 is nobody
+                value = binary("+", value, literal(1, "i32"), "i32")
+            values.append(value)
+        sizes = tuple(size for _, size in look.painted)
+        number = look_number(first_look(look, w), sizes, values)
+        shifted = binary("<<", number, shift_of(content, w), "u8")
+        w.set(plane, call("fill", plane, cells, shifted.node))
+
+
+def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer) -> None:
+    """Writes where agents or movers are: their number, their heading, or 1."""
+    game = w.module.game
+    is_agent = sort.what == "agent"
+    extent = w.module.extent(sort)
+    w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
+    are_told_apart = by_id if is_agent else part.bits > 1
+    one = literal(1, "u8")
+    if are_told_apart:
+        shown = binary("+", Value(Arange(extent, "u8"), "u8"), one, "u8")
+    elif is_agent:
+        shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), one, "u8")
+    else:
+        shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
+    shifted = binary("<<", shown, shift_of(part, w), "u8")
+    w.set(plane, call("paint", plane, state_reads.positions(w, sort), shifted.node))
+
+
 def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Value:
-    """Returns the numbers of looks: `first`, and how far each value is, of as many as `sizes` has for it, the first most significant."""
+    """Returns the numbers of looks: `first`, plus the number of a combination of values.
+
+    sizes: how many values each place can have; the first place is the most significant.
+    """
     if len(values) == 1:
         return binary("+", as_dtype(values[0], "u8"), first, "u8")
     axes = union(*(value.axes for value in values))

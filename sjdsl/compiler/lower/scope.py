@@ -1,4 +1,4 @@
-"""The variables in scope while statements are lowered, and the iteration scope: axes, mask, instance index and bindings."""
+"""What is in scope while statements are lowered: variables, axes, masks and instance numbers."""
 
 from dataclasses import field, replace
 
@@ -10,11 +10,16 @@ from sjdsl.compiler.program.expressions import Literal
 
 
 class NotSupported(Exception):
-    """The array program cannot say this exactly; nothing is approximated. `instead`: what can be written."""
+    """The array program can't express this exactly; nothing is approximated.
 
-    def __init__(self, what: str, origin: Span | None, instead: str = ""):
-        super().__init__(what)
-        self.what, self.origin, self.instead = what, origin, instead
+    instead: what can be written.
+    """
+
+    def __init__(self, feature: str, origin: Span | None, instead: str = ""):
+        super().__init__(feature)
+        self.feature = feature
+        self.origin = origin
+        self.instead = instead
 
 
 class SetOfOne(Record):
@@ -25,7 +30,10 @@ class SetOfOne(Record):
 
 
 class AgentVar(Record):
-    """An agent or a mover: its number along `axis` (each once), or computed numbers `index`; `alone`: as a set, if known."""
+    """Agents or movers: along `axis`, each once in order, or as computed numbers.
+
+    index: their numbers. alone: each as a set of one, if that has been computed.
+    """
 
     index: Value
     axis: Axis | None = None
@@ -39,10 +47,13 @@ class AgentVar(Record):
 
 
 class CellVar(Record):
-    """A cell of `kinds`: its number along `axis` (each cell once), or computed numbers `site` (S for none).
+    """Cells of `kinds`: along `axis`, each once in order, or as computed numbers.
 
-    `painted`: of a cell of a window these fields are known, by their names, and where it is; its axes are those of `seen`, the observer and
-    the cell. `beside`: the cell is one of those around each cell, a parameter of a function as its fields are, which the writer collects.
+    site: their numbers among the cells of `kinds`, or how many there are for no such cell.
+    painted: for cells of windows, the fields whose values are known, by name; `seen` then has the
+      axes of observers and of a window's cells.
+    beside: whether this is one of the cells around each cell. Its fields are then parameters of a
+      function, which the writer collects.
     """
 
     site: Value
@@ -66,9 +77,10 @@ Variable = AgentVar | CellVar
 
 
 class IterationScope(Record):
-    """The instances of a statement: their axes, which of them happen (mask), their index, and the bindings.
+    """The instances of a statement.
 
-    `digits` make up the index: (number of the member, how many there are), outermost first.
+    mask: which of them happen. digits: of the number of an instance, outermost first: the number
+    of a member, and how many members there are.
     """
 
     axes: tuple[Axis, ...] = ()

@@ -1,4 +1,4 @@
-"""Lowers the quantifiers that choose among members: `pick` at random, `first` along each lane of a shape."""
+"""Lowers quantifiers that choose members: `pick` at random, `first` along lanes of a shape."""
 
 from dataclasses import replace
 from math import prod
@@ -36,7 +36,7 @@ from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, SetOfO
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 
-MANY_SETS = 64  # from so many sets on it pays to draw words only if some set has several members
+MANY_SETS = 64  # from so many sets on, bits are drawn only if some set has several members
 
 
 def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
@@ -159,39 +159,41 @@ def _pick_one(
 
 
 def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
-    """Returns the scope inside the domain of a `pick`, one axis for all that may be members; of agents in braces, in the order of ids."""
+    """Returns the scope inside the domain of a `pick`, with one axis for all candidates.
+
+    Agents in braces are in the order of their numbers, not as written.
+    """
     if not isinstance(d.restriction, ir.Among):
         return enter(d, scope, w)
     inner = enter(d.model_copy(update={"restriction": None}), scope, w)
-    one = inner.variables[d.var.name].number
-    numbers = (number_in(d, scope.variables[member.name], w) for member in d.restriction.members)
-    return inner.when(either([binary("==", one, number, "bool") for number in numbers]))
+    candidate = inner.variables[d.var.name].number
+    numbers = [number_in(d, scope.variables[member.name], w) for member in d.restriction.members]
+    return inner.when(either([binary("==", candidate, number, "bool") for number in numbers]))
 
 
 def _take(values: Value, axis: Axis, best: Value) -> Value:
     """Returns the entry of `values` along an axis that `best` names."""
+    dtype = values.dtype
     if values.axes == (axis,):
-        return Value(array.Index(values.node, (best.node,)), values.dtype, best.axes)
-    if (
-        values.axes == (*best.axes, axis)
-        and len(best.axes) == 1
-        and best.axes[0].size >= state_reads.MANY
-    ):
-        return Value(array.call("entries_at", values.node, best.node), values.dtype, best.axes)
-    everything = union(
-        values.axes, best.axes
-    )  # what is picked may differ along more axes than what it is picked from
-    ones = array.Sequence((array.Literal(1),) * len(everything))
-    at = aligned(best, everything) if best.axes else array.call("jnp.full", ones, best.node)
-    along = array.call(
-        "jnp.take_along_axis",
-        aligned(values, everything),
-        at,
-        axis=array.Literal(everything.index(axis)),
-    )
-    keys = tuple(array.Literal(0) if a == axis else array.ALL for a in everything)
-    keys = (array.REST, array.Literal(0)) if everything[-1] == axis else keys
-    return Value(array.Index(along, keys), values.dtype, tuple(a for a in everything if a != axis))
+        return Value(array.Index(values.node, (best.node,)), dtype, best.axes)
+    is_row_each = values.axes == (*best.axes, axis) and len(best.axes) == 1
+    if is_row_each and best.axes[0].size >= state_reads.MANY:
+        return Value(array.call("entries_at", values.node, best.node), dtype, best.axes)
+    # What is picked may differ along more axes than what it is picked from.
+    axes = union(values.axes, best.axes)
+    if best.axes:
+        at = aligned(best, axes)
+    else:
+        at = array.call("jnp.full", array.Sequence((array.Literal(1),) * len(axes)), best.node)
+    place = axes.index(axis)
+    aligned_values = aligned(values, axes)
+    entry = array.call("jnp.take_along_axis", aligned_values, at, axis=array.Literal(place))
+    keys: tuple[array.Expression | array.Slice, ...]
+    if axes[-1] == axis:
+        keys = (array.REST, array.Literal(0))
+    else:
+        keys = tuple(array.Literal(0) if a == axis else array.ALL for a in axes)
+    return Value(array.Index(entry, keys), dtype, tuple(a for a in axes if a != axis))
 
 
 def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
@@ -203,7 +205,10 @@ def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
 
 
 def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Axis, Value]:
-    """Returns the scope of the nearest member in each lane (unmasked), the lanes' axis, and where there is one."""
+    """Returns the scope of the nearest member in each lane, the lanes' axis, and its mask.
+
+    The mask says where there is a member; the scope is without a mask.
+    """
     assert isinstance(d.restriction, ir.Near)
     shape = w.module.shape(d.restriction.shape)
     candidate, ok, axis = _candidates(d, scope, w)
@@ -211,32 +216,35 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
     if d.on is not None:
         assert isinstance(candidate, AgentVar)
         place = place.binding(**under(d, candidate, w))
-        ok = both(ok, state_reads.site_under(candidate, d.on.kinds, w)[1])
+        _, is_on = state_reads.site_under(candidate, d.on.kinds, w)
+        ok = both(ok, is_on)
     if d.where is not None:
         ok = both(ok, w.value(d.where, place))
-    rest = union(*(tuple(a for a in v.axes if a != axis) for v in (ok, candidate.number)))
-    axes = (*rest, axis)
+    outer = tuple(a for a in union(ok.axes, candidate.number.axes) if a != axis)
+    axes = (*outer, axis)
     ok = w.keep("eligible", Value(spread(ok, axes), "bool", axes))
     lanes = w.axis("lane", len(shape.lanes))
-    found, numbers = ok.node, spread(candidate.number, axes)
+    numbers = spread(candidate.number, axes)
     if max(map(len, shape.lanes)) == 1:  # every cell is a lane
         number = w.keep(d.var.name, Value(numbers, "i32")).node
+        exists = ok.node
     else:
         sizes = array.constant(tuple(map(len, shape.lanes)))
-        number, found = w.keep_parts(
-            (d.var.name, "found"), array.call("nearest_in_lanes", ok.node, numbers, sizes)
-        )
-    chosen = Value(number, "i32", (*rest, lanes))
-    variable = (
-        AgentVar(chosen, sort=candidate.sort)
-        if isinstance(candidate, AgentVar)
-        else CellVar(chosen, candidate.kinds)
-    )
+        call = array.call("nearest_in_lanes", ok.node, numbers, sizes)
+        number, exists = w.keep_parts((d.var.name, "found"), call)
+    chosen = Value(number, "i32", (*outer, lanes))
+    variable: Variable
+    if isinstance(candidate, AgentVar):
+        variable = AgentVar(chosen, sort=candidate.sort)
+    else:
+        variable = CellVar(chosen, candidate.kinds)
     inner = replace(
-        scope, axes=(*scope.axes, lanes), digits=(*scope.digits, (iota(lanes), lanes.extent))
+        scope,
+        axes=(*scope.axes, lanes),
+        digits=(*scope.digits, (iota(lanes), lanes.extent)),
     )
     inner = inner.always().binding(**{d.var.name: variable}, **under(d, variable, w))
-    return inner, lanes, Value(found, "bool", (*rest, lanes))
+    return inner, lanes, Value(exists, "bool", (*outer, lanes))
 
 
 def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value, Axis]:
@@ -246,14 +254,12 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
         site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
         return CellVar(site, d.var.kinds), ok, axis
     swept = sweep(d.restriction, scope, w)
-    cells = swept.cells
-    standing = w.keep(
-        "standing", Value(stand_on(cells, state_reads.positions(w, d.var.sort)), "bool")
-    )
-    first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
-    who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
-    anybody = w.keep(
-        "anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes)
-    )
-    reached = swept.ok if has_inner_blocks(w.module.shape(d.restriction.shape), w) else TRUE
-    return AgentVar(who, sort=d.var.sort), both(anybody, reached), swept.axis
+    axes = swept.cells.axes
+    on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.sort))
+    standing = w.keep("standing", Value(on_cells, "bool")).node
+    first_one = array.Cast(array.call("jnp.argmax", standing, axis=array.Literal(-1)), "i32")
+    who = w.keep(d.var.name, Value(first_one, "i32", axes))
+    anybody = w.keep("anybody", Value(array.Reduce("any", standing, (-1,)), "bool", axes))
+    if has_inner_blocks(w.module.shape(d.restriction.shape), w):
+        anybody = both(anybody, swept.ok)
+    return AgentVar(who, sort=d.var.sort), anybody, swept.axis

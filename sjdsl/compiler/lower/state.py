@@ -1,4 +1,4 @@
-"""Lowers the state: dtype, shape and starting value of each field, the classes State, Params and Outcome, and what an environment knows of them."""
+"""Lowers the state: the attributes of State, Params and Outcome, and what describes them."""
 
 from math import isfinite
 
@@ -26,112 +26,64 @@ INT32 = array.path("jnp.int32")
 
 def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of State."""
-
-    found = [
-        Field(
-            "step",
-            "[]",
-            "int32",
-            "finished steps of this episode",
-            array.call("jnp.int32", array.Literal(0)),
-        )
-    ]
+    zero = array.call("jnp.int32", array.Literal(0))
+    fields = [Field("step", "[]", "int32", "finished steps of this episode", zero)]
     for sort in body_sorts(game):
-        found += _pose_fields(sort, w)
-    found += [_field(field, game, w) for field in all_fields(game)]
+        fields += _pose_fields(sort, w)
+    fields += [_field(field, game, w) for field in all_fields(game)]
     for phase in marking_phases(game):
         size = mark_size(phase, game)
-        zeros = array.call(
-            "jnp.zeros",
-            w.module.number(f"marks_of_{phase.name}", size, f"cells that {phase.label} can mark"),
-            INT32,
-        )
-        found.append(
-            Field(
-                f"mark_{phase.name}",
-                f"[{size}]",
-                "int32",
-                f"cells marked by {phase.label}; 0: none",
-                zeros,
-            )
-        )
-    return found
+        comment = f"cells that {phase.label} can mark"
+        number = w.module.number(f"marks_of_{phase.name}", size, comment)
+        zeros = array.call("jnp.zeros", number, INT32)
+        meaning = f"cells marked by {phase.label}; 0: none"
+        fields.append(Field(f"mark_{phase.name}", f"[{size}]", "int32", meaning, zeros))
+    return fields
 
 
 def _pose_fields(sort: ir.Sort, w: Writer) -> list[Field]:
-    """Returns where agents, or the movers of a sort, are; the heading of a mover is a field of its own."""
-    extent, is_agent = w.module.extent(sort), sort.what == "agent"
+    """Returns where agents, or the movers of a name, are and look.
 
-    def of_each(name: str, comment: str, dtype: str = "int32") -> Field:
-        zeros = array.call("jnp.zeros", extent, INT32 if dtype == "int32" else array.Name("bool"))
-        return Field(
-            attribute_of(name, sort),
-            "[N]" if is_agent else f"[{extent.size}]",
-            dtype,
-            comment,
-            zeros,
-        )
+    The heading of a mover is a field of the game.
+    """
+    extent = w.module.extent(sort)
+    is_agent = sort.what == "agent"
+    shape = "[N]" if is_agent else f"[{extent.size}]"
 
-    found = [of_each("position", f"cell of each {sort.name} in the padded frame; 0: nowhere")]
+    def of_each(name: str, meaning: str) -> Field:
+        zeros = array.call("jnp.zeros", extent, INT32)
+        return Field(attribute_of(name, sort), shape, "int32", meaning, zeros)
+
+    fields = [of_each("position", f"cell of each {sort.name} in the padded frame; 0: nowhere")]
     if is_agent:
-        found.append(of_each("heading", "0 north, 1 east, 2 south, 3 west"))
+        fields.append(of_each("heading", "0 north, 1 east, 2 south, 3 west"))
     if w.module.stores_moved(sort):
-        found.append(of_each("moved", "did the last movement change the cell", "bool_"))
+        no = array.call("jnp.zeros", extent, array.Name("bool"))
+        meaning = "did the last movement change the cell"
+        fields.append(Field(attribute_of("moved", sort), shape, "bool_", meaning, no))
     if w.module.stores_away(sort):
-        who = (
-            f"ticks until {'an' if is_agent else 'a'} {sort.name} that is nowhere returns; 0: never"
-        )
-        found.append(of_each("away", who))
-        found.append(of_each("away_pool", "where it was sent"))
-        found.append(of_each("away_facing", "heading it will have; 4: any, 5: the same"))
-    return found
+        one = f"an {sort.name}" if is_agent else f"a {sort.name}"
+        fields.append(of_each("away", f"ticks until {one} that is nowhere returns; 0: never"))
+        fields.append(of_each("away_pool", "where it was sent"))
+        fields.append(of_each("away_facing", "heading it will have; 4: any, 5: the same"))
+    return fields
 
 
 def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
+    """Returns the attribute that keeps a field of the game."""
     dtype = STORED[state_reads.storage(field, w)]
-    extent = None if field.held_by.what == "world" else w.module.extent(field.held_by)
-    dims = {"cell": "S", "agent": "N"}.get(field.held_by.what) or (
-        "" if extent is None else str(extent.size)
-    )
-    words = (
-        (array.Literal(w.module.set_words),)
-        if field.type.kind == "agents" and w.module.set_words
-        else ()
-    )
-    shape = ", ".join(
-        ([dims] if dims else [])
-        + [str(len(by)) for by in field.type.by]
-        + [str(number.size) for number in words]
-    )
-    layout = w.module.layout
-    kind = field.held_by.name
-    starts = layout.starts(kind, field) if field.held_by.what == "cell" else {field.start}
-    if len(starts) <= 1:
-        size = (
-            *([] if extent is None else [extent]),
-            *map(w.module.num_entries, field.type.by),
-            *words,
-        )
-        first = _start(next(iter(starts), field.start), field, w)
-        default: array.Expression = array.call(
-            "jnp.full", array.shape_of(size), first, array.path(f"jnp.{dtype}")
-        )
-    else:
-        given = {s for g in game.glyphs if g.kind == kind for n, s in g.starts if n == field.name}
-        encode = {s: _start(s, field, w).value for s in given | starts | {field.start}}
-        table = layout.starts_table(kind, field, encode, dtype)  # type: ignore[arg-type]
-        default = w.module.constant(
-            f"{attribute_name(field)}_start", table, f"{field.name} of {kind} as on the map"
-        )
-        if field.type.by:
-            columns = array.Index(default, (array.ALL, array.NEW_AXIS))
-            default = array.call(
-                "jnp.repeat", columns, w.module.num_entries(field.type.by[0]), axis=array.Literal(1)
-            )
-    meaning = f"{field.name}: {_meaning(field)}" + (
-        f"; by {_level(field.type.by[0])}" if field.type.by else ""
-    )
-    return Field(attribute_name(field), f"[{shape}]", dtype, meaning, default)
+    dims: list[str] = []
+    if field.held_by.what != "world":
+        extent = w.module.extent(field.held_by)
+        dims.append({"cell": "S", "agent": "N"}.get(field.held_by.what, str(extent.size)))
+    dims += [str(len(level)) for level in field.type.by]
+    meaning = f"{field.name}: {_meaning(field)}"
+    if field.type.by:
+        meaning = f"{meaning}; by {_level(field.type.by[0])}"
+    if field.type.kind == "agents" and w.module.set_words:
+        dims.append(str(w.module.set_words))
+    default = _default(field, game, dtype, w)
+    return Field(attribute_name(field), f"[{', '.join(dims)}]", dtype, meaning, default)
 
 
 def _level(level: Level) -> str:
@@ -174,21 +126,50 @@ def _start(value: object, field: ir.VarField, w: Writer) -> array.Literal:
     return node
 
 
+def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> array.Expression:
+    """Returns the starting values of a field."""
+    layout = w.module.layout
+    kind = field.held_by.name
+    starts = {field.start}
+    if field.held_by.what == "cell":
+        starts = layout.starts(kind, field)
+    if len(starts) <= 1:
+        size: list[array.Expression] = []
+        if field.held_by.what != "world":
+            size.append(w.module.extent(field.held_by))
+        size += map(w.module.num_entries, field.type.by)
+        if field.type.kind == "agents" and w.module.set_words:
+            size.append(array.Literal(w.module.set_words))
+        first = _start(next(iter(starts), field.start), field, w)
+        return array.call(
+            "jnp.full", array.shape_of(tuple(size)), first, array.path(f"jnp.{dtype}")
+        )
+    for glyph in game.glyphs:
+        if glyph.kind == kind:
+            starts |= {value for name, value in glyph.starts if name == field.name}
+    encode = {start: _start(start, field, w).value for start in starts | {field.start}}
+    table = layout.starts_table(kind, field, encode, dtype)  # type: ignore[arg-type]
+    comment = f"{field.name} of {kind} as on the map"
+    vector = w.module.constant(f"{attribute_name(field)}_start", table, comment)
+    if not field.type.by:
+        return vector
+    column = array.Index(vector, (array.ALL, array.NEW_AXIS))
+    num_entries = w.module.num_entries(field.type.by[0])
+    return array.call("jnp.repeat", column, num_entries, axis=array.Literal(1))
+
+
 def params_fields(game: ir.Game) -> list[Field]:
     """Returns the attributes of Params."""
-    found = []
+    fields = []
     for param in game.params:
         dtype = {"int": "int32", "real": "float32", "word": "uint8"}[param.type.kind]
-        shape = "[" + ", ".join(str(len(by)) for by in param.type.by) + "]"
-        by = "".join(f" by {level}" for level in param.type.by)
+        shape = ", ".join(str(len(level)) for level in param.type.by)
         unit = "word" if param.type.kind == "word" else param.type.unit
-        default = array.call(
-            "jnp.asarray",
-            array.constant(param_value(param.value, param.type)),
-            array.path(f"jnp.{dtype}"),
-        )
-        found.append(Field(param_attribute(param.name), shape, dtype, f"{unit}{by}", default))
-    return found
+        meaning = " by ".join([str(unit), *map(str, param.type.by)])
+        value = array.constant(param_value(param.value, param.type))
+        default = array.call("jnp.asarray", value, array.path(f"jnp.{dtype}"))
+        fields.append(Field(param_attribute(param.name), f"[{shape}]", dtype, meaning, default))
+    return fields
 
 
 def param_value(value: object, type_: ir.Type) -> object:
@@ -200,85 +181,77 @@ def param_value(value: object, type_: ir.Type) -> object:
 
 def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of Outcome."""
-    found = [
-        Field(
-            "reward",
-            "[N]",
-            "float32",
-            "raw rewards of this step",
-            array.call("jnp.zeros", w.module.agents, array.DTYPES["f32"]),
-        ),
-        Field(
-            "ended",
-            "[]",
-            "bool_",
-            "whether an `end` was performed",
-            array.call("jnp.zeros", array.Sequence(()), array.Name("bool")),
-        ),
+    no_reward = array.call("jnp.zeros", w.module.agents, array.DTYPES["f32"])
+    not_ended = array.call("jnp.zeros", array.Sequence(()), array.Name("bool"))
+    fields = [
+        Field("reward", "[N]", "float32", "raw rewards of this step", no_reward),
+        Field("ended", "[]", "bool_", "whether an `end` was performed", not_ended),
     ]
     for event in game.events:
-        size = (
-            *([w.module.agents] if event.per_agent else []),
-            *([w.module.num_entries(event.by)] if event.by else []),
-        )
-        shape = ", ".join(
-            (["N"] if event.per_agent else []) + ([str(len(event.by))] if event.by else [])
-        )
-        comment = "counts of this step" + (f", by {_level(event.by)}" if event.by else "")
-        zeros = array.call("jnp.zeros", array.shape_of(size), INT32)
-        found.append(
-            Field(f"event_{param_attribute(event.name)}", f"[{shape}]", "int32", comment, zeros)
-        )
-    return found
+        size: list[array.Expression] = []
+        dims: list[str] = []
+        meaning = "counts of this step"
+        if event.per_agent:
+            size.append(w.module.agents)
+            dims.append("N")
+        if event.by is not None:
+            size.append(w.module.num_entries(event.by))
+            dims.append(str(len(event.by)))
+            meaning = f"{meaning}, by {_level(event.by)}"
+        zeros = array.call("jnp.zeros", array.shape_of(tuple(size)), INT32)
+        name = f"event_{param_attribute(event.name)}"
+        fields.append(Field(name, f"[{', '.join(dims)}]", "int32", meaning, zeros))
+    return fields
 
 
 ROLE = "role"  # a field of the agents by this name says who plays what
 
 
 def events(game: ir.Game) -> tuple[tuple[str, str, int | None], ...]:
-    """Returns each count of a step: its name, the attribute of the outcome, and which entry of its last axis."""
-    return tuple(
-        (name, f"event_{param_attribute(event.name)}", None if word is None else i)
-        for event in game.events
-        for i, (word, name) in enumerate(counts_of(event))
-    )
+    """Returns each count of a step: name, attribute of Outcome, and entry of its last axis."""
+    counts = []
+    for event in game.events:
+        attribute = f"event_{param_attribute(event.name)}"
+        for entry, (word, name) in enumerate(counts_of(event)):
+            counts.append((name, attribute, None if word is None else entry))
+    return tuple(counts)
 
 
 def described_fields(game: ir.Game) -> tuple[StateField, ...]:
-    """Returns every declared variable: those of cells, of agents, of movers, each sort after where its members are, and of the world."""
-    found: list[StateField] = []
+    """Returns every variable of the game: of cells, agents, movers and the world.
+
+    The fields of movers come after the cells on which they are.
+    """
+    described: list[StateField] = []
     for field in all_fields(game):
-        attribute, type_ = attribute_name(field), field.type
-        if (field.held_by.what, field.name) == ("mover", "heading"):
-            found.append(StateField(attribute_of("position", field.held_by), "place"))
+        attribute = attribute_name(field)
+        type_ = field.type
+        if field.held_by.what == "mover" and field.name == "heading":
+            described.append(StateField(attribute_of("position", field.held_by), "place"))
         match type_.kind:
             case "word":
-                found.append(StateField(attribute, "word", size=len(type_.words)))
+                described.append(StateField(attribute, "word", size=len(type_.words)))
             case "agent" | "agents" | "cell" | "condition":
-                found.append(StateField(attribute, type_.kind))
+                described.append(StateField(attribute, type_.kind))
+            case _ if isfinite(type_.low) and isfinite(type_.high) and type_.low < type_.high:
+                described.append(StateField(attribute, "number", low=type_.low, high=type_.high))
             case _:
-                limited = isfinite(type_.low) and isfinite(type_.high) and type_.low < type_.high
-                low, high = (type_.low, type_.high) if limited else (None, None)
-                found.append(StateField(attribute, "number", low=low, high=high))
-    return tuple(found)
+                described.append(StateField(attribute, "number"))
+    return tuple(described)
 
 
 def role_attribute(game: ir.Game) -> str | None:
-    """Returns the attribute of State that holds the agents' roles; None if they have none, or a phase of the schedule writes it."""
-    field = next(
-        (
-            f
-            for f in game.agents.fields
-            if f.name == ROLE and f.type.kind == "word" and not f.type.by
-        ),
-        None,
-    )
-    written = [
-        written_field(node.target)
-        for turn in game.schedule
-        for node in ir.walk(turn)
-        if isinstance(node, ir.Set)
-    ]
-    if field is None or any((read.held_by.what, read.name) == ("agent", ROLE) for read in written):
-        return None
-    return attribute_name(field)
+    """Returns the attribute of State that holds the agents' roles.
+
+    None if they have none, or a phase of the schedule writes it.
+    """
+    for turn in game.schedule:
+        for node in ir.walk(turn):
+            if isinstance(node, ir.Set):
+                written = written_field(node.target)
+                if written.held_by.what == "agent" and written.name == ROLE:
+                    return None
+    for field in game.agents.fields:
+        if field.name == ROLE and field.type.kind == "word" and not field.type.by:
+            return attribute_name(field)
+    return None

@@ -1,4 +1,4 @@
-"""Lowers reads of the state: fields, positions and attributes of the variables in scope, and cells as values: 256 times the row and the column."""
+"""Lowers reads of the state: fields, positions, attributes, and cells as values of fields."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -27,7 +27,7 @@ from sjdsl.compiler.program.expressions import (
     path,
 )
 
-MANY = 64  # lookups in a vector of cells, from which on it pays to have what is looked up in memory
+MANY = 64  # computed cells from which on what is looked up is worth computing in memory first
 
 
 def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
@@ -36,36 +36,36 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
         value = dict(owner.painted).get(e.name)
         if value is None:
             owner = placed(owner, w)
-        elif e.type.kind == "agent":  # painted one up, 0 is nobody
-            return binary(
-                "-", as_dtype(replace(value, dtype="u8"), "i32"), literal(1, "i32"), "i32"
-            )
+        elif e.type.kind == "agent":  # painted one up: 0 is nobody
+            number = as_dtype(replace(value, dtype="u8"), "i32")
+            return binary("-", number, literal(1, "i32"), "i32")
         else:
             return as_dtype(value, "i32") if e.type.kind == "int" else value
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
-    stored = Value(
-        w.stored(attribute_name(declared)), storage(declared, w), (), w.module.levels(e.type)
-    )
+    levels = w.module.levels(e.type)
+    stored = Value(w.stored(attribute_name(declared)), storage(declared, w), (), levels)
     if declared.type.kind == "word":
         stored = as_dtype(stored, "u8")
     if isinstance(owner, CellVar) and owner.beside:
-        return _widened(replace(stored, node=w.beside(stored.node), axes=owner.site.axes), declared)
-    return _widened(stored if owner is None else _looked_up(owner, stored, w), declared)
+        stored = replace(stored, node=w.beside(stored.node), axes=owner.site.axes)
+    elif owner is not None:
+        stored = _looked_up(owner, stored, w)
+    return _widened(stored, declared)
 
 
 def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
-    """Returns a field of the one that a variable is; many computed cells are looked up in what has been computed before."""
-    computed = (
-        prod(a.size for a in owner.site.axes)
-        if isinstance(owner, CellVar) and owner.axis is None
-        else 0
-    )
-    if isinstance(owner, CellVar) and computed >= max(MANY, w.module.layout.num_cells(owner.kinds)):
-        return replace(
-            stored, node=call("looked_up", stored.node, owner.site.node), axes=owner.site.axes
-        )
+    """Returns a field of the one that a variable is.
+
+    For many computed cells the field is computed in memory first.
+    """
+    if isinstance(owner, CellVar) and owner.axis is None:
+        site = owner.site
+        number = prod(a.size for a in site.axes)
+        if number >= max(MANY, w.module.layout.num_cells(owner.kinds)):
+            node = call("looked_up", stored.node, site.node)
+            return replace(stored, node=node, axes=site.axes)
     return _of(owner, stored)
 
 
@@ -77,18 +77,19 @@ def _of(owner: Variable, stored: Value) -> Value:
 
 
 def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
-    """A group's field: the kinds' vectors one after another, put into reading order."""
-    parts, order = (
-        [w.module.field(e, kind) for kind in owner.kinds],
+    """Returns a group's field: the kinds' vectors one after another, put into reading order."""
+    group = "_".join(owner.kinds)
+    fields = [w.module.field(e, kind) for kind in owner.kinds]
+    order = w.module.constant(
+        f"order_{group}",
         w.module.layout.order_table(owner.kinds),
+        "cells of a group in reading order",
     )
-    name = w.module.constant(
-        "order_" + "_".join(owner.kinds), order, "cells of a group in reading order"
-    )
-    vectors = Sequence(tuple(w.stored(attribute_name(p)) for p in parts), is_list=True)
-    together = Value(Index(call("jnp.concatenate", vectors), (name,)), storage(parts[0], w))
-    whole = w.keep(f"{'_'.join(owner.kinds)}_{e.name}", together)
-    return _widened(_looked_up(owner, replace(whole, levels=w.module.levels(e.type)), w), parts[0])
+    vectors = Sequence(tuple(w.stored(attribute_name(f)) for f in fields), is_list=True)
+    concatenated = Index(call("jnp.concatenate", vectors), (order,))
+    whole = w.keep(f"{group}_{e.name}", Value(concatenated, storage(fields[0], w)))
+    whole = replace(whole, levels=w.module.levels(e.type))
+    return _widened(_looked_up(owner, whole, w), fields[0])
 
 
 def _widened(value: Value, declared: ir.VarField) -> Value:
@@ -96,10 +97,11 @@ def _widened(value: Value, declared: ir.VarField) -> Value:
 
 
 def storage(declared: ir.VarField, w: Writer) -> DType:
-    """Returns the dtype a field is kept in: words and small ranges in a byte, sets of agents as bits.
+    """Returns the dtype of a field: a byte for words and small ranges, bits for sets of agents.
 
-    One number of the world is never a byte: it would save three bytes an environment. And XLA for processors with AVX-512
-    may end the process when a byte of each environment is compared together with bytes of its agents (openxla/xla#44943).
+    One number of the world is never a byte: that would save three bytes an environment, and XLA
+    for processors with AVX-512 may end the process when a byte of each environment is compared
+    together with bytes of its agents (openxla/xla#44943).
     """
     match declared.type.kind:
         case "real":
@@ -119,21 +121,16 @@ def fits_byte(declared: ir.VarField, w: Writer) -> bool:
 
 
 def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
-    """Returns the largest value a timer begins with or any statement sets it to. `nodes`: all of the game."""
+    """Returns the largest value a timer begins with or is set to. nodes: all of the game."""
     bounds = [0.0]
     for node in nodes:
-        if isinstance(node, ir.GlyphMeaning) and declared.held_by == ir.Sort("cell", (node.kind,)):
-            bounds += [
-                value
-                for name, value in node.starts
-                if name == declared.name and isinstance(value, int)
-            ]
-        if (
-            isinstance(node, ir.Set)
-            and isinstance(node.target, ir.FieldRead)
-            and can_be(node.target, declared)
-        ):
-            bounds.append(node.value.type.high)
+        match node:
+            case ir.GlyphMeaning() if declared.held_by == ir.Sort("cell", (node.kind,)):
+                for name, value in node.starts:
+                    if name == declared.name and isinstance(value, int):
+                        bounds.append(value)
+            case ir.Set(target=ir.FieldRead() as target) if can_be(target, declared):
+                bounds.append(node.value.type.high)
     return max(bounds)
 
 
@@ -145,11 +142,10 @@ def position(owner: AgentVar, w: Writer) -> Value:
 
 def heading(owner: AgentVar, w: Writer) -> Value:
     """Returns the headings of agents or movers, int32."""
-    if owner.sort.what == "mover":  # a field, and so a byte
-        return as_dtype(
-            _of(owner, Value(w.stored(attribute_of("heading", owner.sort)), "u8")), "i32"
-        )
-    return _of(owner, Value(w.stored("heading"), "i32"))
+    stored = w.stored(attribute_of("heading", owner.sort))
+    if owner.sort.what == "mover":  # a field of words, and so a byte
+        return as_dtype(_of(owner, Value(stored, "u8")), "i32")
+    return _of(owner, Value(stored, "i32"))
 
 
 def moved(owner: AgentVar, w: Writer) -> Value:
@@ -170,25 +166,24 @@ def nowhere(w: Writer) -> Value:
 
 
 def positions(w: Writer, sort: ir.Sort = AGENTS) -> Expression:
-    """Returns the cells of all agents, or of all movers of a sort."""
+    """Returns the cells of all agents, or of all movers of a name."""
     return w.stored(attribute_of("position", sort))
 
 
 def everybody(w: Writer, sort: ir.Sort) -> AgentVar:
-    """Returns all agents, or all movers of a sort, where their numbers are not asked for."""
+    """Returns all agents or movers, for expressions that don't read their numbers."""
     extent = w.module.extent(sort)
     return AgentVar(Value(Name(sort.plural), "i32"), Axis("", extent.size, 0, extent.name), sort)
 
 
 def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression:
-    """Returns the cells of all agents and movers; `but`: without those of one sort, where there are others."""
+    """Returns the cells of all agents and movers, perhaps without those of one sort."""
     sorts = [sort for sort in body_sorts(w.module.game) if sort != but]
     if len(sorts) == 1:
         return positions(w, sorts[0])
-    together = call(
-        "jnp.concatenate", Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True)
-    )
-    return w.keep("bodies" if but is None else "others", Value(together, "i32")).node
+    parts = Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True)
+    name = "bodies" if but is None else "others"
+    return w.keep(name, Value(call("jnp.concatenate", parts), "i32")).node
 
 
 def cell(owner: CellVar, w: Writer) -> Value:
@@ -199,68 +194,61 @@ def cell(owner: CellVar, w: Writer) -> Value:
 
 
 def _seen_cell(owner: CellVar, w: Writer) -> Value:
-    """Returns where each cell of each window is, in the frame; of one who is away cells that mean nothing."""
+    """Returns where each cell of each window is, in the frame.
+
+    For an observer that is away the cells mean nothing.
+    """
     observer, cells = owner.seen
-    table = w.module.constant(
-        "view_offsets",
-        w.module.layout.view_table,
-        "cells of a window from the observer's cell, for each heading",
-    )
+    comment = "cells of a window from the observer's cell, for each heading"
+    table = w.module.constant("view_offsets", w.module.layout.view_table, comment)
     steps = Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
-    return w.keep(
-        "seen_cells",
-        on_map(binary("+", Value(path("state.position"), "i32", (observer,)), steps, "i32"), w),
-    )
+    observers = Value(path("state.position"), "i32", (observer,))
+    return w.keep("seen_cells", on_map(binary("+", observers, steps, "i32"), w))
 
 
 def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
     """Returns how many steps each cell of a window is from the observer."""
-    table = w.module.constant(
-        "view_steps",
-        w.module.layout.steps_table,
-        "steps from the observer to each cell of its window",
-    )
+    comment = "steps from the observer to each cell of its window"
+    table = w.module.constant("view_steps", w.module.layout.steps_table, comment)
     if w.module.layout.wraps:  # round a map that is not square the way depends on the heading
         return Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
     return Value(table, "i32", (cells,))
 
 
 def on_map(cells: Value, w: Writer) -> Value:
-    """Returns cells of the frame as cells of the map, where those beyond an edge are those at the other side if the map wraps."""
+    """Returns cells of the frame as cells of the map.
+
+    If the map wraps, those beyond an edge are cells at the other side.
+    """
     if not w.module.layout.wraps:
         return cells
-    table = w.module.constant(
-        "around",
-        w.module.layout.edges_table,
-        "the cell of the map that a cell of the frame is; 1: none",
-    )
+    comment = "the cell of the map that a cell of the frame is; 1: none"
+    table = w.module.constant("around", w.module.layout.edges_table, comment)
     return Value(Index(table, (cells.node,)), "i32", cells.axes)
 
 
 def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
     """Returns the table of the cells of some kinds."""
-    return w.module.constant(
-        "cells_" + "_".join(kinds),
-        w.module.layout.cells_table(kinds),
-        f"cells of {', '.join(kinds)}",
-    )
+    table = w.module.layout.cells_table(kinds)
+    return w.module.constant(f"cells_{'_'.join(kinds)}", table, f"cells of {', '.join(kinds)}")
 
 
 def placed(owner: CellVar, w: Writer) -> CellVar:
-    """Returns a cell by its number. That of a cell of a window is found by where it is; where another kind is, it means nothing."""
+    """Returns a cell by its number; a cell of a window is found by where it is.
+
+    Where a window shows another kind, the number means nothing.
+    """
     if owner.painted is None:
         return owner
-    return CellVar(
-        w.keep(f"seen_{'_'.join(owner.kinds)}", site_at(_seen_cell(owner, w), owner.kinds, w)),
-        owner.kinds,
-    )
+    site = site_at(_seen_cell(owner, w), owner.kinds, w)
+    return CellVar(w.keep(f"seen_{'_'.join(owner.kinds)}", site), owner.kinds)
 
 
 def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
     """Returns the numbers of cells of the frame among those of `kinds`; past the end: none."""
     comment = f"number of each cell among {', '.join(kinds)}; past the end: none"
     table = w.module.constant(
-        "site_of_" + "_".join(kinds), w.module.layout.site_table(kinds), comment
+        f"site_of_{'_'.join(kinds)}", w.module.layout.site_table(kinds), comment
     )
     return Value(Index(table, (cells.node,)), "i32", cells.axes)
 
@@ -272,7 +260,7 @@ def is_site(site: Value, kinds: tuple[str, ...], w: Writer) -> Value:
 
 def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Value, Value]:
     """Returns the number of the cell of `kinds` under each agent, and whether there is one."""
-    site = w.keep("_".join(kinds) + "_under", site_at(position(owner, w), kinds, w))
+    site = w.keep(f"{'_'.join(kinds)}_under", site_at(position(owner, w), kinds, w))
     return site, is_site(site, kinds, w)
 
 
@@ -280,20 +268,15 @@ def occupied(owner: CellVar, w: Writer) -> Value:
     """Returns which cells have an agent or a mover on them."""
     bodies = all_positions(w)
     if owner.axis is not None:
-        site = w.keep(
-            "_".join(owner.kinds) + "_under",
-            site_at(Value(bodies, "i32", (Axis("", 1, 0),)), owner.kinds, w),
-        )
-        vector = w.keep(
-            "covered", Value(call("occupied", site.node, w.module.num_cells(owner.kinds)), "bool")
-        )
-        return replace(vector, axes=(owner.axis,))
+        under = site_at(Value(bodies, "i32", (Axis("", 1, 0),)), owner.kinds, w)
+        site = w.keep(f"{'_'.join(owner.kinds)}_under", under)
+        covered = call("occupied", site.node, w.module.num_cells(owner.kinds))
+        return replace(w.keep("covered", Value(covered, "bool")), axes=(owner.axis,))
     at = cell(owner, w)
     if not at.axes:
         return Value(Reduce("any", Binary("==", at.node, bodies)), "bool")
-    same = Binary(
-        "==", Index(at.node, (REST, NEW_AXIS)), Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
-    )
+    each_body = Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
+    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), each_body)
     return Value(Reduce("any", same, (-1,)), "bool", at.axes)
 
 
@@ -303,35 +286,29 @@ NO_CELL = -1
 
 def no_cell(w: Writer) -> Value:
     """Returns the number that stands for no cell."""
-    return Value(
-        w.module.number("no_cell", NO_CELL, "in place of a cell: 256 * row + column"), "i32"
-    )
+    comment = "in place of a cell: 256 * row + column"
+    return Value(w.module.number("no_cell", NO_CELL, comment), "i32")
 
 
 def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns a cell as a field keeps it."""
+    """Returns a cell as a field keeps it: 256 times its row, and its column."""
     if not isinstance(e, ir.Member):
         return w.value(e, scope.always())
     variable = scope.variables[e.name]
     assert isinstance(variable, CellVar)
     at = cell(variable, w)
-    cols, pad = (
-        w.module.number("frame_cols", w.module.layout.cols),
-        array.Literal(w.module.layout.pad, "PAD"),
-    )
-    row, col = (array.Binary("-", array.Binary(op, at.node, cols), pad) for op in ("//", "%"))
-    return w.keep(
-        "place",
-        replace(at, node=array.Binary("+", array.Binary("<<", row, array.Literal(ROW)), col)),
-    )
+    cols = w.module.number("frame_cols", w.module.layout.cols)
+    pad = array.Literal(w.module.layout.pad, "PAD")
+    row = array.Binary("-", array.Binary("//", at.node, cols), pad)
+    col = array.Binary("-", array.Binary("%", at.node, cols), pad)
+    kept = array.Binary("+", array.Binary("<<", row, array.Literal(ROW)), col)
+    return w.keep("place", replace(at, node=kept))
 
 
 def frame_cell(value: Value, w: Writer) -> Value:
     """Returns the cell of the frame that a kept one is; 0 for nowhere."""
-    cols, pad = (
-        w.module.number("frame_cols", w.module.layout.cols),
-        array.Literal(w.module.layout.pad, "PAD"),
-    )
+    cols = w.module.number("frame_cols", w.module.layout.cols)
+    pad = array.Literal(w.module.layout.pad, "PAD")
     row = array.Binary("+", array.Binary(">>", value.node, array.Literal(ROW)), pad)
     col = array.Binary("+", array.Binary("&", value.node, array.Literal((1 << ROW) - 1)), pad)
     at = replace(value, node=array.Binary("+", array.Binary("*", row, cols), col))
@@ -339,6 +316,6 @@ def frame_cell(value: Value, w: Writer) -> Value:
 
 
 def held_cell(e: ir.Expr, kinds: tuple[str, ...], scope: IterationScope, w: Writer) -> CellVar:
-    """Returns the variable that a cell value is among the cells of some kinds; none of them for nowhere."""
+    """Returns the cell that a value is, by its number among some kinds; past the end: none."""
     at = frame_cell(w.value(e, scope.always()), w)
-    return CellVar(w.keep("_".join(kinds) + "_held", site_at(at, kinds, w)), kinds)
+    return CellVar(w.keep(f"{'_'.join(kinds)}_held", site_at(at, kinds, w)), kinds)

@@ -12,10 +12,10 @@ from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.matching import match_
 from sjdsl.compiler.lower.movement import move, move_on_course, nobody_moves
-from sjdsl.compiler.lower.relocation import Sends
 from sjdsl.compiler.lower.rewards_and_events import give, tally
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.selection import nearest, pick
+from sjdsl.compiler.lower.sending import Sends
 from sjdsl.compiler.lower.state_reads import nowhere
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import Attribute, Call, Literal, Name
@@ -41,18 +41,16 @@ def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Se
 def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> None:
     match s:
         case ir.Each() if not is_empty(s.domain, w):
-            _inside(
-                s.body, enter(s.domain, scope, w), w, sends, domain_name(s.domain, w.module.game)
-            )
+            inner = enter(s.domain, scope, w)
+            _inside(s.body, inner, w, sends, domain_name(s.domain, w.module.game))
         case ir.Pick():
             inner, nobody, body = pick(s, scope, w)
             _inside(body, inner, w, sends, f"{s.domain.var.name}_found")
             _inside(s.otherwise, scope.when(nobody), w, sends)
         case ir.First() if not is_empty(s.domain, w):
             inner, _, found = nearest(s.domain, scope, w)
-            _inside(
-                s.body, inner.when(scope.mask).when(found), w, sends, f"{s.domain.var.name}_found"
-            )
+            inner = inner.when(scope.mask).when(found)
+            _inside(s.body, inner, w, sends, f"{s.domain.var.name}_found")
         case ir.Match() if not is_empty(s.left, w) and not is_empty(s.right, w):
             _inside(s.body, match_(s, scope, w), w, sends)
         case ir.Each() | ir.First() | ir.Match():
@@ -87,10 +85,9 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
         case ir.Mark():
             mark(s, scope, w)
         case ir.End():
-            w.accumulate(
-                "ended",
-                joined("|", w.total("ended"), reduce("any", scope.mask, scope.mask.axes).node),
-            )
+            ended = w.total("ended")
+            happens_here = reduce("any", scope.mask, scope.mask.axes).node
+            w.accumulate("ended", joined("|", ended, happens_here))
         case ir.Let() | ir.Draw():
             raise AssertionError(s)
         case _:
@@ -100,7 +97,7 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
 def _inside(
     body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends, name: str = ""
 ) -> None:
-    """Writes a block. `name`: of the mask that says where it happens, if several statements read it."""
+    """Writes a block. name: of its mask, which is kept if several statements read it."""
     if not body or scope.mask == FALSE:
         return
     if len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
@@ -109,7 +106,7 @@ def _inside(
 
 
 def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
-    """Branches in order: each where its condition holds and none before it did."""
+    """Writes branches in order: each where its condition holds and none before it did."""
     rest = scope
     for number, branch in enumerate(s.branches):
         if number > 2:  # of many branches the conditions would pile up
@@ -118,37 +115,31 @@ def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
         test = w.value(branch.test, scope.always())
         if len(s.branches) > 1 or s.otherwise:
             test = w.keep(name or "holds", test)
-        _inside(
-            branch.body,
-            rest.when(test),
-            w,
-            sends,
-            f"where_{name}" if name and rest.mask != TRUE else name,
-        )
+        mask_name = f"where_{name}" if name and rest.mask != TRUE else name
+        _inside(branch.body, rest.when(test), w, sends, mask_name)
         rest = rest.when(invert(test))
     _inside(s.otherwise, rest, w, sends)
 
 
 def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
     """Keeps the cells to be shown in the next observation; 0 stands for none."""
-    if scope.variables[s.anchor.name].axis is None or not isinstance(
-        scope.variables[s.anchor.name], AgentVar
-    ):
+    anchor = scope.variables[s.anchor.name]
+    if anchor.axis is None or not isinstance(anchor, AgentVar):
         instead = "mark around an agent that an `each` names"
         raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
     swept = sweep(ir.Near(shape=s.shape, anchor=s.anchor), scope, w)
     happens = reduce("any", scope.mask, tuple(a for a in scope.axes if a not in swept.cells.axes))
     cells = select(both(happens, swept.ok), swept.cells, nowhere(w))
-    marked = w.keep(
-        "marked", Value(Call(Attribute(cells.node, "reshape"), (Literal(-1),)), "i32")
-    ).node
+    flat = Call(Attribute(cells.node, "reshape"), (Literal(-1),))
+    marked = w.keep("marked", Value(flat, "i32")).node
     assert isinstance(marked, Name)
     w.marked[marked] = mark_size(s, w.module.game)
 
 
 def mark_size(rules: ir.Node, game: ir.Game) -> int:
     """Returns how many cells a phase or a statement can mark."""
-    marks = (node for node in ir.walk(rules) if isinstance(node, ir.Mark))
-    return game.agents.number * sum(
-        sum(map(len, shape_named(game, mark.shape).lanes)) for mark in marks
-    )
+    size = 0
+    for node in ir.walk(rules):
+        if isinstance(node, ir.Mark):
+            size += sum(map(len, shape_named(game, node.shape).lanes))
+    return size * game.agents.number

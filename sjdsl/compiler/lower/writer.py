@@ -1,4 +1,4 @@
-"""The writer: collects names, constants and statements while lowering builds a module, one function at a time."""
+"""The writer: collects the names, constants and statements of a module while it is lowered."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
@@ -42,28 +43,31 @@ from sjdsl.compiler.program.expressions import (
 from sjdsl.runtime.actions import HEADINGS
 
 FACTS = {
-    "NAME",
-    "TITLE",
-    "HASH",
-    "ACTIONS",
-    "STAY",
-    "NUM_AGENTS",
-    "PAD",
-    "FRAME",
-    "WINDOW",
-    "FORBIDS_ACTIONS",
-    "ROLE",
-    "EVENTS",
-    "FIELDS",
-}
+    "NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW",
+    "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS",
+}  # fmt: skip
 MODULE_NAMES = {*FACTS, "MAP", "TOKEN_PLANES"}
 NOBODY = -1
-WORD = 32  # bits of a number that agents of a set are kept in
+WORD = 32  # bits of one number of a set of agents
+
+
+class WordSet(Record):
+    """What a set of words belongs to, and what declares it.
+
+    owner: of the field that has it, or the name of the row, parameter, event or action.
+    """
+
+    owner: str
+    declared: str
 
 
 @dataclass
 class Module:
-    """What all functions of a module share. `expression` lowers an expression: what `Writer.value` calls; `sources`: as of `lower`."""
+    """What all functions of a module share.
+
+    expression: `expressions.lower`, which `Writer.value` calls: `expressions` imports this module.
+    sources: see `lower`. writer: the last one, whose statement is at fault where no other is known.
+    """
 
     game: ir.Game
     layout: Layout
@@ -72,16 +76,17 @@ class Module:
     constants: dict[str, Constant] = field(default_factory=dict)
     numbers: dict[str, Number] = field(default_factory=dict)
     names: Names = field(default_factory=lambda: Names(set(MODULE_NAMES)))
-    writer: "Writer | None" = (
-        None  # the last one, whose statement is at fault where nothing else is known
-    )
+    writer: "Writer | None" = None
     _by_value: dict[Expression, str] = field(default_factory=dict)
     _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
 
     def constant(
         self, name: str, table: Expression, comment: str, dtype: DType | None = None
     ) -> Name:
-        """Returns the name of a module-level array; what is made in the same way is kept once. `dtype`: of written numbers."""
+        """Returns the name of a module-level array; equal ones are kept once.
+
+        dtype: of a table of written numbers.
+        """
         value = as_array(table, dtype)
         if value not in self._by_value:
             fresh = self.names.fresh(name.upper())
@@ -100,81 +105,77 @@ class Module:
 
     def num_cells(self, kinds: tuple[str, ...]) -> Literal:
         """Returns how many cells of the kinds the map has."""
-        return self.number(
-            f"num_{'_'.join(kinds)}",
-            self.layout.num_cells(kinds),
-            f"cells of {', '.join(kinds)}",
-            "size",
-        )
+        name = f"num_{'_'.join(kinds)}"
+        comment = f"cells of {', '.join(kinds)}"
+        return self.number(name, self.layout.num_cells(kinds), comment, "size")
 
     def action(self, number: int) -> Literal:
         """Returns the number of an action."""
-        name = self.game.agents.actions[number]
-        of = f"is {name}" if "(" in name else ""
-        return self.number("action_" + "_".join(re.findall(r"\w+", name)), number, of, "action")
+        action = self.game.agents.actions[number]
+        name = "_".join(["action", *re.findall(r"\w+", action)])
+        comment = f"is {action}" if "(" in action else ""
+        return self.number(name, number, comment, "action")
 
     def first_action(self, action: ir.ActionWithArguments) -> Literal:
-        """Returns the number of the first of the actions that an action with arguments stands for."""
-        return self.number(
-            f"action_{action.name}",
-            action.first,
-            f"{self.game.agents.actions[action.first]}, the first of them",
-            "action",
-        )
+        """Returns the first number of an action with arguments."""
+        comment = f"{self.game.agents.actions[action.first]}, the first of them"
+        return self.number(f"action_{action.name}", action.first, comment, "action")
 
     def word(self, word: str, words: tuple[str, ...], declared: ir.VarField | None = None) -> Value:
-        """Returns the number of a word among others. `declared`: the field it is a value of, after which it is named."""
-        owner, number = self._word_sets.get(words, (None, ""))[0], words.index(word)
+        """Returns the number of a word in a set.
+
+        declared: the field of which it is a value, after whose owner it is named.
+        """
+        number = words.index(word)
+        owner = None
         if declared is not None and declared.type.words == words:
             owner = declared.held_by.name
-        return (
-            literal(number, "u8")
-            if owner is None
-            else Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
-        )
+        elif words in self._word_sets:
+            owner = self._word_sets[words].owner
+        if owner is None:
+            return literal(number, "u8")
+        return Value(self.number(f"{owner}_{word}".strip("_"), number, group="word"), "u8")
 
     def entry(self, entry: ir.Entry) -> Value:
         """Returns the place of an entry in its row."""
-        return (
-            self.word(entry.name, entry.level.names)
-            if entry.level.sort == "word"
-            else literal(entry.place, "u8")
-        )
+        if entry.level.sort == "word":
+            return self.word(entry.name, entry.level.names)
+        return literal(entry.place, "u8")
 
     def num_entries(self, level: ir.Level) -> Literal:
         """Returns how many entries a row has."""
         if level.sort == "agent":
             return self.agents
-        _, declared = self._word_sets[level.names]
+        declared = self._word_sets[level.names].declared
         return self.number(f"num_{declared}", len(level), ", ".join(level.names), "size")
 
     @cached_property
-    def _word_sets(self) -> dict[tuple[str, ...], tuple[str, str]]:
-        """What each set of words belongs to, and what declares it: a field, or the first row, parameter or event by these words."""
-        game, fields = self.game, all_fields(self.game)
-        found: dict[tuple[str, ...], tuple[str, str]] = {HEADINGS: ("", "headings")}
-        for declared in fields:
-            found.setdefault(declared.type.words, (declared.held_by.name, attribute_name(declared)))
-        rows = [
-            (by.names, attribute_name(declared)) for declared in fields for by in declared.type.by
-        ]
-        rows += [
-            (by, param.name)
-            for param in game.params
-            for by in (param.type.words, *(level.names for level in param.type.by))
-        ]
-        arguments = [
-            (argument.type.words, action.name)
-            for action in game.agents.with_arguments
-            for argument in action.arguments
-        ]
-        for by, name in (
-            *rows,
-            *((event.by.names, event.name) for event in game.events if event.by is not None),
-            *arguments,
-        ):
-            found.setdefault(by, (name, name))
-        return found
+    def _word_sets(self) -> dict[tuple[str, ...], WordSet]:
+        """The sets of words and other keys, each with what declares it first."""
+        game = self.game
+        fields = all_fields(game)
+        sets = {HEADINGS: WordSet("", "headings")}
+        for field_ in fields:
+            declared = WordSet(field_.held_by.name, attribute_name(field_))
+            sets.setdefault(field_.type.words, declared)
+
+        def add(keys: tuple[str, ...], name: str) -> None:
+            sets.setdefault(keys, WordSet(name, name))
+
+        for field_ in fields:
+            for level in field_.type.by:
+                add(level.names, attribute_name(field_))
+        for param in game.params:
+            add(param.type.words, param.name)
+            for level in param.type.by:
+                add(level.names, param.name)
+        for event in game.events:
+            if event.by is not None:
+                add(event.by.names, event.name)
+        for action in game.agents.with_arguments:
+            for argument in action.arguments:
+                add(argument.type.words, action.name)
+        return sets
 
     @property
     def num_agents(self) -> int:
@@ -186,17 +187,14 @@ class Module:
         return Literal(self.num_agents, "NUM_AGENTS")
 
     def extent(self, sort: ir.Sort) -> Literal:
-        """Returns how many agents there are, or movers or cells of a sort."""
+        """Returns how many agents, movers of a name or cells of some kinds there are."""
         match sort.what:
             case "agent":
                 return self.agents
             case "mover":
-                return self.number(
-                    f"num_{sort.name}",
-                    movers_named(self.game, sort.name).number,
-                    f"movers {sort.name}",
-                    "size",
-                )
+                name = sort.name
+                number = movers_named(self.game, name).number
+                return self.number(f"num_{name}", number, f"movers {name}", "size")
             case "cell":
                 return self.num_cells(sort.names)
             case "world":
@@ -204,20 +202,20 @@ class Module:
 
     @property
     def set_dtype(self) -> DType:
-        """How a set of agents is kept: a bit for each agent."""
+        """The dtype of a set of agents, which is kept as a bit for each agent."""
         return "u8" if self.num_agents <= 8 else "u32"
 
     @property
     def set_words(self) -> int:
-        """How many words of 32 bits a set of agents takes, along an axis of their own; 0 where one number holds it."""
+        """How many numbers of 32 bits a set of agents takes; 0 if one number holds it."""
         return 0 if self.num_agents <= WORD else -(-self.num_agents // WORD)
 
     def levels(self, type_: ir.Type) -> int:
-        """Returns how many axes one value has: those of rows and tables, and that of the words of a large set."""
+        """Returns how many axes one value of a type has: see `Value.levels`."""
         return len(type_.by) + (type_.kind == "agents" and self.set_words > 0)
 
     def can_be_away(self, sort: ir.Sort = AGENTS) -> bool:
-        """Returns whether agents, or movers of a sort, can be off the map during a step."""
+        """Returns whether agents, or movers of a name, can be off the map during a step."""
         return sort in self._leaving
 
     @cached_property
@@ -225,7 +223,7 @@ class Module:
         return frozenset(sort for sort in body_sorts(self.game) if can_be_away(self.game, sort))
 
     def stores_away(self, sort: ir.Sort = AGENTS) -> bool:
-        """Returns whether an agent, or a mover of a sort, can be sent away for some ticks."""
+        """Returns whether an agent, or a mover of a name, can be sent away for some ticks."""
         return any(s.after is not None and body_sort(s.who) == sort for s in self.sends)
 
     @cached_property
@@ -234,11 +232,12 @@ class Module:
         return tuple(n for n in self.nodes if isinstance(n, ir.Send))
 
     def stores_moved(self, sort: ir.Sort) -> bool:
-        """Returns whether any rule reads `moved` of agents, or of movers of a sort, or it is seen of agents."""
-        shown = sort.what == "agent" and any(
-            shows_attribute(s) and s.field == "moved" for s in self.game.observables
-        )
-        return shown or any(
+        """Returns whether a rule or an observation reads `moved` of agents, or of movers."""
+        if sort.what == "agent":
+            for observable in self.game.observables:
+                if shows_attribute(observable) and observable.field == "moved":
+                    return True
+        return any(
             isinstance(n, ir.Attribute) and n.name == "moved" and body_sort(n.owner) == sort
             for n in self.nodes
         )
@@ -263,7 +262,17 @@ class Module:
 
 @dataclass
 class Writer:
-    """Writes the statements of one function."""
+    """Writes the statements of one function.
+
+    state: the name of the state that is read. exact: whether what is lowered decides something.
+    known: names of what has been computed. parts: names of what kernels have returned.
+    changed, outcome: new values of attributes of the state and of the outcome.
+    added: the sums to be added to fields at the end of a phase; terms: how many terms the exact
+      ones have. joined: the sets to be joined with fields then.
+    marked: cells to be shown, with how many there are.
+    several_lots: the fields that several statements set by lot, and best_ranks: what they drew.
+    parameters: of a function over the cells around each cell, by what they stand for.
+    """
 
     module: Module
     purpose: str = ""
@@ -271,25 +280,21 @@ class Writer:
     names: Names = field(default_factory=lambda: Names(set(RESERVED)))
     starting: bool = False
     origin: Span | None = None
-    state: str = "state"  # what is read from
-    exact: bool = False  # whether what is lowered decides something
+    state: str = "state"
+    exact: bool = False
     known: dict[tuple[Expression, str], Name] = field(default_factory=dict)
-    parts: dict[Expression, tuple[Name, ...]] = field(
-        default_factory=dict
-    )  # of what kernels have returned
+    parts: dict[Expression, tuple[Name, ...]] = field(default_factory=dict)
     shape_axes: dict[tuple[str, Variable], Axis] = field(default_factory=dict)
     axes_made: int = 0
     changed: dict[str, Expression] = field(default_factory=dict)
     outcome: dict[str, Expression] = field(default_factory=dict)
     added: dict[str, list[Value]] = field(default_factory=dict)
-    terms: dict[str, int] = field(default_factory=dict)  # of the exact sums in `added`
+    terms: dict[str, int] = field(default_factory=dict)
     marked: dict[Name, int] = field(default_factory=dict)
     joined: dict[str, list[Expression]] = field(default_factory=dict)
     several_lots: frozenset[tuple[str, str]] = frozenset()
     best_ranks: dict[str, Name] = field(default_factory=dict)
-    parameters: dict[Expression, Name] = field(
-        default_factory=dict
-    )  # of a function that is being lowered, by what it is given
+    parameters: dict[Expression, Name] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.module.writer = self
@@ -301,10 +306,18 @@ class Writer:
     @contextmanager
     def deciding(self, decides: bool = True) -> Iterator[None]:
         """Lowers what decides something: inside, the arithmetic of reals is exact."""
-        before = self.exact
-        self.exact = before or decides
+        outer = self.exact
+        self.exact = outer or decides
         yield
-        self.exact = before
+        self.exact = outer
+
+    @contextmanager
+    def reading(self, state: str) -> Iterator[None]:
+        """Lowers reads of another state than the current one."""
+        outer = self.state
+        self.state = state
+        yield
+        self.state = outer
 
     def axis(self, name: str, size: int | Literal) -> Axis:
         """Returns a new axis, to the right of all made before."""
@@ -314,13 +327,11 @@ class Writer:
         return Axis(f"{name}{self.axes_made}", extent.value, self.axes_made, extent.name)
 
     def stream(self, number: int) -> Literal:
-        """Returns the number of a random stream."""
-        where = (
-            ""
-            if self.origin is None
-            else f"{self.origin.file.rpartition('/')[2]}:{self.origin.line}"
-        )
-        return self.module.number(f"stream_{self.purpose}", number, where, "stream")
+        """Returns the number of a random stream, with the line of its statement as a comment."""
+        comment = ""
+        if self.origin is not None:
+            comment = f"{self.origin.file.rpartition('/')[2]}:{self.origin.line}"
+        return self.module.number(f"stream_{self.purpose}", number, comment, "stream")
 
     def bind(self, name: str, node: Expression) -> Name:
         """Writes `name = node` under a name that is free."""
@@ -342,19 +353,19 @@ class Writer:
 
     def keep(self, name: str, value: Value) -> Value:
         """Gives a value a name in the function; what computes the same is named once."""
-        if isinstance(value.node, Literal | Name) or (
-            isinstance(value.node, Attribute) and isinstance(value.node.value, Name)
-        ):
+        node = value.node
+        is_attribute = isinstance(node, Attribute) and isinstance(node.value, Name)
+        if is_attribute or isinstance(node, Literal | Name):
             return value
-        if self.parameters and any(node in self.parameters.values() for node in walk(value.node)):
+        if self.parameters and any(part in self.parameters.values() for part in walk(node)):
             return value  # a function's body is one expression
-        key = (value.node, value.dtype)
+        key = (node, value.dtype)
         if key not in self.known:
-            self.known[key] = self.bind(name, value.node)
+            self.known[key] = self.bind(name, node)
         return replace(value, node=self.known[key])
 
     def keep_parts(self, names: tuple[str, ...], node: Expression) -> tuple[Name, ...]:
-        """Gives names to what a kernel returns, part by part; what computes the same is called once."""
+        """Names the parts of what a kernel returns; what computes the same is called once."""
         if node not in self.parts:
             self.parts[node] = tuple(
                 Name(self.names.fresh(identifier(name.lower()))) for name in names
@@ -363,8 +374,9 @@ class Writer:
         return self.parts[node]
 
     def rename(self, name: str, value: Value, since: int) -> Value:
-        """Gives a value the name that the rules have for it, if it has just been kept under another: nothing has read that.
+        """Gives a value the name that the rules have for it.
 
+        Only if it has just been kept under another name, which nothing has read.
         since: how many statements there were before it was lowered.
         """
         last = self.body[-1] if len(self.body) > since else None
@@ -383,20 +395,20 @@ class Writer:
         return path(f"{self.state}.{attribute}")
 
     def beside(self, stored: Expression) -> Name:
-        """Returns the parameter that a field of the cells around each cell is."""
+        """Returns the parameter that stands for a field of the cells around each cell."""
         assert isinstance(stored, Attribute)
         if stored not in self.parameters:
             self.parameters[stored] = Name(self.names.fresh(stored.name))
         return self.parameters[stored]
 
     def forget(self) -> None:
-        """What has been computed so far is not valid any more."""
+        """Forgets what has been computed so far: the state it was read from has changed."""
         self.known.clear()
         self.parts.clear()
         self.shape_axes.clear()
 
     def current(self, attribute: str) -> Expression:
-        """Returns where a state attribute's new value stands so far."""
+        """Returns the new value of a state attribute so far."""
         return self.changed.get(attribute) or path(f"state.{attribute}")
 
     def assign(self, attribute: str, node: Expression) -> None:
@@ -404,7 +416,7 @@ class Writer:
         self._renew(self.changed, attribute, node)
 
     def total(self, attribute: str) -> Expression:
-        """Returns where an attribute of the outcome stands so far."""
+        """Returns the value of an attribute of the outcome so far."""
         return self.outcome.get(attribute) or path(f"out.{attribute}")
 
     def accumulate(self, attribute: str, node: Expression) -> None:

@@ -1,1 +1,1 @@
-"""From characters to the tree of a file: lexer, parser and builders of nodes; operator precedence is in `sjdsl/grammar/sj.lark`."""
+"""From characters to the tree of a file: lexer, parser and builders of nodes."""

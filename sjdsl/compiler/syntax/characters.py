@@ -19,15 +19,12 @@ NEAR = 12  # words before and behind a character that tell what it is meant for
 
 
 def describe(character: str) -> str:
-    """Returns a character as messages show it: itself, and its code and name where it could be taken for another."""
+    """Returns a character as messages show it, with its code and name if it can be mistaken."""
+    if character.isascii() and character.isprintable():
+        return f"`{character}`"
+    code = f"U+{ord(character):04X}"
     name = unicodedata.name(character, "a control character").lower()
-    if not character.isprintable():
-        return f"U+{ord(character):04X} ({name})"
-    return (
-        f"`{character}`"
-        if character.isascii()
-        else f"`{character}` (U+{ord(character):04X}, {name})"
-    )
+    return f"`{character}` ({code}, {name})" if character.isprintable() else f"{code} ({name})"
 
 
 def control_characters(source: Source) -> list[Diagnostic]:
@@ -45,26 +42,26 @@ def control_characters(source: Source) -> list[Diagnostic]:
 
 def bad_character(source: Source, text: str, at: int) -> Diagnostic:
     """Returns what is wrong with the character at `at`, which begins no word or sign."""
-    if text[at] == '"':  # without a partner in its line
-        end = at + len(text[at:].split("\n", 1)[0].rstrip())
-        help_ = (
-            r"`\"` is a quote inside a text; the sign `\` itself is written twice: `\\`"
-            if text[at:end].endswith('\\"')
-            else ""
-        )
-        return errors.OpenString(
-            source.span(at, end), fix=Fix(source.span(end, end), '"'), help=help_
-        )
-    word = WORD.match(text, at)
-    assert word is not None
-    span, small = source.span(at, word.end()), word.group().lower()
     line_before = text[text.rfind("\n", 0, at) + 1 : at]
     line_from_here = text[at:].split("\n", 1)[0]
+    if text[at] == '"':  # without a partner in its line
+        end = at + len(line_from_here.rstrip())
+        help_ = ""
+        if text[at:end].endswith('\\"'):
+            help_ = r"`\"` is a quote inside a text; the sign `\` itself is written twice: `\\`"
+        fix = Fix(source.span(end, end), '"')
+        return errors.OpenString(source.span(at, end), fix=fix, help=help_)
+    match = WORD.match(text, at)
+    assert match is not None
+    span = source.span(at, match.end())
     before = " ".join(WORDS.findall(line_before)[-NEAR:])
     written = " ".join(WORDS.findall(line_from_here)[:NEAR])
-    help_ = slip(written, (), before)[0] or slip(word.group(), ())[0]
-    if help_ or not small.isidentifier():
-        return errors.BadCharacter(span, character=describe(text[at]), help=help_)
+    hint, _ = slip(written, (), before)
+    if not hint:
+        hint, _ = slip(match.group(), ())
+    small = match.group().lower()
+    if hint or not small.isidentifier():
+        return errors.BadCharacter(span, character=describe(text[at]), help=hint)
     help_ = "names are written in small letters `a` to `z`, digits and `_`"
-    fix = Fix(span, small) if small.isascii() else None
-    return errors.BadCharacter(span, character=describe(text[at]), help=help_, fix=fix)
+    fix_case = Fix(span, small) if small.isascii() else None
+    return errors.BadCharacter(span, character=describe(text[at]), help=help_, fix=fix_case)

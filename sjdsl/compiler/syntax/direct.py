@@ -1,6 +1,7 @@
 """Reads a text straight to its AST, several times as fast as by way of the grammar's own tree.
 
-Source -> ast.File; how far it was read, for a text with a mistake; what is too large about it; None for wrong characters, numbers and brackets
+Source -> ast.File, or how far it was read, or what is too large about it; None for wrong
+characters, numbers and brackets
 """
 
 import re
@@ -39,8 +40,9 @@ NOTHING = (None, None)  # what the table has for a token that cannot come
 class Rule(Record, eq=False):
     """What is done where a rule of the grammar has been read.
 
-    width: how many symbols it has; kept: which of them become children, each with whether its value is a list to be taken in; name: of the
-    rule, empty for a list that another rule takes in; passes: a single child stands for the rule itself.
+    width: how many symbols it has. kept: which of them become children, each with whether its
+    value is a list to be taken in. name: of the rule, empty for a list that another rule takes in.
+    passes: whether a single child stands for the rule itself.
     """
 
     width: int
@@ -54,8 +56,9 @@ class Rule(Record, eq=False):
 class Tables(Record, eq=False):
     """A grammar as it is run here.
 
-    sign: matches what is between, and then a word or sign; words: kinds of those written in letters; states: kind -> (action, state or rule of
-    the parser) for each state; rules: by the identity of the parser's own, which `parser` keeps alive; passed: (state below, state, kind) ->
+    sign: matches what is between words, and then a word or sign. words: kinds of those written in
+    letters. states: kind -> (action, state or rule of the parser) for each state. rules: by the
+    identity of the parser's own, which `parser` keeps alive. passed: (state below, state, kind) ->
     state after the rules for which their only child stands, as far as they have been met.
     """
 
@@ -70,7 +73,10 @@ class Tables(Record, eq=False):
 
 
 class Words(Record, eq=False):
-    """The tokens of a text, one entry each: where they start and end, their kinds and texts. The kinds end with that of the end."""
+    """The tokens of a text, one entry each: where they start and end, their kinds and texts.
+
+    The kinds end with that of the end.
+    """
 
     starts: list[int]
     ends: list[int]
@@ -110,7 +116,7 @@ def tables(parser: Lark) -> Tables:
 
 
 def _rule(rule: Any) -> Rule:
-    """Returns what is done for a rule of the parser; its options are those of the grammar's `?`, `!`, `_` and `->`."""
+    """Returns what is done for a rule of the parser."""
     symbols, keeps_all = rule.expansion, rule.options.keep_all_tokens
     kept = [
         (at, s.name.startswith("_") and not s.is_term)
@@ -125,10 +131,11 @@ def _rule(rule: Any) -> Rule:
 
 
 def read_directly(source: Source, parser: Lark) -> ast.File | ReadSoFar | Diagnostic | None:
-    """Returns the tree of a text whose version line is right; how far it was read if the words are not those of a game.
+    """Returns the tree of a text whose version line is right.
 
-    A diagnostic: it is nested too deeply, or has too many statements. None: a character is wrong, a number too large, or the text too long or
-    its brackets nested too deeply.
+    Otherwise it returns how far it was read, if the words are not those of a game; a diagnostic,
+    if it is nested too deeply or has too many statements; None, if a character is wrong, a number
+    too large, or the text too long or its brackets nested too deeply.
     """
     known = tables(parser)
     words = cut(source.text, known)
@@ -136,7 +143,7 @@ def read_directly(source: Source, parser: Lark) -> ast.File | ReadSoFar | Diagno
 
 
 def cut(text: str, known: Tables) -> Words | None:
-    """Returns the words and signs of a text; None if a character is wrong, a number too large, or the text too long or nested too deeply."""
+    """Returns the words and signs of a text; None for one that `scan` finds a mistake in."""
     words = Words([], [], [], [])
     starts, ends, kinds, texts = words.starts, words.ends, words.kinds, words.texts
     brackets = prefixes = 0
@@ -171,16 +178,18 @@ def cut(text: str, known: Tables) -> Words | None:
 
 
 class Reader:
-    """One run of the table over the words of a text. Values are nodes, lists of them, or the numbers of words."""
+    """One run of the table over words. Values are nodes, lists of them, or the numbers of words."""
 
     def __init__(self, words: Words, source: Source, known: Tables):
-        self._words, self._file, self._known = words, source.name, known
+        self._words = words
+        self._file = source.name
+        self._known = known
         self._lines = [0, *(match.end() for match in re.finditer("\n", source.text))]
         self._statements = 0
         self._too_large: Diagnostic | None = None
 
     def file(self) -> ast.File | ReadSoFar | Diagnostic:
-        """Returns the file that the words are, how far they were read, or what is too large about it."""
+        """Returns the file, how far the words were read, or what is too large about it."""
         known, kinds = self._known, self._words.kinds
         states, rules, passed, end = known.states, known.rules, known.passed, known.end
         stack, values, firsts, heights = [known.start], list[Any](), list[int](), list[int]()
@@ -231,24 +240,21 @@ class Reader:
         raise AssertionError("the end of a text is read or refused")
 
     def _passed(self, below: int, state: int, kind: str) -> int:
-        """Returns the state after all rules, one after the other, for which a single child stands: `(a)` is read as a dozen of them."""
-        states, rules, before = self._known.states, self._known.rules, state
+        """Returns the state after all rules for which a single child stands: a dozen for `(a)`."""
+        states = self._known.states
+        after = state
         while True:
-            to = states[state].get(kind, NOTHING)[1]
-            if (
-                to is None
-                or to.__class__ is int
-                or (rule := rules[id(to)]).width > 1
-                or not rule.passes
-            ):
-                self._known.passed[below, before, kind] = state
-                return state
-            state = states[below][rule.origin][1]
+            to = states[after].get(kind, NOTHING)[1]
+            rule = None if to is None or to.__class__ is int else self._known.rules[id(to)]
+            if rule is None or rule.width > 1 or not rule.passes:
+                self._known.passed[below, state, kind] = after
+                return after
+            after = states[below][rule.origin][1]
 
     def _made(
         self, rule: Rule, values: list[Any], first: int, behind: int, height: int
     ) -> tuple[Any, int]:
-        """Returns what a rule is, and how deep the grammar's own tree of it is: `height` is that of its deepest child."""
+        """Returns a node, and the height of its tree. height: of its deepest child."""
         items: list[Any] = []
         for at, is_list in rule.kept:
             if not is_list:
@@ -269,24 +275,28 @@ class Reader:
                 signs += 1
         height += (signs or len(items) - 1) if name in CHAINS else 1
         self._statements += name in STATEMENTS
-        if self._too_large is None and (height > MAX_TREE or self._statements > MAX_STATEMENTS):
-            start = self._words.starts[first]
-            here, problem = self._span(start, start), "the file has more statements"
-            self._too_large = (
-                TooDeep(here, limit=MAX_TREE)
-                if height > MAX_TREE
-                else too_much(problem, MAX_STATEMENTS, here)
-            )
+        if self._too_large is None:
+            self._check_size(height, first)
         if rule.build is None:
-            return Part(
-                name, tuple(items) if name == "names" else items[0] if items else None
-            ), height
+            if name == "names":
+                return Part(name, tuple(items)), height
+            return Part(name, items[0] if items else None), height
         words = self._words
         return rule.build(self._span(words.starts[first], words.ends[behind - 1]), *items), height
 
+    def _check_size(self, height: int, first: int) -> None:
+        """Notes that a text is nested too deeply, or has too many statements."""
+        start = self._words.starts[first]
+        if height > MAX_TREE:
+            self._too_large = TooDeep(self._span(start, start), limit=MAX_TREE)
+        elif self._statements > MAX_STATEMENTS:
+            problem = "the file has more statements"
+            self._too_large = too_much(problem, MAX_STATEMENTS, self._span(start, start))
+
     def _word(self, number: int) -> ast.Name | ast.String | str:
         words = self._words
-        kind, text = words.kinds[number], words.texts[number]
+        kind = words.kinds[number]
+        text = words.texts[number]
         if kind in AS_WRITTEN:
             return text
         span = self._span(words.starts[number], words.ends[number])

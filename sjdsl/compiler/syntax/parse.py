@@ -42,61 +42,74 @@ FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that i
 
 def parse(source: Source) -> ast.File:
     """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
-    found = _parsed(source)
-    if isinstance(found, ast.File):
-        return found
-    raise CompileError(found)
+    result = _parsed(source)
+    if isinstance(result, ast.File):
+        return result
+    raise CompileError(result)
 
 
 @lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
 def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     """Returns the tree of a text, or its syntax errors."""
     problems = check_text(source)
-    if not problems:
-        wrong = _check_version(source)
-        found = None if wrong or CONTROL.search(source.text) else read_directly(source, parser())
-        if isinstance(found, ast.File):
-            return found
-        problems = [found] if isinstance(found, Diagnostic) else mistakes(source, wrong, found)
-    return CompileError(problems).diagnostics
+    if problems:
+        return CompileError(problems).diagnostics
+    version_problem = _check_version(source)
+    so_far: ReadSoFar | None = None
+    if version_problem is None and not CONTROL.search(source.text):
+        result = read_directly(source, parser())
+        if isinstance(result, ast.File):
+            return result
+        if isinstance(result, Diagnostic):
+            return (result,)
+        so_far = result
+    return CompileError(mistakes(source, version_problem, so_far)).diagnostics
 
 
 def mistakes(
-    source: Source, wrong: Diagnostic | None, so_far: ReadSoFar | None
+    source: Source, version_problem: Diagnostic | None, so_far: ReadSoFar | None
 ) -> list[Diagnostic]:
-    """Returns what is wrong with a text that is not read. `wrong`: what is wrong with its version line; `so_far`: what is right."""
-    if isinstance(wrong, errors.NewerLanguage):
-        return [wrong]
-    found = scan(source, parser())
-    if wrong and not _skip_to_game(found):
-        return [wrong]
+    """Returns what is wrong with a text that can't be read.
+
+    version_problem: what is wrong with its version line. so_far: what has been read already.
+    """
+    if isinstance(version_problem, errors.NewerLanguage):
+        return [version_problem]
+    scanned = scan(source, parser())
+    problems = [] if version_problem is None else [version_problem]
+    if version_problem and not _skip_to_game(scanned):
+        return problems
+    if scanned.problems:
+        return problems + scanned.problems
     if so_far is None:
         stack = Stack(automaton().start, None)
-        for kind in ("SJ", "INT") if wrong else ():  # a version line that is not there
-            stack = read(automaton(), stack, kind) or stack
+        if version_problem:  # as if the version line were there
+            for kind in ("SJ", "INT"):
+                stack = read(automaton(), stack, kind) or stack
         so_far = ReadSoFar(0, stack)
-    if found.problems:
-        return ([wrong] if wrong else []) + found.problems
-    return ([wrong] if wrong else []) + _find_errors(found, so_far.at, so_far.stack)
+    return problems + _find_errors(scanned, so_far.at, so_far.stack)
 
 
 def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
-    """Returns the tokens of one `.sj` text and the grammar's own tree of them, for its layout. Raises CompileError as `parse` does."""
+    """Returns the tokens of one `.sj` text and the grammar's own tree of them, for its layout.
+
+    Raises CompileError as `parse` does.
+    """
     parse(source)
     return tree_of(scan(source, parser()).tokens)
 
 
 @cache
 def parser() -> Lark:
-    """Returns the parser of the language, made once a process; its tables are kept from one process to the next."""
-    folder, kept = (
-        HERE / "__pycache__",
-        str(HERE / "__pycache__" / "sj.lark.tables"),
-    )  # beside the compiled Python files
+    """Returns the parser of the language, made once a process.
+
+    Its tables are kept on the disk, beside the compiled Python files if these can be written.
+    """
+    folder = HERE / "__pycache__"
     with suppress(OSError):
         folder.mkdir(exist_ok=True)
+    cache = str(folder / "sj.lark.tables") if os.access(folder, os.W_OK) else False
     grammar = files("sjdsl.grammar").joinpath("sj.lark").read_text("utf-8")
-    cache = kept if os.access(folder, os.W_OK) else False  # nowhere if nothing can be written there
     return Lark(
         grammar, parser="lalr", lexer="basic", strict=True, propagate_positions=True, cache=cache
     )
@@ -109,121 +122,135 @@ def automaton() -> Automaton:
 
 
 def as_read(tokens: list[Token]) -> list[Token]:
-    """Returns the tokens of any text, with soft words as names where they are names, as far as it has no error."""
+    """Returns the tokens of any text up to its first error, soft words as names where they are."""
     return as_names(automaton(), tokens)
 
 
 def _check_version(source: Source) -> Diagnostic | None:
-    """Returns what is wrong with the version line; nothing if it is there and for this language."""
+    """Returns what is wrong with the version line; None if it is there and for this language."""
     first = FIRST_LINE.search(source.text)
     if first is None:
         but = ": it holds only comments" if "#" in source.text else ": it is empty"
         return errors.NoVersion(source.span(0, 0), known=VERSION, but=but)
-    line, start = first.group(1), first.start(1)
+    line = first.group(1)
+    start = first.start(1)
     number = re.match(r"sj\s+([0-9][0-9._]*)", line)
     if number and number.group(1) not in (VERSION, *ALSO_READ):
-        return errors.NewerLanguage(
-            source.span(start, start + number.end()), version=number.group(1)[:20], known=VERSION
-        )
+        span = source.span(start, start + number.end())
+        return errors.NewerLanguage(span, version=number.group(1)[:20], known=VERSION)
     if number or re.match(r"sj\b", line):
         return None
-    word = re.match(r"[\w.]+|.", line).group()[:40]  # type: ignore[union-attr]
-    fix = (
-        Fix(source.span(start, start), f"sj {VERSION}\n")
-        if word in ("game", "agents", "kind")
-        else None
-    )
-    return errors.NoVersion(
-        source.span(start, start + len(word)),
-        known=VERSION,
-        but=f": it begins with `{word}`",
-        fix=fix,
-    )
+    match = re.match(r"[\w.]+|.", line)
+    assert match is not None
+    word = match.group()[:40]
+    fix = None
+    if word in ("game", "agents", "kind"):
+        fix = Fix(source.span(start, start), f"sj {VERSION}\n")
+    span = source.span(start, start + len(word))
+    return errors.NoVersion(span, known=VERSION, but=f": it begins with `{word}`", fix=fix)
 
 
-def _skip_to_game(found: Scan) -> bool:
+def _skip_to_game(scanned: Scan) -> bool:
     """Drops what stands in place of the version line; returns whether a game follows at all."""
-    kinds = [token.type for token in found.tokens[:3]]
+    kinds = [token.type for token in scanned.tokens[:3]]
     if "GAME" not in kinds:
         return False
     dropped = kinds.index("GAME")
-    begin = found.tokens[dropped].start_pos or 0
-    found.problems = [problem for problem in found.problems if problem.span.start >= begin]
-    del found.tokens[:dropped]
+    begin = scanned.tokens[dropped].start_pos or 0
+    scanned.problems = [problem for problem in scanned.problems if problem.span.start >= begin]
+    del scanned.tokens[:dropped]
     return True
 
 
 @dataclass
 class Search:
-    """The errors found so far; those before token `quiet` may follow from the one before, `owed` braces certainly do."""
+    """The errors found so far.
+
+    quiet: errors before this token may follow from the one before. owed: how many braces too many
+    (or too few) the repairs have put in; errors that give them back follow from those.
+    """
 
     problems: dict[tuple[int, object], Diagnostic] = field(default_factory=dict)
     quiet: int = 0
     owed: int = 0
 
 
-def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
-    """Runs the table over the tokens from `at` on; at each error a repair is chosen, and reading resumes behind it."""
+def _find_errors(scanned: Scan, at: int, stack: Stack) -> list[Diagnostic]:
+    """Runs the table over the tokens from `at` on, past a repair of each error."""
     table = automaton()
-    kinds = [token.type for token in found.tokens] + [END]
-    texts = [str(token) for token in found.tokens] + [""]
+    tokens = scanned.tokens
+    kinds = [token.type for token in tokens] + [END]
+    texts = [str(token) for token in tokens] + [""]
     closing = closing_braces(kinds)
     before: Stack | None = None
-    search, repairs = Search(), 0
+    search = Search()
+    repairs = 0
     while repairs < MAX_PROBLEMS:
         if kinds[at] in SOFT:
-            found.tokens[at] = as_name(table, stack, found.tokens[at])
-            kinds[at] = found.tokens[at].type
+            tokens[at] = as_name(table, stack, tokens[at])
+            kinds[at] = tokens[at].type
         after = read(table, stack, kinds[at], at)
-        if after is not None and kinds[at] == END:
-            break
         if after is not None:
-            before, stack, at = stack, after, at + 1
+            if kinds[at] == END:
+                break
+            before = stack
+            stack = after
+            at += 1
             continue
         trouble = Trouble(table, kinds, texts, closing, stack, before, at)
         repair = find_repair(trouble)
-        _report(search, trouble, repair, found)
+        _report(search, trouble, repair, scanned)
         if repair is None:
             break
-        before, stack, at, repairs = None, repair.stack, repair.resume, repairs + 1
+        before = None
+        stack = repair.stack
+        at = repair.resume
+        repairs += 1
     return list(search.problems.values())
 
 
-def _report(search: Search, trouble: Trouble, repair: Repair | None, found: Scan) -> None:
+def _report(search: Search, trouble: Trouble, repair: Repair | None, scanned: Scan) -> None:
     """Adds an error, unless it follows from one before."""
-    change, forgiven = 0, False
+    change = 0
+    follows = False
     if repair is not None:
         change = _change_of_braces(repair, trouble.kinds)
-        opening = {"RPAR": "LPAR", "RSQB": "LSQB"}.get(repair.kind)
-        if opening and repair.sort in (
-            "insert",
-            "replace",
-        ):  # what is to be closed was put in by a repair: the author never wrote it
-            forgiven = open_marks(trouble.automaton, trouble.stack, opening, repair.kind)[:1] == [
-                -1
-            ]
-    worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
-    forgiven = forgiven or (not worse and change * search.owed < 0)
-    search.owed += change if worse or forgiven else 0
-    if trouble.at >= search.quiet and not forgiven:
-        problem = word_error(trouble, repair, found.tokens, found.source)
-        # a reserved word used as a name is one mistake, however often the name is used
-        identity = (
-            (0, problem.word) if isinstance(problem, errors.ReservedWord) else (1, problem.span)
-        )
-        known = search.problems.setdefault(identity, problem)
-        if isinstance(known, errors.ReservedWord) and known is not problem:
-            search.problems[identity] = replace(
-                known, labels=(*known.labels, Label(problem.span, "used here, too"))
-            )
+        follows = _closes_repaired_bracket(repair, trouble)
+    is_worse = abs(trouble.unmatched + change) > abs(trouble.unmatched)
+    if not is_worse and change * search.owed < 0:
+        follows = True
+    if is_worse or follows:
+        search.owed += change
+    if trouble.at >= search.quiet and not follows:
+        _add(search, word_error(trouble, repair, scanned.tokens, scanned.source))
     search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
 
 
+def _closes_repaired_bracket(repair: Repair, trouble: Trouble) -> bool:
+    """Returns whether a repair closes a bracket that another one put in."""
+    opening = {"RPAR": "LPAR", "RSQB": "LSQB"}.get(repair.kind)
+    if opening is None or repair.sort not in ("insert", "replace"):
+        return False
+    opened = open_marks(trouble.automaton, trouble.stack, opening, repair.kind)
+    return opened[:1] == [-1]
+
+
+def _add(search: Search, problem: Diagnostic) -> None:
+    """Adds an error; a reserved word used as a name is one, however often the name is used."""
+    identity: tuple[int, object] = (1, problem.span)
+    if isinstance(problem, errors.ReservedWord):
+        identity = (0, problem.word)
+    known = search.problems.setdefault(identity, problem)
+    if isinstance(known, errors.ReservedWord) and known is not problem:
+        labels = (*known.labels, Label(problem.span, "used here, too"))
+        search.problems[identity] = replace(known, labels=labels)
+
+
 def _change_of_braces(repair: Repair, kinds: Sequence[str]) -> int:
-    """How many more braces are open after a repair than a reader of the text would think."""
+    """Returns how many more braces are open after a repair than a reader would think."""
     if repair.sort == "unclose" or (repair.sort == "delete" and kinds[repair.place] == "RBRACE"):
         return 1
-    return repair.times * ((repair.kind == "LBRACE") - (repair.kind == "RBRACE"))
+    return repair.times * {"LBRACE": 1, "RBRACE": -1}.get(repair.kind, 0)
 
 
 def closing_braces(kinds: Sequence[str]) -> list[int]:
@@ -235,17 +262,18 @@ def closing_braces(kinds: Sequence[str]) -> list[int]:
 
 
 def tree_of(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
-    """Returns the tokens of a text without mistakes, soft words as names where only a name can stand, and their tree."""
+    """Returns the tokens of a text without mistakes and their tree.
+
+    Soft words are names where only a name can come.
+    """
     reader = parser().parse_interactive("")
-    at, resolved = reader.parser_state, list[Token]()
-    states = at.parse_conf.parse_table.states
+    state = reader.parser_state
+    states = state.parse_conf.parse_table.states
+    resolved: list[Token] = []
     for token in tokens:
-        if (
-            token.type in SOFT
-            and not can_come(states, at.state_stack, token.type)
-            and can_come(states, at.state_stack, "NAME")
-        ):
-            token = Token.new_borrow_pos("NAME", token, token)
+        if token.type in SOFT and not can_come(states, state.state_stack, token.type):
+            if can_come(states, state.state_stack, "NAME"):
+                token = Token.new_borrow_pos("NAME", token, token)
         reader.feed_token(token)
         resolved.append(token)
     tree: Tree[Token] = reader.feed_eof(tokens[-1])

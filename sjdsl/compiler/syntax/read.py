@@ -17,54 +17,53 @@ from sjdsl.files import read_bytes
 def read_source(path: Path | str) -> Source:
     """Returns the text of `path`, without a byte order mark, line ends as they are.
 
-    Raises CompileError: no such file, a folder, a pipe or a device, no permission, too large, not UTF-8.
+    Raises:
+      CompileError: no such file, a folder, a pipe or a device, no permission, too large, not UTF-8.
     """
     path = Path(path)
     name = path.as_posix()
     start = Source(name, "").span(0, 0)
-    near_by = Near()
+    similar = Near()
     try:
         data = read_bytes(path, MAX_BYTES)
     except FileNotFoundError:
         problem = "there is no such file"
         with suppress(OSError):
-            near_by = near(
-                path.name,
-                [p.name for p in path.parent.iterdir() if p.suffix == path.suffix and p.is_file()],
-            )
+            siblings = [p for p in path.parent.iterdir() if p.suffix == path.suffix and p.is_file()]
+            similar = near(path.name, [p.name for p in siblings])
     except IsADirectoryError:
         problem = "it is a folder"
     except (OSError, ValueError) as error:
         if isinstance(error, OSError) and error.errno == errno.EFBIG:
-            raise CompileError(
-                [errors.FileTooLarge(start, given=path.stat().st_size, limit=MAX_BYTES)]
-            ) from None
+            size = path.stat().st_size
+            too_large = errors.FileTooLarge(start, size=size, limit=MAX_BYTES)
+            raise CompileError([too_large]) from None
         problem = (getattr(error, "strerror", None) or "the name is not one of a file").lower()
     else:
         return replace(decode(data, name), folder=path.parent, file=path.resolve())
-    raise CompileError([errors.Unreadable(start, name=name, problem=problem, near=near_by)])
+    raise CompileError([errors.Unreadable(start, name=name, problem=problem, near=similar)])
 
 
 def decode(data: bytes, name: str) -> Source:
     """Returns the text that the bytes of a file are. Raises CompileError: too large, not UTF-8."""
     start = Source(name, "").span(0, 0)
     if len(data) > MAX_BYTES:
-        raise CompileError([errors.FileTooLarge(start, given=len(data), limit=MAX_BYTES)])
+        raise CompileError([errors.FileTooLarge(start, size=len(data), limit=MAX_BYTES)])
     if b"\0" in data:
         raise CompileError([errors.NotText(start, problem=f"byte {data.index(0)} is NUL")])
     try:
         return Source(name, data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
-        raise CompileError(
-            [errors.NotText(start, problem=f"byte {error.start} is not UTF-8")]
-        ) from None
+        problem = f"byte {error.start} is not UTF-8"
+        raise CompileError([errors.NotText(start, problem=problem)]) from None
 
 
 def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> Path | None:
-    """Returns the path of a file named by a game; None, and reported, if it leaves the game's folder or can't be looked up.
+    """Returns the path of a file named by a game.
 
-    Links may lead anywhere inside that folder. Where the game's own file is a link, they may also lead inside the folder of
-    the file that it leads to: in that folder, the game could name the same files.
+    None, and reported, if it leaves the game's folder or can't be looked up. Links may lead
+    anywhere inside that folder. Where the game's own file is a link, they may also lead inside the
+    folder of the file that it leads to: in that folder, the game could name the same files.
     """
     problem: Diagnostic | None
     if source.folder is None:
@@ -79,12 +78,11 @@ def inside_folder(name: str, span: Span, source: Source, problems: Problems) -> 
         try:
             problem = _leads_outside(name, span, folders)
             if problem is None and path.is_symlink() and not path.exists():
-                problem = errors.Unreadable(
-                    span, name=name, problem="it is a link to a file that is not there"
-                )
+                reason = "it is a link to a file that is not there"
+                problem = errors.Unreadable(span, name=name, problem=reason)
         except (OSError, RuntimeError) as error:  # RuntimeError: links that lead to each other
-            why = (getattr(error, "strerror", None) or "its links lead round in a circle").lower()
-            problem = errors.Unreadable(span, name=name, problem=why)
+            reason = getattr(error, "strerror", None) or "its links lead round in a circle"
+            problem = errors.Unreadable(span, name=name, problem=reason.lower())
         if problem is None:
             return path
     problems.add(problem)

@@ -1,4 +1,4 @@
-"""What each rule of the grammar is in the AST: a table from the rule to a class or a small function. None adds or changes a meaning."""
+"""Says what each rule of the grammar is in the AST: a class, or a small function."""
 
 from collections.abc import Callable
 from dataclasses import fields, replace
@@ -11,24 +11,27 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 
 Build = Callable[..., Any]
-AS_WRITTEN = frozenset(
-    ("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE")
-)  # kinds of tokens that become plain texts
+# Kinds of tokens that become plain texts.
+AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE"))
 CLAUSES = {  # rules that fill a field of the rule around them
-    "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing", "stay",
-    "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none", "by_lot", "wraps",
+    "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing",
+    "stay", "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none",
+    "by_lot", "wraps",
 }  # fmt: skip
 
 
 class Part(Record):
-    """The content of an optional clause (`as x`, `where c`), named after its rule, for the rule around it."""
+    """The content of an optional clause (`as x`, `where c`), for the rule around it."""
 
     rule: str
     content: Any
 
 
 def unquote(text: str) -> str:
-    r"""Returns the inside of a quoted string: `\"` is a quote, `\\` a backslash, any other backslash stands for itself."""
+    r"""Returns the inside of a quoted string.
+
+    `\"` is a quote, `\\` a backslash, and any other backslash stands for itself.
+    """
     return text[1:-1].replace("\\\\", "\0").replace('\\"', '"').replace("\0", "\\")
 
 
@@ -39,93 +42,80 @@ def split(items: tuple[Any, ...]) -> tuple[tuple[Any, ...], dict[str, Any]]:
 
 
 def node(kind: type[Node], *same: str, **other: str) -> Build:
-    """A rule whose children fill the fields of a node in order; the last field, if it is a tuple, takes all that are left.
+    """Returns what builds a node from a rule whose children fill its fields in order.
 
-    A clause fills the field of its name, or that of `field=clause`. A field whose child or clause is missing is None, a list of names empty.
+    The last field, if it is a tuple, takes all that are left. A clause fills the field of its name
+    (`same`), or that of `field=clause`. A field whose child or clause is missing is None, or empty
+    for a list of names.
     """
     make: Build = kind
     clauses = dict(zip(same, same, strict=True)) | other
-    rest = [field for field in fields(kind)[1:] if field.name not in clauses]
-    names, number = [field.name for field in rest], len(rest)
-    is_list = bool(rest) and str(rest[-1].type).startswith("tuple[")
+    declared = [field for field in fields(kind)[1:] if field.name not in clauses]
+    names = [field.name for field in declared]
+    number = len(declared)
+    is_list = bool(declared) and str(declared[-1].type).startswith("tuple[")
     if not clauses and is_list:
         return lambda span, *items: make(span, *items[: number - 1], items[number - 1 :])
-    if not clauses and any("None" in str(field.type) for field in rest):
+    if not clauses and any("None" in str(field.type) for field in declared):
         return lambda span, *items: make(span, *items, *[None] * (number - len(items)))
     if not clauses:
         return make
 
     def build(span: Span, *items: Any) -> Node:
-        plain, given = split(items)
+        plain, contents = split(items)
         if is_list:
             plain = (*plain[: number - 1], plain[number - 1 :])
-        values = {
-            name: given.get(clause, () if clause == "names" else None)
-            for name, clause in clauses.items()
-        }
-        made: Node = make(span=span, **values, **dict(zip_longest(names, plain)))
-        return made
+        values = dict(zip_longest(names, plain))
+        for name, clause in clauses.items():
+            values[name] = contents.get(clause, () if clause == "names" else None)
+        built: Node = make(span=span, **values)
+        return built
 
     return build
 
 
-# ---- nodes whose fields are not simply the children of their rule
-
-
 def constant(span: Span, *items: Any) -> ast.Constant:
     (name, unit, value, *limits), clauses = split(items)
-    return ast.Constant(
-        span, False, name, clauses.get("by"), unit, value, *(limits[0] if limits else (None, None))
-    )
+    low, high = limits[0] if limits else (None, None)
+    return ast.Constant(span, False, name, clauses.get("by"), unit, value, low, high)
 
 
 def blocks(span: Span, *items: Any) -> ast.Blocks:
-    what = tuple(i for i in items if isinstance(i, ast.Name))
-    return ast.Blocks(span, what, items[-1] if len(items) > len(what) else None)
+    names = tuple(i for i in items if isinstance(i, ast.Name))
+    return ast.Blocks(span, names, items[-1] if len(items) > len(names) else None)
 
 
 def map_(span: Span, *items: Any) -> ast.Map:
     *wraps, content = items
     edges: Literal["joined"] | None = "joined" if wraps else None
-    return (
-        ast.Map(span, content, (), edges)
-        if isinstance(content, ast.String)
-        else ast.Map(span, None, content, edges)
-    )
+    if isinstance(content, ast.String):
+        return ast.Map(span, content, (), edges)
+    return ast.Map(span, None, content, edges)
 
 
 def agents(span: Span, *items: Any) -> ast.Agents:
-    attributes = tuple(
-        i
-        for i in items
-        if isinstance(i, ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks)
-    )
+    kinds = ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks
+    attributes = tuple(i for i in items if isinstance(i, kinds))
     return ast.Agents(span, items[0] if len(items) > len(attributes) else None, attributes)
 
 
 def chosen(span: Span, action: ast.Name | ast.Call) -> ast.Chosen:
-    return (
-        ast.Chosen(span, action, None)
-        if isinstance(action, ast.Name)
-        else ast.Chosen(span, action.name, action.arguments)
-    )
+    if isinstance(action, ast.Name):
+        return ast.Chosen(span, action, None)
+    return ast.Chosen(span, action.name, action.arguments)
 
 
 def shape(span: Span, name: ast.Name, content: ast.Call | tuple[ast.String, ...]) -> ast.Shape:
-    return (
-        ast.Shape(span, name, (), content)
-        if isinstance(content, ast.Call)
-        else ast.Shape(span, name, content, None)
-    )
+    if isinstance(content, ast.Call):
+        return ast.Shape(span, name, (), content)
+    return ast.Shape(span, name, content, None)
 
 
 def window(span: Span, *items: Any) -> ast.Window:
-    sides = items[: len(items) - len(items) % 2]
-    return ast.Window(
-        span,
-        tuple(zip(sides[::2], sides[1::2], strict=True)),
-        items[-1] if len(items) % 2 else None,
-    )
+    has_condition = len(items) % 2 == 1
+    *flat, condition = items if has_condition else (*items, None)
+    sides = tuple(zip(flat[::2], flat[1::2], strict=True))
+    return ast.Window(span, sides, condition)
 
 
 def show(span: Span, what: ast.Path, *items: Any) -> ast.Show:
@@ -141,9 +131,8 @@ def checks(span: Span, *items: Any) -> ast.Checks:
 def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
     match first, rest:
         case Part(rule="seek", content=domain), ():
-            return ast.Policy(
-                span, ast.Name(replace(span, end=span.start + len("seek")), "seek"), (), domain
-            )
+            seek = ast.Name(replace(span, end=span.start + len("seek")), "seek")
+            return ast.Policy(span, seek, (), domain)
         case ast.Name() as name, (Part(content=actions),):
             return ast.Policy(span, name, actions, None)
         case _:
@@ -161,29 +150,27 @@ def match_(span: Span, left: ast.Domain, *items: Any) -> ast.Match:
 
 
 def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
-    return (
-        ast.ShapeRef(shape.span, shape.name, shape.arguments)
-        if isinstance(shape, ast.Call)
-        else shape
-    )
+    if isinstance(shape, ast.Call):
+        return ast.ShapeRef(shape.span, shape.name, shape.arguments)
+    return shape
 
 
 def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
-    """`a + b - c` becomes `(a + b) - c`."""
+    """Returns a chain of operators: `a + b - c` becomes `(a + b) - c`."""
     for op, right in zip(rest[:-2:2], rest[1:-2:2], strict=True):
         left = ast.Binary(replace(span, end=right.span.end), op, left, right)
     return ast.Binary(span, rest[-2], left, rest[-1])
 
 
 def binary(op: str) -> Build:
-    """A chain of one operator that the tree leaves out, or a single pair."""
+    """Returns what builds a chain of one operator, which is no child of the rule."""
     return lambda span, first, *rest: chain(
         span, first, *(item for right in rest for item in (op, right))
     )
 
 
 def entry(span: Span, key: tuple[Any, ...], value: Any) -> ast.Entry:
-    """The key of a table is kept as it is written: a word, or numbers and signs."""
+    """Returns an entry of a table, its key as written: a word, or numbers and signs."""
     if len(key) == 1 and isinstance(key[0], ast.Name):
         return ast.Entry(span, key[0], value)
     text = " ".join(key)
@@ -207,11 +194,13 @@ def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
 
 # The rules whose nodes have the names of the rules, and their children as fields.
 PLAIN = (
-    ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Kind, ast.Timer, ast.Numbers, ast.Words, ast.Group, ast.Movers,
-    ast.Acts, ast.Action, ast.Moves, ast.Schedule, ast.Turn, ast.Block, ast.Let, ast.Draw, ast.Each, ast.Pick, ast.First, ast.When,
-    ast.Chance, ast.Add, ast.Give, ast.Remove, ast.Move, ast.Ahead, ast.Along, ast.End, ast.Members, ast.Observe, ast.Paint, ast.Metrics,
-    ast.Require, ast.Always, ast.Once, ast.Conserved, ast.Monotone, ast.Act, ast.Slots, ast.Chose, ast.Standing, ast.Within, ast.Nobody,
-    ast.Count, ast.Total, ast.Case, ast.Call, ast.Path, ast.Member, ast.Index,
+    ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Kind, ast.Timer,
+    ast.Numbers, ast.Words, ast.Group, ast.Movers, ast.Acts, ast.Action, ast.Moves, ast.Schedule,
+    ast.Turn, ast.Block, ast.Let, ast.Draw, ast.Each, ast.Pick, ast.First, ast.When, ast.Chance,
+    ast.Add, ast.Give, ast.Remove, ast.Move, ast.Ahead, ast.Along, ast.End, ast.Members,
+    ast.Observe, ast.Paint, ast.Metrics, ast.Require, ast.Always, ast.Once, ast.Conserved,
+    ast.Monotone, ast.Act, ast.Slots, ast.Chose, ast.Standing, ast.Within, ast.Nobody, ast.Count,
+    ast.Total, ast.Case, ast.Call, ast.Path, ast.Member, ast.Index,
 )  # fmt: skip
 RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} | {
     "start": lambda span, version, game: ast.File(span, int(version.split(".")[0]), game),

@@ -1,6 +1,6 @@
 """Soft words: words of the language only where the grammar has them, and names everywhere else.
 
-Words that came to the language after its first version are soft, so that no older file loses a name.
+Words that came to the language later are soft, so that no older file loses a name.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,54 +12,56 @@ from lark import Token
 from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read, read_as
 
 SOFT = frozenset((  # kinds of tokens, as in the parser's table
-    "POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD", "AWAY", "RANDOM", "AHEAD", "ALONG",
-    "WRAPS", "ANY",
+    "POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD",
+    "AWAY", "RANDOM", "AHEAD", "ALONG", "WRAPS", "ANY",
 ))  # fmt: skip
-CALLED = frozenset(
-    {"ANY"}
-)  # soft words of expressions, where names can stand as well: words only before `(`
+CALLED = frozenset({"ANY"})  # those that stand where names can as well: words only before `(`
 
 
 def names_in_place(kinds: Sequence[str]) -> list[int]:
-    """Returns which tokens of `CALLED` are names: those without `(`, and all of a word that the text gives to a `define` of its own."""
+    """Returns which tokens of `CALLED` are names.
+
+    They are those without `(`, and all of a word that the text gives to a `define`.
+    """
     if CALLED.isdisjoint(kinds):
         return []
-    own = {kind for before, kind in pairwise(kinds) if before == "DEFINE"}
+    defined = {kind for before, kind in pairwise(kinds) if before == "DEFINE"}
     following = [*kinds[1:], ""]
     return [
         at
         for at, kind in enumerate(kinds)
-        if kind in CALLED and (kind in own or following[at] != "LPAR")
+        if kind in CALLED and (kind in defined or following[at] != "LPAR")
     ]
 
 
 def as_names(table: Automaton, tokens: list[Token]) -> list[Token]:
-    """Returns the tokens, with soft words as names where only a name can stand, up to the first error."""
-    found, stack = list(tokens), Stack(table.start, None)
+    """Returns the tokens up to the first error, soft words as names where only a name can come."""
+    resolved = list(tokens)
+    stack = Stack(table.start, None)
     for at, token in enumerate(tokens):
-        found[at] = as_name(table, stack, token)
-        after = read(table, stack, found[at].type)
+        resolved[at] = as_name(table, stack, token)
+        after = read(table, stack, resolved[at].type)
         if after is None:
-            return found
+            break
         stack = after
-    return found
+    return resolved
 
 
 def as_name(table: Automaton, stack: Stack, token: Token) -> Token:
     """Returns a token, as a name if it is a soft word that cannot come here and a name can."""
-    if (
-        token.type not in SOFT
-        or read_as(table, stack, token.type) is not None
-        or read_as(table, stack, "NAME") is None
-    ):
-        return token
-    return Token.new_borrow_pos("NAME", token, token)
+    if token.type in SOFT and read_as(table, stack, token.type) is None:
+        if read_as(table, stack, "NAME") is not None:
+            return Token.new_borrow_pos("NAME", token, token)
+    return token
 
 
 def can_come(
     states: Mapping[int, Mapping[str, tuple[Any, Any]]], stack: Sequence[int], kind: str
 ) -> bool:
-    """Returns whether a token of this kind can be the next, of the parser's table and the states that it is in."""
+    """Returns whether a token of this kind can be the next.
+
+    states: the parser's table. stack: the states that it is in.
+    """
     stack = list(stack)
     while True:
         _, argument = states[stack[-1]].get(kind, (None, None))

@@ -65,6 +65,6 @@ def copied_files(game: Path, name: str) -> dict[str, str]:
                 texts[str(place.parent / map_.text)] = read_source(path).text
         if file.game.extends is not None:
             place = place.parent / file.game.extends.text
-    if problems.found:
-        raise CompileError(problems.found)
+    if problems.diagnostics:
+        raise CompileError(problems.diagnostics)
     return texts

@@ -67,7 +67,10 @@ class BadGlyph(Diagnostic, code="SJ308", title="Not a glyph"):
 class GlyphOfAgents(
     Diagnostic, code="SJ311", title="A glyph that agents are drawn with", severity="warning"
 ):
-    says = "agents are drawn as `^`, `>`, `v` and `<` where a board is written, in traces and scenes, so nobody can tell `{glyph}` from an agent"
+    says = (
+        "agents are drawn as `^`, `>`, `v` and `<` where a board is written, in traces and scenes, "
+        "so nobody can tell `{glyph}` from an agent"
+    )
     hints = ("choose another glyph",)
     glyph: str
 

@@ -18,15 +18,15 @@ class UnknownName(NotKnown, code="SJ101", title="Unknown name"):
 
 
 class NameTaken(AboutName, code="SJ102", title="Name already taken"):
-    says = "`{name}` is already the name of {what}"
+    says = "`{name}` is already the name of {taken_by}"
     hints = ("choose another name, or bind with `as`",)
-    what: str
+    taken_by: str
 
 
 class WordClash(AboutName, code="SJ103", title="A word with the name of something else"):
-    says = "`{name}` is both a word and {what}"
+    says = "`{name}` is both a word and {taken_by}"
     hints = ("rename one of the two",)
-    what: str
+    taken_by: str
 
 
 class NoField(NotKnown, code="SJ104", title="No such field"):
@@ -109,22 +109,22 @@ class LinkOutside(FileOutside):
 
 
 class WrongSort(NotKnown, code="SJ113", title="A name of another sort"):
-    says = "`{name}` is {what}; expected {wanted}"
-    what: str
+    says = "`{name}` is {actual}; expected {wanted}"
+    actual: str
     wanted: str
 
 
 class MissingPart(Diagnostic, code="SJ114", title="Something every game needs"):
-    says = "the game has no {what}"
-    hints = ("write {how}",)
-    what: str
-    how: str
+    says = "the game has no {part}"
+    hints = ("write {example}",)
+    part: str
+    example: str
 
 
 class WrittenTwice(Diagnostic, code="SJ115", title="Said twice"):
-    says = "{what} is written twice"
+    says = "{part} is written twice"
     hints = ("keep one of them",)
-    what: str
+    part: str
 
 
 class NoVariant(NotKnown, code="SJ116", title="No such variant"):
@@ -133,16 +133,16 @@ class NoVariant(NotKnown, code="SJ116", title="No such variant"):
 
 
 class BadName(AboutName, code="SJ117", title="A name that cannot be used"):
-    says = "`{name}` cannot be used as {what}: {problem}"
+    says = "`{name}` cannot be used as {role}: {problem}"
     hints = ("choose another name",)
-    what: str
+    role: str
     problem: str
 
 
 class WrongArguments(AboutName, code="SJ118", title="Wrong number of arguments"):
-    says = "`{name}` takes {wanted}, not {given}"
+    says = "`{name}` takes {wanted}, not {actual}"
     wanted: str
-    given: int
+    actual: int
 
 
 class DefineCycle(AboutName, code="SJ119", title="A define that uses itself"):
@@ -153,7 +153,8 @@ class DefineCycle(AboutName, code="SJ119", title="A define that uses itself"):
 class NoPaint(AboutName, code="SJ120", title="No such sprite or colour"):
     says = "`{name}` is neither a sprite nor a colour"
     hints = (
-        'did you mean {nearest}? The sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
+        "did you mean {nearest}? The sprites are {sprites}; the colours are {colours}, "
+        'or any other as `"#rrggbb"`',
         'the sprites are {sprites}; the colours are {colours}, or any other as `"#rrggbb"`',
     )
     instead = ("{nearest}",)

@@ -1,4 +1,4 @@
-"""SJ4xx: write conflicts in a phase; SJ5xx: time and unused names; SJ6xx: limits of the compiler."""
+"""SJ4xx: write conflicts; SJ5xx: time and unused names; SJ6xx: limits of the compiler."""
 
 from sjdsl.compiler.diagnostics.diagnostic import AboutName, Diagnostic
 
@@ -7,8 +7,10 @@ class WriteConflict(AboutName, code="SJ401", title="Two writes in one phase"):
     says = "`{name}` of one {owner} can be written twice in phase `{phase}`"
     hints = (
         "{lot}",
-        "write `by lot` after it, to let one of the writers win at random; or `otherwise`, if one of two should happen; "
-        "or `pick 1`, if one of several should; or pair them with `match`; or write two phases; or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
+        "write `by lot` after it, to let one of the writers win at random; or `otherwise`, "
+        "if one of two should happen; "
+        "or `pick 1`, if one of several should; or pair them with `match`; or write two phases; "
+        "or collect into a `set of agent` and `pick 1` from it in the next phase; or use `add`",
     )
     owner: str
     phase: str
@@ -65,7 +67,10 @@ class TooFewToStart(TooFewFreeCells):
 
 
 class TooFewForOne(TooFewFreeCells):
-    says = "{cells:cell} of the map certainly fit `{place}` for {who}, and {agents:agent}{movers} with lower numbers may take them first"
+    says = (
+        "{cells:cell} of the map certainly fit `{place}` for {who}, "
+        "and {agents:agent}{movers} with lower numbers may take them first"
+    )
     hints = (
         "take a map with more such cells, or a condition that leaves each agent cells of its own",
     )
@@ -97,9 +102,9 @@ class TickTwice(Diagnostic, code="SJ502", title="The schedule and its timers"):
 
 
 class NoTick(TickTwice):
-    says = "{what}, but no `tick` in the schedule"
+    says = "{need}, but no `tick` in the schedule"
     hints = ("write `tick` among the phases, where their time runs: `schedule tick -> …`",)
-    what: str
+    need: str
 
 
 class TimerBothSides(
@@ -115,14 +120,15 @@ class NeverHappens(Diagnostic, code="SJ504", title="This can never happen", seve
 
 
 class Unused(AboutName, code="SJ505", title="Never used", severity="warning"):
-    says = "{what} `{name}` is never used"
-    what: str
+    says = "{entity} `{name}` is never used"
+    entity: str
 
 
 class IdleAction(AboutName, code="SJ506", title="An action without effect", severity="warning"):
     says = "no rule reads the action `{name}`, so choosing it is the same as `stay`"
     hints = (
-        "ask for it where it matters, `each agent where agent chose {name}`, or take it out of `acts`",
+        "ask for it where it matters, `each agent where agent chose {name}`, "
+        "or take it out of `acts`",
     )
 
 
@@ -135,27 +141,31 @@ class IdleSteps(Diagnostic, code="SJ506", title="An action without effect", seve
 
 
 class ForbidReads(Diagnostic, code="SJ507", title="What `forbid` may read"):
-    says = "`forbid` reads {what}"
+    says = "`forbid` reads {reads}"
     hints = ("it may read the acting agent's own fields and the world's",)
-    what: str
+    reads: str
 
 
 class NoPlaceYet(Diagnostic, code="SJ508", title="No place yet"):
-    says = "in `phase start` no agent has a place yet, so `{what}` means nothing"
+    says = "in `phase start` no agent has a place yet, so `{expression}` means nothing"
     hints = ("do it in a phase of the schedule, at `step == 0`",)
-    what: str
+    expression: str
 
 
 class NoPlaceWhenBack(NoPlaceYet):
-    says = "`{name}` finds its cell when it comes back; until then it has no place and chooses nothing, so `{what}` means nothing"
+    says = (
+        "`{name}` finds its cell when it comes back; "
+        "until then it has no place and chooses nothing, so `{expression}` means nothing"
+    )
     hints = ("keep what it needs in a field of its own, set before it is sent away",)
     name: str
 
 
 class NoPlaceBefore(NoPlaceYet):
-    says = "`{name}` may have been away when the step began, and then `{what}` means nothing"
+    says = "`{name}` may have been away when the step began, and then `{expression}` means nothing"
     hints = (
-        "name the agents inside `before`, where they are those of that time: `before(count(agent as x where x.row > 2))`",
+        "name the agents inside `before`, where they are those of that time: "
+        "`before(count(agent as x where x.row > 2))`",
     )
     name: str
 
@@ -169,17 +179,18 @@ class NeverCounted(
 
 
 class LookReads(Diagnostic, code="SJ510", title="What `look` may read"):
-    says = "`look` reads {what}"
+    says = "`look` reads {reads}"
     hints = ("it may compare the fields of the cell, or of the agent, with words and numbers",)
-    what: str
+    reads: str
 
 
 class SlotsUnfilled(AboutName, code="SJ511", title="A scenario that does not fill its slots"):
-    says = "the slots of the scenario `{name}` add up to {given}, and the game has {agents} agents"
+    says = "the slots of the scenario `{name}` add up to {slots}, and the game has {agents} agents"
     hints = (
-        "count from the number of agents: `slots players - 2 policy defector`, where `size players` is that number",
+        "count from the number of agents: `slots players - 2 policy defector`, "
+        "where `size players` is that number",
     )
-    given: int
+    slots: int
     agents: int
 
 
@@ -209,7 +220,10 @@ class SeeksItself(
 class BlindPath(
     Diagnostic, code="SJ513", title="A policy that cannot get there", severity="warning"
 ):
-    says = "paths don't take into account that `{kind}` blocks agents when {when}, so an agent may push against such a cell for ever"
+    says = (
+        "paths don't take into account that `{kind}` blocks agents when {when}, "
+        "so an agent may push against such a cell for ever"
+    )
     hints = ("let it avoid those cells: `avoiding {avoided}`",)
     kind: str
     when: str
@@ -219,11 +233,12 @@ class BlindPath(
 class HiddenField(AboutName, code="SJ514", title="A field that a label hides", severity="warning"):
     says = "agents don't see `{kind}.{name}` any more: no label of `{kind}` reads it"
     hints = (
-        "read it in the condition of a label, or write `hide {kind}.{name}` if nobody should see it",
+        "read it in the condition of a label, "
+        "or write `hide {kind}.{name}` if nobody should see it",
     )
     kind: str
 
 
 class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):
-    says = "not supported yet: {what}"
-    what: str
+    says = "not supported yet: {feature}"
+    feature: str

@@ -15,8 +15,8 @@ class NewerLanguage(Diagnostic, code="SJ001", title="A file for another version 
 
 
 class Unexpected(Diagnostic, code="SJ002", title="Something unexpected"):
-    says = "unexpected {found}, expected {expected}"
-    found: str
+    says = "unexpected {actual}, expected {expected}"
+    actual: str
     expected: str
 
 
@@ -42,9 +42,9 @@ class BadCharacter(Diagnostic, code="SJ004", title="Not a character of the langu
 
 
 class FileTooLarge(Diagnostic, code="SJ005", title="A file too large"):
-    says = "the file has {given} bytes, and a game has at most {limit}"
+    says = "the file has {size} bytes, and a game has at most {limit}"
     hints = ("is this the right file? a game is a few kilobytes of text",)
-    given: int
+    size: int
     limit: int
 
 

@@ -21,13 +21,9 @@ class ProbabilityRange(Diagnostic, code="SJ202", title="Not a probability"):
 
     @property
     def leave(self) -> str:
-        return (
-            "fall below 0"
-            if self.high <= 1 + 1e-9
-            else "exceed 1"
-            if self.high == inf
-            else f"reach {self.high:g}"
-        )
+        if self.high <= 1 + 1e-9:
+            return "fall below 0"
+        return "exceed 1" if self.high == inf else f"reach {self.high:g}"
 
 
 class TableGap(Diagnostic, code="SJ203", title="A table with a gap or an overlap"):
@@ -97,7 +93,7 @@ class LabelUnconditional(TableGap):
 
 
 class FieldRange(AboutName, code="SJ204", title="A field can leave its range"):
-    """`declared`: the name by which the field is declared, where `name` is the path of one of them."""
+    """name: the path of one field. declared: the name by which it is declared."""
 
     says = "`{name}` can leave its range {low} .. {high} here: it can become {reached}"
     hints = ("write `capped` after the range, or guard the change with `when`",)
@@ -108,7 +104,7 @@ class FieldRange(AboutName, code="SJ204", title="A field can leave its range"):
 
 
 class WordOutside(Diagnostic, code="SJ205", title="Not one of the words"):
-    """`owner`: what has the words, as it is written; `declared`: the field or event that declares them, if one does."""
+    """owner: what has the words, as written. declared: the field or event that declares them."""
 
     says = "`{word}` is not one of the words of {owner}"
     hints = ("did you mean {nearest}? the words are {listed}", "its words are {listed}")
@@ -159,9 +155,9 @@ class CanBeNowhere(CanBeNobody):
 
 
 class ShapeParam(AboutName, code="SJ210", title="A number that sets a shape"):
-    says = "`{name}` sets {what}, so it is a `size`, not a `param`"
+    says = "`{name}` sets {quantity}, so it is a `size`, not a `param`"
     hints = ("write `size {name} : ...`",)
-    what: str
+    quantity: str
 
 
 class Weights(Diagnostic, code="SJ211", title="Weights that do not sum to 1"):
@@ -176,9 +172,9 @@ class RequireFalse(Diagnostic, code="SJ212", title="A requirement that does not 
 
 
 class WrongType(Diagnostic, code="SJ213", title="Wrong type"):
-    says = "expected {wanted}, found {given}"
+    says = "expected {wanted}, found {actual}"
     wanted: str
-    given: str
+    actual: str
 
 
 class Negative(AboutName, code="SJ214", title="A number outside its limits"):
@@ -196,7 +192,8 @@ class OutOfLimits(Negative):
 class RoundsTooFar(Negative):
     says = "{name} gets a number that can leave -{limit} .. {limit}"
     hints = (
-        "give its parameters limits, `in a .. b`, or keep it between two numbers: `round(min(max(x, 0), 100))`",
+        "give its parameters limits, `in a .. b`, or keep it between two numbers: "
+        "`round(min(max(x, 0), 100))`",
     )
     limit: int
 
@@ -209,14 +206,17 @@ class Crossed(Diagnostic, code="SJ215", title="Bounds that can cross"):
 
 
 class RoundedToOne(Crossed):
-    says = "the bounds {low} and {high} can be one number once they are rounded to float32, as whole numbers beyond 16777216 are"
+    says = (
+        "the bounds {low} and {high} can be one number once they are rounded to float32, "
+        "as whole numbers beyond 16777216 are"
+    )
     hints = ("give them limits within -16777216 .. 16777216, such as `in 0 .. 1000`",)
 
 
 class NotFixed(Diagnostic, code="SJ216", title="Not known when compiled"):
-    says = "{what} must be known when the game is compiled"
+    says = "{quantity} must be known when the game is compiled"
     hints = ("use numbers and `size`s only",)
-    what: str
+    quantity: str
 
 
 class ExtremeOfNothing(AboutName, code="SJ217", title="The largest of none"):
@@ -224,7 +224,8 @@ class ExtremeOfNothing(AboutName, code="SJ217", title="The largest of none"):
 
     says = "`{domain}` can be empty here, and then `{name}` has no value"
     hints = (
-        "give its value for that case: `{name}(… over {domain} otherwise 0)`; or guard it with `count({domain}) > 0`",
+        "give its value for that case: `{name}(… over {domain} otherwise 0)`; "
+        "or guard it with `count({domain}) > 0`",
     )
     domain: str
 
@@ -266,7 +267,8 @@ class NotChosen(Diagnostic, code="SJ219", title="An argument of an action that w
     path: str
 
 
-# What a condition around it can fix: reported only where the conditions around could be read.
+# Mistakes that a guard can rule out: reported only where the guards around could be read.
 GUARDABLE = (
-    ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody, Weights, Crossed, ExtremeOfNothing, NotChosen,
+    ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody,
+    Weights, Crossed, ExtremeOfNothing, NotChosen,
 )  # fmt: skip

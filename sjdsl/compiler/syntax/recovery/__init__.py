@@ -1,1 +1,1 @@
-"""Error recovery of the parser: after a syntax error it continues, and messages say what was expected."""
+"""Error recovery: the parser continues after an error, and messages say what was expected."""

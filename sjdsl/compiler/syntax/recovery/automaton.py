@@ -1,4 +1,4 @@
-"""The parser's LALR table run on token types: what may come next, and which brackets are still open."""
+"""The parser's LALR table, run on kinds of tokens: what may come next, what is still open."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -11,7 +11,10 @@ END = "$END"
 
 
 class Stack(Record, eq=False):
-    """What has been read so far: a state of the table upon the stack below; `token` is the number of the token it ends with."""
+    """What has been read so far: a state of the table upon the stack below.
+
+    token: the number of the token it ends with.
+    """
 
     state: int
     below: "Stack | None"
@@ -21,8 +24,9 @@ class Stack(Record, eq=False):
 class Automaton(Record, eq=False):
     """The parser's table.
 
-    `states`: for each state, symbol -> (action, the state to shift to, or the rule to reduce by). `after`: the states that end with a kind of token.
-    `words`: the kinds of tokens written in one way only, with their text. `soft`: the kinds that are names wherever the grammar has no such word.
+    states: for each state, symbol -> (action, the state to shift to, or the rule to reduce by).
+    after: the states that end with a kind of token. words: the kinds of tokens that are written in
+    one way only, with their text. soft: the kinds that are names where no such word can come.
     """
 
     states: Mapping[int, Mapping[str, tuple[Any, Any]]]
@@ -38,42 +42,39 @@ def make_automaton(parser: Lark, soft: frozenset[str]) -> Automaton:
     conf = parser.parse_interactive("").parser_state.parse_conf
     states = conf.parse_table.states
     after: dict[str, set[int]] = {}
-    for row in states.values():
-        for symbol, (_, argument) in row.items():
+    for transitions in states.values():
+        for symbol, (_, argument) in transitions.items():
             if isinstance(argument, int):
                 after.setdefault(symbol, set()).add(argument)
-    words = {
-        terminal.name: terminal.pattern.value
-        for terminal in parser.terminals
-        if terminal.pattern.type == "str"
-    }
     return Automaton(
-        states,
-        conf.start_state,
-        conf.end_state,
-        {k: frozenset(v) for k, v in after.items()},
-        words,
-        soft,
+        states=states,
+        start=conf.start_state,
+        end=conf.end_state,
+        after={kind: frozenset(ending) for kind, ending in after.items()},
+        words={t.name: t.pattern.value for t in parser.terminals if t.pattern.type == "str"},
+        soft=soft,
     )
 
 
 def read(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
-    """Returns the stack after one token of this kind, a soft word also as a name; None if it cannot come here."""
+    """Returns the stack after one token; None if it cannot come here.
+
+    A soft word is read as a name where it cannot come as such.
+    """
     after = read_as(automaton, stack, kind, token)
-    return (
-        read_as(automaton, stack, "NAME", token)
-        if after is None and kind in automaton.soft
-        else after
-    )
+    if after is None and kind in automaton.soft:
+        return read_as(automaton, stack, "NAME", token)
+    return after
 
 
 def read_as(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
-    """Returns the stack after one token of just this kind, None if it cannot come here.
-
-    The uppermost level is held in variables: one word behind an expression reduces it a dozen times, each time replacing only that.
-    """
+    """Returns the stack after one token of just this kind, None if it cannot come here."""
     states = automaton.states
-    state, below, last = stack.state, stack.below, stack.token
+    # A word after an expression reduces it a dozen times, each time replacing only the top level:
+    # that is held in variables.
+    state = stack.state
+    below = stack.below
+    last = stack.token
     while True:
         _, argument = states[state].get(kind, (None, None))
         if argument is None:
@@ -88,11 +89,12 @@ def read_as(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> S
         reduced = states[under.state][argument.origin.name][1]
         if kind == END and reduced == automaton.end:
             return Stack(state, below, last)
-        state, below = reduced, under
+        state = reduced
+        below = under
 
 
 def accepted(automaton: Automaton, stack: Stack) -> list[str]:
-    """Returns the kinds of tokens that can come next, in a fixed order; a soft word where it can come as such, not as a name."""
+    """Returns the kinds of tokens that can come next, in a fixed order; soft words as such."""
     kinds = sorted(symbol for symbol in automaton.states[stack.state] if symbol.isupper())
     return [kind for kind in kinds if read_as(automaton, stack, kind) is not None]
 
@@ -100,19 +102,23 @@ def accepted(automaton: Automaton, stack: Stack) -> list[str]:
 def reach(
     automaton: Automaton, stack: Stack | None, kinds: Sequence[str], start: int, ahead: int
 ) -> int:
-    """Returns how many tokens from `start` on can be read, `ahead` at most; the end of the text counts for all of them."""
+    """Returns how many tokens from `start` on can be read, `ahead` at most.
+
+    The end of the text counts for all of them.
+    """
     count = 0
     while stack is not None and count < ahead:
         kind = kinds[start + count]
         stack = read(automaton, stack, kind)
-        if stack is not None and kind == END:
-            return ahead
-        count += stack is not None
+        if stack is not None:
+            if kind == END:
+                return ahead
+            count += 1
     return count
 
 
 def levels(stack: Stack) -> Iterator[Stack]:
-    """Returns the stack and everything below it, innermost first."""
+    """Yields the stack and everything below it, innermost first."""
     level: Stack | None = stack
     while level is not None:
         yield level
@@ -120,15 +126,20 @@ def levels(stack: Stack) -> Iterator[Stack]:
 
 
 def open_marks(automaton: Automaton, stack: Stack, opening: str, closing: str) -> list[int]:
-    """Returns the tokens of kind `opening` that have no `closing` yet, innermost first; -1 for one that a repair put in."""
-    opened, closed = [], 0
+    """Returns the tokens of kind `opening` that have no `closing` yet, innermost first.
+
+    One that a repair put in is -1.
+    """
+    opened: list[int] = []
+    closed = 0
     for level in levels(stack):
         if level.state in automaton.after[closing]:
             closed += 1
         elif level.state in automaton.after[opening]:
-            if not closed:
+            if closed:
+                closed -= 1
+            else:
                 opened.append(level.token)
-            closed = max(0, closed - 1)
     return opened
 
 

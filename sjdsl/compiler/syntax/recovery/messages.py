@@ -1,8 +1,8 @@
-"""Words a syntax error for its author: what was found, what could have stood there, and what to write."""
+"""Words a syntax error for its author: what was read, what could stand there, what to write."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import count, pairwise
+from itertools import chain, count, pairwise
 
 from lark import Token
 
@@ -38,6 +38,11 @@ VALUES = frozenset(
     ("NAME", "INT", "DEC", "COUNT", "SUM", "CASE", "LPAR", "NOBODY", "SIGN", "ANY", "ALL")
 )
 OPERATORS = frozenset(("CMP", "SIGN", "TIMES", "AND", "OR", "IS", "IN", "ON", "CHOSE"))
+GROUPS = (
+    (STATEMENTS, "a statement"),
+    (SECTIONS, "a declaration"),
+    (VALUES, "a value"),
+)
 LONGEST = 7  # things named as expected
 
 
@@ -45,24 +50,17 @@ def word_error(
     trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
 ) -> Diagnostic:
     """Returns the diagnostic of one syntax error, as the repair explains it best."""
-    if repair is not None and repair.place < trouble.at and trouble.before is not None:
+    if repair is None:
+        return _unexpected(trouble, repair, tokens, source)
+    if repair.place < trouble.at and trouble.before is not None:
         trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
-    if repair is not None and repair.sort == "name":
+    if repair.sort == "name":
         word = str(tokens[repair.place])
-        other = f"{word}_"  # a name that the file does not have yet
-        other = (
-            other
-            if other not in tokens
-            else next(name for number in count(2) if (name := f"{other}_{number}") not in tokens)
-        )
-        return errors.ReservedWord(_refused_span(trouble, tokens, source), word=word, other=other)
-    closing = repair is not None and repair.kind == "RBRACE" and repair.sort in ("close", "insert")
-    if (
-        repair is not None
-        and closing
-        and (trouble.unmatched or _is_outdented(trouble, tokens, source))
-    ):
-        return _open_block(trouble, repair, tokens, source)
+        span = _refused_span(trouble, tokens, source)
+        return errors.ReservedWord(span, word=word, other=_free_name(word, tokens))
+    if repair.kind == "RBRACE" and repair.sort in ("close", "insert"):
+        if trouble.unmatched or _is_outdented(trouble, tokens, source):
+            return _open_block(trouble, repair, tokens, source)
     return _unexpected(trouble, repair, tokens, source)
 
 
@@ -72,8 +70,14 @@ def token_span(token: Token, source: Source) -> Span:
     )
 
 
+def _free_name(word: str, tokens: Sequence[Token]) -> str:
+    """Returns a name like a word that the file does not have yet."""
+    names = chain((f"{word}_",), (f"{word}__{number}" for number in count(2)))
+    return next(name for name in names if name not in tokens)
+
+
 def _refused_span(trouble: Trouble, tokens: Sequence[Token], source: Source) -> Span:
-    """The span of the refused token; at the end of the file, the place behind the last token."""
+    """Returns the span of the refused token; at the end of the file, the place after the last."""
     if trouble.at < len(tokens):
         return token_span(tokens[trouble.at], source)
     return _behind(tokens[-1], source) if tokens else source.span(0, 0)
@@ -86,36 +90,35 @@ def _behind(token: Token, source: Source) -> Span:
 def _open_block(
     trouble: Trouble, repair: Repair, tokens: Sequence[Token], source: Source
 ) -> Diagnostic:
+    """Returns the diagnostic of a `{` without its `}`, with the likely place of that."""
     opener, closer = _suspect(tokens[: trouble.at], source)
-    opener = open_braces(trouble.automaton, trouble.stack)[0] if opener is None else opener
+    if opener is None:
+        opener = open_braces(trouble.automaton, trouble.stack)[0]
     help_ = "write `}` where it ends"
     if repair.times > 1:
-        help_ += f"; {repair.times} are missing in all"
-    labels: tuple[Label, ...] = ()
+        help_ = f"{help_}; {repair.times} are missing in all"
+    label: Label | None = None
     fix: Fix | None = None
     left = _left_of(opener, tokens[: trouble.at + 1], source)
     if left is not None and left != closer:
-        labels = (Label(_behind(tokens[left - 1], source), "`}` seems to be missing here"),)
-        fix = Fix(_behind(tokens[left - 1], source), " }" * repair.times)
+        gap = _behind(tokens[left - 1], source)
+        label = Label(gap, "`}` seems to be missing here")
+        fix = Fix(gap, " }" * repair.times)
     elif closer is not None:
-        labels = (
-            Label(token_span(tokens[closer], source), "this `}` seems to close a block around it"),
-        )
+        span = token_span(tokens[closer], source)
+        label = Label(span, "this `}` seems to close a block around it")
     elif trouble.at < len(tokens):
-        labels = (
-            Label(
-                _refused_span(trouble, tokens, source),
-                f"`{tokens[trouble.at]}` cannot stand inside it",
-            ),
-        )
+        span = _refused_span(trouble, tokens, source)
+        label = Label(span, f"`{tokens[trouble.at]}` cannot stand inside it")
         fix = Fix(_behind(tokens[trouble.at - 1], source), " }" * repair.times)
     else:
         fix = Fix(_behind(tokens[-1], source), "\n}" * repair.times)
+    labels = () if label is None else (label,)
     return errors.OpenBlock(token_span(tokens[opener], source), help=help_, labels=labels, fix=fix)
 
 
 def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> bool:
-    """Whether the refused token begins a line no further right than the line of the innermost open brace."""
+    """Returns whether the refused token begins a line no further right than the open block."""
     opened = open_braces(trouble.automaton, trouble.stack)
     if not opened or trouble.at == len(tokens) or not _begins_line(tokens[trouble.at], source):
         return False
@@ -123,45 +126,44 @@ def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> 
 
 
 def _suspect(tokens: Sequence[Token], source: Source) -> tuple[int | None, int | None]:
-    """Returns the `{` that is probably not closed, and the `}` taken for its own: one that begins a line further left.
+    """Returns the `{` that is probably not closed, and the `}` that was taken for its own.
 
-    Blocks around it then end too far left as well; so of nested ones it is the innermost, of others the last.
+    That `}` begins a line further left than the `{`. Blocks around it then end too far left as
+    well; so of nested ones it is the innermost, of others the last.
     """
     opened: list[int] = []
-    suspect: tuple[int | None, int | None] = (None, None)
+    opener: int | None = None
+    closer: int | None = None
     for number, token in enumerate(tokens):
         if token.type == "LBRACE":
             opened.append(number)
         elif token.type == "RBRACE" and opened:
-            opener = opened.pop()
-            around = suspect[0] is not None and opener < suspect[0]
-            if (
-                not around
-                and _begins_line(token, source)
-                and _indent(token, source) < _indent(tokens[opener], source)
-            ):
-                suspect = (opener, number)
-    return suspect
+            own_opener = opened.pop()
+            is_around = opener is not None and own_opener < opener
+            if is_around or not _begins_line(token, source):
+                continue
+            if _indent(token, source) < _indent(tokens[own_opener], source):
+                opener = own_opener
+                closer = number
+    return opener, closer
 
 
 def _left_of(opener: int, tokens: Sequence[Token], source: Source) -> int | None:
-    """Returns the first token behind a `{` that begins a line no further right than the line of the `{`, unless it is a `}` there."""
-    for number in range(opener + 1, len(tokens)):
-        token = tokens[number]
-        if _begins_line(token, source) and _indent(token, source) <= _indent(
-            tokens[opener], source
-        ):
-            return (
-                None
-                if token.type == "RBRACE"
-                and _indent(token, source) == _indent(tokens[opener], source)
-                else number
-            )
+    """Returns the first token after a `{` that begins a line no further right than its line.
+
+    None if that is a `}` just below.
+    """
+    outside = _indent(tokens[opener], source)
+    for number, token in enumerate(tokens[opener + 1 :], opener + 1):
+        indent = _indent(token, source)
+        if indent <= outside and _begins_line(token, source):
+            is_own_brace = token.type == "RBRACE" and indent == outside
+            return None if is_own_brace else number
     return None
 
 
 def _surplus(tokens: Sequence[Token], source: Source) -> int | None:
-    """Returns the first `}` that is probably one too many: it ends a block though the next line stands inside it."""
+    """Returns the first `}` that is probably one too many: the next line is inside its block."""
     opened: list[int] = []
     for number, (token, after) in enumerate(pairwise(tokens)):
         if token.type == "LBRACE":
@@ -169,17 +171,15 @@ def _surplus(tokens: Sequence[Token], source: Source) -> int | None:
         elif token.type == "RBRACE" and opened:
             outside = _indent(tokens[opened.pop()], source)
             inside = _indent(after, source) - outside
-            if _begins_line(after, source) and (
-                inside > 0 or (inside == 0 and after.type == "RBRACE")
-            ):
+            is_inside = inside > 0 or (inside == 0 and after.type == "RBRACE")
+            if is_inside and _begins_line(after, source):
                 return number
     return None
 
 
 def _indent(token: Token, source: Source) -> int:
-    line = source.text[
-        source.text.rfind("\n", 0, token.start_pos or 0) + 1 : token.end_pos
-    ].expandtabs(4)
+    start = source.text.rfind("\n", 0, token.start_pos or 0) + 1
+    line = source.text[start : token.end_pos].expandtabs(4)
     return len(line) - len(line.lstrip())
 
 
@@ -191,55 +191,55 @@ def _begins_line(token: Token, source: Source) -> bool:
 def _unexpected(
     trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
 ) -> Diagnostic:
-    here = _refused_span(trouble, tokens, source)
+    span = _refused_span(trouble, tokens, source)
     kinds = accepted(trouble.automaton, trouble.stack)
-    expected, fix = expected_text(trouble, kinds), None
+    expected = expected_text(trouble, kinds)
+    fix: Fix | None = None
     labels: tuple[Label, ...] = ()
-    hint = (
-        statement_slip(trouble, kinds)
-        or slip(trouble.texts[trouble.at], can_be_written(trouble.automaton, kinds))[0]
-    )
+    hint = statement_slip(trouble, kinds)
+    if not hint:
+        writable = can_be_written(trouble.automaton, kinds)
+        hint, _ = slip(trouble.texts[trouble.at], writable)
     help_ = hint or _help(trouble, kinds)
     if repair is not None and repair.alone:
         word = trouble.automaton.words.get(repair.kind, "")
+        is_sign = bool(word) and not word.isalpha()
         match repair.sort:
             case "near":
                 word = word or "=="
-                help_, fix = help_ or f"did you mean `{word}`?", Fix(here, word)
-            case "replace" if word and not word.isalpha() and repair.kind not in COMMITTED:
+                help_ = help_ or f"did you mean `{word}`?"
+                fix = Fix(span, word)
+            case "replace" if is_sign and repair.kind not in COMMITTED:
                 expected = f"`{word}`"
-                fix = Fix(here, word)
-            case "insert" if word and not word.isalpha():
-                gap = _behind(tokens[trouble.at - 1], source)
-                expected, fix = f"`{word}`", Fix(gap, word if word in ")],:." else f" {word}")
+                fix = Fix(span, word)
+            case "insert" if is_sign:
+                expected = f"`{word}`"
+                space = "" if word in ")],:." else " "
+                fix = Fix(_behind(tokens[trouble.at - 1], source), space + word)
             case "insert" if word:
-                help_, fix = (
-                    help_ or f"write `{word}` before it",
-                    Fix(source.span(here.start, here.start), f"{word} "),
-                )
+                help_ = help_ or f"write `{word}` before it"
+                fix = Fix(source.span(span.start, span.start), f"{word} ")
             case "insert":
                 expected = PHRASES.get(repair.kind, expected)
             case "unclose":
-                labels = (
-                    Label(token_span(tokens[trouble.at - 1], source), "is this `}` one too many?"),
-                )
+                labels = (_one_too_many(tokens[trouble.at - 1], source),)
         if hint and repair.sort != "near":
-            fix = None  # the hint tells of another change
+            fix = None  # the hint is about another change
     surplus = _surplus(tokens[: trouble.at + 1], source) if trouble.unmatched < 0 else None
     if surplus is not None:
-        labels = (Label(token_span(tokens[surplus], source), "is this `}` one too many?"),)
+        labels = (_one_too_many(tokens[surplus], source),)
     labels = labels or _context(trouble, repair, tokens, source)
-    text = trouble.texts[trouble.at]
-    found = (
-        "end of the file"
-        if trouble.at == len(tokens)
-        else f"`{text}`"
-        if len(text) <= 40
-        else f"`{text[:37]}...`"
-    )
+    actual = "end of the file"
+    if trouble.at < len(tokens):
+        text = trouble.texts[trouble.at]
+        actual = f"`{text}`" if len(text) <= 40 else f"`{text[:37]}...`"
     return errors.Unexpected(
-        here, found=found, expected=expected, help=help_, labels=labels, fix=fix
+        span, actual=actual, expected=expected, help=help_, labels=labels, fix=fix
     )
+
+
+def _one_too_many(brace: Token, source: Source) -> Label:
+    return Label(token_span(brace, source), "is this `}` one too many?")
 
 
 def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
@@ -248,36 +248,30 @@ def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
     for group, other, help_ in MISPLACED:
         if kind in group and other <= set(kinds):
             return help_
-    near = [
-        trouble.automaton.words.get(kind, "") for kind in near_keywords(trouble, trouble.at, kinds)
-    ]
-    if len(near) > 1 and len(nearest(trouble.texts[trouble.at], near)) < len(
-        near
-    ):  # of which one is as good as the other
+    words = trouble.automaton.words
+    near = [words.get(keyword, "") for keyword in near_keywords(trouble, trouble.at, kinds)]
+    if not near or not near[0]:
         return ""
-    return f"did you mean {either(near)}?" if near and near[0] else ""
+    if len(near) > 1 and len(nearest(trouble.texts[trouble.at], near)) < len(near):
+        return ""  # some are nearer than others, but the repair did not take them
+    return f"did you mean {either(near)}?"
 
 
 def _context(
     trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
 ) -> tuple[Label, ...]:
-    """Points at an open bracket that should have been closed, or at the end of the line before if something is missing there."""
+    """Returns a label for an open bracket, or for the end of a line where something is missing."""
+    kinds = accepted(trouble.automaton, trouble.stack)
     brackets = open_marks(trouble.automaton, trouble.stack, "LPAR", "RPAR")
     brackets += open_marks(trouble.automaton, trouble.stack, "LSQB", "RSQB")
-    brackets = [number for number in brackets if number >= 0]
-    if brackets and {"RPAR", "RSQB"} & set(accepted(trouble.automaton, trouble.stack)):
-        return (Label(token_span(tokens[max(brackets)], source), "opened here"),)
-    missing = (
-        repair is not None
-        and repair.sort == "insert"
-        and "RBRACE" not in accepted(trouble.automaton, trouble.stack)
-    )
-    if (
-        missing
-        and 0 < trouble.at < len(tokens)
-        and tokens[trouble.at].line != tokens[trouble.at - 1].line
-    ):
-        return (Label(token_span(tokens[trouble.at - 1], source), "after this"),)
+    written = [number for number in brackets if number >= 0]
+    if written and {"RPAR", "RSQB"} & set(kinds):
+        return (Label(token_span(tokens[max(written)], source), "opened here"),)
+    is_missing = repair is not None and repair.sort == "insert" and "RBRACE" not in kinds
+    if is_missing and 0 < trouble.at < len(tokens):
+        last = tokens[trouble.at - 1]
+        if tokens[trouble.at].line != last.line:
+            return (Label(token_span(last, source), "after this"),)
     return ()
 
 
@@ -285,23 +279,23 @@ def expected_text(trouble: Trouble, kinds: Sequence[str]) -> str:
     """Returns what can stand at a place, as a phrase: groups first, at most a few single words."""
     left = set(kinds)
     phrases = []
-    for group, phrase in (
-        (STATEMENTS, "a statement"),
-        (SECTIONS, "a declaration"),
-        (VALUES, "a value"),
-    ):
+    for group, phrase in GROUPS:
         if group <= left:
             phrases.append(phrase)
-            left -= group | ({"NOT"} if group is VALUES else set())
+            left -= group
+            if group is VALUES:
+                left.discard("NOT")
     if left & {"SIGN", "TIMES"}:
         phrases.append("an operator")
         left -= OPERATORS
     if len(left) + len(phrases) > 1:
-        left -= {"DOT", "LSQB"} | ({"LPAR"} if "DOT" in left else set())
+        if "DOT" in left:
+            left.discard("LPAR")
+        left -= {"DOT", "LSQB"}
     phrases += [PHRASES[kind] for kind in PHRASES if kind in left]
-    phrases += sorted(
-        f"`{trouble.automaton.words.get(kind, kind)}`" for kind in left - PHRASES.keys()
-    )
+    words = trouble.automaton.words
+    phrases += sorted(f"`{words.get(kind, kind)}`" for kind in left - PHRASES.keys())
     if len(phrases) > LONGEST:
         phrases = [*phrases[: LONGEST - 1], "something else"]
-    return " or ".join(filter(None, (", ".join(phrases[:-1]), phrases[-1])))
+    *first, last = phrases
+    return f"{', '.join(first)} or {last}" if first else last

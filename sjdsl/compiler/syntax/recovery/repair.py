@@ -1,4 +1,4 @@
-"""Error recovery: finds the smallest change after a syntax error that lets most of the following text be read.
+"""Error recovery: finds the smallest change after which most of the following text can be read.
 
 Assumes that the stack cannot read the next token; guarantees that it can read one after the change.
 """
@@ -27,21 +27,23 @@ STATEMENT = 12  # tokens that tell what a statement of another language is, and 
 ENOUGH = 3  # tokens that must follow for a change to be believed
 
 STATEMENTS = frozenset((
-    "EACH", "PICK", "FIRST", "MATCH", "WHEN", "CHANCE", "LET", "DRAW", "SET", "ADD", "GIVE", "TALLY", "SEND",
-    "REMOVE", "MOVE", "MARK", "END",
+    "EACH", "PICK", "FIRST", "MATCH", "WHEN", "CHANCE", "LET", "DRAW", "SET", "ADD", "GIVE",
+    "TALLY", "SEND", "REMOVE", "MOVE", "MARK", "END",
 ))  # fmt: skip
 SECTIONS = frozenset((
-    "CITE", "ABOUT", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS", "SHAPE", "DEFINE",
-    "SCHEDULE", "PHASE", "OBSERVE", "LOOK", "METRICS", "CHECKS", "POLICY", "SCENARIO", "MOVERS", "VARIANT",
+    "CITE", "ABOUT", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS",
+    "SHAPE", "DEFINE", "SCHEDULE", "PHASE", "OBSERVE", "LOOK", "METRICS", "CHECKS", "POLICY",
+    "SCENARIO", "MOVERS", "VARIANT",
 ))  # fmt: skip
 ENTRIES = frozenset((
-    "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN", "FINAL", "REQUIRE",
-    "ALWAYS", "ONCE", "CONSERVED", "MONOTONE", "SYMMETRIC", "EXPECT", "DROP", "OTHERWISE", "WHERE",
+    "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN",
+    "FINAL", "REQUIRE", "ALWAYS", "ONCE", "CONSERVED", "MONOTONE", "SYMMETRIC", "EXPECT", "DROP",
+    "OTHERWISE", "WHERE",
 ))  # fmt: skip
 RESUMING = STATEMENTS | SECTIONS | ENTRIES | {"LBRACE", "RBRACE", END}
 
 Sort = Literal["near", "name", "insert", "replace", "delete", "close", "unclose", "skip"]
-BONUS = {
+BONUS = {  # of a change; its other terms are below
     "near": 6.0,
     "name": 2.0,
     "insert": 0.0,
@@ -50,18 +52,19 @@ BONUS = {
     "delete": -1.0,
     "replace": -1.25,
 }
-IMBALANCE = 2.0  # what each brace without a partner costs
-EARLIER = 0.5  # what a change before the last good token costs
-COMMITTING = 2.0  # what it costs to put in a word that asks for a bracket or a value behind it
+IMBALANCE = 2.0  # cost of each brace without a partner
+EARLIER = 0.5  # cost of a change before the last good token
+COMMITTING = 2.0  # cost of putting in a word that needs a bracket or a value after it
 COMMITTED = frozenset(("CASE", "COUNT", "SUM", "LPAR", "LSQB", "NOT"))
-NAMELIKE = frozenset(
-    ("CASE", "COUNT", "SUM", "NOBODY", "ALL", "FIRST", "SEEK")
-)  # words that may be names put where they can stand
-REPEATED = 1.0  # what speaks for leaving out a token that stands there twice
+NAMELIKE = frozenset(("CASE", "COUNT", "SUM", "NOBODY", "ALL", "FIRST", "SEEK"))  # perhaps names
+REPEATED = 1.0  # bonus of leaving out a token that is there twice
 
 
 class Trouble(Record):
-    """Where the table refused token `at`: `before` is the stack before the token that precedes it."""
+    """Where the table refused token `at`.
+
+    closing: see `parse.closing_braces`. stack, before: at that token, and at the one before it.
+    """
 
     automaton: Automaton
     kinds: Sequence[str]
@@ -73,14 +76,17 @@ class Trouble(Record):
 
     @property
     def unmatched(self) -> int:
-        """How many of the open braces are not closed further on; below 0: how many are closed that are not open."""
+        """How many open braces are not closed further on.
+
+        Below 0: how many are closed that are not open.
+        """
         return len(open_braces(self.automaton, self.stack)) - self.closing[self.at]
 
 
 class Repair(Record):
     """A change at token `place`: the stack and the token to go on with.
 
-    `kind`: the kind of token put in, `times` so often; `alone`: no other change is as good.
+    kind: of the token that is put in, `times` times. alone: whether no other change is as good.
     """
 
     sort: Sort
@@ -97,53 +103,59 @@ class Repair(Record):
 
 
 def find_repair(trouble: Trouble) -> Repair | None:
-    """Returns the change after which most can be read; to the next statement if no small one helps; None at the end."""
-    found = []
+    """Returns the change after which most can be read.
+
+    If no small one helps, it goes on at the next statement; None if there is none.
+    """
     if statement_slip(trouble, accepted(trouble.automaton, trouble.stack)):
         return _skip(trouble)
+    scored = []
     for change in _candidates(trouble):
-        # few tokens must be read after a word that is nearly right for it to be believed
+        # after a word that is nearly right, one token that can be read is enough to believe it
         needed = 1 if change.sort == "near" else min(ENOUGH, len(trouble.kinds) - trouble.at)
-        seen = (
-            reach(trouble.automaton, change.stack, trouble.kinds, change.resume, AHEAD)
-            + change.resume
-            - trouble.at
-        )
+        read_on = reach(trouble.automaton, change.stack, trouble.kinds, change.resume, AHEAD)
+        seen = read_on + change.resume - trouble.at
         if seen >= needed:
-            found.append((_score(trouble, change, min(AHEAD, seen)), change))
-    if not found:
+            scored.append((_score(trouble, change, min(AHEAD, seen)), change))
+    if not scored:
         return _skip(trouble)
-    score, best = max(found, key=lambda pair: pair[0])
-    rivals = sum(other == score for other, _ in found)
+    best_score, best = max(scored, key=lambda pair: pair[0])
+    rivals = sum(score == best_score for score, _ in scored)
     return replace(best, alone=rivals == 1)
 
 
 def _score(trouble: Trouble, repair: Repair, seen: int) -> float:
-    """Returns what speaks for a change after which `seen` tokens from the error on can be read."""
+    """Returns the score of a change after which `seen` tokens from the error on can be read."""
     unmatched = len(open_braces(trouble.automaton, repair.stack)) - trouble.closing[repair.resume]
     score = seen + BONUS[repair.sort] - IMBALANCE * min(abs(unmatched), 3) - 0.01 * repair.times
-    score -= EARLIER * (repair.place < trouble.at) + COMMITTING * (repair.kind in COMMITTED)
-    repeated = (
-        repair.sort == "delete"
-        and trouble.at > 0
-        and trouble.texts[trouble.at] == trouble.texts[trouble.at - 1]
-    )
-    return score + REPEATED * repeated
+    if repair.place < trouble.at:
+        score -= EARLIER
+    if repair.kind in COMMITTED:
+        score -= COMMITTING
+    if repair.sort == "delete" and trouble.at > 0:
+        if trouble.texts[trouble.at] == trouble.texts[trouble.at - 1]:
+            score += REPEATED
+    return score
 
 
 def _candidates(trouble: Trouble) -> Iterator[Repair]:
-    """The small changes: one word read as another, one token more or less, braces closed."""
+    """Yields the small changes: a word read as another, one token more or less, braces closed."""
     yield from _changes_here(trouble)
     if trouble.before is not None:
         yield from _changes_before(trouble, trouble.before)
-    closed, times = read(trouble.automaton, trouble.stack, "RBRACE"), 1
+    closed = read(trouble.automaton, trouble.stack, "RBRACE")
+    times = 1
     while closed is not None and times <= MAX_DEPTH:
         yield Repair("close", trouble.at, closed, trouble.at, "RBRACE", times)
-        closed, times = read(trouble.automaton, closed, "RBRACE"), times + 1
+        closed = read(trouble.automaton, closed, "RBRACE")
+        times += 1
 
 
 def _changes_here(trouble: Trouble) -> Iterator[Repair]:
-    automaton, stack, at = trouble.automaton, trouble.stack, trouble.at
+    """Yields changes of the refused token, or in front of it."""
+    automaton = trouble.automaton
+    stack = trouble.stack
+    at = trouble.at
     kinds = accepted(automaton, stack)
     for kind in near_keywords(trouble, at, kinds):
         yield Repair("near", at, _read(automaton, stack, kind), at + 1, kind)
@@ -160,8 +172,9 @@ def _changes_here(trouble: Trouble) -> Iterator[Repair]:
 
 
 def _changes_before(trouble: Trouble, before: Stack) -> Iterator[Repair]:
-    """Changes of the token before the refused one, or in front of it."""
-    automaton, place = trouble.automaton, trouble.at - 1
+    """Yields changes of the token before the refused one, or in front of it."""
+    automaton = trouble.automaton
+    place = trouble.at - 1
     kinds = accepted(automaton, before)
     for kind in near_keywords(trouble, place, kinds):
         yield Repair("near", place, _read(automaton, before, kind), trouble.at, kind)
@@ -170,11 +183,9 @@ def _changes_before(trouble: Trouble, before: Stack) -> Iterator[Repair]:
     if trouble.kinds[place] == "RBRACE":
         yield Repair("unclose", trouble.at, before, trouble.at)
     for kind in kinds:
-        after = (
-            read(automaton, _read(automaton, before, kind), trouble.kinds[place], place)
-            if kind != END
-            else None
-        )
+        if kind == END:
+            continue
+        after = read(automaton, _read(automaton, before, kind), trouble.kinds[place], place)
         if after is not None:
             yield Repair("insert", place, after, trouble.at, kind)
 
@@ -187,14 +198,19 @@ def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
 
 def can_be_written(automaton: Automaton, kinds: Sequence[str]) -> dict[str, str]:
     """Returns the words and signs of these kinds, each with its kind."""
-    return {word: kind for kind, word in automaton.words.items() if kind in kinds} | (
-        {"==": "CMP"} if "CMP" in kinds else {}
-    )
+    words = {word: kind for kind, word in automaton.words.items() if kind in kinds}
+    if "CMP" in kinds:
+        words["=="] = "CMP"
+    return words
 
 
 def statement_slip(trouble: Trouble, kinds: Sequence[str]) -> str:
-    """Returns what to write instead of the words of another language that end or begin with the refused token; empty if they are none."""
-    at, texts = trouble.at, trouble.texts
+    """Returns what to write in place of a statement of another language, empty if it is none.
+
+    The statement begins with the refused token, or has it as its last one.
+    """
+    at = trouble.at
+    texts = trouble.texts
     written = " ".join(texts[at : at + STATEMENT]).rstrip()
     before = " ".join(texts[max(0, at - STATEMENT) : at])
     return slip(written, can_be_written(trouble.automaton, kinds), before)[0]
@@ -218,7 +234,8 @@ def near_keywords(trouble: Trouble, at: int, kinds: Sequence[str]) -> list[str]:
 
 def _skip(trouble: Trouble) -> Repair | None:
     """Goes to the next statement, brace or end at which some level of the stack can read on."""
-    automaton, depth = trouble.automaton, 0
+    automaton = trouble.automaton
+    depth = 0
     for resume in range(trouble.at, len(trouble.kinds)):
         kind = trouble.kinds[resume]
         if kind in RESUMING and depth == 0:
@@ -228,5 +245,8 @@ def _skip(trouble: Trouble) -> Repair | None:
                     return Repair("skip", trouble.at, level, resume)
                 if level.state in automaton.after["LBRACE"] and kind != "RBRACE":
                     break
-        depth = max(0, depth + (kind == "LBRACE") - (kind == "RBRACE"))
+        if kind == "LBRACE":
+            depth += 1
+        elif kind == "RBRACE":
+            depth = max(0, depth - 1)
     return None

@@ -1,0 +1,237 @@
+"""Resolves what the paths of `show` and `hide` name: fields of agents, movers, cells, the world."""
+
+from dataclasses import replace
+from typing import Literal
+
+from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ast.names import Symbol
+from sjdsl.compiler.compose import path_text
+from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
+from sjdsl.compiler.elaborate.paths import attribute_types
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
+from sjdsl.compiler.ir.implications import narrowed
+from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.types import words
+
+What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
+Key = tuple[What, str, str]  # what, kind, field
+OWNERS: dict[str, What] = {"agent": "own", "other": "other", "everyone": "everyone"}
+WHO = {  # the owners of fields of agents, as messages call them
+    "agent": "the observer itself",
+    "other": "the other agents",
+    "everyone": "all agents",
+}
+
+
+class Seen(Record):
+    """What a path names.
+
+    field: None for cells or movers as a whole. value: of `step` or a define, which is seen as a
+      field of the world would be.
+    """
+
+    key: Key
+    field: ir.VarField | None = None
+    value: ir.Expr | None = None
+
+
+def observer_scope(what: str, kind: str, name: str, scope: Scope) -> Scope:
+    """Returns what conditions may name: `agent`, the observer, and what is seen.
+
+    name: by which the text calls a cell, perhaps that of a group.
+    """
+    observer = scope.with_agent("observe").but(facts=scope.static.observed_facts)
+    match what:
+        case "cell":
+            cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
+            return observer.bind(kind, cell).bind(name, cell)
+        case "mover":
+            return observer.bind(kind, ir.Member(name=kind, sort=ir.Sort("mover", (kind,))))
+        case "other" | "everyone":
+            return observer.bind(what, ir.Member(name=what, sort=AGENTS))
+        case _:
+            return observer
+
+
+def resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
+    """Returns what a path names; for a group, that of each of its kinds.
+
+    A path is `agent.f`, `other.f`, `everyone.f`, `kind.f`, or a field of the world.
+    """
+    path = observable.what
+    static = scope.static
+    head = path.name.text
+    members = [step.name for step in path.steps if isinstance(step, ast.Member)]
+    wanted = "`agent.field`, `other.field`, `everyone.field` or `kind.field`"
+    if len(members) != len(path.steps):
+        raise scope.expected(path.span, wanted, "an entry of a row", _whole_row(path, static))
+    if len(members) > 1 or (members and head in static.fields):
+        raise scope.expected(path.span, wanted, "another path")
+    if members:
+        return _of_owner(path.name, members[0], scope)
+    kinds = static.kinds_of(head)
+    if head in static.movers or kinds:
+        static.refer(path.name, Symbol("name", head))
+    if head in static.movers:
+        return [Seen(("mover", head, ""))]
+    is_show = isinstance(observable, ast.Show)
+    if kinds is not None:
+        has_labels = isinstance(observable, ast.Show) and bool(observable.labels)
+        if head in static.kinds or has_labels:
+            return [Seen(("cell", kind, "")) for kind in kinds]
+    if is_show and (head == "step" or head in static.defines):
+        return [_computed(path, scope)]
+    if head not in static.fields:
+        raise _without_field(observable, scope)
+    static.use(path.name, Symbol("name", head))
+    return [Seen(("world", "", head), static.fields[head])]
+
+
+def _whole_row(path: ast.Path, static: Static) -> str:
+    """Returns how to show a row of which one entry was to be shown."""
+    members = tuple(step for step in path.steps if isinstance(step, ast.Member))
+    row = path_text(replace(path, steps=members))
+    help_ = f"a row can only be shown as a whole: `show {row}`"
+    if path.name.text in static.fields:
+        define = f"`define entry = {path_text(path)}`"
+        help_ = f"{help_}; to show one entry, give it a name: {define}, `show entry`"
+    return help_
+
+
+def _computed(path: ast.Path, scope: Scope) -> Seen:
+    """Returns `step` or a define, with the interval of its numbers between two steps."""
+    observer = observer_scope("world", "", "", scope)
+    value = observer.expression(path)
+    name = path.name.text
+    if value.type.by or value.type.kind in ("member", "mix"):
+        raise wrong_type(observer, path, "a single value", value.type)
+    if value.type.kind == "condition":
+        type_ = words(("no", "yes"))
+    else:
+        low, high = narrowed(value, observer.facts)
+        type_ = value.type.model_copy(update={"low": low, "high": high})
+    field = ir.VarField(name=name, held_by=ir.Sort("world"), type=type_)
+    return Seen(("world", "", name), field, value)
+
+
+def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
+    """Returns what `owner.name` is: of agents, of movers, or of cells of a kind or group."""
+    static = scope.static
+    head = owner.text
+    if head in static.movers and Symbol("field", name.text, head) not in static.broken:
+        fields = static.mover_fields(head)
+        if name.text not in fields:
+            raise no_field(name, f"a mover `{head}`", fields, scope.problems)
+        static.refer(owner, Symbol("name", head))
+        static.refer(name, Symbol("field", name.text, head))
+        return [Seen(("mover", head, name.text), fields[name.text])]
+    kinds = static.kinds_of(head)
+    owners = ["agent"] if head in OWNERS else [*(kinds or ()), head]
+    if any(Symbol("field", name.text, each) in static.broken for each in owners):
+        raise Poisoned
+    if head == "other" and name.text == "heading":
+        raise scope.fail(
+            errors.WrongSort(
+                name.span,
+                name="other.heading",
+                actual="always seen, as the observer sees it",
+                wanted="a field of theirs, `index`, `row`, `col` or `moved`",
+            )
+        )
+    if head in OWNERS:
+        if name.text in static.agent_fields:
+            static.refer(name, Symbol("field", name.text, "agent"))
+        field = static.agent_fields.get(name.text) or _attribute(head, name, scope)
+        return [Seen((OWNERS[head], "", name.text), field)]
+    if kinds is None:
+        known = [*OWNERS, *static.kinds, *static.groups]
+        raise scope.problems.unknown(owner, known, "what has fields")
+    static.refer(owner, Symbol("name", head))
+    for kind in kinds:
+        if name.text not in static.kinds[kind]:
+            raise _no_field_of_kind(name, kind, head, scope)
+        static.refer(name, Symbol("field", name.text, kind))
+    return [Seen(("cell", kind, name.text), static.kinds[kind][name.text]) for kind in kinds]
+
+
+def _no_field_of_kind(name: ast.Name, kind: str, head: str, scope: Scope) -> Poisoned:
+    """Reports a field that a kind doesn't have; head: the kind's name or that of its group."""
+    owner = f"the kind `{kind}`"
+    help_ = ""
+    if head in scope.static.groups:
+        owner = f"{owner} of the group"
+    elif name.text in CELL_ATTRIBUTES:
+        help_ = (
+            "where a cell is, an agent sees by its place in the window; fields of cells are shown"
+        )
+    return no_field(name, owner, scope.static.kinds[kind], scope.problems, help_)
+
+
+def _attribute(head: str, name: ast.Name, scope: Scope) -> ir.VarField:
+    """Returns an attribute of agents as if it were a field; conditions are words `no` and `yes`."""
+    if name.text not in AGENT_ATTRIBUTES:
+        known = [*scope.static.agent_fields, *AGENT_ATTRIBUTES]
+        raise no_field(name, "an agent", known, scope.problems)
+    if name.text == "away" and head != "everyone":
+        raise scope.fail(
+            errors.WrongSort(
+                name.span,
+                name=f"{head}.{name.text}",
+                actual="the same whenever it is seen",
+                wanted="something that can change",
+                help="an agent that is away sees nothing, and is not seen; "
+                "`show everyone.away` tells all who is away",
+            )
+        )
+    type_ = attribute_types(scope.static)[name.text]
+    if type_.kind == "condition":
+        type_ = words(("no", "yes"))
+    return ir.VarField(name=name.text, held_by=AGENTS, type=type_)
+
+
+def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
+    """Reports `show NAME` where the world has no such field, with what can be shown."""
+    static = scope.static
+    name = observable.what.name
+    is_show = isinstance(observable, ast.Show)
+    verb = "show" if is_show else "hide"
+    if name.text in WHO:
+        help_ = "agents are always seen; fields of theirs can be shown, if the game declares some"
+        fields = [f"`{verb} {name.text}.{field}`" for field in static.agent_fields]
+        if fields:
+            help_ = f"say which field: {' or '.join(fields[:3])}"
+        return scope.misused(name, WHO[name.text], "a field", help_)
+    if name.text in static.groups:
+        help_ = fields_of_a_kind(static.groups[name.text][0], verb, static)
+        return scope.misused(name, "a group of kinds", "a field", help_)
+    owners = [kind for kind, fields in static.kinds.items() if name.text in fields]
+    if name.text in static.agent_fields:
+        owners = ["agent", "other", *owners]
+    help_ = ""
+    if owners:
+        paths = " or ".join(f"`{verb} {owner}.{name.text}`" for owner in owners)
+        help_ = f"a field is written with its owner: {paths}"
+    known = [*static.fields, *WHO, *static.kinds]
+    described = "the fields of the world, and what has fields,"
+    if is_show:
+        known = [*static.fields, "step", *static.defines, *WHO, *static.kinds]
+        described = "the fields of the world, the defines, and what has fields,"
+    return scope.problems.unknown(name, known, described, help_)
+
+
+def fields_of_a_kind(kind: str, verb: str, static: Static) -> str:
+    """Returns what can be shown or hidden of cells of a kind."""
+    word_fields = {
+        name: [f.name for f in fields.values() if f.type.kind == "word"]
+        for name, fields in static.kinds.items()
+    }
+    plain = next(
+        (name for name, seen in word_fields.items() if name != kind and not seen), "outside"
+    )
+    help_ = f"`show {kind} as {{ {plain} }}` makes its cells look like `{plain}`"
+    if word_fields[kind]:
+        help_ = f"write which field, `{verb} {kind}.{word_fields[kind][0]}`; {help_}"
+    return help_

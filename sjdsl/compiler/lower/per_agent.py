@@ -1,0 +1,94 @@
+"""Arrays with an entry for each agent, or each mover of a name: whom a statement reaches."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.names import attribute_of
+from sjdsl.compiler.lower.axes import (
+    Value,
+    literal,
+    reduce,
+    select,
+    spread,
+    union,
+)
+from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.expressions import agent
+from sjdsl.compiler.lower.scope import IterationScope
+from sjdsl.compiler.lower.writer import Writer
+from sjdsl.compiler.program import expressions as array
+from sjdsl.runtime.actions import HEADINGS
+
+
+def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
+    """Returns which agents a statement reaches, `[N]` bool."""
+    who = agent(e, scope, w)
+    extent = w.module.extent(who.sort)
+    if who.axis is not None:
+        reached = reduce("any", scope.mask, tuple(a for a in scope.axes if a != who.axis))
+        if reached.axes:
+            return reached
+        return Value(array.call("jnp.full", extent, reached.node), "bool")
+    at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
+    nobody = array.call("jnp.zeros", extent, array.DTYPES["bool"])
+    return Value(array.Update(nobody, (at.node,), "set", array.Literal(True), drop=True), "bool")
+
+
+def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array.Expression:
+    """Returns a number from 0 on for each agent that a statement reaches, `[N]` int32.
+
+    All instances that reach an agent have the same number for it; agents that none reaches get
+    any number.
+    """
+    who = agent(e, scope, w)
+    extent = w.module.extent(who.sort)
+    if who.axis is None:
+        at = select(scope.mask, who.index, Value(extent, "i32"))
+        axes = union(at.axes, value.axes)
+        places = w.keep(f"to_{who.sort.name}", Value(spread(at, axes), "i32", axes)).node
+        zeros = array.call("jnp.zeros", extent, array.DTYPES["i32"])
+        return array.Update(zeros, (places,), "set", spread(value, axes), drop=True)
+    if any(a != who.axis for a in value.axes):
+        others = tuple(a for a in scope.axes if a != who.axis)
+        value = reduce("max", select(scope.mask, value, literal(0, "i32")), others)
+    return value.node if value.axes else array.call("jnp.full", extent, value.node)
+
+
+def put(
+    name: str, sort: ir.Sort, who: array.Expression, value: array.Expression, w: Writer
+) -> None:
+    """Writes a new value of an attribute for some agents, or some movers of a name.
+
+    who: which of them, `[N]` bool.
+    """
+    attribute = attribute_of(name, sort)
+    w.assign(attribute, array.Where(who, value, w.current(attribute)))
+
+
+def turn(
+    sort: ir.Sort, who: array.Expression, facing: str | None, stream: int | None, w: Writer
+) -> None:
+    """Turns some agents or movers: north, east, ..., to any heading (None), or not at all ("same").
+
+    The heading of a mover is a field of words, and so a byte.
+    """
+    if facing == "same":
+        return
+    is_byte = sort.what == "mover"
+    heading: array.Expression
+    if facing is None:
+        assert stream is not None
+        bits = array.call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
+        heading = array.call("below", bits, array.Literal(4))
+        if is_byte:
+            heading = array.Cast(heading, "u8")
+    else:
+        heading = w.module.number(facing, HEADINGS.index(facing))
+        if is_byte:
+            heading = array.scalar(heading, "u8")
+    put("heading", sort, who, heading, w)
+
+
+def any_of(masks: list[array.Expression]) -> array.Expression:
+    first, *others = masks
+    for other in others:
+        first = array.Binary("|", first, other)
+    return first
