@@ -15,7 +15,7 @@ from sjdsl.compiler.checks.start_values import holds_at_start
 from sjdsl.compiler.checks.value_ranges import Here, Played, interval_of
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir import evaluate_constant
+from sjdsl.compiler.ir import values
 from sjdsl.compiler.ir.implications import facts, narrowed
 from sjdsl.compiler.ir.operations import (
     CALCULATIONS,
@@ -298,7 +298,7 @@ def test_without_its_row_nothing_can_be_done_with_a_calculation(
         "elaboration": lambda: build(source),
         "checks of the IR": lambda: verify(built.game),
         "the printer": lambda: text(made),
-        "`require`": lambda: evaluate_constant.holds(test, {}),
+        "`require`": lambda: values.holds(test, {}),
         "facts": lambda: narrowed(
             made, facts(ir.Compare(fn="<", left=numbers[0], right=numbers[0]))
         ),

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import chain
+from typing import Any
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -16,11 +17,12 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.lookup import use_define
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
-from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.fold import UnknownValue
 from sjdsl.compiler.ir.printer import domain as domain_text
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe, integer, is_number
+from sjdsl.compiler.ir.values import TOLERANCE, Evaluation, decided, holds
 
 REQUIRES = "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; `always` covers every state of play"
 
@@ -90,58 +92,34 @@ def _members_at_start(d: ir.Domain, static: Static) -> int | None:
             else static.movers[d.var.sort.name].number
         )
         return everybody if d.where is None else None
-    if d.where is not None and not _is_about_fields(d.where, d.var):
-        return None
     if not static.rows:
         raise Poisoned
-
-    def is_member(meaning: ir.GlyphMeaning) -> bool:
-        starts = {name: field.start for name, field in static.kinds[meaning.kind].items()} | dict(
-            meaning.starts
-        )
-
-        def at_start(node: ir.Node) -> ir.Node:
-            if not isinstance(node, ir.FieldRead):
-                return node
-            value = starts[node.name]
-            if value is None:
-                return ir.Nobody()
-            return (
-                ir.Word(type=node.type, value=value)
-                if isinstance(value, str)
-                else ir.Number(type=node.type, value=value)
-            )
-
-        return d.where is None or holds(rewrite(d.where, at_start), {})
-
-    meanings = {
-        meaning.glyph: is_member(meaning)
-        for _, meaning in static.glyphs
-        if meaning.kind in d.var.kinds
-    }
-    return sum(meanings.get(glyph, False) for row in static.rows for glyph in row)
+    members = 0
+    for _, meaning in static.glyphs:
+        if meaning.kind in d.var.kinds:
+            is_member = d.where is None or _holds_at_start(d.where, d.var, meaning, static)
+            if is_member is None:
+                return None
+            if is_member:
+                members += sum(row.count(meaning.glyph) for row in static.rows)
+    return members
 
 
-def _is_about_fields(test: ir.Expr, cell: ir.Member) -> bool:
-    """Returns whether a condition compares fields of the cell with words and numbers, and reads nothing else."""
-    values = (
-        ir.Number
-        | ir.Truth
-        | ir.Word
-        | ir.Nobody
-        | ir.Named
-        | ir.Arithmetic
-        | ir.FieldRead
-        | ir.Member
-    )
-    tests = ir.Compare | ir.InRange | ir.InWords | ir.Same | ir.Not | ir.Logic
-    plain = all(isinstance(n, values | tests) for n in ir.walk(test))
-    reads = [n for n in ir.walk(test) if isinstance(n, ir.FieldRead)]
-    simple = all(
-        isinstance(n.owner, ir.Member) and n.owner.name == cell.name and not n.type.by
-        for n in reads
-    )
-    return plain and simple and sum(isinstance(n, ir.Member) for n in ir.walk(test)) == len(reads)
+def _holds_at_start(
+    test: ir.Expr, cell: ir.Member, meaning: ir.GlyphMeaning, static: Static
+) -> bool | None:
+    """Returns whether a condition holds for the cells of a character at the start; None unless their fields decide it."""
+    starts = {name: field.start for name, field in static.kinds[meaning.kind].items()}
+    starts |= dict(meaning.starts)
+
+    def start(e: ir.Expr) -> Any:
+        match e:
+            case ir.FieldRead(owner=ir.Member(name=cell.name)) if not e.type.by:
+                return starts[e.name]
+            case _:
+                raise UnknownValue
+
+    return decided(test, Evaluation(start, tolerance=TOLERANCE))
 
 
 def check_requires(game: Composition, scope: Scope) -> None:
