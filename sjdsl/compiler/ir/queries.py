@@ -56,6 +56,14 @@ def is_quantified(e: Node) -> bool:
     )
 
 
+def is_number_of_cells(e: Node) -> bool:
+    """Returns whether an expression counts all cells of some kinds, so that the map alone decides it."""
+    if not isinstance(e, Count):
+        return False
+    domain = e.domain
+    return domain.var.sort.what == "cell" and domain.restriction is None and domain.where is None
+
+
 def title_of(game: Game) -> str:
     """Returns the title of a game, with the variants of it that were chosen."""
     title = game.title or game.name
