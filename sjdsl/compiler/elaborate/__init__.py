@@ -156,10 +156,7 @@ def _episode(game: Composition, scope: Scope) -> ir.Expr:
     if game.episode is None:
         raise scope.fail(errors.MissingPart(game.span, what="episode", how="`episode 1000`"))
     steps = scope.number(game.episode.steps, ("steps",), "a number of steps")
-    if any(
-        isinstance(node, ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme)
-        for node in ir.walk(steps)
-    ):
+    if any(isinstance(node, ir.Step | ir.FieldRead | ir.Aggregate) for node in ir.walk(steps)):
         help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
         raise scope.fail(
             errors.NotFixed(game.episode.steps.span, what="the length of an episode", help=help_)

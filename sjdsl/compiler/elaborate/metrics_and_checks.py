@@ -35,7 +35,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
         for node in ir.walk(test):
             if isinstance(
                 node,
-                ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member,
+                ir.FieldRead | ir.Aggregate | ir.EventTotal | ir.Step | ir.Member,
             ):
                 raise scope.fail(
                     errors.NotFixed(

@@ -101,6 +101,11 @@ def written_field(target: Expr) -> FieldRead:
     return target
 
 
+def written_keys(target: Expr) -> tuple[Expr, ...]:
+    """Returns the keys of the entry that a `set` or `add` writes, that of the outermost level first; none of a whole variable."""
+    return (*written_keys(target.row), target.key) if isinstance(target, At) else ()
+
+
 ATTRIBUTES = (
     "index",
     "heading",

@@ -51,11 +51,10 @@ class FloatRanges(Analysis[Range]):
                 low = max(e.type.low, -MAX_VALUE)
                 high = min(e.type.high, MAX_VALUE)
                 return given(ir.Type(kind="real", low=low, high=high))
-            case ir.FieldRead() | ir.Local() if (
-                e.type.kind == "real"
-            ):  # added to or computed, so that it may have left float32
+            case ir.FieldRead() | ir.Local() if e.type.kind == "real":
+                # added to or computed, so that it may have left float32
                 return replace(given(e.type), sound=False)
-            case ir.Count() if is_number_of_cells(e):
+            case _ if is_number_of_cells(e):
                 return given(e.type.model_copy(update={"low": e.type.high}))
             case ir.EventTotal():
                 return anything(e.type.kind == "int")
@@ -78,7 +77,28 @@ class FloatRanges(Analysis[Range]):
         return FloatRanges()
 
     def calculated(self, e: ir.Arithmetic, parts: list[Range]) -> Range:
-        return _calculated(e, parts)
+        """Returns the range of a number that is calculated from others."""
+        row = CALCULATIONS[e.fn]
+        is_whole = e.type.kind == "int"
+        if row.range is not None:
+            return row.range(parts)
+        are_counts = all(isinstance(part, ir.Count) for part in e.args)
+        if row.share and e.type.unit == "fraction" and are_counts:  # of all, some
+            return Range(0.0, 1.0, terms=1.0, given=False)
+        parts = parts if is_whole else [real(p) for p in parts]
+        if row.divisor is not None:
+            parts[row.divisor] = divisor = _not_zero(parts[row.divisor], e.args[row.divisor].type)
+            if divisor.low <= 0 <= divisor.high:
+                return anything(is_whole)
+        low, high = row.interval(*((p.low, p.high) for p in parts))
+        if is_whole:
+            return whole(low, high, *parts) if all(p.sound for p in parts) else anything(True)
+        if row.rounding is not None:
+            return _of_reals(row, low, high, *parts)
+        exact = _exact(low, high, parts)
+        if row.factors:
+            return exact
+        return replace(exact, terms=min(exact.terms, exact.largest))  # no sum any more
 
     def either(self, e: ir.Expr, parts: Sequence[Range]) -> Range:
         """Returns the range of a number that is one of several, all made reals if one is."""
@@ -94,8 +114,21 @@ class FloatRanges(Analysis[Range]):
         row = real(row)
         return rounded(replace(row, sound=row.sound and is_finite(row)), len(e.key.type.words))
 
-    def total(self, part: Range, least: int, most: float) -> Range:
-        return _sum(part, least, most)
+    def total(self, r: Range, least: int, most: float) -> Range:
+        """Returns the range of a sum of so many numbers of a range, in any order."""
+        if most == inf:
+            return anything(r.whole)
+        sums = [number * end for number in (least, most) if number for end in (r.low, r.high)]
+        if not least:
+            sums.append(0.0)
+        low = min(sums)
+        high = max(sums)
+        if r.whole:
+            return whole(low, high, r)
+        one_sign = r.low >= 0 or r.high <= 0
+        sound = r.sound and (one_sign or most * r.largest <= FLOAT32)  # no infinity minus infinity
+        summed = Range(low, high, terms=most * r.terms, steady=r.steady and one_sign, sound=sound)
+        return rounded(summed, max(1.0, most))
 
     def most(self, e: ir.Sum) -> float:
         """Returns how many numbers are added at most, as the compiler has found for the interval of the sum."""
@@ -143,32 +176,6 @@ def _exact(low: float, high: float, parts: Sequence[Range]) -> Range:
     )
 
 
-def _calculated(e: ir.Arithmetic, parts: list[Range]) -> Range:
-    """Returns the range of a number that is calculated from others."""
-    row = CALCULATIONS[e.fn]
-    is_whole = e.type.kind == "int"
-    if row.range is not None:
-        return row.range(parts)
-    if (
-        row.share and e.type.unit == "fraction" and all(isinstance(a, ir.Count) for a in e.args)
-    ):  # of all, some
-        return Range(0.0, 1.0, terms=1.0, given=False)
-    parts = parts if is_whole else [real(p) for p in parts]
-    if row.divisor is not None:
-        parts[row.divisor] = divisor = _not_zero(parts[row.divisor], e.args[row.divisor].type)
-        if divisor.low <= 0 <= divisor.high:
-            return anything(is_whole)
-    low, high = row.interval(*((p.low, p.high) for p in parts))
-    if is_whole:
-        return whole(low, high, *parts) if all(p.sound for p in parts) else anything(True)
-    if row.rounding is not None:
-        return _of_reals(row, low, high, *parts)
-    exact = _exact(low, high, parts)
-    return (
-        exact if row.factors else replace(exact, terms=min(exact.terms, exact.largest))
-    )  # no sum any more
-
-
 def _not_zero(divisor: Range, type_: ir.Type) -> Range:
     """Returns the range of a divisor, which is not 0: a whole number begins or ends beside it."""
     if type_.kind != "int":
@@ -198,17 +205,3 @@ def _of_reals(row: Calculation, low: float, high: float, a: Range, b: Range) -> 
         return rounded(r)
     low, high = ends(low, high)
     return replace(r, low=low, high=high, given=False)
-
-
-def _sum(r: Range, least: int, most: float) -> Range:
-    """Returns the range of a sum of so many numbers, in any order."""
-    if most == inf:
-        return anything(r.whole)
-    many = [n * end for n in (least, most) for end in (r.low, r.high) if n]
-    low, high = min([*many, 0.0] if not least else many), max([*many, 0.0] if not least else many)
-    if r.whole:
-        return whole(low, high, r)
-    one_sign = r.low >= 0 or r.high <= 0
-    sound = r.sound and (one_sign or most * r.largest <= FLOAT32)  # no infinity minus infinity
-    summed = Range(low, high, terms=most * r.terms, steady=r.steady and one_sign, sound=sound)
-    return rounded(summed, max(1.0, most))
