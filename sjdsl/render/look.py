@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, assert_never
 
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.fold import fold
 from sjdsl.compiler.ir.implications import conjuncts
+from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.queries import (
     blocks_always,
     kinds_by_glyph,
@@ -16,8 +16,6 @@ from sjdsl.compiler.ir.queries import (
     title_of,
     written_field,
 )
-from sjdsl.compiler.ir.types import element
-from sjdsl.compiler.ir.values import Evaluation
 from sjdsl.render.colours import (
     COLOURS,
     INKS,
@@ -105,11 +103,7 @@ class Rule:
         if self.condition is None:
             return np.ones(count, bool)
         fields = {name: values[f"{prefix}_{name}"] for name in self.reads}
-        columns = [np.reshape(column, (count, -1)) for column in fields.values()]
-        table = np.hstack([np.zeros((count, 1)), *columns])  # of a condition without fields, too
-        _, first, number = np.unique(table, axis=0, return_index=True, return_inverse=True)
-        verdicts = [_holds(self.condition, fields, place) for place in first]
-        return np.array(verdicts, bool)[number.reshape(-1)]
+        return np.broadcast_to(_value(self.condition, fields), (count,)).astype(bool)
 
 
 @dataclass(frozen=True, eq=False)
@@ -581,29 +575,43 @@ def _sets(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
     return any(field.name == name and field.held_by.overlaps(owner) for field in written)
 
 
-def _holds(condition: ir.Expr, fields: Values, place: int) -> bool:
-    """Returns whether the condition of a `look` holds for a cell or agent; it reads the fields of that alone.
+def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
+    """Returns an expression of a `look` for each cell or agent: words as texts, agents as numbers with -1 for nobody, sets of agents as bits.
 
-    fields: name of a field -> its values, `[count, ...]`.
+    fields: name of a field -> its values, `[count, ...]`; the compiler lets a `look` read these, words and numbers alone.
     """
-
-    def read(e: ir.Expr) -> Any:
-        assert isinstance(e, ir.FieldRead), e
-        return _field_value(fields[e.name][place], e.type)
-
-    return bool(fold(condition, Evaluation(read)))
-
-
-def _field_value(value: Any, type_: ir.Type) -> Any:
-    """Returns the value of a field as the fold has it; of a set of agents, whether somebody is in it."""
-    if type_.by:
-        return tuple(_field_value(entry, element(type_)) for entry in value)
-    match type_.kind:
-        case "word":
-            return type_.words[int(value)]
-        case "agent":
-            return None if value < 0 else int(value)
-        case "agents":
-            return bool(np.any(value))
+    match e:
+        case ir.Number() | ir.Word() | ir.Truth():
+            return e.value
+        case ir.Nobody():
+            return -1
+        case ir.FieldRead():
+            return (
+                np.asarray(e.type.words)[fields[e.name]]
+                if e.type.kind == "word"
+                else fields[e.name]
+            )
+        case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
+            return _value(e.row, fields)[:, e.row.type.by[0].place_of(key)]  # type: ignore[arg-type]
+        case ir.SumRow():
+            return getattr(np, REDUCTIONS[e.fn].array)(_value(e.row, fields), axis=1)
+        case ir.Compare():
+            return COMPARISONS[e.fn].holds(_value(e.left, fields), _value(e.right, fields))
+        case ir.Same():
+            return np.equal(_value(e.left, fields), _value(e.right, fields))
+        case ir.InRange():
+            value = _value(e.value, fields)
+            return (value >= _value(e.low, fields)) & (value <= _value(e.high, fields))
+        case ir.InWords():
+            return np.isin(_value(e.value, fields), e.words)
+        case ir.IsEmpty():
+            return _value(e.container, fields) == 0
+        case ir.Not():
+            return np.logical_not(_value(e.value, fields))
+        case ir.Logic():
+            join = np.logical_and if e.fn == "and" else np.logical_or
+            return join.reduce(np.broadcast_arrays(*(_value(a, fields) for a in e.args)))
+        case ir.Named() | ir.Narrowed():
+            return _value(e.value, fields)
         case _:
-            return value.item()
+            assert_never(e)  # type: ignore[arg-type]  # the compiler refuses all others in a `look`
