@@ -193,7 +193,6 @@ VALUES: dict[type[ir.Node], Rule] = {
     ir.InRange: _is_in_range,
     ir.InWords: _is_one_of_words,
     ir.Same: lambda e, analysis: fold(e.left, analysis) == fold(e.right, analysis),
-    ir.IsEmpty: lambda e, analysis: not fold(e.container, analysis),
     ir.Not: lambda e, analysis: not fold(e.value, analysis),
     ir.Logic: lambda e, analysis: _joined(e.fn, [partial(fold, part, analysis) for part in e.args]),
     ir.MatrixClass: _is_of_class,
