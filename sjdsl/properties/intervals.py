@@ -52,7 +52,7 @@ class Decisions(Analysis[bool]):
     }
 
     def compares(self, e: ir.Expr, fn: str, left: ir.Expr, right: ir.Expr) -> bool:
-        """Returns whether a comparison, which is `e` or a part of it, holds. Raises UnknownValue."""
+        """Returns whether a comparison, `e` or a part of it, holds. Raises UnknownValue."""
         numbers = [part for part in ir.children(e) if ir.is_expression(part)]
         ranges = compared(*numbers)
         verdict = _compare(fn, ranges[numbers.index(left)], ranges[numbers.index(right)])
@@ -62,7 +62,10 @@ class Decisions(Analysis[bool]):
 
 
 def decide(e: ir.Expr) -> bool | None:
-    """Returns whether a condition holds in every state and for all parameters the game takes; None if the ranges do not decide it."""
+    """Returns whether a condition holds in every state and for all parameters the game takes.
+
+    None: the ranges do not decide it.
+    """
     return decided(e, Decisions())
 
 

@@ -61,9 +61,10 @@ def _atoms(e: ir.Node) -> set[str]:
 
 @dataclass(frozen=True)
 class Slopes(Analysis[Slope | None]):
-    """Folds numbers to the direction in which they change when the expression with a text grows and all else stays; None: not known.
+    """Folds numbers to the direction in which they change when one expression grows.
 
-    Every operation rounds, and a number that is larger is not smaller when it is rounded.
+    of: the text of that expression. The direction is None if it is not known. Every operation
+    rounds, and a number that is larger is not smaller when it is rounded.
     """
 
     rules: ClassVar = {kind: BOUNDS[kind] for kind in (ir.Named, ir.Arithmetic)}

@@ -82,7 +82,7 @@ def test_what_asks_for_the_place_is_decided_for_each(where: str, expected: bool)
     ],
 )
 def test_what_is_declared_and_drawn_decides(where: str, cells: int | None) -> None:
-    """For agent 0, in how many cells of the map a condition holds; None: that isn't known of all of them."""
+    """In how many cells the condition holds for agent 0; None: that isn't known of all cells."""
     game = build(Source("rooms.sj", GAME.replace("WHERE", where))).game
     domain = sends(phases_of(game)[1])[0].domain
     assert domain.where is not None

@@ -82,7 +82,7 @@ def _declared(fields: tuple[ir.VarField, ...], name: str) -> Any:
 
 
 def _in_row(start: Any, type_: ir.Type) -> Any:
-    """Returns the row of a variable's entries, which all begin with the same value; without entries that value."""
+    """Returns what a variable begins with: of a row, all entries begin with the same value."""
     for level in reversed(type_.by):
         start = (start,) * len(level)
     return start

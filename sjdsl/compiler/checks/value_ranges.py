@@ -46,9 +46,10 @@ class Played:
 
 @dataclass(frozen=True, eq=False)
 class Here(Analysis[Interval]):
-    """Folds numbers, and rows of numbers, to the interval they are in at one place of the rules; keeps those that leave int32.
+    """Folds numbers, and rows of numbers, to their intervals at one place of the rules.
 
-    locals: the intervals of variables. known: what the guards around leave to expressions.
+    What leaves int32 is added to `played.leaving`. locals: the intervals of variables. known: what
+    the guards around leave to expressions.
     """
 
     rules = BOUNDS

@@ -108,7 +108,10 @@ def _members_at_start(d: ir.Domain, static: Static) -> int | None:
 def _holds_at_start(
     test: ir.Expr, cell: ir.Member, meaning: ir.GlyphMeaning, static: Static
 ) -> bool | None:
-    """Returns whether a condition holds for the cells of a character at the start; None unless their fields decide it."""
+    """Returns whether a condition holds for the cells of a character at the start.
+
+    None: the fields of these cells don't decide it.
+    """
     starts = {name: field.start for name, field in static.kinds[meaning.kind].items()}
     starts |= dict(meaning.starts)
 

@@ -1,8 +1,10 @@
 """The fold over expressions: what each class of node makes of its parts, in one row of a table.
 
-An analysis says what expressions are folded to, its abstract domain: values (`values.py`), ranges of float32 (`ranges.py`), intervals
-of whole numbers (`checks/value_ranges.py`), slopes. It also is the environment: what is read, and what the guards around leave.
-A new expression gets a row in `VALUES`, and one in `BOUNDS` if its type doesn't say all that is known of it: then every analysis knows it.
+An analysis says what expressions are folded to: values (`values.py`), ranges in float32
+(`ranges.py`), intervals of whole numbers (`checks/value_ranges.py`), slopes. It also is the
+environment: it knows what parameters and fields are, and what the guards around imply. A new
+expression gets a row in `VALUES`, and one in `BOUNDS` if more is known of it than its type says;
+then every analysis knows it.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -34,7 +36,7 @@ class Analysis(Generic[V]):
         raise UnknownValue
 
     def refined(self, _e: ir.Expr, result: V) -> V:
-        """Returns the result for an expression once all that is known of it from elsewhere is used."""
+        """Returns the result for an expression, once all else that is known of it is used."""
         return result
 
     def inside(self, _domain: ir.Domain) -> Self:
@@ -58,7 +60,7 @@ def fold(e: ir.Expr, analysis: Analysis[V]) -> V:
 
 
 def is_computed(e: ir.Node) -> bool:
-    """Returns whether an expression only depends on the parts that it is written with, and not on the state."""
+    """Returns whether the value of an expression depends on its parts alone."""
     return type(e) in VALUES
 
 
@@ -155,7 +157,10 @@ def _is_in_range(e: ir.InRange, analysis: Any) -> bool:
 
 
 def _joined(fn: str, conditions: Iterable[Callable[[], bool]]) -> bool:
-    """Returns whether all (`and`) or some (`or`) of the conditions hold; one that isn't known matters only if no other decides."""
+    """Returns whether all (`and`) or some (`or`) of the conditions hold. Raises UnknownValue.
+
+    A condition that isn't known only matters if no other decides.
+    """
     deciding = fn == "or"
     unknown = False
     for condition in conditions:
@@ -174,7 +179,7 @@ def _is_of_class(e: ir.MatrixClass, analysis: Any) -> bool:
     return PAYOFF_CLASSES[e.name].holds(r, s, t, p)
 
 
-# What an expression is worth. An analysis of values calculates (`calculated`, `rounded`) and compares (`compares`) numbers.
+# Values. The analysis calculates (`calculated`, `rounded`) and compares (`compares`) numbers.
 VALUES: dict[type[ir.Node], Rule] = {
     ir.Number: _written,
     ir.Word: _written,
@@ -220,8 +225,9 @@ def _case_bounds(e: ir.Case, analysis: Any) -> Any:
     return analysis.either(e, [fold(arm.value, analysis.in_arm(e, arm)) for arm in e.arms])
 
 
-# All that a number, or an entry of a row of numbers, can be. An analysis of bounds has one for a calculation (`calculated`), for one
-# of several numbers (`either`), for a sum of so many to so many of them (`total`, `most`), and for the entry of a row (`entry`).
+# All that a number, or an entry of a row of numbers, can be. The analysis says what bounds a
+# calculation (`calculated`), one of several numbers (`either`), the entry of a row (`entry`), and a
+# sum (`total`, of at most `most` numbers).
 BOUNDS: dict[type[ir.Node], Rule] = {
     ir.Named: _of_value,
     ir.Narrowed: _of_value,

@@ -337,10 +337,10 @@ def _claimed(subject: Form, known: Iterable[Fact]) -> Interval:
 
 @dataclass(frozen=True)
 class Narrowing(Analysis[Interval]):
-    """Folds numbers to their intervals, once the facts about them, about their parts, or about sums of these are used.
+    """Folds numbers to the intervals that facts about them, their parts or sums of these leave.
 
-    Of what isn't calculated from other numbers the type says all that is known. forms, sums: of the parts of an expression, each
-    computed once.
+    Of a number that isn't calculated from others, its type says all else that is known.
+    forms, sums: of the parts of an expression, each computed once.
     """
 
     rules: ClassVar = {kind: BOUNDS[kind] for kind in (ir.Named, ir.Arithmetic)}

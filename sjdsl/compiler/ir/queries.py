@@ -57,7 +57,7 @@ def is_quantified(e: Node) -> bool:
 
 
 def is_number_of_cells(e: Node) -> bool:
-    """Returns whether an expression counts all cells of some kinds, so that the map alone decides it."""
+    """Returns whether an expression counts all cells of some kinds: the map decides it."""
     if not isinstance(e, Count):
         return False
     domain = e.domain
@@ -102,7 +102,7 @@ def written_field(target: Expr) -> FieldRead:
 
 
 def written_keys(target: Expr) -> tuple[Expr, ...]:
-    """Returns the keys of the entry that a `set` or `add` writes, that of the outermost level first; none of a whole variable."""
+    """Returns the keys of the entry that a `set` or `add` writes, outermost level first."""
     return (*written_keys(target.row), target.key) if isinstance(target, At) else ()
 
 

@@ -36,7 +36,8 @@ def no_limits(_: ir.Expr) -> tuple[float, float]:
 class FloatRanges(Analysis[Range]):
     """Folds numbers to their ranges; what is not known can be anything.
 
-    limits: the interval that is known of a number from elsewhere, as from a guard; not where other variables are bound, or of another state.
+    limits: the interval that is known of a number from elsewhere, as from a guard; not used where
+    other variables are bound, or of another state.
     """
 
     rules = BOUNDS
@@ -131,7 +132,7 @@ class FloatRanges(Analysis[Range]):
         return rounded(summed, max(1.0, most))
 
     def most(self, e: ir.Sum) -> float:
-        """Returns how many numbers are added at most, as the compiler has found for the interval of the sum."""
+        """Returns how many numbers are added at most, by the intervals in the types."""
         one, all_ = (max(abs(t.low), abs(t.high)) for t in (e.value.type, e.type))
         if one in (0, inf) and all_ != 0:
             return inf
@@ -139,7 +140,7 @@ class FloatRanges(Analysis[Range]):
 
 
 def range_of(e: ir.Expr, limits: Limits = no_limits) -> Range:
-    """Returns what a number, or an entry of a row of numbers, can be; `limits`: as in `FloatRanges`."""
+    """Returns what a number, or an entry of a row of numbers, can be; for `limits` see FloatRanges."""
     return fold(e, FloatRanges(limits))
 
 

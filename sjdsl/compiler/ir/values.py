@@ -1,6 +1,7 @@
-"""Evaluation of expressions, and whether conditions hold, as far as that is known: of `require` for given parameters, of conditions at the start.
+"""Values of expressions, and whether conditions hold, as far as that is known without playing.
 
-Whole numbers are exact. Reals are rounded to float32 at each step, as in play, so that what a `require` says of them holds there, too.
+Whole numbers are exact. Reals are rounded to float32 at each step, as in play, so that what a
+`require` says of them holds there, too.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,10 +19,11 @@ TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
 @dataclass(frozen=True)
 class Evaluation(Analysis[Any]):
-    """Evaluation in Python: a word is its text, an agent its number, nobody None; rows are nested tuples.
+    """Folds expressions to values: words to texts, agents to numbers, nobody to None, rows to tuples.
 
-    read: the value of what is not computed, a parameter or a field. Raises UnknownValue. computes_reals: otherwise what play computes of
-    reals, perhaps in another order, isn't known. tolerance: the relative difference of reals that are as good as equal.
+    read: returns the value of a parameter or a field. Raises UnknownValue.
+    computes_reals: if not, what is computed of reals isn't known: play may round it otherwise.
+    tolerance: the relative difference of reals that count as equal.
     """
 
     rules = VALUES
@@ -46,7 +48,7 @@ class Evaluation(Analysis[Any]):
         return self.rounded(result) if e.type.kind == "real" else result
 
     def compares(self, e: ir.Expr, fn: ir.Comparison, left: ir.Expr, right: ir.Expr) -> bool:
-        """Returns whether a comparison, which is `e` or a part of it, holds."""
+        """Returns whether a comparison, `e` or a part of it, holds. Raises UnknownValue."""
         a = fold(left, self)
         b = fold(right, self)
         if not is_exact(e):
@@ -56,7 +58,7 @@ class Evaluation(Analysis[Any]):
         return bool(COMPARISONS[fn].holds(a, a if is_equal else b))
 
     def _tolerance(self, e: ir.Expr) -> float:
-        """Returns the tolerance of a comparison: none where a whole number is compared that can vary."""
+        """Returns the tolerance of a comparison: 0 if a whole number in it can vary."""
         types = [part.type for part in ir.children(e) if ir.is_expression(part)]
         whole = [type_ for type_ in types if type_.kind == "int"]
         varying = any(type_.low < type_.high for type_ in whole)
@@ -64,7 +66,7 @@ class Evaluation(Analysis[Any]):
 
 
 def holds(test: ir.Expr, params: Mapping[str, Any]) -> bool:
-    """Returns whether a `require` holds for these parameter values (tables nested in the order of their words)."""
+    """Returns whether a `require` holds for these parameters; tables are nested tuples."""
 
     def read(e: ir.Expr) -> Any:
         assert isinstance(e, ir.ParamRef), e
