@@ -205,7 +205,8 @@ def test_the_interpreter_reads_the_typed_game_and_nothing_else() -> None:
         f"sjdsl.compiler.ir.{name}"
         for name in (
             "operations",
-            "evaluate_constant",
+            "fold",
+            "values",
             "ranges",
             "range_arithmetic",
             "implications",

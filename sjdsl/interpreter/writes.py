@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import written_field, written_keys
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
@@ -135,13 +136,14 @@ class Writes:
 
 def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Value]]:
     """Returns the entries a target names, each with its value: a row gets a row entry by entry, or one value everywhere."""
-    keys: list[int] = []
-    while isinstance(target, ir.At):
-        keys.append(entry_place(target.row.type.by[0], evaluate(target.key, here)))
-        target = target.row
-    assert isinstance(target, ir.FieldRead), target
-    slot = Slot(target.name, _owner(target, here), tuple(reversed(keys)))
-    return _spread(slot, value, declaration(slot, here.board).type.by[len(keys) :])
+    field = written_field(target)
+    keys = written_keys(target)
+    levels = field.type.by
+    entries = [
+        entry_place(level, evaluate(key, here)) for level, key in zip(levels, keys, strict=False)
+    ]
+    slot = Slot(field.name, _owner(field, here), tuple(entries))
+    return _spread(slot, value, levels[len(keys) :])
 
 
 def declaration(slot: Slot, board: Board) -> ir.VarField:

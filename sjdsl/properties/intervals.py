@@ -1,10 +1,15 @@
 """Interval analysis: decides conditions from the ranges of the numbers in them, whatever the state."""
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.fold import VALUES, Analysis, UnknownValue
 from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.queries import phases_of
 from sjdsl.compiler.ir.range_arithmetic import Range
 from sjdsl.compiler.ir.ranges import compared, stays_in_float32
+from sjdsl.compiler.ir.values import decided
 
 INSTANCES = 2.0**22  # of a statement, at most: a cell of the largest map and an agent
 
@@ -37,35 +42,31 @@ def rounds_only_numbers(game: ir.Game) -> bool:
     )
 
 
+@dataclass(frozen=True)
+class Decisions(Analysis[bool]):
+    """Folds conditions to whether they hold, by the ranges of the numbers in them."""
+
+    rules: ClassVar = {
+        kind: VALUES[kind]
+        for kind in (ir.Truth, ir.Named, ir.Not, ir.Logic, ir.Compare, ir.InRange, ir.InWords)
+    }
+
+    def compares(self, e: ir.Expr, fn: str, left: ir.Expr, right: ir.Expr) -> bool:
+        """Returns whether a comparison, `e` or a part of it, holds. Raises UnknownValue."""
+        numbers = [part for part in ir.children(e) if ir.is_expression(part)]
+        ranges = compared(*numbers)
+        verdict = _compare(fn, ranges[numbers.index(left)], ranges[numbers.index(right)])
+        if verdict is None:
+            raise UnknownValue
+        return verdict
+
+
 def decide(e: ir.Expr) -> bool | None:
-    """Returns whether a condition holds in every state and for all parameters the game takes; None if the ranges do not decide it."""
-    match e:
-        case ir.Truth():
-            return e.value
-        case ir.Named():
-            return decide(e.value)
-        case ir.Not():
-            inner = decide(e.value)
-            return None if inner is None else not inner
-        case ir.Logic():
-            return _logic(e.fn == "and", [decide(a) for a in e.args])
-        case ir.Compare():
-            left, right = compared(e.left, e.right)
-            return _compare(e.fn, left, right)
-        case ir.InRange():
-            low, value, high = compared(e.low, e.value, e.high)
-            return _logic(True, [_compare("<=", low, value), _compare("<=", value, high)])
-        case ir.InWords():
-            return True if set(e.value.type.words) <= set(e.words) else None
-        case _:
-            return None
+    """Returns whether a condition holds in every state and for all parameters the game takes.
 
-
-def _logic(is_and: bool, parts: list[bool | None]) -> bool | None:
-    deciding = not is_and
-    if deciding in parts:
-        return deciding
-    return None if None in parts else is_and
+    None: the ranges do not decide it.
+    """
+    return decided(e, Decisions())
 
 
 def _compare(fn: str, a: Range, b: Range) -> bool | None:

@@ -4,18 +4,17 @@ Every operation is followed with the ranges of its parts; parameters of the game
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.fold import BOUNDS, Analysis, fold, is_computed
 from sjdsl.compiler.ir.implications import Fact, compares, facts
 from sjdsl.compiler.ir.operations import CALCULATIONS, OPPOSITE, Moving, Slope
 from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.queries import is_number_of_cells
 from sjdsl.compiler.ir.range_arithmetic import INT32, Range
 from sjdsl.compiler.ir.ranges import range_of
-
-COMPUTED = (  # what has one value throughout an episode if its parts have; every other expression reads the state
-    ir.Number | ir.Word | ir.Truth | ir.Nobody | ir.Nowhere | ir.ParamRef | ir.Arithmetic | ir.At | ir.SumRow | ir.ShiftRow | ir.Lowest | ir.Mix
-    | ir.Named | ir.Narrowed | ir.Case | ir.Arm | ir.Compare | ir.InRange | ir.InWords | ir.Same | ir.Not | ir.Logic
-)  # fmt: skip
 
 
 def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
@@ -25,13 +24,15 @@ def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
     known = tuple(
         fact for test in game.checks if test.sort == "require" for fact in facts(test.values[0])
     )
-    if _slope(value, text(argument), known) in ("level", wanted):
+    if fold(value, Slopes(text(argument), known)) in ("level", wanted):
         return True
     atoms = _atoms(value) | _atoms(argument)
     if len(atoms) != 1:
         return False
     (atom,) = atoms
-    own, other = _slope(value, atom, known), _slope(argument, atom, known)
+    slopes = Slopes(atom, known)
+    own = fold(value, slopes)
+    other = fold(argument, slopes)
     if own is None or other is None:
         return False
     return (
@@ -43,46 +44,54 @@ def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
 
 def _is_fixed(e: ir.Node) -> bool:
     """Returns whether an expression has one value throughout an episode."""
-    if isinstance(e, ir.Count):
-        d = e.domain
-        return d.var.sort.what == "cell" and d.restriction is None and d.where is None
-    return isinstance(e, COMPUTED) and all(_is_fixed(child) for child in ir.children(e))
+    if isinstance(e, ir.ParamRef | ir.Nowhere) or is_number_of_cells(e):
+        return True
+    has_only_parts = is_computed(e) or isinstance(e, ir.Arm)
+    return has_only_parts and all(_is_fixed(child) for child in ir.children(e))
 
 
 def _atoms(e: ir.Node) -> set[str]:
     """Returns the texts of the largest parts that read the state."""
     if _is_fixed(e):
         return set()
-    if ir.is_expression(e) and not isinstance(e, COMPUTED):
+    if ir.is_expression(e) and not is_computed(e):
         return {text(e)}
     return {atom for child in ir.children(e) for atom in _atoms(child)}
 
 
-def _slope(e: ir.Expr, of: str, known: Sequence[Fact]) -> Slope | None:
-    """Returns the direction in which `e` changes when the expression with this text grows and all else stays; None: not known.
+@dataclass(frozen=True)
+class Slopes(Analysis[Slope | None]):
+    """Folds numbers to the direction in which they change when one expression grows.
 
-    Every operation rounds, and a number that is larger is not smaller when it is rounded.
+    of: the text of that expression. The direction is None if it is not known. Every operation
+    rounds, and a number that is larger is not smaller when it is rounded.
     """
-    if text(e) == of or (isinstance(e, ir.Named) and text(e.value) == of):
-        return "rising"
-    if _is_fixed(e):
-        return "level"
-    match e:
-        case ir.Named():
-            return _slope(e.value, of, known)
-        case ir.Arithmetic(args=args) if _stays(range_of(e)):
-            parts = [
-                Moving(slope, range_of(a))
-                for a in args
-                if (slope := _slope(a, of, known)) is not None
-            ]
-            if len(parts) < len(args):
-                return None
-            return CALCULATIONS[e.fn].slope(
-                parts, lambda one, other: compares(args[one], "<", args[other], known)
-            )
-        case _:
+
+    rules: ClassVar = {kind: BOUNDS[kind] for kind in (ir.Named, ir.Arithmetic)}
+    of: str
+    known: Sequence[Fact]
+
+    def leaf(self, _e: ir.Expr) -> Slope | None:
+        return None
+
+    def refined(self, e: ir.Expr, result: Slope | None) -> Slope | None:
+        if text(e) == self.of:
+            return "rising"
+        return "level" if _is_fixed(e) else result
+
+    def calculated(self, e: ir.Arithmetic, slopes: list[Slope | None]) -> Slope | None:
+        if not _stays(range_of(e)):
             return None
+        parts = []
+        for slope, part in zip(slopes, e.args, strict=True):
+            if slope is None:
+                return None
+            parts.append(Moving(slope, range_of(part)))
+
+        def is_less(one: int, other: int) -> bool:
+            return compares(e.args[one], "<", e.args[other], self.known)
+
+        return CALCULATIONS[e.fn].slope(parts, is_less)
 
 
 def _stays(r: Range) -> bool:

@@ -5,7 +5,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.whole_numbers import beyond_int32
-from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.values import holds
 from sjdsl.interpreter.state import Value
 from sjdsl.properties.biased_draws import BIASES, Bias
 from sjdsl.properties.trajectory import Scenario

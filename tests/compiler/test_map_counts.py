@@ -8,7 +8,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
 from sjdsl.compiler.elaborate.world_map import row_spans
-from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.values import holds
 
 GAME = """sj 1
 game counted "Counts of the map" {{

@@ -17,7 +17,7 @@ game rooms "Rooms" {
   episode 10
   kind floor "." { field open : { no, yes } = no  glyph "o" with open = yes }
   map { "..o" "oo." }
-  agents 2 { acts stay }
+  agents 2 { acts stay  field bag by { nut, leaf } : 0 .. 9 = 2  field pace : reward = 1.5 }
   phase start { each agent { send agent to floor } }
   schedule tick -> go
   phase go { each agent as a { send a to floor as f where WHERE otherwise stay } }
@@ -65,3 +65,29 @@ def test_what_asks_for_the_place_is_decided_for_each(where: str, expected: bool)
     ).domain
     assert domain.where is not None
     assert reads_only_fields(domain.where, domain.var.name) is expected
+
+
+@pytest.mark.parametrize(
+    ("where", "cells"),
+    [
+        ("f.open is yes and step < 1", 3),
+        ("a.index in 1 .. 2 or f.row == 0", 3),
+        ("case f.open { yes: f.col, no: 0 } == 2", 1),
+        ("a.bag[leaf] + 2 > 3 and a.bag[leaf] - 2 == 0", 6),
+        ("sum(a.bag) == 4", 6),
+        ("lowest(a.bag) is nut and a.pace > 1", 6),
+        ("a.index > 0 and quotient(6, a.index) == 6", 0),
+        ("a.pace * 2 > 1", None),
+        ("f.open is yes or a.moved", None),
+    ],
+)
+def test_what_is_declared_and_drawn_decides(where: str, cells: int | None) -> None:
+    """In how many cells the condition holds for agent 0; None: that isn't known of all cells."""
+    game = build(Source("rooms.sj", GAME.replace("WHERE", where))).game
+    domain = sends(phases_of(game)[1])[0].domain
+    assert domain.where is not None
+    verdicts = [
+        holds_at_start(domain.where, {"a": 0, "f": place}, game)
+        for place in places(game, ("floor",))
+    ]
+    assert (None if None in verdicts else verdicts.count(True)) == cells

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import all_fields, kinds_by_glyph
+from sjdsl.compiler.ir.values import holds
 from sjdsl.compiler.lower import new_module
 from sjdsl.interpreter.numbers import real
 from tests.fuzz.together import OnNumPy

@@ -13,8 +13,8 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.elaborate import arithmetic
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir import implications, operations, range_arithmetic, ranges
-from sjdsl.compiler.ir.evaluate_constant import holds
 from sjdsl.compiler.ir.operations import Calculation
+from sjdsl.compiler.ir.values import holds
 from sjdsl.properties import GameFamily, effects, intervals, monotonicity, symmetry
 from tests.properties.hunt import Hunted, hunt, hunt_seeds
 from tests.properties.test_false_proofs import SEEN, meet, numbers, yard

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.values import holds
 from sjdsl.properties import Effort, GameFamily, search, verify_properties
 from sjdsl.properties.counterexample import describe_counterexample
 from sjdsl.properties.monitors import Violation, find_violation

@@ -13,7 +13,6 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.checks.value_ranges import (
     Here,
     Interval,
-    inside,
     interval_of,
     visit,
     visit_children,
@@ -114,7 +113,7 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
             return _quantified(s, here)
         case ir.Match():
             numbers = [most_members(domain, here.played.game) for domain in (s.left, s.right)]
-            sums = block(s.body, inside(s.right, inside(s.left, here)))
+            sums = block(s.body, here.inside(s.left).inside(s.right))
             return _often(sums, min(numbers), (s.left.var, s.left.on, s.right.var, s.right.on))
         case ir.When() | ir.Chance():
             found = []
@@ -150,7 +149,7 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
             s.after is not None
         ):  # where it goes is looked up when it comes back: what is known now may not hold then
             visit(s.after, here)
-            inside(s.domain, replace(here, known={}))
+            here.before().inside(s.domain)
             return {}
         case _:
             visit_children(s, here)
@@ -176,7 +175,7 @@ def _quantified(s: ir.Each | ir.Pick | ir.First, here: Here) -> Sums:
             len(lanes_of(s.domain.restriction, here.played.game)),
             (),
         )  # two lanes can reach one member
-    sums = _often(block(s.body, inside(s.domain, here)), number, members)
+    sums = _often(block(s.body, here.inside(s.domain)), number, members)
     return (
         merged([sums, block(s.otherwise, here)], all_happen=False)
         if isinstance(s, ir.Pick)

@@ -11,13 +11,12 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.ir.equivalence import is_exact
-from sjdsl.compiler.ir.evaluate_constant import compares
+from sjdsl.compiler.ir.fold import UnknownValue
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.printer import domain as domain_text
 from sjdsl.compiler.ir.queries import body_sort, phases_of
 from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.values import Evaluation, decided
 
 
 class Body(NamedTuple):
@@ -101,42 +100,13 @@ def _ways(s: ir.When, agent: Body) -> list[tuple[ir.Stmt, ...]]:
 
 def _decide(test: ir.Expr, agent: Body) -> bool | None:
     """Returns whether a condition holds for this agent, if that follows from its index alone."""
-    match test:
-        case ir.Named():
-            return _decide(test.value, agent)
-        case ir.Logic():
-            parts = [_decide(a, agent) for a in test.args]
-            ends = test.fn == "or"  # what one part being so decides
-            return ends if ends in parts else None if None in parts else not ends
-        case ir.Not():
-            inner = _decide(test.value, agent)
-            return None if inner is None else not inner
-        case ir.Compare():
-            left, right = _number(test.left, agent), _number(test.right, agent)
-            return (
-                None
-                if left is None or right is None
-                else compares(test.fn, left, right, is_exact(test))
-            )
-        case ir.Truth():
-            return test.value
-        case _:
-            return None
 
-
-def _number(e: ir.Expr, agent: Body) -> float | None:
-    match e:
-        case ir.Number():
-            return e.value
-        case ir.Attribute(name="index") if _is_of(e.owner, agent):
+    def index(e: ir.Expr) -> int:
+        if isinstance(e, ir.Attribute) and e.name == "index" and _is_of(e.owner, agent):
             return agent.number
-        case ir.Arithmetic() if e.type.kind == "int":
-            row, values = CALCULATIONS[e.fn], [_number(a, agent) for a in e.args]
-            if None in values or (row.divisor is not None and not values[row.divisor]):
-                return None
-            return row.fold(*values)
-        case _:
-            return None
+        raise UnknownValue
+
+    return decided(test, Evaluation(index, computes_reals=False))
 
 
 def _without_room(

@@ -1,13 +1,13 @@
 """Decides conditions as they are when an episode begins: on declared values and on the map, for given agents and cells."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.equivalence import is_exact
-from sjdsl.compiler.ir.evaluate_constant import compares
-from sjdsl.compiler.ir.operations import CALCULATIONS
+from sjdsl.compiler.ir.fold import UnknownValue
 from sjdsl.compiler.ir.queries import glyphs_of, movers_named, starts_of
+from sjdsl.compiler.ir.values import Evaluation, decided
 
 
 class Place(NamedTuple):
@@ -16,10 +16,6 @@ class Place(NamedTuple):
     row: int
     col: int
     glyph: str
-
-
-class NotKnown(Exception):
-    """Something that is not known before the game is played."""
 
 
 def places(game: ir.Game, kinds: tuple[str, ...]) -> list[Place]:
@@ -35,10 +31,7 @@ def places(game: ir.Game, kinds: tuple[str, ...]) -> list[Place]:
 
 def holds_at_start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> bool | None:
     """Returns whether a condition holds in `phase start`; None if that is not known. `names`: the number of an agent or mover, or a cell."""
-    try:
-        return bool(_value(e, names, game))
-    except NotKnown:
-        return None
+    return decided(e, Evaluation(partial(_start, names=names, game=game), computes_reals=False))
 
 
 def reads_only_fields(e: ir.Expr, cell: str) -> bool:
@@ -56,73 +49,48 @@ def reads_only_fields(e: ir.Expr, cell: str) -> bool:
     return len(named[0]) == len(named[1])
 
 
-def _value(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
-    """Returns what an expression is worth. Raises NotKnown."""
-
-    def value(part: ir.Expr) -> Any:
-        return _value(part, names, game)
-
-    who = (
-        names.get(e.owner.name)
-        if isinstance(e, ir.FieldRead | ir.Attribute) and isinstance(e.owner, ir.Member)
-        else None
-    )
+def _start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
+    """Returns what is read when the episode begins. Raises UnknownValue."""
     match e:
-        case ir.Number() | ir.Word() | ir.Truth():
-            return e.value
-        case ir.Nobody():
-            return None
         case ir.Step():
             return 0
         case ir.Unoccupied():
             return True
-        case ir.Member() if e.name in names:
-            return names[e.name]
-        case ir.FieldRead() if isinstance(who, Place):
-            return starts_of(game, next(g for g in game.glyphs if g.glyph == who.glyph))[e.name]
-        case ir.FieldRead() if e.owner is None or who is not None:
-            of_agents = (
-                movers_named(game, e.held_by.name).fields
-                if e.held_by.what == "mover"
-                else game.agents.fields
-            )
-            return next(
-                f.start for f in (game.fields if e.owner is None else of_agents) if f.name == e.name
-            )
-        case ir.Attribute(name="row" | "col") if isinstance(who, Place):
-            return who.row if e.name == "row" else who.col
-        case ir.Attribute(name="index") if isinstance(who, int):
-            return who
-        case ir.At(key=ir.Word()):  # every entry of a row begins with the same value
-            return value(e.row)
-        case ir.Named() | ir.Narrowed():
-            return value(e.value)
-        case ir.Arithmetic() if all(
-            part.type.kind == "int" for part in (e, *e.args)
-        ):  # reals are rounded in play
-            row, values = CALCULATIONS[e.fn], [value(a) for a in e.args]
-            if row.divisor is not None and not values[row.divisor]:
-                raise NotKnown
-            return row.fold(*values)
-        case ir.Not():
-            return not value(e.value)
-        case ir.Logic():
-            found = [holds_at_start(a, names, game) for a in e.args]
-            if (e.fn == "or") in found:
-                return e.fn == "or"
-            if None in found:
-                raise NotKnown
-            return e.fn == "and"
-        case ir.Same():
-            return bool(value(e.left) == value(e.right))
-        case ir.Compare():
-            return compares(e.fn, value(e.left), value(e.right), is_exact(e))
-        case ir.InRange():
-            low, number, high = (value(part) for part in (e.low, e.value, e.high))
-            return compares("<=", low, number, is_exact(e)) and compares(
-                "<=", number, high, is_exact(e)
-            )
-        case ir.InWords():
-            return value(e.value) in e.words
+        case ir.Member(name=name) if name in names:
+            return names[name]
+        case ir.FieldRead(owner=None):
+            return _in_row(_declared(game.fields, e.name), e.type)
+        case ir.FieldRead(owner=ir.Member(name=name)) if name in names:
+            return _in_row(_field_of(e, names[name], game), e.type)
+        case ir.Attribute(owner=ir.Member(name=name)) if name in names:
+            return _attribute(e.name, names[name])
         case _:
-            raise NotKnown
+            raise UnknownValue
+
+
+def _field_of(e: ir.FieldRead, owner: Place | int, game: ir.Game) -> Any:
+    if isinstance(owner, Place):
+        meaning = next(glyph for glyph in game.glyphs if glyph.glyph == owner.glyph)
+        return starts_of(game, meaning)[e.name]
+    if e.held_by.what == "mover":
+        return _declared(movers_named(game, e.held_by.name).fields, e.name)
+    return _declared(game.agents.fields, e.name)
+
+
+def _declared(fields: tuple[ir.VarField, ...], name: str) -> Any:
+    return next(field.start for field in fields if field.name == name)
+
+
+def _in_row(start: Any, type_: ir.Type) -> Any:
+    """Returns what a variable begins with: of a row, all entries begin with the same value."""
+    for level in reversed(type_.by):
+        start = (start,) * len(level)
+    return start
+
+
+def _attribute(name: str, owner: Place | int) -> int:
+    if isinstance(owner, Place) and name in ("row", "col"):
+        return owner.row if name == "row" else owner.col
+    if isinstance(owner, int) and name == "index":
+        return owner
+    raise UnknownValue

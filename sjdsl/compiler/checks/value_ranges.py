@@ -4,19 +4,20 @@ The interval in a type holds for all parameters that a file admits; one without 
 ends with the episode, a timer is at most what it is set to, and guards count. A whole number is looked at wherever its value is used.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_INTEGER
 from sjdsl.compiler.ir.equivalence import Form, Memo, form
+from sjdsl.compiler.ir.fold import BOUNDS, Analysis, UnknownValue, fold
 from sjdsl.compiler.ir.implications import conjuncts, limits_of
-from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS, REDUCTIONS
+from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.queries import most_members
 from sjdsl.compiler.ir.types import times
+from sjdsl.compiler.ir.values import Evaluation
 
 LOWEST, HIGHEST = -MAX_INTEGER - 1, MAX_INTEGER
 Interval = tuple[float, float]
@@ -43,9 +44,15 @@ class Played:
     forms: Memo = field(default_factory=dict)
 
 
-class Here(Record, eq=False):
-    """One place of the rules. known: what the guards around leave to expressions."""
+@dataclass(frozen=True, eq=False)
+class Here(Analysis[Interval]):
+    """Folds numbers, and rows of numbers, to their intervals at one place of the rules.
 
+    What leaves int32 is added to `played.leaving`. locals: the intervals of variables. known: what
+    the guards around leave to expressions.
+    """
+
+    rules = BOUNDS
     played: Played
     locals: Mapping[str, Interval] = field(default_factory=dict)
     known: Mapping[Form, Interval] = field(default_factory=dict)
@@ -69,6 +76,90 @@ class Here(Record, eq=False):
         return replace(
             self, known={**self.known, subject: (max(low, limits[0]), min(high, limits[1]))}
         )
+
+    def inside(self, domain: ir.Domain) -> "Here":
+        """Goes through a domain, and returns the place where its variables are members of it."""
+        if domain.restriction is not None:
+            visit_children(domain.restriction, self)
+        if domain.where is None:
+            return self
+        visit(domain.where, self)
+        return self.knowing(domain.where)
+
+    def in_arm(self, e: ir.Case, arm: ir.Arm) -> "Here":
+        if e.subject.type.kind == "condition":
+            return self.knowing(e.subject, arm.words == ("yes",))
+        if e.subject.type.kind == "int":
+            low = -inf if arm.low is None else arm.low
+            high = inf if arm.high is None else arm.high
+            return self.bounded(e.subject, (low, high))
+        return self
+
+    def before(self) -> "Here":
+        return replace(self, known={})  # what is known is known of the state after the step
+
+    def leaf(self, e: ir.Expr) -> Interval:
+        match e:
+            case ir.Number():
+                return e.value, e.value
+            case ir.ParamRef() if _is_of_numbers(e):
+                return _ends(self.played.params[e.name])
+            case ir.FieldRead():
+                visit_children(e, self)
+                return e.type.low, self.played.timers.get((e.held_by.what, e.name), inf)
+            case ir.Local():
+                return self.locals.get(e.name, (-inf, inf))
+            case ir.Step():
+                return 0, self.played.steps
+            case ir.EventTotal():
+                return 0, self.played.totals.get(e.name, 0)
+            case ir.Logic():
+                here = self
+                for part in e.args:
+                    visit(part, here)
+                    here = here.knowing(part, e.fn == "and")
+            case _:
+                visit_children(e, self)
+        return e.type.low, e.type.high
+
+    def refined(self, e: ir.Expr, result: Interval) -> Interval:
+        known = (-inf, inf)
+        if self.known:
+            known = self.known.get(form(e, memo=self.played.forms), known)
+        low = max(result[0], e.type.low, known[0])
+        high = min(result[1], e.type.high, known[1])
+        if e.type.kind == "int" and low <= high and leaves_int32((low, high)):
+            self.played.leaving.append(Leaving(e, (low, high), self))
+            return 0, 0  # reported once: what is computed from it is not at fault
+        return low, high
+
+    def calculated(self, e: ir.Arithmetic, parts: list[Interval]) -> Interval:
+        return CALCULATIONS[e.fn].interval(*parts)
+
+    def either(self, _e: ir.Expr, parts: list[Interval]) -> Interval:
+        return _hull(parts)
+
+    def entry(self, e: ir.At, row: Interval) -> Interval:
+        visit(e.key, self)
+        if not _is_of_numbers(e):
+            return row
+        try:
+            return _ends(fold(e, Evaluation(self._parameter, computes_reals=False)))
+        except UnknownValue:
+            return row
+
+    def _parameter(self, e: ir.Expr) -> Any:
+        if not isinstance(e, ir.ParamRef):
+            raise UnknownValue
+        return self.played.params[e.name]
+
+    def total(self, part: Interval, least: int, most: float) -> Interval:
+        low = min(times(part[0], least), times(part[0], most))
+        high = max(times(part[1], least), times(part[1], most))
+        return low, high
+
+    def most(self, e: ir.Sum) -> float:
+        return most_members(e.domain, self.played.game)
 
 
 class Leaving(NamedTuple):
@@ -100,15 +191,7 @@ def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, i
 
 def interval_of(e: ir.Expr, here: Here) -> Interval:
     """Returns the interval of a number, of a row that of all its entries; what leaves int32 in it is added to what was found."""
-    low, high = _VALUES.get(type(e), _by_type)(e, here)
-    guarded = (
-        here.known.get(form(e, memo=here.played.forms), (-inf, inf)) if here.known else (-inf, inf)
-    )
-    low, high = max(low, e.type.low, guarded[0]), min(high, e.type.high, guarded[1])
-    if e.type.kind == "int" and low <= high and leaves_int32((low, high)):
-        here.played.leaving.append(Leaving(e, (low, high), here))
-        return 0, 0  # reported once: what is computed from it is not at fault
-    return low, high
+    return fold(e, here)
 
 
 def leaves_int32(interval: Interval) -> bool:
@@ -118,19 +201,12 @@ def leaves_int32(interval: Interval) -> bool:
 
 def visit(node: ir.Node, here: Here) -> None:
     """Goes through a part of the rules that isn't a statement."""
-    match node:
-        case ir.Logic():
-            for part in node.args:
-                visit(part, here)
-                here = here.knowing(part, node.fn == "and")
-        case ir.Case() if node.type.kind not in ("int", "real"):
-            _arms(node, here)
-        case ir.Domain():
-            inside(node, here)
-        case _ if ir.is_expression(node) and node.type.kind in ("int", "real"):
-            interval_of(node, here)
-        case _:
-            visit_children(node, here)
+    if isinstance(node, ir.Domain):
+        here.inside(node)
+    elif ir.is_expression(node):
+        fold(node, here)
+    else:
+        visit_children(node, here)
 
 
 def visit_children(node: ir.Node, here: Here) -> None:
@@ -139,42 +215,8 @@ def visit_children(node: ir.Node, here: Here) -> None:
         visit(child, here)
 
 
-def inside(domain: ir.Domain, here: Here) -> Here:
-    """Goes through a domain, and returns the place where its variables are members of it."""
-    if domain.restriction is not None:
-        visit_children(domain.restriction, here)
-    if domain.where is None:
-        return here
-    visit(domain.where, here)
-    return here.knowing(domain.where)
-
-
-def _by_type(e: ir.Expr, here: Here) -> Interval:
-    visit_children(e, here)
-    return e.type.low, e.type.high
-
-
-def _field(e: ir.FieldRead, here: Here) -> Interval:
-    visit_children(e, here)
-    return e.type.low, here.played.timers.get((e.held_by.what, e.name), inf)
-
-
-def _entry(e: ir.At, here: Here) -> Interval:
-    visit(e.key, here)
-    value = _known_entry(e, here.played.params)
-    return interval_of(e.row, here) if value is None else _ends(value)
-
-
-def _known_entry(e: ir.Expr, params: Mapping[str, Any]) -> Any:
-    """Returns the value of a parameter, or of its entry under written keys; None where a key is computed."""
-    match e:
-        case ir.ParamRef():
-            return params[e.name]
-        case ir.At(row=row, key=ir.Word() | ir.Number() as key):
-            table = _known_entry(row, params)
-            return None if table is None else table[row.type.by[0].place_of(key.value)]  # type: ignore[arg-type]
-        case _:
-            return None
+def _is_of_numbers(e: ir.Expr) -> bool:
+    return e.type.kind in ("int", "real")
 
 
 def _ends(value: Any) -> Interval:
@@ -184,63 +226,3 @@ def _ends(value: Any) -> Interval:
 def _hull(intervals: Iterable[Interval]) -> Interval:
     lows, highs = zip(*intervals, strict=True)
     return min(lows), max(highs)
-
-
-def _sum(e: ir.Sum, here: Here) -> Interval:
-    low, high = interval_of(e.value, inside(e.domain, here))
-    number = most_members(e.domain, here.played.game)
-    return times(min(low, 0), number), times(max(high, 0), number)
-
-
-def _of_row(e: ir.SumRow, here: Here) -> Interval:
-    low, high = interval_of(e.row, here)
-    number = len(e.row.type.by[0]) if REDUCTIONS[e.fn].adds else 1
-    return times(low, number), times(high, number)
-
-
-def _extreme(e: ir.Extreme, here: Here) -> Interval:
-    values = [interval_of(e.value, inside(e.domain, here))]
-    return _hull(values if e.otherwise is None else [*values, interval_of(e.otherwise, here)])
-
-
-def _arms(e: ir.Case, here: Here) -> list[Interval]:
-    visit(e.subject, here)
-    found = []
-    for arm in e.arms:
-        inner = here
-        if e.subject.type.kind == "condition":
-            inner = here.knowing(e.subject, arm.words == ("yes",))
-        elif e.subject.type.kind == "int":
-            inner = here.bounded(
-                e.subject,
-                (-inf if arm.low is None else arm.low, inf if arm.high is None else arm.high),
-            )
-        if e.type.kind in ("int", "real"):
-            found.append(interval_of(arm.value, inner))
-        else:
-            visit(arm.value, inner)
-    return found
-
-
-# Of each class of number its interval; of all others the one in their type.
-_VALUES: dict[type[ir.Node], Callable[[Any, Here], Interval]] = {
-    ir.Number: lambda e, _: (e.value, e.value),
-    ir.ParamRef: lambda e, here: _ends(here.played.params[e.name]),
-    ir.Local: lambda e, here: here.locals.get(e.name, (-inf, inf)),
-    ir.FieldRead: _field,
-    ir.At: _entry,
-    ir.Step: lambda _, here: (0, here.played.steps),
-    ir.EventTotal: lambda e, here: (0, here.played.totals.get(e.name, 0)),
-    ir.Arithmetic: lambda e, here: CALCULATIONS[e.fn].interval(
-        *[interval_of(a, here) for a in e.args]
-    ),
-    ir.Sum: _sum,
-    ir.SumRow: _of_row,
-    ir.ShiftRow: lambda e, here: _hull([interval_of(e.row, here), interval_of(e.filler, here)]),
-    ir.Extreme: _extreme,
-    ir.Case: lambda e, here: _hull(_arms(e, here)),
-    ir.Named: lambda e, here: interval_of(e.value, here),
-    ir.Before: lambda e, here: interval_of(
-        e.value, replace(here, known={})
-    ),  # what is known is known of the state after the step
-}

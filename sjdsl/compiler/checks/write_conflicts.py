@@ -25,6 +25,7 @@ from sjdsl.compiler.ir.queries import (
     declared_field,
     phases_of,
     written_field,
+    written_keys,
 )
 from sjdsl.compiler.ir.types import integer
 
@@ -301,37 +302,29 @@ def _names(e: ir.Node, around: Around) -> frozenset[str]:
 
 
 def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
-    target, entries, keys = s.target, list[str | None](), list[ir.Member | None]()
+    field = written_field(s.target)
+    keys = written_keys(s.target)
+    entries = [str(key.value) if isinstance(key, ir.Word | ir.Number) else None for key in keys]
     depends = _names(s.value, around)
-    while isinstance(target, ir.At):
-        entries.insert(
-            0, str(target.key.value) if isinstance(target.key, ir.Word | ir.Number) else None
-        )
-        keys.insert(0, target.key if isinstance(target.key, ir.Member) else None)
-        depends |= frozenset() if isinstance(target.key, ir.Member) else _names(target.key, around)
-        target = target.row
-    assert isinstance(target, ir.FieldRead)
+    for key in keys:
+        if not isinstance(key, ir.Member):
+            depends |= _names(key, around)
     sort: Literal["set", "add"] = "set" if isinstance(s, ir.Set) else "add"
-    written, kinds, owner = (
-        Target(target.held_by.what, target.name, tuple(entries)),
-        target.held_by.names,
-        target.owner,
-    )
     quantifiers = tuple(
         replace(q, single=q.single or _is_of_one_agent(q, around.facts)) for q in around.quantifiers
     )
     return Write(
         sort,
-        written,
-        kinds,
-        owner,
+        Target(field.held_by.what, field.name, tuple(entries)),
+        field.held_by.names,
+        field.owner,
         form(s.value),
         depends,
         s,
         quantifiers,
         around.branches,
         around.facts,
-        tuple(keys),
+        tuple(key if isinstance(key, ir.Member) else None for key in keys),
     )
 
 

@@ -171,8 +171,7 @@ def _episode(game: Composition, scope: Scope) -> ir.Expr:
     if game.episode is None:
         raise scope.fail(errors.MissingPart(game.span, part="episode", example="`episode 1000`"))
     steps = scope.number(game.episode.steps, ("steps",), "a number of steps")
-    changing = ir.Step | ir.FieldRead | ir.Count | ir.Sum | ir.Extreme
-    if any(isinstance(node, changing) for node in ir.walk(steps)):
+    if any(isinstance(node, ir.Step | ir.FieldRead | ir.Aggregate) for node in ir.walk(steps)):
         help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
         span = game.episode.steps.span
         raise scope.fail(errors.NotFixed(span, quantity="the length of an episode", help=help_))

@@ -481,17 +481,10 @@ def _is_out_of_sight(node: ir.Node) -> bool:
 
     Such are places, other agents, and what is done in the step.
     """
+    if isinstance(node, ir.Aggregate):
+        return True
     match node:
-        case (
-            ir.Count()
-            | ir.Sum()
-            | ir.Extreme()
-            | ir.StandsOn()
-            | ir.StandsAt()
-            | ir.Chose()
-            | ir.ChoseWith()
-            | ir.Distance()
-        ):
+        case ir.StandsOn() | ir.StandsAt() | ir.Chose() | ir.ChoseWith() | ir.Distance():
             return True
         case ir.Attribute(name="row" | "col"):
             return True

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import chain
+from typing import Any
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -16,11 +17,12 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.lookup import use_define
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
-from sjdsl.compiler.ir.evaluate_constant import holds
+from sjdsl.compiler.ir.fold import UnknownValue
 from sjdsl.compiler.ir.printer import domain as domain_text
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe, integer, is_number
+from sjdsl.compiler.ir.values import TOLERANCE, Evaluation, decided, holds
 
 REQUIRES = (
     "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; "
@@ -28,7 +30,7 @@ REQUIRES = (
 )
 
 
-CHANGING = ir.FieldRead | ir.Count | ir.Sum | ir.Extreme | ir.EventTotal | ir.Step | ir.Member
+CHANGING = ir.FieldRead | ir.Aggregate | ir.EventTotal | ir.Step | ir.Member
 
 
 def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
@@ -89,52 +91,37 @@ def _members_at_start(d: ir.Domain, static: Static) -> int | None:
         if d.var.sort.what == "agent":
             return static.num_agents
         return static.movers[d.var.sort.name].number
-    if d.where is not None and not _is_about_fields(d.where, d.var):
-        return None
     if not static.rows:
         raise Poisoned
-    members = {
-        meaning.glyph
-        for _, meaning in static.glyphs
-        if meaning.kind in d.var.kinds and _holds_at_start(d.where, meaning, static)
-    }
-    return sum(glyph in members for row in static.rows for glyph in row)
+    members = 0
+    for _, meaning in static.glyphs:
+        if meaning.kind in d.var.kinds:
+            is_member = d.where is None or _holds_at_start(d.where, d.var, meaning, static)
+            if is_member is None:
+                return None
+            if is_member:
+                members += sum(row.count(meaning.glyph) for row in static.rows)
+    return members
 
 
-def _holds_at_start(test: ir.Expr | None, meaning: ir.GlyphMeaning, static: Static) -> bool:
-    """Returns whether a condition on its fields holds for a cell of a glyph, at the start."""
+def _holds_at_start(
+    test: ir.Expr, cell: ir.Member, meaning: ir.GlyphMeaning, static: Static
+) -> bool | None:
+    """Returns whether a condition holds for the cells of a character at the start.
+
+    None: the fields of these cells don't decide it.
+    """
     starts = {name: field.start for name, field in static.kinds[meaning.kind].items()}
     starts |= dict(meaning.starts)
 
-    def at_start(node: ir.Node) -> ir.Node:
-        if not isinstance(node, ir.FieldRead):
-            return node
-        value = starts[node.name]
-        if value is None:
-            return ir.Nobody()
-        if isinstance(value, str):
-            return ir.Word(type=node.type, value=value)
-        return ir.Number(type=node.type, value=value)
+    def start(e: ir.Expr) -> Any:
+        match e:
+            case ir.FieldRead(owner=ir.Member(name=cell.name)) if not e.type.by:
+                return starts[e.name]
+            case _:
+                raise UnknownValue
 
-    return test is None or holds(rewrite(test, at_start), {})
-
-
-def _is_about_fields(test: ir.Expr, cell: ir.Member) -> bool:
-    """Returns whether a condition compares the cell's fields with words and numbers, no more."""
-    values = ir.Number | ir.Truth | ir.Word | ir.Nobody | ir.Named | ir.Arithmetic | ir.FieldRead
-    tests = ir.Compare | ir.InRange | ir.InWords | ir.Same | ir.Not | ir.Logic
-    reads = 0
-    members = 0
-    for node in ir.walk(test):
-        if not isinstance(node, values | tests | ir.Member):
-            return False
-        members += isinstance(node, ir.Member)
-        if isinstance(node, ir.FieldRead):
-            reads += 1
-            is_own = isinstance(node.owner, ir.Member) and node.owner.name == cell.name
-            if not is_own or node.type.by:
-                return False
-    return members == reads
+    return decided(test, Evaluation(start, tolerance=TOLERANCE))
 
 
 def check_requires(game: Composition, scope: Scope) -> None:

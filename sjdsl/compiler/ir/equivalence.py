@@ -8,23 +8,19 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+from sjdsl.compiler.diagnostics.tree import children
 from sjdsl.compiler.ir.expressions import (
-    Arithmetic,
-    Case,
-    Compare,
     Count,
     Domain,
-    Expr,
     Extreme,
     FieldRead,
-    InRange,
     Local,
     Member,
     Named,
     Narrowed,
     Number,
-    ShiftRow,
     Sum,
+    is_expression,
 )
 from sjdsl.compiler.ir.node import Node
 
@@ -82,16 +78,8 @@ def _form(e: Node, names: Names, memo: Memo | None) -> Form:
 
 def is_exact(e: Node) -> bool:
     """Returns whether no real is computed, and none is compared: a whole number beside a real is rounded to float32."""
-    match e:
-        case Compare():
-            numbers: tuple[Expr, ...] = (e.left, e.right)
-        case InRange():
-            numbers = (e.low, e.value, e.high)
-        case Arithmetic() | Case() | ShiftRow():
-            numbers = (e,)
-        case _:
-            return True
-    return all(number.type.kind != "real" for number in numbers)
+    parts = (e, *children(e))
+    return all(part.type.kind != "real" for part in parts if is_expression(part))
 
 
 def _form_of_part(value: object, names: Names, memo: Memo | None) -> object:

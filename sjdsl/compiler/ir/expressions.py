@@ -295,6 +295,9 @@ class Extreme(Expression):
     otherwise: Expr | None = None
 
 
+Aggregate: TypeAlias = Count | Sum | Extreme  # of the members of a domain
+
+
 class Arm(Node):
     """Numbers `low` .. `high` (ends included, None: open), or `words` (`yes`, `no` for a condition)."""
 

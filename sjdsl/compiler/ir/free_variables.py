@@ -28,7 +28,7 @@ def variables_around(domain: ir.Domain) -> list[Variable]:
 
 
 def _free(node: ir.Node, bound: frozenset[str]) -> Iterator[Variable]:
-    if isinstance(node, ir.Count | ir.Sum | ir.Extreme):
+    if isinstance(node, ir.Aggregate):
         domain, value, otherwise = (
             node.domain,
             getattr(node, "value", None),

@@ -1,19 +1,20 @@
 """What guards imply: conditions split into facts, and the intervals and words that these leave to an expression."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil, floor, inf, isinf
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.equivalence import NONE, Form, Memo, Names, form, is_exact
-from sjdsl.compiler.ir.evaluate_constant import TOLERANCE
+from sjdsl.compiler.ir.fold import BOUNDS, Analysis, fold
 from sjdsl.compiler.ir.linear import Linear, linear, narrowed_sum, not_negative
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.range_arithmetic import ends
 from sjdsl.compiler.ir.ranges import are_numbers, range_of
+from sjdsl.compiler.ir.values import TOLERANCE
 
 STEP = 2.0**-23  # from a float32 to the next one, relative; at most
 LOOSE = (
@@ -334,28 +335,40 @@ def _claimed(subject: Form, known: Iterable[Fact]) -> Interval:
     return low, high
 
 
-def narrowed(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
+@dataclass(frozen=True)
+class Narrowing(Analysis[Interval]):
+    """Folds numbers to the intervals that facts about them, their parts or sums of these leave.
+
+    Of a number that isn't calculated from others, its type says all else that is known.
+    forms, sums: of the parts of an expression, each computed once.
+    """
+
+    rules: ClassVar = {kind: BOUNDS[kind] for kind in (ir.Named, ir.Arithmetic)}
+    known: Sequence[Fact]
+    forms: Memo = field(default_factory=dict)
+    sums: dict[int, Linear] = field(default_factory=dict)
+
+    def leaf(self, e: ir.Expr) -> Interval:
+        return e.type.low, e.type.high
+
+    def calculated(self, e: ir.Arithmetic, parts: list[Interval]) -> Interval:
+        if e.type.by:
+            return e.type.low, e.type.high
+        low, high = CALCULATIONS[e.fn].interval(*parts)
+        return max(e.type.low, low), min(e.type.high, high)
+
+    def refined(self, e: ir.Expr, result: Interval) -> Interval:
+        claimed = _claimed(form(e, memo=self.forms), self.known)
+        low = max(result[0], claimed[0])
+        high = min(result[1], claimed[1])
+        if not isinstance(e, ir.Arithmetic) or e.type.by or not CALCULATIONS[e.fn].factors:
+            return low, high
+        # what a fact says of a sum of whole numbers holds of it if they are not rounded
+        usable = (fact for fact in self.known if e.type.kind == "real" or fact.is_exact)
+        sums = (sum_ for fact in usable for sum_ in fact.not_negative)
+        return narrowed_sum(linear(e, self.sums), (low, high), sums)
+
+
+def narrowed(e: ir.Expr, known: Sequence[Fact]) -> Interval:
     """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
-    return _narrowed(e, known, {}, {}) if known else (e.type.low, e.type.high)
-
-
-def _narrowed(
-    e: ir.Expr, known: Sequence[Fact], forms: Memo, sums: dict[int, Linear]
-) -> tuple[float, float]:
-    """`forms`, `sums`: of the parts of an expression, by their `id`, each computed once."""
-    low, high = e.type.low, e.type.high
-    if isinstance(e, ir.Arithmetic) and not e.type.by:
-        by_parts = CALCULATIONS[e.fn].interval(*(_narrowed(a, known, forms, sums) for a in e.args))
-        low, high = max(low, by_parts[0]), min(high, by_parts[1])
-    elif isinstance(e, ir.Named):
-        low, high = _narrowed(e.value, known, forms, sums)
-    claimed = _claimed(form(e, memo=forms), known)
-    low, high = max(low, claimed[0]), min(high, claimed[1])
-    if isinstance(e, ir.Arithmetic) and CALCULATIONS[e.fn].factors and not e.type.by:
-        usable = (
-            f for f in known if e.type.kind == "real" or f.is_exact
-        )  # others round what they compare
-        return narrowed_sum(
-            linear(e, sums), (low, high), (sum_ for f in usable for sum_ in f.not_negative)
-        )
-    return low, high
+    return fold(e, Narrowing(known)) if known else (e.type.low, e.type.high)

@@ -56,6 +56,14 @@ def is_quantified(e: Node) -> bool:
     )
 
 
+def is_number_of_cells(e: Node) -> bool:
+    """Returns whether an expression counts all cells of some kinds: the map decides it."""
+    if not isinstance(e, Count):
+        return False
+    domain = e.domain
+    return domain.var.sort.what == "cell" and domain.restriction is None and domain.where is None
+
+
 def title_of(game: Game) -> str:
     """Returns the title of a game, with the variants of it that were chosen."""
     title = game.title or game.name
@@ -91,6 +99,11 @@ def written_field(target: Expr) -> FieldRead:
         target = target.row
     assert isinstance(target, FieldRead), target
     return target
+
+
+def written_keys(target: Expr) -> tuple[Expr, ...]:
+    """Returns the keys of the entry that a `set` or `add` writes, outermost level first."""
+    return (*written_keys(target.row), target.key) if isinstance(target, At) else ()
 
 
 ATTRIBUTES = (

@@ -1,13 +1,14 @@
 """The range of every number of a game, whatever the state and the parameters are: the rules are followed down to what is given."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
-from functools import reduce
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from math import inf, isnan
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.limits import MAX_VALUE
-from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS, Calculation
+from sjdsl.compiler.ir.fold import BOUNDS, Analysis, fold
+from sjdsl.compiler.ir.operations import CALCULATIONS, Calculation
+from sjdsl.compiler.ir.queries import is_number_of_cells
 from sjdsl.compiler.ir.range_arithmetic import (
     FLOAT32,
     Range,
@@ -25,84 +26,122 @@ from sjdsl.compiler.ir.range_arithmetic import (
 from sjdsl.compiler.ir.types import without_zero
 
 Limits = Callable[[ir.Expr], tuple[float, float]]
-_GIVEN = (
-    ir.ParamRef,
-    ir.FieldRead,
-    ir.Attribute,
-    ir.Distance,
-    ir.Step,
-    ir.Count,
-    ir.Lowest,
-    ir.Local,
-    ir.ArgumentOf,
-)
 
 
 def no_limits(_: ir.Expr) -> tuple[float, float]:
     return -inf, inf
 
 
-def range_of(e: ir.Expr, limits: Limits = no_limits) -> Range:
-    """Returns what a number, or an entry of a row of numbers, can be. What is not known here can be anything.
+@dataclass(frozen=True)
+class FloatRanges(Analysis[Range]):
+    """Folds numbers to their ranges; what is not known can be anything.
 
-    limits: the interval that is known of a number from elsewhere, as from a guard; not where other variables are bound, or of another state.
+    limits: the interval that is known of a number from elsewhere, as from a guard; not used where
+    other variables are bound, or of another state.
     """
-    r, (low, high) = _range(e, limits), limits(e)
-    if low <= r.low and r.high <= high:
-        return r
-    limited = replace(r, low=max(low, r.low), high=min(high, r.high))
-    return replace(limited, terms=limited.largest) if r.given else limited
+
+    rules = BOUNDS
+    limits: Limits = no_limits
+
+    def leaf(self, e: ir.Expr) -> Range:
+        match e:
+            case ir.Number():
+                written = ir.Type(kind=e.type.kind, low=e.value, high=e.value)
+                return replace(given(written), literal=True)
+            case ir.ParamRef() if e.type.kind == "real":
+                low = max(e.type.low, -MAX_VALUE)
+                high = min(e.type.high, MAX_VALUE)
+                return given(ir.Type(kind="real", low=low, high=high))
+            case ir.FieldRead() | ir.Local() if e.type.kind == "real":
+                # added to or computed, so that it may have left float32
+                return replace(given(e.type), sound=False)
+            case _ if is_number_of_cells(e):
+                return given(e.type.model_copy(update={"low": e.type.high}))
+            case ir.EventTotal():
+                return anything(e.type.kind == "int")
+            case _ if e.type.kind in ("int", "real"):
+                return given(e.type)
+            case _:
+                return anything(False)
+
+    def refined(self, e: ir.Expr, result: Range) -> Range:
+        low, high = self.limits(e)
+        if low <= result.low and result.high <= high:
+            return result
+        limited = replace(result, low=max(low, result.low), high=min(high, result.high))
+        return replace(limited, terms=limited.largest) if result.given else limited
+
+    def inside(self, _domain: ir.Domain) -> "FloatRanges":
+        return FloatRanges()
+
+    def before(self) -> "FloatRanges":
+        return FloatRanges()
+
+    def calculated(self, e: ir.Arithmetic, parts: list[Range]) -> Range:
+        """Returns the range of a number that is calculated from others."""
+        row = CALCULATIONS[e.fn]
+        is_whole = e.type.kind == "int"
+        if row.range is not None:
+            return row.range(parts)
+        are_counts = all(isinstance(part, ir.Count) for part in e.args)
+        if row.share and e.type.unit == "fraction" and are_counts:  # of all, some
+            return Range(0.0, 1.0, terms=1.0, given=False)
+        parts = parts if is_whole else [real(p) for p in parts]
+        if row.divisor is not None:
+            parts[row.divisor] = divisor = _not_zero(parts[row.divisor], e.args[row.divisor].type)
+            if divisor.low <= 0 <= divisor.high:
+                return anything(is_whole)
+        low, high = row.interval(*((p.low, p.high) for p in parts))
+        if is_whole:
+            return whole(low, high, *parts) if all(p.sound for p in parts) else anything(True)
+        if row.rounding is not None:
+            return _of_reals(row, low, high, *parts)
+        exact = _exact(low, high, parts)
+        if row.factors:
+            return exact
+        return replace(exact, terms=min(exact.terms, exact.largest))  # no sum any more
+
+    def either(self, e: ir.Expr, parts: Sequence[Range]) -> Range:
+        """Returns the range of a number that is one of several, all made reals if one is."""
+        if e.type.kind != "int":
+            parts = [real(part) for part in parts]
+        low = min(part.low for part in parts)
+        high = max(part.high for part in parts)
+        return _exact(low, high, parts)
+
+    def entry(self, e: ir.At, row: Range) -> Range:
+        if e.key.type.kind != "mix":
+            return row
+        row = real(row)
+        return rounded(replace(row, sound=row.sound and is_finite(row)), len(e.key.type.words))
+
+    def total(self, r: Range, least: int, most: float) -> Range:
+        """Returns the range of a sum of so many numbers of a range, in any order."""
+        if most == inf:
+            return anything(r.whole)
+        sums = [number * end for number in (least, most) if number for end in (r.low, r.high)]
+        if not least:
+            sums.append(0.0)
+        low = min(sums)
+        high = max(sums)
+        if r.whole:
+            return whole(low, high, r)
+        one_sign = r.low >= 0 or r.high <= 0
+        sound = r.sound and (one_sign or most * r.largest <= FLOAT32)  # no infinity minus infinity
+        summed = Range(low, high, terms=most * r.terms, steady=r.steady and one_sign, sound=sound)
+        return rounded(summed, max(1.0, most))
+
+    def most(self, e: ir.Sum) -> float:
+        """Returns how many numbers are added at most, by the intervals in the types."""
+        one, all_ = (max(abs(t.low), abs(t.high)) for t in (e.value.type, e.type))
+        if one in (0, inf) and all_ != 0:
+            return inf
+        return all_ / one if one else 1.0
 
 
-def _range(e: ir.Expr, limits: Limits) -> Range:
-    match e:
-        case ir.Number():
-            return replace(
-                given(ir.Type(kind=e.type.kind, low=e.value, high=e.value)), literal=True
-            )
-        case ir.ParamRef() if e.type.kind == "real":
-            return given(
-                ir.Type(
-                    kind="real", low=max(e.type.low, -MAX_VALUE), high=min(e.type.high, MAX_VALUE)
-                )
-            )
-        case ir.FieldRead() | ir.Local() if (
-            e.type.kind == "real"
-        ):  # added to or computed, so that it may have left float32
-            return replace(given(e.type), sound=False)
-        case ir.Count(
-            domain=ir.Domain(var=ir.Member(sort=ir.Sort(what="cell")), restriction=None, where=None)
-        ):
-            return given(e.type.model_copy(update={"low": e.type.high}))
-        case ir.Named() | ir.Narrowed():
-            return range_of(e.value, limits)
-        case ir.Before():
-            return range_of(e.value)
-        case ir.At() if e.key.type.kind == "mix":
-            row = real(range_of(e.row, limits))
-            return rounded(replace(row, sound=row.sound and is_finite(row)), len(e.key.type.words))
-        case ir.At():
-            return range_of(e.row, limits)
-        case ir.Arithmetic():
-            return _calculated(e, limits)
-        case ir.SumRow() if REDUCTIONS[e.fn].adds:
-            return _sum(range_of(e.row, limits), len(e.row.type.by[0]), len(e.row.type.by[0]))
-        case ir.SumRow():
-            return range_of(e.row, limits)
-        case ir.Sum():
-            return _sum(range_of(e.value), 0, _most(e))
-        case ir.ShiftRow():
-            return _union((range_of(e.row, limits), range_of(e.filler, limits)), e.type)
-        case ir.Extreme():
-            return _union(
-                [range_of(part) for part in (e.value, e.otherwise) if part is not None], e.type
-            )
-        case ir.Case():
-            return _union([range_of(arm.value, limits) for arm in e.arms], e.type)
-        case _ if isinstance(e, _GIVEN):
-            return given(e.type)
-        case _:
-            return anything(e.type.kind == "int")
+def range_of(e: ir.Expr, limits: Limits = no_limits) -> Range:
+    """Returns what a number, or an entry of a row of numbers, can be; for `limits` see FloatRanges."""
+    return fold(e, FloatRanges(limits))
 
 
 def compared(*numbers: ir.Expr) -> list[Range]:
@@ -127,12 +166,6 @@ def apart(a: ir.Expr, b: ir.Expr, known: bool = False) -> bool:
     return disjoint(one, other) or (known and differ_as_reals(one, other))
 
 
-def _union(parts: Iterable[Range], type_: ir.Type) -> Range:
-    """Returns the range of a number that is one of several, all made reals if one is."""
-    parts = [part if type_.kind == "int" else real(part) for part in parts]
-    return reduce(lambda a, b: _exact(min(a.low, b.low), max(a.high, b.high), (a, b)), parts)
-
-
 def _exact(low: float, high: float, parts: Sequence[Range]) -> Range:
     """Returns the range of a number that is one of some, or the negative of one: nothing is rounded."""
     steady, given_, sound, literal = (
@@ -142,32 +175,6 @@ def _exact(low: float, high: float, parts: Sequence[Range]) -> Range:
     return Range(
         low, high, parts[0].whole, max(p.terms for p in parts), steady, given_, sound, literal
     )
-
-
-def _calculated(e: ir.Arithmetic, limits: Limits) -> Range:
-    """Returns the range of a number that is calculated from others."""
-    row, is_whole = CALCULATIONS[e.fn], e.type.kind == "int"
-    parts = [range_of(a, limits) for a in e.args]
-    if row.range is not None:
-        return row.range(parts)
-    if (
-        row.share and e.type.unit == "fraction" and all(isinstance(a, ir.Count) for a in e.args)
-    ):  # of all, some
-        return Range(0.0, 1.0, terms=1.0, given=False)
-    parts = parts if is_whole else [real(p) for p in parts]
-    if row.divisor is not None:
-        parts[row.divisor] = divisor = _not_zero(parts[row.divisor], e.args[row.divisor].type)
-        if divisor.low <= 0 <= divisor.high:
-            return anything(is_whole)
-    low, high = row.interval(*((p.low, p.high) for p in parts))
-    if is_whole:
-        return whole(low, high, *parts) if all(p.sound for p in parts) else anything(True)
-    if row.rounding is not None:
-        return _of_reals(row, low, high, *parts)
-    exact = _exact(low, high, parts)
-    return (
-        exact if row.factors else replace(exact, terms=min(exact.terms, exact.largest))
-    )  # no sum any more
 
 
 def _not_zero(divisor: Range, type_: ir.Type) -> Range:
@@ -199,23 +206,3 @@ def _of_reals(row: Calculation, low: float, high: float, a: Range, b: Range) -> 
         return rounded(r)
     low, high = ends(low, high)
     return replace(r, low=low, high=high, given=False)
-
-
-def _sum(r: Range, least: int, most: float) -> Range:
-    """Returns the range of a sum of so many numbers, in any order."""
-    if most == inf:
-        return anything(r.whole)
-    many = [n * end for n in (least, most) for end in (r.low, r.high) if n]
-    low, high = min([*many, 0.0] if not least else many), max([*many, 0.0] if not least else many)
-    if r.whole:
-        return whole(low, high, r)
-    one_sign = r.low >= 0 or r.high <= 0
-    sound = r.sound and (one_sign or most * r.largest <= FLOAT32)  # no infinity minus infinity
-    summed = Range(low, high, terms=most * r.terms, steady=r.steady and one_sign, sound=sound)
-    return rounded(summed, max(1.0, most))
-
-
-def _most(e: ir.Sum) -> float:
-    """Returns how many numbers are added at most, as the compiler has found for the interval of the sum."""
-    one, all_ = (max(abs(t.low), abs(t.high)) for t in (e.value.type, e.type))
-    return inf if one in (0, inf) and all_ != 0 else all_ / one if one else 1.0
