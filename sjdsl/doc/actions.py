@@ -20,27 +20,24 @@ COMPASS = RELATIVE | {
 
 
 def action_rows(game: ir.Game) -> list[tuple[str, str, str]]:
-    """Returns the numbers, the name and the meaning of every action; an action with arguments has one row."""
-    first = {action.first: action for action in game.agents.with_arguments}
-    inside = {number for action in game.agents.with_arguments for number in action.numbers}
-    found = []
-    for at, name in enumerate(game.agents.actions):
-        if at in first:
-            action, last = first[at], first[at].numbers[-1]
-            found.append(
-                (
-                    str(at) if last == at else f"{at} to {last}",
-                    code(declared(action)),
-                    _meaning(action.name, action.name, game),
-                )
-            )
-        elif at not in inside:
-            found.append((str(at), code(name), _meaning(name, at, game)))
-    return found
+    """Returns the number, name and meaning of every action; one with arguments has one row."""
+    by_first_number = {action.first: action for action in game.agents.with_arguments}
+    with_arguments = {number for action in game.agents.with_arguments for number in action.numbers}
+    rows = []
+    for index, name in enumerate(game.agents.actions):
+        if index in by_first_number:
+            action = by_first_number[index]
+            last = action.numbers[-1]
+            numbers = str(index) if last == index else f"{index} to {last}"
+            meaning = _meaning(action.name, action.name, game)
+            rows.append((numbers, code(declared(action)), meaning))
+        elif index not in with_arguments:
+            rows.append((str(index), code(name), _meaning(name, index, game)))
+    return rows
 
 
 def declared(action: ir.ActionWithArguments) -> str:
-    """Returns an action with its arguments as it is declared: `offer(apples : 0 .. 2, pears : 0 .. 2)`."""
+    """Returns an action as it is declared: `offer(apples : 0 .. 2, pears : 0 .. 2)`."""
     return f"{action.name}({', '.join(map(_argument, action.arguments))})"
 
 
@@ -56,19 +53,27 @@ def _argument(argument: ir.ActionArgument) -> str:
 
 
 def _meaning(name: str, action: int | str, game: ir.Game) -> str:
-    """Returns what an action does, by its number, or by its name if it takes arguments: the move it is, and the phases that ask for it."""
-    said = []
-    if name in RELATIVE and any(
-        isinstance(node, ir.Move) and node.course is None for node in ir.walk(game)
-    ):
-        said.append((RELATIVE if game.agents.relative else COMPASS)[name])
-    phases = (turn for turn in game.schedule if isinstance(turn, ir.Phase))
-    asks = (
-        p
-        for p in phases
-        if any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in ir.walk(p))
-    )
-    asking = dict.fromkeys(code(phase.label.partition("(")[0]) for phase in asks)
-    if asking:
-        said.append(f"what {joined(asking)} {'says' if len(asking) == 1 else 'say'}")
-    return "; ".join(said) or "nothing"
+    """Returns what an action does: the move that it is, and the phases that ask for it.
+
+    Args:
+      action: its number, or its name if it has arguments.
+    """
+    meanings = []
+    if name in RELATIVE and _has_built_in_moves(game):
+        meanings.append((RELATIVE if game.agents.relative else COMPASS)[name])
+    phases: dict[str, None] = {}
+    for phase in game.schedule:
+        if isinstance(phase, ir.Phase) and _asks_for(action, phase):
+            phases[code(phase.label.partition("(")[0])] = None
+    if phases:
+        meanings.append(f"what {joined(phases)} {'says' if len(phases) == 1 else 'say'}")
+    return "; ".join(meanings) or "nothing"
+
+
+def _has_built_in_moves(game: ir.Game) -> bool:
+    return any(isinstance(node, ir.Move) and node.course is None for node in ir.walk(game))
+
+
+def _asks_for(action: int | str, phase: ir.Phase) -> bool:
+    nodes = ir.walk(phase)
+    return any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in nodes)

@@ -1,8 +1,8 @@
-"""Differences between two games or variants: numbers as `old -> new`, and the declarations that differ, line by line."""
+"""Differences between two games or variants: numbers as `old -> new`, declarations by line."""
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from difflib import unified_diff
 from typing import Any
 
@@ -16,131 +16,143 @@ from sjdsl.doc.wording import number
 from sjdsl.doc.written import Written
 
 Declared = Mapping[str, tuple[Node | None, ...]]
-WORD = re.compile(r'"[^"]*"|\w+|[^\w\s]')
+TOKEN = re.compile(r'"[^"]*"|\w+|[^\w\s]')
 
 
 def differences(old: Written, new: Written) -> dict[str, list[str]]:
-    """Returns the parts of the rules in which two games differ, each with what it says; layout, comments and order don't count.
+    """Returns, for each part of the rules that differs, lines that tell how.
 
-    A number that differs is a line (`apple: 1 -> 2`). A declaration is its name, and below it the lines that are gone and new, with
-    their neighbours.
+    A value that differs is a line (`apple: 1 -> 2`). A declaration is its name, and below it the
+    lines that are gone and new, with their neighbours. Layout, comments and order don't count.
     """
-    found = {
+    parts = {
         "Description": _description(old.game, new.game),
         "Numbers": _numbers(old, new),
         "Map": _map(old.game, new.game),
     }
-    theirs = _declarations(new.composition)
+    new_declarations = _declarations(new.composition)
     for title, (block, declared) in _declarations(old.composition).items():
-        counted = (
-            by_name({"number of agents": w.game.agents.number} for w in (old, new))
-            if title == "Agents"
-            else []
-        )
-        found[title] = counted + _texts(
-            block, (old.composition, declared), (new.composition, theirs[title][1])
-        )
-    return {title: lines for title, lines in found.items() if lines}
+        _, new_declared = new_declarations[title]
+        parts[title] = _texts(block, (old.composition, declared), (new.composition, new_declared))
+    number_of_agents = _values(
+        {"number of agents": old.game.agents.number}, {"number of agents": new.game.agents.number}
+    )
+    parts["Agents"] = number_of_agents + parts["Agents"]
+    return {title: lines for title, lines in parts.items() if lines}
 
 
-def by_name(sides: Iterable[Mapping[str, Any]], unit: str = "") -> list[str]:
-    """Returns a line for each value that differs between an old and a new mapping, in the order of the old names, then the new ones."""
-    old, new = sides
-    behind = f" ({unit})" if unit else ""
-    found = []
-    for name in dict.fromkeys([*old, *new]):
-        before, after = (
-            number(value) if isinstance(value, int | float) else value
-            for value in (old.get(name), new.get(name))
-        )
+def _values(old: Mapping[str, Any], new: Mapping[str, Any], unit: str = "") -> list[str]:
+    """Returns a line for each value that differs; those with old names come first."""
+    unit_text = f" ({unit})" if unit else ""
+    lines = []
+    for name in old | new:
+        before = _value_text(old.get(name))
+        after = _value_text(new.get(name))
         if before is None and after is not None:
-            found.append(f"{name}: added, {after}{behind}")
+            lines.append(f"{name}: added, {after}{unit_text}")
         elif after is None and before is not None:
-            found.append(f"{name}: removed, was {before}{behind}")
+            lines.append(f"{name}: removed, was {before}{unit_text}")
         elif old.get(name) != new.get(name):
-            found.append(f"{name}: {before} -> {after}{behind}")
-    return found
+            lines.append(f"{name}: {before} -> {after}{unit_text}")
+    return lines
+
+
+def _value_text(value: Any) -> str | None:
+    return number(value) if isinstance(value, int | float) else value
 
 
 def _description(old: ir.Game, new: ir.Game) -> list[str]:
-    about = [{"name": g.name, "title": g.title, **dict(g.about)} for g in (old, new)]
-    cites = [{f"source {i}": text for i, text in enumerate(g.cites, 1)} for g in (old, new)]
-    return [*by_name(about), *by_name(cites)]
+    about, new_about = ({"name": g.name, "title": g.title, **dict(g.about)} for g in (old, new))
+    cites, new_cites = (
+        {f"source {i}": text for i, text in enumerate(g.cites, 1)} for g in (old, new)
+    )
+    return _values(about, new_about) + _values(cites, new_cites)
 
 
 def _numbers(old: Written, new: Written) -> list[str]:
-    """Returns numbers with another default, entry by entry; other units, limits, and whether they are fixed when compiled."""
-    mine, theirs = (_named(w.game) for w in (old, new))
-    found: list[str] = []
-    for name in mine | theirs:
-        sides = [(side.get(name), w) for side, w in ((mine, old), (theirs, new))]
-        both = [(declared, w) for declared, w in sides if declared is not None]
-        if len(both) == 2:
-            found += by_name(
-                (dict(_entries(name, n.value, n.type.by)) for n, _ in both), unit_of(both[1][0])
-            )
-            found += by_name(
-                {
-                    f"{name}, unit": unit_of(n),
-                    f"{name}, may be": limits_of(n, w),
-                    f"{name}, can be changed": "before compiling"
-                    if isinstance(n, ir.Size)
-                    else "at any time",
-                }
-                for n, w in both
-            )
+    """Returns sizes and params with other values, units or limits, and those in one game only."""
+    old_numbers = _sizes_and_params(old.game)
+    new_numbers = _sizes_and_params(new.game)
+    lines: list[str] = []
+    for name in old_numbers | new_numbers:
+        if name in old_numbers and name in new_numbers:
+            before, after = old_numbers[name], new_numbers[name]
+            old_entries = _entries(name, before.value, before.type.by)
+            new_entries = _entries(name, after.value, after.type.by)
+            lines += _values(old_entries, new_entries, unit_of(after))
+            lines += _values(_properties(before, old), _properties(after, new))
         else:
-            compared = [
+            old_constant, new_constant = (
                 (w.composition, {name: (w.composition.constants.get(name),)}) for w in (old, new)
-            ]
-            found += _texts("", *compared)
-    return found
+            )
+            lines += _texts("", old_constant, new_constant)
+    return lines
 
 
-def _named(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
+def _sizes_and_params(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
     return {size.name: size for size in game.sizes} | {param.name: param for param in game.params}
 
 
-def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> list[tuple[str, Any]]:
-    """Returns a number by its name, the entries of a table each by its own: `spores[red][green]`."""
+def _properties(constant: ir.Size | ir.Param, written: Written) -> dict[str, str]:
+    is_size = isinstance(constant, ir.Size)
+    return {
+        f"{constant.name}, unit": unit_of(constant),
+        f"{constant.name}, may be": limits_of(constant, written),
+        f"{constant.name}, can be changed": "before compiling" if is_size else "at any time",
+    }
+
+
+def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> dict[str, Any]:
+    """Returns the entries of a number by their names, such as `spores[red][green]`."""
     if not by:
-        return [(name, value)]
-    return [
-        pair
-        for key, v in zip(by[0].keys, value, strict=True)
-        for pair in _entries(f"{name}[{key}]", v, by[1:])
-    ]
+        return {name: value}
+    entries: dict[str, Any] = {}
+    for key, entry in zip(by[0].keys, value, strict=True):
+        entries |= _entries(f"{name}[{key}]", entry, by[1:])
+    return entries
 
 
 def _map(old: ir.Game, new: ir.Game) -> list[str]:
-    sizes = [f"{len(g.rows)} rows of {len(g.rows[0])} cells" for g in (old, new)]
-    cells = [_cells(g) for g in (old, new)]
-    found = by_name({"size": size} for size in sizes)
-    found += by_name({"edges": "joined" if g.wraps else "walls nobody passes"} for g in (old, new))
-    counts = [Counter(kind for row in rows for kind in row) for rows in cells]
-    found += by_name(
-        {f"cells of {what}": number for what, number in count.items()} for count in counts
-    )
-    if sizes[0] == sizes[1]:
-        same = sum(a == b for rows in zip(*cells, strict=True) for a, b in zip(*rows, strict=True))
-        found += by_name(
-            {"cells of the same kind and state": n} for n in (sum(map(len, cells[0])), same)
-        )
-    return found
+    old_cells, new_cells = _cells(old), _cells(new)
+    old_size, new_size = _map_size(old), _map_size(new)
+    lines = _values(old_size, new_size)
+    lines += _values(_cell_counts(old_cells), _cell_counts(new_cells))
+    if old_size["size"] == new_size["size"]:
+        pairs = [pair for rows in zip(old_cells, new_cells, strict=True) for pair in zip(*rows)]
+        num_same = sum(before == after for before, after in pairs)
+        label = "cells of the same kind and state"
+        lines += _values({label: len(pairs)}, {label: num_same})
+    return lines
+
+
+def _map_size(game: ir.Game) -> dict[str, str]:
+    return {
+        "size": f"{len(game.rows)} rows of {len(game.rows[0])} cells",
+        "edges": "joined" if game.wraps else "walls nobody passes",
+    }
+
+
+def _cell_counts(cells: list[list[str]]) -> dict[str, int]:
+    counts = Counter(cell for row in cells for cell in row)
+    return {f"cells of {cell}": count for cell, count in counts.items()}
 
 
 def _cells(game: ir.Game) -> list[list[str]]:
-    """Returns what stands in each cell of the map: its kind, with the state at the start."""
-    meaning = {
-        g.glyph: f"{g.kind} ({starts(g, game)})" if starts(g, game) else g.kind for g in game.glyphs
-    }
-    return [[meaning[glyph] for glyph in row] for row in game.rows]
+    """Returns the kind of each cell of the map, with its state at the start."""
+    meanings = {}
+    for glyph in game.glyphs:
+        state = starts(glyph, game)
+        meanings[glyph.glyph] = f"{glyph.kind} ({state})" if state else glyph.kind
+    return [[meanings[glyph] for glyph in row] for row in game.rows]
 
 
 def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
-    """Returns the parts of the rules: the block of the file that they stand in, "" for none, and its declarations by name."""
+    """Returns the declarations of each part of the rules by name.
+
+    Before them stands the block of the file that they belong to, "" for none.
+    """
     agents = {"acts": c.acts, "moves": c.moves} | c.agent_fields | c.forbids | c.agent_blocks
-    found: dict[str, tuple[str, Mapping[str, Any]]] = {
+    parts: dict[str, tuple[str, Mapping[str, Any]]] = {
         "Agents": ("agents", agents),
         "Movers": ("", c.movers),
         "Kinds of cell": ("", c.kinds | c.groups),
@@ -152,53 +164,55 @@ def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
         "Observation": ("observe", {"window": c.windows} | c.observables),
         "Episode": ("", {"episode": c.episode}),
         "Metrics": ("metrics", c.metrics),
-        "Checks": ("checks", {name or "checks": found for name, found in c.checks.items()}),
+        "Checks": ("checks", {name or "checks": checks for name, checks in c.checks.items()}),
         "Policies": ("", c.policies),
         "Scenarios": ("", c.scenarios),
         "Pictures": ("", c.looks),
     }
-    return {
-        title: (
-            block,
-            {name: of if isinstance(of, tuple) else (of,) for name, of in declared.items()},
-        )
-        for title, (block, declared) in found.items()
-    }
+    declarations: dict[str, tuple[str, Declared]] = {}
+    for title, (block, declared) in parts.items():
+        nodes = {
+            name: node if isinstance(node, tuple) else (node,) for name, node in declared.items()
+        }
+        declarations[title] = (block, nodes)
+    return declarations
 
 
 def _texts(
     block: str, old: tuple[Composition, Declared], new: tuple[Composition, Declared]
 ) -> list[str]:
-    """Returns the declarations whose words differ: the name, and the lines that do as `sjdsl fmt` lays them out, marked `-` and `+`."""
-    found: list[str] = []
-    for name in {**old[1], **new[1]}:
-        before, after = (
-            written_text(composition, declared.get(name, ()))
-            for composition, declared in (old, new)
-        )
-        if WORD.findall(before) != WORD.findall(after):
+    """Returns the declarations whose tokens differ.
+
+    Each is its name, and the lines that differ as `sjdsl fmt` formats them, marked `-` and `+`.
+    """
+    old_composition, old_declared = old
+    new_composition, new_declared = new
+    differing: list[str] = []
+    for name in old_declared | new_declared:
+        before = written_text(old_composition, old_declared.get(name, ()))
+        after = written_text(new_composition, new_declared.get(name, ()))
+        if TOKEN.findall(before) != TOKEN.findall(after):
+            differing.append(name)
             _, _, _, *lines = unified_diff(
                 laid_out(before, block), laid_out(after, block), n=1, lineterm=""
             )
-            found += [
-                name,
-                *(
-                    "    …" if line.startswith("@@") else f"  {line[0]} {line[1:]}"
-                    for line in lines
-                ),
-            ]
-    return found
+            for line in lines:
+                differing.append("    …" if line.startswith("@@") else f"  {line[0]} {line[1:]}")
+    return differing
 
 
-def name_of(w: Written) -> str:
-    """Returns `yard`, `yard, variant crowd`."""
-    return w.game.name + (f", variant {'+'.join(w.chosen)}" if w.chosen else "")
+def name_of(written: Written) -> str:
+    """Returns `yard`, or with variants `yard, variant crowd`."""
+    name = written.game.name
+    return f"{name}, variant {'+'.join(written.chosen)}" if written.chosen else name
 
 
 def report(old: Written, new: Written) -> str:
     """Returns the differences as text."""
-    sections = differences(old, new)
-    found = [f"{name_of(old)}  ->  {name_of(new)}"]
-    for title, lines in sections.items():
-        found += ["", title, *(f"  {line}" for line in lines)]
-    return "\n".join([*found, *([] if sections else ["nothing differs"]), ""])
+    parts = differences(old, new)
+    lines = [f"{name_of(old)}  ->  {name_of(new)}"]
+    for title, lines_of_part in parts.items():
+        lines += ["", title, *(f"  {line}" for line in lines_of_part)]
+    if not parts:
+        lines.append("nothing differs")
+    return "\n".join(lines) + "\n"

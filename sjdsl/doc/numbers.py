@@ -1,4 +1,4 @@
-"""Tables of parameters and sizes: default, unit, limits, whether a change compiles again, and the source of the number."""
+"""The table of params and sizes: default, unit, limits, when each can change, and its source."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.types import UNIT_LIMITS
@@ -10,19 +10,16 @@ HEAD = ("name", "default", "unit", "may be", "can be changed", "source")
 
 def parameters(w: Written) -> list[str]:
     """Returns the section on the numbers of a game."""
-    rows = [_row(size, w, "before compiling") for size in w.game.sizes] + [
-        _row(param, w, "at any time") for param in w.game.params
-    ]
+    rows = [_row(size, w, "before compiling") for size in w.game.sizes]
+    rows += [_row(param, w, "at any time") for param in w.game.params]
     return [*table(HEAD, rows), ""] if rows else ["The game has no named numbers.", ""]
 
 
 def _row(declared: ir.Size | ir.Param, w: Written, when: str) -> tuple[str, ...]:
     written = w.numbers[declared.name]
     default = table_value(declared.value, declared.type.by)
-    default += "".join(
-        f"; {' '.join([*map(code, path), 'computed as'])} {code(text)}"
-        for path, text in written.formulas
-    )
+    for keys, text in written.formulas:
+        default += f"; {' '.join([*map(code, keys), 'computed as'])} {code(text)}"
     return (
         code(declared.name),
         default,
@@ -38,7 +35,7 @@ def unit_of(declared: ir.Size | ir.Param) -> str:
 
 
 def limits_of(declared: ir.Size | ir.Param, w: Written) -> str:
-    """Returns the limits of a number, as written for a size (which the compiler has narrowed to its value)."""
+    """Returns the limits of a number, as written: the compiler narrows those of a size."""
     if declared.type.kind == "word":
         return "one of " + ", ".join(map(code, declared.type.words))
     written = w.numbers[declared.name]

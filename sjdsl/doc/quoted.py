@@ -1,4 +1,4 @@
-"""Declarations of a game as its file has them, formatted, with or without their comments."""
+"""Declarations as the file of a game has them, formatted, with or without their comments."""
 
 import re
 from collections.abc import Iterable
@@ -12,52 +12,63 @@ from sjdsl.doc.wording import fenced
 from sjdsl.format import format_source
 
 COMMENT = re.compile(r'("[^"]*")|#.*')
-BEHIND = re.compile(
-    r"[ \t}]*(#.*)"
-)  # also behind the end of the block that a declaration is the last of
+# Behind a declaration, also behind the end of the block that it is the last of.
+COMMENT_BEHIND = re.compile(r"[ \t}]*(#.*)")
 
 
 def quoted(c: Composition, nodes: Iterable[Node | None], block: str = "") -> list[str]:
-    """Returns declarations with their comments, between fences; nothing without declarations."""
+    """Returns declarations with their comments, between fences; no lines without declarations."""
     text = "\n".join(with_comments(c, node) for node in nodes if node is not None)
     return [*fenced(laid_out(text, block), "sj"), ""] if text else []
 
 
 def with_comments(c: Composition, node: Node) -> str:
-    """Returns a declaration as it is written, with the comment behind it and the lines of comments right above it."""
-    text, start, end = c.sources[node.span.file].text, node.span.start, node.span.end
-    *before, indent = text[:start].split("\n")
-    above = takewhile(
-        lambda line: line.lstrip().startswith("#"), [] if indent.strip() else reversed(before)
-    )
-    return "\n".join([*reversed(list(above)), f"{text[start:end]}  {comment_behind(c, node)}"])
+    """Returns a declaration as written, with the comments right above and behind it."""
+    text = c.sources[node.span.file].text
+    *lines_before, indent = text[: node.span.start].split("\n")
+    lines = [f"{text[node.span.start : node.span.end]}  {comment_behind(c, node)}"]
+    if not indent.strip():
+        for line in takewhile(_is_comment, reversed(lines_before)):
+            lines.insert(0, line)
+    return "\n".join(lines)
+
+
+def _is_comment(line: str) -> bool:
+    return line.lstrip().startswith("#")
 
 
 def comment_behind(c: Composition, node: Node) -> str:
-    """Returns the comment that ends the last line of a declaration, with its `#`; "" if there is none, or it is of what follows."""
-    found = BEHIND.match(c.sources[node.span.file].text, node.span.end)
-    return found[1].rstrip() if found else ""
+    """Returns the comment behind a declaration, with its `#`.
+
+    It is "" if there is none, or if something else stands between.
+    """
+    comment = COMMENT_BEHIND.match(c.sources[node.span.file].text, node.span.end)
+    return comment[1].rstrip() if comment else ""
 
 
 def written_text(c: Composition, nodes: Iterable[Node | None]) -> str:
-    """Returns declarations as they are written, without comments."""
-    spans = [node.span for node in nodes if node is not None]
-    return "\n".join(
-        COMMENT.sub(lambda found: found[1] or "", c.sources[s.file].text[s.start : s.end])
-        for s in spans
-    )
+    """Returns declarations as written, without comments."""
+    texts = []
+    for node in nodes:
+        if node is not None:
+            text = c.sources[node.span.file].text[node.span.start : node.span.end]
+            texts.append(COMMENT.sub(lambda match: match[1] or "", text))
+    return "\n".join(texts)
 
 
 def laid_out(text: str, block: str = "") -> list[str]:
-    """Returns the lines of declarations as `sjdsl fmt` has them. `block`: the block of a file that they stand in, such as `checks`."""
-    head, foot = (
-        (["sj 1", "game g {", f"{block} {{"], ["}", "}"])
-        if block
-        else (["sj 1", "game g {"], ["}"])
-    )
-    lines = (
-        format_source(Source("declarations", "\n".join([*head, text, *foot]))).splitlines()
-        if text
-        else []
-    )
-    return dedent("\n".join(line for line in lines[len(head) : -len(foot)] if line)).splitlines()
+    """Returns the lines of declarations as `sjdsl fmt` formats them.
+
+    Args:
+      block: the block of a file that they belong to, such as `checks`, "" for none.
+    """
+    if not text:
+        return []
+    head = ["sj 1", "game g {"]
+    foot = ["}"]
+    if block:
+        head.append(f"{block} {{")
+        foot.append("}")
+    source = Source("declarations", "\n".join([*head, text, *foot]))
+    lines = format_source(source).splitlines()[len(head) : -len(foot)]
+    return dedent("\n".join(line for line in lines if line)).splitlines()

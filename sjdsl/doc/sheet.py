@@ -1,4 +1,7 @@
-"""All the rules of a game on a page, in the order of the ODD protocol (Grimm et al. 2020, JASSS 23(2) 7): tables, and each rule as written."""
+"""All the rules of a game on a page, in tables and as written.
+
+Source: the order of sections is that of the ODD protocol (Grimm et al. 2020, JASSS 23(2) 7).
+"""
 
 from itertools import groupby
 
@@ -13,7 +16,10 @@ from sjdsl.doc.wording import code, counted, fenced, joined, number, plain, tabl
 from sjdsl.doc.written import Written
 from sjdsl.runtime.planes import TokenPlane
 
-READING = "They are quoted as written, with their comments; the manual of the language says what each word means."
+READING = (
+    "They are quoted as written, with their comments; the manual of the language says what each "
+    "word means."
+)
 
 
 def rule_sheet(w: Written) -> str:
@@ -35,79 +41,82 @@ def rule_sheet(w: Written) -> str:
         ("Pictures", quoted(c, (look for looks in c.looks.values() for look in looks))),
         ("Variants", variants(w)),
     )
-    name = f"{code(w.game.name)}, from {code(w.file)}" + (
-        f", variant {code('+'.join(w.chosen))}" if w.chosen else ""
-    )
-    found = [
-        f"# {plain(w.game.title or w.game.name)}",
-        "",
-        f"The rules of the game {name}. {READING}",
-        "",
-    ]
+    name = f"{code(w.game.name)}, from {code(w.file)}"
+    if w.chosen:
+        name += f", variant {code('+'.join(w.chosen))}"
+    sheet = [f"# {plain(w.game.title or w.game.name)}", ""]
+    sheet += [f"The rules of the game {name}. {READING}", ""]
     for title, lines in sections:
-        found += [f"## {title}", "", *lines] if lines else []
-    return "\n".join(found).rstrip("\n") + "\n"
+        if lines:
+            sheet += [f"## {title}", "", *lines]
+    return "\n".join(sheet).rstrip("\n") + "\n"
 
 
 def purpose(w: Written) -> list[str]:
     """Returns what the file says the game is about."""
     about = dict(w.game.about)
     summary = about.pop("summary", "")
-    found = [plain(summary), ""] if summary else []
-    found += [f"- {plain(key.replace('_', ' '))}: {plain(text)}" for key, text in about.items()]
-    found += [f"- source: {plain(cite)}" for cite in w.game.cites]
-    return [*found, ""] if found else []
+    lines = [plain(summary), ""] if summary else []
+    lines += [f"- {plain(key.replace('_', ' '))}: {plain(text)}" for key, text in about.items()]
+    lines += [f"- source: {plain(cite)}" for cite in w.game.cites]
+    return [*lines, ""] if lines else []
 
 
 def entities(w: Written) -> list[str]:
-    """Returns the agents, movers, kinds of cell and the map, their fields and the world's, and the shapes."""
-    c, game = w.composition, w.game
-    own = [*c.agent_fields.values(), *c.agent_blocks.values(), *c.forbids.values()]
-    text = "".join(game.rows)
+    """Returns the agents, movers, kinds of cell, the map, the fields of the world and shapes."""
+    c = w.composition
+    sections = {
+        "Agents": _agents(w),
+        "Movers": quoted(c, c.movers.values()),
+        "Kinds of cell": _kinds(w),
+        "Map": _map(w.game),
+        "State of the world": quoted(c, c.fields.values()),
+        "Shapes": quoted(c, c.shapes.values()),
+    }
+    text: list[str] = []
+    for title, lines in sections.items():
+        if lines:
+            text += [f"### {title}", "", *lines]
+    return text
+
+
+def _agents(w: Written) -> list[str]:
+    c = w.composition
+    actions = table(("number", "action", "what it does"), action_rows(w.game))
+    declarations = [*c.agent_fields.values(), *c.agent_blocks.values(), *c.forbids.values()]
+    number_of_agents = f"{counted(w.game.agents.number, 'agent')}."
+    return [number_of_agents, "", *actions, "", *quoted(c, declarations, "agents")]
+
+
+def _kinds(w: Written) -> list[str]:
+    """Returns the table of glyphs, and the kinds and groups with more than it says."""
+    c = w.composition
+    cells = "".join(w.game.rows)
     glyphs = [
-        (code(g.glyph), g.kind, str(text.count(g.glyph)), starts(g, game)) for g in game.glyphs
+        (code(g.glyph), g.kind, str(cells.count(g.glyph)), starts(g, w.game)) for g in w.game.glyphs
     ]
-    kinds = [
-        kind for kind in c.kinds.values() if kind.attributes or comment_behind(c, kind)
-    ]  # of the others the table says all
-    size = f"{counted(len(game.rows), 'row')} of {counted(len(game.rows[0]), 'cell')}; the first row is north."
-    edges = (
-        " Its edges are joined: what leaves it on one side comes in at the opposite side."
-        if game.wraps
-        else ""
-    )
-    sections = (
-        ("Agents", [f"{counted(game.agents.number, 'agent')}.", ""]),
-        (
-            "",
-            [
-                *table(("number", "action", "what it does"), action_rows(game)),
-                "",
-                *quoted(c, own, "agents"),
-            ],
-        ),
-        ("Movers", quoted(c, c.movers.values())),
-        (
-            "Kinds of cell",
-            [*table(("glyph", "kind", "cells on the map", "their state at the start"), glyphs), ""],
-        ),
-        ("", quoted(c, [*kinds, *c.groups.values()])),
-        ("Map", [size + edges, "", *fenced(game.rows), ""]),
-        ("State of the world", quoted(c, c.fields.values())),
-        ("Shapes", quoted(c, c.shapes.values())),
-    )
-    found = []
-    for title, lines in sections:
-        found += [*([f"### {title}", ""] if title else []), *lines] if lines else []
-    return found
+    kinds = [kind for kind in c.kinds.values() if kind.attributes or comment_behind(c, kind)]
+    return [
+        *table(("glyph", "kind", "cells on the map", "their state at the start"), glyphs),
+        "",
+        *quoted(c, [*kinds, *c.groups.values()]),
+    ]
+
+
+def _map(game: ir.Game) -> list[str]:
+    rows = counted(len(game.rows), "row")
+    cells = counted(len(game.rows[0]), "cell")
+    size = f"{rows} of {cells}; the first row is north."
+    if game.wraps:
+        size += " Its edges are joined: what leaves it on one side comes in at the opposite side."
+    return [size, "", *fenced(game.rows), ""]
 
 
 def starts(glyph: ir.GlyphMeaning, game: ir.Game) -> str:
-    """Returns the fields that a glyph of the map stands for, each with its value at the start."""
-    own = starts_of(game, glyph)
-    return ", ".join(
-        f"{code(f.name)} = {_start(own[f.name], f)}" for f in kind_named(game, glyph.kind).fields
-    )
+    """Returns the fields of a glyph's kind, each with its value at the start."""
+    values = starts_of(game, glyph)
+    fields = kind_named(game, glyph.kind).fields
+    return ", ".join(f"{code(f.name)} = {_start(values[f.name], f)}" for f in fields)
 
 
 def _start(start: int | float | str | None, field: ir.VarField) -> str:
@@ -119,27 +128,25 @@ def _start(start: int | float | str | None, field: ir.VarField) -> str:
 def overview(w: Written) -> list[str]:
     """Returns the schedule and the length of an episode, and which phases draw at random."""
     c = w.composition
-    drawing = {
-        p.label.partition("(")[0]: None
-        for p in phases_of(w.game)
-        if any(map(is_random, ir.walk(p)))
-    }
-    drawn = (
-        f"Random draws are made in {joined(map(code, drawing))}."
-        if drawing
-        else "Nothing is drawn at random."
+    random_phases = dict.fromkeys(
+        phase.label.partition("(")[0]
+        for phase in phases_of(w.game)
+        if any(map(_is_random, ir.walk(phase)))
     )
-    return [*quoted(c, (c.schedule, c.episode)), drawn, ""]
+    draws = "Nothing is drawn at random."
+    if random_phases:
+        draws = f"Random draws are made in {joined(map(code, random_phases))}."
+    return [*quoted(c, (c.schedule, c.episode)), draws, ""]
 
 
-def is_random(node: ir.Node) -> bool:
-    return isinstance(
-        node, ir.Chance | ir.Draw | ir.Match | ir.Move | ir.Pick | ir.Send | ir.Shift
-    ) or (isinstance(node, ir.Set) and node.lot is not None)
+def _is_random(node: ir.Node) -> bool:
+    if isinstance(node, ir.Set):
+        return node.lot is not None
+    return isinstance(node, ir.Chance | ir.Draw | ir.Match | ir.Move | ir.Pick | ir.Send | ir.Shift)
 
 
 def names(w: Written) -> list[ast.Define]:
-    """Returns the defines of the game's own file, and those of its bases that are read."""
+    """Returns the defines of the game's file, and those of its bases that the game reads."""
     read = {node.name for node in ir.walk(w.game) if isinstance(node, ir.Named)}
     c = w.composition
     return [
@@ -156,17 +163,15 @@ def phases(c: Composition) -> dict[str, ast.Phase]:
 
 
 def observation(w: Written) -> list[str]:
-    """Returns the window, what is shown and hidden as it is written, and what each plane of an observation says."""
+    """Returns the window, what is shown and hidden, and the values of each plane."""
     c = w.composition
-    found = quoted(c, [*c.windows, *c.observables.values()], "observe")
+    lines = quoted(c, [*c.windows, *c.observables.values()], "observe")
     try:
-        rows = [
-            (str(i), code(plane.name), _values(plane))
-            for i, plane in enumerate(token_planes(w.game))
-        ]
-    except NotSupported as refused:
-        return [*found, f"The compiler cannot make observations: {refused.feature}.", ""]
-    return [*found, *table(("plane", "name", "values"), rows), ""]
+        planes = token_planes(w.game)
+    except NotSupported as refusal:
+        return [*lines, f"The compiler cannot make observations: {refusal.feature}.", ""]
+    rows = [(str(i), code(plane.name), _values(plane)) for i, plane in enumerate(planes)]
+    return [*lines, *table(("plane", "name", "values"), rows), ""]
 
 
 def _values(plane: TokenPlane) -> str:
@@ -176,59 +181,68 @@ def _values(plane: TokenPlane) -> str:
         case "bits":
             return ", ".join(f"bit {bit} {code(label)}" for bit, label in enumerate(plane.labels))
         case "word":
-            alike = groupby(
-                enumerate(plane.labels),
-                lambda entry: entry[1].partition(" ")[0] if "=" in entry[1] else entry,
-            )
-            return ", ".join(_labels(list(entries)) for _, entries in alike)
+            groups = groupby(enumerate(plane.labels), _state_of_kind)
+            return ", ".join(_labels(list(entries)) for _, entries in groups)
+
+
+def _state_of_kind(entry: tuple[int, str]) -> object:
+    """Returns the kind if a label is a state, such as `tree fruit=ripe`; else the label itself."""
+    _, label = entry
+    return label.partition(" ")[0] if "=" in label else entry
 
 
 def _labels(entries: list[tuple[int, str]]) -> str:
-    """Returns a value of a plane and what it means; for all states of a kind, the first and last value, and each field once."""
-    (first, label), (last, _) = entries[0], entries[-1]
+    """Returns a value of a plane with its label, or the range of the states of one kind.
+
+    With a range stand the kind's fields, each with its values: `2 to 5 tree: fruit none/ripe`.
+    """
+    first, label = entries[0]
+    last, _ = entries[-1]
     if first == last:
         return f"{first} {plain(label)}"
-    states = [[word.split("=") for word in state.split()[1:]] for _, state in entries]
-    fields = [
-        f"{field[0][0]} {'/'.join(dict.fromkeys(value for _, value in field))}"
-        for field in zip(*states, strict=True)
-    ]
+    values: dict[str, dict[str, None]] = {}
+    for _, state in entries:
+        for assignment in state.split()[1:]:
+            name, value = assignment.split("=")
+            values.setdefault(name, {})[value] = None
+    fields = [f"{name} {'/'.join(values_of_field)}" for name, values_of_field in values.items()]
     order = " (the last fastest)" if len(fields) > 1 else ""
     return f"{first} to {last} {label.partition(' ')[0]}: {plain(' × '.join(fields))}{order}"
 
 
 def initialisation(w: Written) -> list[str]:
     """Returns how an episode begins."""
-    first = "At first, fields have the values behind their `=`, and cells the state that their glyph stands for. Then comes the phase `start`:"
-    return [first, "", *quoted(w.composition, [w.composition.phases["start"]])]
+    values = (
+        "At first, fields have the values behind their `=`, and cells the state that their glyph "
+        "stands for. Then comes the phase `start`:"
+    )
+    return [values, "", *quoted(w.composition, [w.composition.phases["start"]])]
 
 
 def metrics(w: Written) -> list[str]:
     """Returns what is counted and measured."""
-    found = table(
-        ("metric", "what it is", "of", "source"),
-        (_metric(m, w) for m in w.composition.metrics.values()),
-    )
-    return [*found, ""] if found else []
+    rows = [_metric(metric, w) for metric in w.composition.metrics.values()]
+    lines = table(("metric", "what it is", "of", "source"), rows)
+    return [*lines, ""] if lines else []
 
 
 def _metric(metric: ast.Event | ast.Measure, w: Written) -> tuple[str, ...]:
-    name, text = metric.name, w.composition.sources[metric.span.file].text
-    after = text[name.span.end : metric.span.end].strip(" =\n")
-    if isinstance(metric, ast.Measure):
-        what = (
-            "mean over the steps of an episode"
-            if metric.is_mean
-            else "at the last step of an episode"
-        )
+    name = metric.name
+    text = w.composition.sources[metric.span.file].text
+    expression = " ".join(text[name.span.end : metric.span.end].strip(" =\n").split())
+    if isinstance(metric, ast.Event):
+        per_agent = event_named(w.game, name.text).per_agent
+        meaning = "counted for each agent" if per_agent else "counted for the whole game"
+    elif metric.is_mean:
+        meaning = "mean over the steps of an episode"
     else:
-        what = f"counted for {'each agent' if event_named(w.game, name.text).per_agent else 'the whole game'}"
+        meaning = "at the last step of an episode"
     source = comment_behind(w.composition, metric).lstrip("# ")
-    return code(name.text), what, code(" ".join(after.split())) if after else "", plain(source)
+    return code(name.text), meaning, code(expression) if expression else "", plain(source)
 
 
 def scenarios(w: Written) -> list[str]:
-    """Returns the line-ups of a game."""
+    """Returns the scenarios of a game, with who plays in each."""
     rows = [(code(s.name), plain(s.title), joined(map(_slots, s.slots))) for s in w.game.scenarios]
     return [*table(("scenario", "what it is", "who plays"), rows), ""] if rows else []
 
@@ -238,11 +252,10 @@ def _slots(part: ir.Slots) -> str:
 
 
 def variants(w: Written) -> list[str]:
-    """Returns the variants of the game; their differences are another report."""
+    """Returns the variants of the game; `sjdsl diff` reports their differences."""
     if not w.variants:
         return []
     rows = [(code(name), plain(title)) for name, title in w.variants]
-    hint = (
-        f"`sjdsl diff {w.file} --variants default {w.variants[0][0]}` says what a variant changes."
-    )
+    command = f"sjdsl diff {w.file} --variants default {w.variants[0][0]}"
+    hint = f"`{command}` says what a variant changes."
     return [*table(("variant", "what it is"), rows), "", hint, ""]

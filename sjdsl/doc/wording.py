@@ -10,18 +10,16 @@ from typing import Any
 from sjdsl.compiler.ir.printer import number_text
 from sjdsl.compiler.ir.sorts import Level
 
-SMALLEST = 1e-9  # what is smaller is written with an exponent
+SMALLEST = 1e-9  # smaller numbers are written with an exponent
 
 
 def code(text: str) -> str:
-    """Returns a name of the game's file as it is spelt there."""
-    fence = "``" if "`" in text else "`"
-    inside = f" {text} " if "`" in text else text
-    return f"{fence}{inside}{fence}"
+    """Returns text of the game's file as Markdown code."""
+    return f"`` {text} ``" if "`" in text else f"`{text}`"
 
 
 def plain(text: str) -> str:
-    """Returns text of an author so that no sign of it means anything to Markdown."""
+    """Returns an author's text with all signs of Markdown escaped."""
     return re.sub(r"([\\`*_<>\[\]|])", r"\\\1", text)
 
 
@@ -32,12 +30,11 @@ def joined(items: Iterable[str], word: str = "and") -> str:
 
 
 def number(value: float) -> str:
-    """Returns a number as short as it can be read back; endless ones in words."""
+    """Returns the shortest text that reads back as a number; `any number` for infinity."""
     if math.isinf(value):
         return "any number"
-    return (
-        format(Decimal(number_text(value)), "f") if abs(value) >= SMALLEST else number_text(value)
-    )
+    text = number_text(value)
+    return format(Decimal(text), "f") if abs(value) >= SMALLEST else text
 
 
 def counted(value: float, noun: str) -> str:
@@ -46,33 +43,37 @@ def counted(value: float, noun: str) -> str:
 
 
 def table_value(value: Any, by: Sequence[Level]) -> str:
-    """Returns the value of a number or a table by words: `raw: 3, cut: 1`; `raw: (raw: 1, cut: 0), cut: (...)`."""
+    """Returns a value; of an indexed one, each entry: `raw: 3, cut: 1`."""
     if not by:
         return code(value) if isinstance(value, str) else number(value)
-    inner = [table_value(v, by[1:]) for v in value]
-    shown = [f"({v})" if len(by) > 1 else v for v in inner]
-    level = by[0]
-    if level.sort != "word" and len(set(shown)) == 1:
-        return f"{shown[0]} for each {'agent' if level.sort == 'agent' else f'of {level}'}"
-    names = map(code, level.names) if level.sort == "word" else level.names
-    return ", ".join(f"{name}: {v}" for name, v in zip(names, shown, strict=True))
+    index = by[0]
+    entries = [table_value(entry, by[1:]) for entry in value]
+    if len(by) > 1:
+        entries = [f"({entry})" for entry in entries]
+    if index.sort != "word" and len(set(entries)) == 1:
+        return f"{entries[0]} for each {'agent' if index.sort == 'agent' else f'of {index}'}"
+    names = map(code, index.names) if index.sort == "word" else index.names
+    return ", ".join(f"{name}: {entry}" for name, entry in zip(names, entries, strict=True))
 
 
 def fenced(lines: Sequence[str], language: str = "text") -> list[str]:
-    """Returns lines as they are, between fences that none of them can close."""
-    longest = max((len(run) for line in lines for run in re.findall(r"`+", line)), default=0)
-    fence = "`" * max(3, longest + 1)
+    """Returns lines between fences that none of them can close."""
+    fence = "```"
+    while any(fence in line for line in lines):
+        fence += "`"
     return [f"{fence}{language}", *lines, fence]
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """Returns a Markdown table, without the columns that say nothing of any row; nothing without rows."""
-    cells = [
-        [cell.replace("|", "\\|") if "\\|" not in cell else cell for cell in row] for row in rows
-    ]
+    """Returns a Markdown table without empty columns; no lines without rows."""
+    cells = [[_cell(text) for text in row] for row in rows]
     if not cells:
         return []
-    said = [any(column) for column in zip(*cells, strict=True)]
-    return [
-        "| " + " | ".join(compress(row, said)) + " |" for row in (head, ["---"] * len(head), *cells)
-    ]
+    is_filled = [any(column) for column in zip(*cells, strict=True)]
+    lines = (head, ["---"] * len(head), *cells)
+    return [f"| {' | '.join(compress(line, is_filled))} |" for line in lines]
+
+
+def _cell(text: str) -> str:
+    """Returns text for a cell of a table: bars are escaped unless they are already."""
+    return text if "\\|" in text else text.replace("|", "\\|")

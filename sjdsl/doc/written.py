@@ -1,4 +1,4 @@
-"""Facts that the text of a game states beside its rules: sources of its numbers, computed constants, variants."""
+"""What the text of a game has beside its rules: sources of numbers, formulas, variants."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -15,10 +15,10 @@ _COMMENT = re.compile(r'^(?:[^"#]|"[^"]*")*#\s*(.*?)\s*$')
 
 @dataclass(frozen=True)
 class WrittenNumber:
-    """A size or parameter as its file has it.
+    """A size or param as its file has it.
 
-    formulas: how values are computed that are not plainly written: (words of the entry, text); low, high: limits as written,
-    empty without; source: the comments beside the value.
+    formulas: the values that are computed: (keys of the entry, text of the expression).
+    low, high: limits as written, "" without; source: the comments beside the value.
     """
 
     formulas: tuple[tuple[tuple[str, ...], str], ...]
@@ -29,7 +29,10 @@ class WrittenNumber:
 
 @dataclass(frozen=True)
 class Written:
-    """The rules of a game in one variant, and what its text says beside them. `chosen`: the variants applied; `variants`: (name, title)."""
+    """The rules of a game with some variants, and what its text has beside them.
+
+    chosen: the variants applied; variants: name and title of all.
+    """
 
     composition: Composition
     game: ir.Game
@@ -40,71 +43,70 @@ class Written:
 
 
 def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
-    """Returns a game with what its text says beside the rules. Raises CompileError."""
-    composed = compose(source, variants)
-    game = build_composition(composed).game
+    """Returns a game with what its text has beside the rules. Raises CompileError."""
+    c = compose(source, variants)
     return Written(
-        composition=composed,
-        game=game,
+        composition=c,
+        game=build_composition(c).game,
         file=PurePath(source.name).name,
         chosen=tuple(variants),
-        variants=tuple(
-            (v.name.text, v.title.text if v.title else "") for v in composed.variants.values()
-        ),
-        numbers={
-            name: _number(constant, composed) for name, constant in composed.constants.items()
-        },
+        variants=tuple((v.name.text, v.title.text if v.title else "") for v in c.variants.values()),
+        numbers={name: _number(constant, c) for name, constant in c.constants.items()},
     )
 
 
-def _number(constant: ast.Constant, game: Composition) -> WrittenNumber:
-    leaves = list(_leaves(constant.value))
-    computed = [(path, leaf) for path, leaf in leaves if not _is_literal(leaf, constant)]
-    low, high = (
-        "" if bound is None else _text(bound, game) for bound in (constant.low, constant.high)
-    )
-    here = [leaf.span for _, leaf in leaves if _is_inside(leaf.span, constant.span)]
-    elsewhere = [leaf.span for _, leaf in leaves if not _is_inside(leaf.span, constant.span)]
-    found = [comments(span, game.sources) for span in ([constant.span] if here else []) + elsewhere]
-    source = "; ".join(dict.fromkeys(text for text in found if text))
+def _number(constant: ast.Constant, c: Composition) -> WrittenNumber:
+    formulas = []
+    spans: dict[Span, None] = {}  # a variant may change an entry elsewhere
+    for keys, value in _leaves(constant.value):
+        if not _is_literal(value, constant):
+            formulas.append((keys, _text(value, c)))
+        is_inside = _is_inside(value.span, constant.span)
+        spans[constant.span if is_inside else value.span] = None
+    ordered = sorted(spans, key=lambda span: span != constant.span)
+    sources = dict.fromkeys(comments(span, c.sources) for span in ordered)
     return WrittenNumber(
-        tuple((path, _text(leaf, game)) for path, leaf in computed), low, high, source
+        tuple(formulas),
+        "" if constant.low is None else _text(constant.low, c),
+        "" if constant.high is None else _text(constant.high, c),
+        "; ".join(filter(None, sources)),
     )
 
 
 def _leaves(
-    value: ast.Expr | ast.Table, path: tuple[str, ...] = ()
+    value: ast.Expr | ast.Table, keys: tuple[str, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], ast.Expr]]:
-    """Yields the expressions of a number or table, each with its words."""
+    """Yields the expression of each entry of a constant, with its keys."""
     if isinstance(value, ast.Table):
         for entry in value.entries:
-            yield from _leaves(entry.value, (*path, entry.key.text))
+            yield from _leaves(entry.value, (*keys, entry.key.text))
     else:
-        yield path, value
+        yield keys, value
 
 
 def _is_literal(value: ast.Expr, constant: ast.Constant) -> bool:
+    """Returns whether a value is a number or an enum value, not an expression to compute."""
     if isinstance(value, ast.Unary):
         return _is_literal(value.operand, constant)
-    return isinstance(value, ast.Int | ast.Decimal) or (
-        constant.unit.text == "word" and isinstance(value, ast.Path)
-    )
+    if isinstance(value, ast.Path):
+        return constant.unit.text == "word"
+    return isinstance(value, ast.Int | ast.Decimal)
 
 
 def _is_inside(inner: Span, outer: Span) -> bool:
     return inner.file == outer.file and outer.start <= inner.start < outer.end
 
 
-def _text(value: ast.Expr, game: Composition) -> str:
-    """Returns an expression as written; one of several lines without its layout."""
-    source = game.sources[value.span.file]
+def _text(value: ast.Expr, c: Composition) -> str:
+    """Returns an expression as written; without its layout if it has several lines."""
+    source = c.sources[value.span.file]
     text = source.text[value.span.start : value.span.end]
     return layout_free(source, value.span.start, value.span.end) if "\n" in text else text
 
 
 def comments(span: Span, sources: dict[str, Source]) -> str:
-    """Returns the comments at the ends of the lines that a declaration stands on."""
+    """Returns the comments at the ends of the lines of a declaration."""
     source = sources[span.file]
     last = span.line + source.text.count("\n", span.start, span.end)
-    found = (_COMMENT.match(source.line(number)) for number in range(span.line, last + 1))
-    return "; ".join(match.group(1) for match in found if match and match.group(1))
+    matches = (_COMMENT.match(source.line(number)) for number in range(span.line, last + 1))
+    return "; ".join(match[1] for match in matches if match and match[1])

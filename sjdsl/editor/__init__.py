@@ -1,1 +1,1 @@
-"""What editors ask about a text: pure functions from texts and positions to structures of the Language Server Protocol (LSP)."""
+"""Answers to editors: functions from texts and positions to the Language Server Protocol."""

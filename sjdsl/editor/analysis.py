@@ -1,4 +1,7 @@
-"""What is known of one text: its words, its tree, the games it stands on, its mistakes. Kept until a text or a file changes."""
+"""The analysis of one text: its tokens, its tree, its bases and its mistakes.
+
+It is kept until the text or a file that it was read from changes.
+"""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -24,32 +27,33 @@ Stamp = tuple[object, ...]
 
 
 class Analysis:
-    """One text at one state of the files that it names: its bases and maps. Everything is found out when it is first asked for."""
+    """One text with its bases and maps. Each part is computed when it is first needed."""
 
     def __init__(self, document: Document, documents: Documents):
         self.document = document
         self._documents = documents
-        self._seen: dict[Path, Stamp] = {}
-        self._variants: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
+        self._stamps: dict[Path, Stamp] = {}  # of the files that were read
+        self._problems: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
         self.source = Source(
-            document.name, document.text, document.folder, self._over, document.path
+            document.name, document.text, document.folder, self._open_text, document.path
         )
 
-    def _over(self, path: Path) -> str | None:
-        self._seen[path] = _stamp(path, self._documents)
+    def _open_text(self, path: Path) -> str | None:
+        """Returns the text of a file if it is open, and notes that the file was read."""
+        self._stamps[path] = _stamp(path, self._documents)
         return self._documents.text_over(path)
 
     def depends_on(self, path: Path) -> bool:
-        """Returns whether a file was read, or missed, for what is known."""
-        return path in self._seen
+        """Returns whether a file was read, or looked for."""
+        return path in self._stamps
 
     def is_current(self) -> bool:
-        """Returns whether the files that were read are as they were."""
-        return all(_stamp(path, self._documents) == stamp for path, stamp in self._seen.items())
+        """Returns whether the files that were read haven't changed."""
+        return all(_stamp(path, self._documents) == stamp for path, stamp in self._stamps.items())
 
     @cached_property
     def tokens(self) -> tuple[Token, ...]:
-        """The words and signs of the text, also of one with mistakes; soft words that are names are tokens of names."""
+        """The tokens of the text, even of one with mistakes; soft keywords may be names."""
         if check_text(self.source):
             return ()
         return tuple(as_read(scan(self.source, parser()).tokens))
@@ -63,111 +67,118 @@ class Analysis:
 
     @cached_property
     def chain(self) -> tuple[tuple[Source, ast.File], ...]:
-        """The text and the games that it extends, as far as they can be read: its own tree, then that of its base, and so on."""
-        read: list[tuple[Source, ast.File]] = []
+        """The text and its tree, then those of its base and so on, as far as they can be read."""
+        files: list[tuple[Source, ast.File]] = []
         with suppress(CompileError):
-            read.extend(chain(self.source))
-        return tuple(read)
+            files.extend(chain(self.source))
+        return tuple(files)
 
     @cached_property
     def composition(self) -> Composition | None:
-        """The game put together, None if that fails."""
+        """The game with its bases, None if they can't be composed."""
         with suppress(CompileError):
             return compose(self.source)
         return None
 
     @cached_property
     def build(self) -> Build | None:
-        """The typed game as it is without variants, None if it has errors."""
+        """The compiled game without variants, None if it has errors."""
         with suppress(CompileError):
             return build(self.source)
         return None
 
     def problems(self, variants: tuple[str, ...] = ()) -> tuple[Diagnostic, ...]:
-        """Returns every error and warning of the game in a variant."""
-        if variants not in self._variants:
+        """Returns every error and warning of the game with some variants."""
+        if variants not in self._problems:
             try:
-                self._variants[variants] = check_composition(compose(self.source, variants))
+                self._problems[variants] = check_composition(compose(self.source, variants))
             except CompileError as error:
-                self._variants[variants] = error.diagnostics
-        return self._variants[variants]
+                self._problems[variants] = error.diagnostics
+        return self._problems[variants]
 
     def all_problems(self) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
-        """Yields the problems of the game as it is, then of each variant alone."""
-        for variants in (
-            (),
-            *((name,) for name in (() if self.composition is None else self.composition.variants)),
-        ):
-            yield variants, self.problems(variants)
+        """Yields the problems of the game without variants, then of each variant alone."""
+        yield (), self.problems()
+        if self.composition is not None:
+            for name in self.composition.variants:
+                yield (name,), self.problems((name,))
 
     @cached_property
     def names(self) -> Names:
-        """What the game declares, with its bases."""
+        """What the game and its bases declare."""
         return names_of(file for _, file in self.chain)
 
     @cached_property
     def resolved(self) -> Mapping[Span, set[Symbol]]:
-        """What elaboration found names to stand for, of the text and of its bases, in the game as it is and in the variants of the text."""
-        own = (
-            ()
-            if self.file is None
-            else tuple(s.name.text for s in self.file.game.sections if isinstance(s, ast.Variant))
-        )
-        found = defaultdict[Span, set[Symbol]](set)
-        for variants in ((), *((name,) for name in own)):
+        """The symbols that the names of the text and of its bases refer to.
+
+        A name may refer to several: in the game without variants and in each variant of the text.
+        """
+        choices: list[tuple[str, ...]] = [()]
+        if self.file is not None:
+            for section in self.file.game.sections:
+                if isinstance(section, ast.Variant):
+                    choices.append((section.name.text,))
+        symbols = defaultdict[Span, set[Symbol]](set)
+        for variants in choices:
             with suppress(CompileError):
                 composition = compose(self.source, variants)
                 elaborate(composition, Overrides(), Problems())
                 for span, symbol in composition.references:
-                    found[span].add(symbol)
-        return found
+                    symbols[span].add(symbol)
+        return symbols
 
     @cached_property
     def occurrences(self) -> list[Occurrence]:
-        """The names of the text, each with what it stands for."""
-        return [] if self.file is None else occurrences(self.file, self.names, self.resolved)
+        """The names of the text, each with the symbols that it refers to."""
+        if self.file is None:
+            return []
+        return occurrences(self.file, self.names, self.resolved)
 
 
 class Analyses:
-    """The analysis of each text, made anew when the text or a file it stands on has changed, and the last one without syntax errors."""
+    """The current analysis of each text, and the last one in which the text had no syntax error."""
 
     def __init__(self, documents: Documents):
         self.documents = documents
-        self._made: dict[str, Analysis] = {}
+        self._current: dict[str, Analysis] = {}
         self._readable: dict[str, Analysis] = {}
 
     def of(self, uri: str) -> Analysis | None:
-        """Returns what is known of a text, None if there is no such text."""
+        """Returns the analysis of a text as it is now, None if there is no such text."""
         document = self.documents.get(uri)
         if document is None:
             self.forget(uri)
             return None
-        made = self._made.get(uri)
-        if made is None or made.document.text != document.text or not made.is_current():
-            made = self._made[uri] = Analysis(document, self.documents)
-        elif made.document.version != document.version:  # typed and taken back
-            made.document = document
-        if made.file is not None:
-            self._readable[uri] = made
-        return made
+        analysis = self._current.get(uri)
+        if analysis is None or analysis.document.text != document.text or not analysis.is_current():
+            analysis = Analysis(document, self.documents)
+            self._current[uri] = analysis
+        analysis.document = document  # its version may be newer: something was typed and undone
+        if analysis.file is not None:
+            self._readable[uri] = analysis
+        return analysis
 
     def readable(self, uri: str) -> Analysis | None:
-        """Returns what is known of a text when it had no syntax error last, perhaps now; None if it always had one."""
+        """Returns the last analysis in which a text had no syntax error, None if it always had."""
         self.of(uri)
         return self._readable.get(uri)
 
     def forget(self, uri: str) -> None:
-        """Drops what is known of a text that is closed."""
-        self._made.pop(uri, None)
+        """Drops the analyses of a text that is closed."""
+        self._current.pop(uri, None)
         self._readable.pop(uri, None)
 
-    def standing_on(self, path: Path) -> list[str]:
+    def depending_on(self, path: Path) -> list[str]:
         """Returns the URIs of the texts that read a file."""
-        return [uri for uri, made in self._made.items() if made.depends_on(path)]
+        return [uri for uri, analysis in self._current.items() if analysis.depends_on(path)]
 
 
 def _stamp(path: Path, documents: Documents) -> Stamp:
-    """Returns what changes when a file does: its open text, or its time and size; empty for a file that is not there."""
+    """Returns what changes when a file does: its open text, or its time and size.
+
+    It is empty for a file that doesn't exist.
+    """
     text = documents.text_over(path)
     if text is not None:
         return ("open", text)

@@ -1,4 +1,4 @@
-"""Completion: the words of the language that may follow, and the names of the sort that fits the place."""
+"""Completion: the keywords that may follow, and the names of the category that fits."""
 
 import re
 from collections.abc import Collection, Iterator, Sequence
@@ -32,27 +32,25 @@ from sjdsl.runtime.actions import BUILT_IN, HEADINGS
 
 Kind = types.CompletionItemKind
 KINDS = {
-    "keyword": Kind.Keyword, "local": Kind.Variable, "parameter": Kind.Constant, "size": Kind.Constant, "define": Kind.Function,
-    "kind": Kind.Class, "group": Kind.Interface, "sort of movers": Kind.Class, "field of the world": Kind.Field, "field": Kind.Field,
-    "action": Kind.EnumMember, "argument": Kind.Property, "shape": Kind.Struct, "phase": Kind.Method, "metric": Kind.Event,
-    "policy": Kind.Function, "variant": Kind.Module, "word": Kind.EnumMember, "function": Kind.Function, "file": Kind.File,
+    "keyword": Kind.Keyword, "local": Kind.Variable, "parameter": Kind.Constant,
+    "size": Kind.Constant, "define": Kind.Function, "kind": Kind.Class, "group": Kind.Interface,
+    "sort of movers": Kind.Class, "field of the world": Kind.Field, "field": Kind.Field,
+    "action": Kind.EnumMember, "argument": Kind.Property, "shape": Kind.Struct,
+    "phase": Kind.Method, "metric": Kind.Event, "policy": Kind.Function, "variant": Kind.Module,
+    "word": Kind.EnumMember, "function": Kind.Function, "file": Kind.File,
     "scenario": Kind.Module, "checks": Kind.Module, "value": Kind.Value,
 }  # fmt: skip
 TRIGGERS = (".", "[", '"')
-LONGEST = 80  # characters of a declaration shown beside a name
-BEGINNING = (SECTIONS | ENTRIES | STATEMENTS) - {
-    "WHERE"
-}  # kinds of tokens that end what is unfinished before them
-ABOUT_AGENTS = (
-    "FORBID",
-    "BLOCKS",
-    "WINDOW",
-    "SHOW",
-    "HIDE",
-    "POLICY",
-)  # declarations in which `agent` has a name
+MAX_LENGTH = 80  # characters of a declaration that is shown beside a name
+MAX_FILES = 200
+# Tokens that begin a declaration or a statement: they end what is unfinished before them.
+BEGINNING = (SECTIONS | ENTRIES | STATEMENTS) - {"WHERE"}
+# Declarations in which `agent` is a name.
+ABOUT_AGENTS = ("FORBID", "BLOCKS", "WINDOW", "SHOW", "HIDE", "POLICY")
+SUFFIXES = {"EXTENDS": ".sj", "MAP": ".txt", "WRAPS": ".txt"}  # of the file after a keyword
 QUOTED = re.compile(r'"(?:\\.|[^"\\\n])*"')
-WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*$")
+WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+# The categories of the shared name space.
 SHARED = (
     "kind",
     "group",
@@ -61,27 +59,38 @@ SHARED = (
     "size",
     "define",
     "field of the world",
-)  # the sorts of the shared name space
+)
 WHO = "agent kind group sort-of-movers"
 SEEN = f"{WHO} other field-of-the-world marks content"
-# What comes behind a token, or at a place that `_asked` calls so: sorts of names, and words that stand for themselves.
+# What may follow a token, or stand in a place with a name of `_place`: categories of names, and
+# words that stand for themselves.
 EXPECTED = {
-    "CHOSE": "action free-local", "CHOOSE": "action free-local", "FORBID": "action", "SCHEDULE": "phase tick", "ARROW": "phase tick", "TALLY": "event",
-    "ACTS": " ".join(BUILT_IN), "MOVES": "relative compass", "BLOCKS": "shape sort-of-movers", "MARK": "shape form", "AIM": "shape form",
-    "IN": "shape form local", "ON": "kind group", "SEND": "local", "REMOVE": "local", "FOR": "local", "FACING": f"local same {' '.join(HEADINGS)}",
-    "MONOTONE": "define", "WINDOW": "ahead behind left right", "SHOW": SEEN, "HIDE": SEEN,
-    "DROP": "kind group sort-of-movers parameter size define field-of-the-world phase metric shape policy scenario checks variant",
-    **dict.fromkeys(("EACH", "FIRST", "MATCH", "OVER", "SEEK", "AVOIDING", "TOWARD", "AT", "LOOK"), WHO), "who": WHO, "members": "kind group",
-    "unit": " ".join(UNITS), "type": "agent cell reward fraction probability", "set of": "agent", "target": "local field-of-the-world",
-    "change": "parameter size", "glyph": "field", "players": "policy random never", "slots": "policy random stay", "direction": "falling rising",
+    "ACTS": " ".join(BUILT_IN), "AIM": "shape form", "ARROW": "phase tick",
+    "BLOCKS": "shape sort-of-movers", "CHOOSE": "action free-local", "CHOSE": "action free-local",
+    "FACING": f"local same {' '.join(HEADINGS)}", "FOR": "local", "FORBID": "action",
+    "HIDE": SEEN, "IN": "shape form local", "MARK": "shape form", "MONOTONE": "define",
+    "MOVES": "relative compass", "ON": "kind group", "REMOVE": "local", "SCHEDULE": "phase tick",
+    "SEND": "local", "SHOW": SEEN, "TALLY": "event", "WINDOW": "ahead behind left right",
+    "DROP": "kind group sort-of-movers parameter size define field-of-the-world phase metric "
+    "shape policy scenario checks variant",
+    "EACH": WHO, "FIRST": WHO, "MATCH": WHO, "OVER": WHO, "SEEK": WHO, "AVOIDING": WHO,
+    "TOWARD": WHO, "AT": WHO, "LOOK": WHO, "who": WHO,
+    "change": "parameter size", "direction": "falling rising", "glyph": "field",
+    "members": "kind group", "players": "policy random never", "set of": "agent",
+    "slots": "policy random stay", "target": "local field-of-the-world",
+    "type": "agent cell reward fraction probability", "unit": " ".join(UNITS),
 }  # fmt: skip
 
 
 class Offer(NamedTuple):
-    """A word to write here. `sort`: a key of KINDS; `rank`: offers of a lower one come first; `symbol`: what it names, if it is declared."""
+    """A word that may be written.
+
+    category: a key of KINDS; rank: offers of a lower one come first.
+    symbol: what the word names, if it is declared.
+    """
 
     word: str
-    sort: str
+    category: str
     rank: int = 5
     symbol: Symbol | None = None
 
@@ -89,19 +98,27 @@ class Offer(NamedTuple):
 def completion(
     uri: str, position: types.Position, analyses: Analyses
 ) -> list[types.CompletionItem]:
-    """Returns what may be written at a position. Names are those of the text as it could be read last."""
-    document, readable = analyses.documents.get(uri), analyses.readable(uri)
+    """Returns what may be written at a position, with names of the last text that had no error."""
+    document = analyses.documents.get(uri)
+    readable = analyses.readable(uri)
     if document is None:
         return []
     offset = document.lines.offset(position)
     before = document.text[:offset]
-    open_ = QUOTED.sub("", before[before.rfind("\n") + 1 :])
-    if "#" in open_.partition('"')[0]:
+    line = QUOTED.sub("", before[before.rfind("\n") + 1 :])
+    is_comment = "#" in line.partition('"')[0]
+    is_quoted = '"' in line
+    if is_comment:
         return []
-    written = open_.rpartition('"')[2] if '"' in open_ else "".join(WORD.findall(before))
-    source = Source("", before[: offset - len(written)].removesuffix('"' if '"' in open_ else ""))
+    if is_quoted:
+        typed = line.rpartition('"')[2]
+        source = Source("", before[: offset - len(typed) - 1])
+    else:
+        word = WORD.search(before)
+        typed = "" if word is None else word[0]
+        source = Source("", before[: offset - len(typed)])
     tokens = [] if check_text(source) else scan(source, parser()).tokens
-    if '"' in open_:
+    if is_quoted:
         offers = _files(tokens, document)
     else:
         kinds = following(tokens)
@@ -109,31 +126,28 @@ def completion(
         offers = [
             Offer(words[kind], "keyword") for kind in sorted(kinds) if words.get(kind, "").isalpha()
         ]
-        offers += (
-            fitting(tokens, kinds, Names() if readable is None else readable.names)
-            if "NAME" in kinds
-            else []
-        )
-    first: dict[str, Offer] = {}
-    for offer in sorted(offers, key=lambda o: o.rank):
-        first.setdefault(offer.word, offer)
-    range_ = document.lines.range(offset - len(written), offset)
+        if "NAME" in kinds:
+            offers += fitting(tokens, kinds, Names() if readable is None else readable.names)
+    best: dict[str, Offer] = {}
+    for offer in sorted(offers, key=lambda offer: offer.rank):
+        best.setdefault(offer.word, offer)
+    range_ = document.lines.range(offset - len(typed), offset)
     return [
         types.CompletionItem(
             label=offer.word,
-            kind=KINDS[offer.sort],
+            kind=KINDS[offer.category],
             detail=_detail(offer, readable) or None,
             sort_text=f"{offer.rank}{offer.word}",
             text_edit=types.TextEdit(range_, offer.word),
         )
-        for offer in first.values()
+        for offer in best.values()
     ]
 
 
 def following(tokens: Sequence[Token]) -> Collection[str]:
-    """Returns the kinds of tokens that may stand behind tokens, soft words by their own kind.
+    """Returns the kinds of tokens that may stand behind tokens, soft keywords by their own kind.
 
-    What cannot be read is left out; a keyword or a `}` that cannot be read ends what is unfinished around it.
+    What can't be read is left out. If it is a keyword or a `}`, it ends what is unfinished around.
     """
     table = automaton()
     stack = Stack(table.start, None)
@@ -147,271 +161,274 @@ def following(tokens: Sequence[Token]) -> Collection[str]:
 
 
 def _files(tokens: Sequence[Token], document: Document) -> list[Offer]:
-    """Returns the files that a text in quotes can name: games after `extends`, maps after `map`."""
-    suffix = (
-        {"EXTENDS": ".sj", "MAP": ".txt", "WRAPS": ".txt"}.get(tokens[-1].type) if tokens else None
-    )
+    """Returns the files that may be named in quotes: games after `extends`, maps after `map`."""
+    suffix = SUFFIXES.get(tokens[-1].type) if tokens else None
     top = document.folder
     if suffix is None or top is None or not top.is_dir():
         return []
-    homes = [
-        top.resolve(),
-        *([] if document.path is None else [document.path.parent]),
-    ]  # links that lead elsewhere are refused
-    inside = [
-        sub
-        for sub in sorted(top.iterdir())
-        if any(sub.resolve().is_relative_to(home) for home in homes)
-    ]
-    folders = [top, *(sub for sub in inside if sub.is_dir() and not sub.name.startswith("."))]
+    allowed = [top.resolve()]
+    if document.path is not None:
+        allowed.append(document.path.parent)
+    folders = [top]
+    for path in sorted(top.iterdir()):
+        is_inside = any(path.resolve().is_relative_to(root) for root in allowed)  # links may leave
+        if is_inside and path.is_dir() and not path.name.startswith("."):
+            folders.append(path)
     files = [
         file
         for folder in folders
         for file in sorted(folder.glob(f"*{suffix}"))
         if file.resolve() != document.path
     ]
-    return [Offer(file.relative_to(top).as_posix(), "file") for file in files[:200]]
+    return [Offer(file.relative_to(top).as_posix(), "file") for file in files[:MAX_FILES]]
 
 
 def _detail(offer: Offer, analysis: Analysis | None) -> str:
-    """Returns the declaration of a name on one line, of a function what it gives."""
-    if offer.sort == "function":
-        return "; ".join(f"{written}: {gives}" for written, gives in FUNCTIONS[offer.word].uses)
-    node = (
-        None if analysis is None or offer.symbol is None else analysis.names.nodes.get(offer.symbol)
-    )
-    text = (
-        next(
-            (source.text for source, _ in analysis.chain if node and source.name == node.span.file),
-            "",
-        )
-        if analysis
-        else ""
-    )
-    if node is None:
-        return "" if offer.sort in ("keyword", "file") else offer.sort
+    """Returns the declaration of a name on one line; of a function, its uses."""
+    if offer.category == "function":
+        return "; ".join(f"{use}: {meaning}" for use, meaning in FUNCTIONS[offer.word].uses)
+    node = None
+    if analysis is not None and offer.symbol is not None:
+        node = analysis.names.nodes.get(offer.symbol)
+    if analysis is None or node is None:
+        return "" if offer.category in ("keyword", "file") else offer.category
+    text = next((source.text for source, _ in analysis.chain if source.name == node.span.file), "")
     line = " ".join(text[node.span.start : node.span.end].split())
-    return line if len(line) <= LONGEST else line[: LONGEST - 1] + "…"
+    return line if len(line) <= MAX_LENGTH else line[: MAX_LENGTH - 1] + "…"
 
 
 # ---- names
 
 
 def fitting(tokens: Sequence[Token], kinds: Collection[str], names: Names) -> Iterator[Offer]:
-    """Yields the names that may stand behind tokens, where the grammar has a name. kinds: of the tokens that may stand there."""
-    around = local_names(tokens, names)
-    asked = _asked(tokens, kinds)
-    if asked == "DOT":
-        yield from _members(tokens, names, around)
-    for sort in EXPECTED.get(asked, "").split():
-        yield from _of(sort.replace("-", " "), names, around, 0)
-    if "INT" not in kinds or (asked in EXPECTED and asked != "IN"):
+    """Yields the names that may stand behind tokens, where the grammar has a name.
+
+    Args:
+      kinds: of the tokens that may stand there.
+    """
+    bound = local_names(tokens, names)
+    place = _place(tokens, kinds)
+    if place == "DOT":
+        yield from _members(tokens, names, bound)
+    for category in EXPECTED.get(place, "").split():
+        yield from _names_of(category.replace("-", " "), names, bound, 0)
+    if "INT" not in kinds or (place in EXPECTED and place != "IN"):
         return
-    words = _words_compared(tokens, names, around)
-    yield from (Offer(word, "word", 0) for word in words)
-    for sort in ("local", "parameter", "size", "define", "field of the world"):
-        yield from _of(sort, names, around, 1)
-    yield from () if words else _of("word", names, around, 4)
-    section, check = (
-        next((t.type for t in reversed(tokens) if t.type in group), "")
-        for group in (SECTIONS, ENTRIES)
-    )
-    in_checks = section == "CHECKS"
-    yield from _of("metric", names, around, 3) if in_checks else ()
-    yield from (
-        Offer(f.name, "function", 4)
-        for f in FUNCTIONS.values()
-        if not f.word and (not f.checks or (in_checks and check.lower() in f.checks))
-    )
-    yield from (
-        Offer(word, "value", 4)
-        for word in ("step", NOWHERE, *(HEADINGS if asked in ("IS", "NOT", "EQUAL") else ()))
-    )
+    # A value.
+    compared = _values_compared(tokens, names, bound)
+    for value in compared:
+        yield Offer(value, "word", 0)
+    for category in ("local", "parameter", "size", "define", "field of the world"):
+        yield from _names_of(category, names, bound, 1)
+    if not compared:
+        yield from _names_of("word", names, bound, 4)
+    in_checks = _last_of(SECTIONS, tokens) == "CHECKS"
+    if in_checks:
+        yield from _names_of("metric", names, bound, 3)
+    check = _last_of(ENTRIES, tokens).lower()
+    for function in FUNCTIONS.values():
+        if not function.word and (not function.checks or (in_checks and check in function.checks)):
+            yield Offer(function.name, "function", 4)
+    headings = HEADINGS if place in ("IS", "NOT", "EQUAL") else ()
+    for value in ("step", NOWHERE, *headings):
+        yield Offer(value, "value", 4)
 
 
-def _asked(tokens: Sequence[Token], kinds: Collection[str]) -> str:
-    """Returns a key of EXPECTED, or the kind of the last token where a value or a new name stands."""
-    at = len(tokens) - 1
-    while (
-        at >= 0 and tokens[-1].type == "COMMA" and tokens[at].type in ("NAME", "INT", "COMMA")
-    ):  # a list: what stands before it asks
-        at -= 1
-    before = [token.type for token in reversed(tokens[: at + 1])] + 4 * [""]
-    match last := before.pop(0):
-        case "EQUAL" if before[1] == "GROUP":
+def _last_of(kinds: Collection[str], tokens: Sequence[Token]) -> str:
+    """Returns the kind of the last token of some kinds, "" if there is none."""
+    return next((token.type for token in reversed(tokens) if token.type in kinds), "")
+
+
+def _place(tokens: Sequence[Token], kinds: Collection[str]) -> str:
+    """Returns a key of EXPECTED, or the kind of the last token if a value or a new name follows.
+
+    In a list, what stands before the list decides.
+    """
+    end = len(tokens)
+    if tokens and tokens[-1].type == "COMMA":
+        while end and tokens[end - 1].type in ("NAME", "INT", "COMMA"):
+            end -= 1
+    last, previous, second, third = (
+        tokens[end - back].type if back <= end else "" for back in (1, 2, 3, 4)
+    )
+    match last:
+        case "EQUAL" if second == "GROUP":
             return "members"
         case "COLON" if "INT" not in kinds:
             return "unit"
         case "COLON" if "SET" in kinds:
             return "type"
+        case "OF" if tokens[end - 2] == "cell":
+            return "members"
         case "OF":
-            return (
-                "members"
-                if tokens[at - 1] == "cell"
-                else "set of"
-                if before[0] == "SET"
-                else "SEND"
-            )
+            return "set of" if previous == "SET" else "SEND"
         case "WITH" if "STRING" not in kinds:
-            return "players" if "SEEK" in kinds else "glyph" if before[0] == "STRING" else "who"
-        case "POLICY" if "SLOTS" in [
-            t.type
-            for t in takewhile(lambda t: t.type not in ("LBRACE", "RBRACE"), reversed(tokens))
-        ]:
+            if "SEEK" in kinds:
+                return "players"
+            return "glyph" if previous == "STRING" else "who"
+        case "POLICY" if _is_in_slots(tokens):
             return "slots"
         case "SET":
             return "target" if "GIVE" in following(tokens[:-1]) else "change"
         case "TO":
-            return (
-                "who"
-                if next((t.type for t in reversed(tokens) if t.type in STATEMENTS), "") == "SEND"
-                else "target"
-            )
-        case "FROM" if before[0] == "AWAY":
+            return "who" if _last_of(STATEMENTS, tokens) == "SEND" else "target"
+        case "FROM" if previous == "AWAY":
             return "who"
-        case "LPAR" if before[0] in ("COUNT", "ANY", "ALL"):
+        case "LPAR" if previous in ("COUNT", "ANY", "ALL"):
             return "who"
-        case "INT" | "NAME" if before[0] == "PICK":
+        case "INT" | "NAME" if previous == "PICK":
             return "who"
-        case "NAME" if before[0] == "MONOTONE":
+        case "NAME" if previous == "MONOTONE":
             return "direction"
-        case "IN" if before[2] == "MONOTONE":
+        case "IN" if third == "MONOTONE":
             return "MONOTONE"
         case _:
             return last
 
 
-def _of(sort: str, names: Names, around: dict[str, Owners], rank: int) -> Iterator[Offer]:
-    """Yields the names of a sort; a word that is no sort stands for itself."""
-    match sort:
-        case "local" | "free local":  # free: it may be an action
-            yield from (
-                Offer(name, "local", rank)
-                for name, owners in around.items()
-                if sort == "local" or owners is None
-            )
+def _is_in_slots(tokens: Sequence[Token]) -> bool:
+    """Returns whether `slots` stands before the last token, with no brace between."""
+    back = takewhile(lambda token: token.type not in ("LBRACE", "RBRACE"), reversed(tokens))
+    return any(token.type == "SLOTS" for token in back)
+
+
+def _names_of(category: str, names: Names, bound: dict[str, Owners], rank: int) -> Iterator[Offer]:
+    """Yields the names of a category; any other word stands for itself."""
+    match category:
+        case "local":
+            for name in bound:
+                yield Offer(name, "local", rank)
+        case "free local":  # it may be an action
+            for name, owners in bound.items():
+                if owners is None:
+                    yield Offer(name, "local", rank)
         case "form":
-            yield from (Offer(form, "shape", rank + 2) for form in FORMS)
+            for form in FORMS:
+                yield Offer(form, "shape", rank + 2)
         case "word":
-            yield from (Offer(word, "word", rank) for word in sorted(names.words))
+            for word in sorted(names.words):
+                yield Offer(word, "word", rank)
         case "event":
-            yield from (
-                offer
-                for offer in _of("metric", names, around, rank)
-                if offer.symbol and isinstance(names.nodes[offer.symbol], ast.Event)
-            )
-        case _ if sort in SHARED:
-            yield from (
-                Offer(s.name, sort, rank, s)
-                for s in names.nodes
-                if s.space == "name" and names.sort(s) == sort
-            )
-        case _ if sort in KINDS:
-            hidden = ("start",) if sort == "phase" else ()
-            yield from (
-                Offer(s.name, sort, rank, s)
-                for s in names.nodes
-                if s.space == sort and s.name not in hidden
-            )
+            for symbol, node in names.nodes.items():
+                if symbol.space == "metric" and isinstance(node, ast.Event):
+                    yield Offer(symbol.name, "metric", rank, symbol)
+        case _ if category in SHARED:
+            for symbol in names.nodes:
+                if symbol.space == "name" and names.sort(symbol) == category:
+                    yield Offer(symbol.name, category, rank, symbol)
+        case _ if category in KINDS:
+            for symbol in names.nodes:
+                is_start = category == "phase" and symbol.name == "start"
+                if symbol.space == category and not is_start:
+                    yield Offer(symbol.name, category, rank, symbol)
         case _:
-            yield Offer(sort, "value", rank)
+            yield Offer(category, "value", rank)
 
 
-def _members(tokens: Sequence[Token], names: Names, around: dict[str, Owners]) -> Iterator[Offer]:
-    """Yields what may stand after a dot: fields, attributes, actions that have arguments, and behind one of these its arguments."""
-    arguments = [s for s in names.nodes if s.space == "argument"]
-    own = [
-        s
-        for s in arguments
-        if [t.type for t in tokens[-3:]] == ["DOT", "NAME", "DOT"] and s.owner == tokens[-2]
-    ]
-    if own:
-        yield from (Offer(s.name, "argument", 0, s) for s in own)
-        return
-    _, owners = _path(tokens[:-1], names, around)
-    yield from (Offer(s.name, "field", 0, s) for s in names.fields(owners))
+def _members(tokens: Sequence[Token], names: Names, bound: dict[str, Owners]) -> Iterator[Offer]:
+    """Yields what may stand after a dot.
+
+    That is an argument behind an action, else a field, an attribute or an action with arguments.
+    """
+    arguments = [symbol for symbol in names.nodes if symbol.space == "argument"]
+    if [token.type for token in tokens[-3:]] == ["DOT", "NAME", "DOT"]:
+        of_action = [symbol for symbol in arguments if symbol.owner == tokens[-2]]
+        if of_action:
+            for symbol in of_action:
+                yield Offer(symbol.name, "argument", 0, symbol)
+            return
+    _, owners = _path(tokens[:-1], names, bound)
+    for symbol in names.fields(owners):
+        yield Offer(symbol.name, "field", 0, symbol)
     if owners is None or "agent" in owners:
-        yield from (Offer(s.owner, "action", 1, Symbol("action", s.owner)) for s in arguments)
+        for symbol in arguments:
+            yield Offer(symbol.owner, "action", 1, Symbol("action", symbol.owner))
     for owner in owners or ("agent",):
-        is_mover = isinstance(names.nodes.get(Symbol("name", owner)), ast.Movers)
-        attributes = (
-            AGENT_ATTRIBUTES
-            if owner == "agent"
-            else MOVER_ATTRIBUTES
-            if is_mover
-            else CELL_ATTRIBUTES
-        )
-        yield from (Offer(attribute, "field", 1) for attribute in attributes)
+        attributes = CELL_ATTRIBUTES
+        if owner == "agent":
+            attributes = AGENT_ATTRIBUTES
+        elif isinstance(names.nodes.get(Symbol("name", owner)), ast.Movers):
+            attributes = MOVER_ATTRIBUTES
+        for attribute in attributes:
+            yield Offer(attribute, "field", 1)
 
 
-def _words_compared(tokens: Sequence[Token], names: Names, around: dict[str, Owners]) -> list[str]:
-    """Returns the words of the field that stands before `is`, `is not` or `=`."""
+def _values_compared(tokens: Sequence[Token], names: Names, bound: dict[str, Owners]) -> list[str]:
+    """Returns the enum values of the field that stands before `is`, `is not` or `=`."""
     if not tokens or tokens[-1].type not in ("IS", "NOT", "EQUAL"):
         return []
-    fields, _ = _path(
-        [t for t in tokens[:-1] if t.type != "IS"] if tokens[-1].type == "NOT" else tokens[:-1],
-        names,
-        around,
-    )
-    nodes = [names.nodes[field] for field in fields]
-    return [
-        w.text
-        for node in nodes
-        if isinstance(node, ast.Field) and isinstance(node.type, ast.Words)
-        for w in node.type.names
-    ]
+    path = tokens[:-1]
+    if tokens[-1].type == "NOT":
+        path = [token for token in path if token.type != "IS"]
+    fields, _ = _path(path, names, bound)
+    values: list[str] = []
+    for field in fields:
+        node = names.nodes[field]
+        if isinstance(node, ast.Field) and isinstance(node.type, ast.Words):
+            values += [name.text for name in node.type.names]
+    return values
 
 
 def _path(
-    tokens: Sequence[Token], names: Names, around: dict[str, Owners]
+    tokens: Sequence[Token], names: Names, bound: dict[str, Owners]
 ) -> tuple[list[Symbol], Owners]:
-    """Returns the fields that the path at the end of tokens can be, and what its value can be, None if that is not known."""
+    """Returns the fields that the path at the end of tokens may be, and the owners it may hold.
+
+    The owners are None if they aren't known.
+    """
     if tokens and tokens[-1].type == "RSQB":
-        tokens = tokens[
-            : max(at for at, token in enumerate(tokens) if token.type == "LSQB" or not at)
-        ]
+        opening = [index for index, token in enumerate(tokens) if token.type == "LSQB"]
+        tokens = tokens[: opening[-1] if opening else 0]
     if not tokens or tokens[-1].type != "NAME":
         return [], None
     name = str(tokens[-1])
-    if [t.type for t in tokens[-2:-1]] == ["DOT"]:
-        fields = [s for s in names.fields(_path(tokens[:-2], names, around)[1]) if s.name == name]
-    elif name in around or names.owners(name) is not None:
-        return [], around.get(name) or names.owners(name)
+    owners = names.owners(name)
+    if len(tokens) > 1 and tokens[-2].type == "DOT":
+        _, holders = _path(tokens[:-2], names, bound)
+        fields = [symbol for symbol in names.fields(holders) if symbol.name == name]
+    elif name in bound or owners is not None:
+        return [], bound.get(name) or owners
+    elif Symbol("name", name) in names.nodes:
+        fields = [Symbol("name", name)]
     else:
-        world = Symbol("name", name)
-        fields = (
-            [world] if world in names.nodes else [s for s in names.fields(None) if s.name == name]
-        )
-    held = [names.held(field) for field in fields]
-    return fields, frozenset[str]().union(*(h for h in held if h)) or None
+        fields = [symbol for symbol in names.fields(None) if symbol.name == name]
+    held = frozenset[str]().union(*(names.held(field) or () for field in fields))
+    return fields, held or None
 
 
 def local_names(tokens: Sequence[Token], names: Names) -> dict[str, Owners]:
-    """Returns the local names behind the tokens, each with what it can be: bound by `as`, `let`, `draw`, a domain or in a declaration's `()`."""
+    """Returns the local names that are bound behind the tokens, each with its possible owners.
+
+    They are bound by `as`, `let`, `draw`, a domain, or in the parentheses of a declaration.
+    """
     blocks: list[dict[str, Owners]] = [{}]
     pending: dict[str, Owners] = {}  # of the statement that is being read: they hold in its block
     begun = ""
-    for at, token in enumerate(tokens):
-        before = tokens[at - 1].type if at else ""
-        if (
-            token.type in BEGINNING
-            and before != "WITH"
-            and not (token.type == "WHEN" and begun in ABOUT_AGENTS)
-        ):
-            begun, pending = token.type, {"agent": AGENT} if token.type in ABOUT_AGENTS else {}
-        if token.type in ("LBRACE", "LPAR"):
-            blocks.append({**blocks[-1], **pending})
-            pending = {} if token.type == "LBRACE" else pending
-            if [t.type for t in tokens[at - 2 : at]] in (["PHASE", "NAME"], ["DEFINE", "NAME"]):
-                inside = takewhile(lambda t: t.type != "RPAR", tokens[at:])
-                pending = {str(parameter): None for parameter in inside if parameter.type == "NAME"}
-        elif token.type in ("RBRACE", "RPAR") and len(blocks) > 1:
-            blocks.pop()
-            pending = {} if token.type == "RBRACE" else pending
-        elif token.type == "NAME" and before in ("LET", "DRAW"):
-            blocks[-1][str(token)] = None
-        elif token.type == "NAME" and before == "AS":
-            pending[str(token)] = pending.pop(str(tokens[at - 2]), None)
-        elif token.type == "NAME" and before != "DOT" and names.owners(str(token)):
-            pending[str(token)] = names.owners(str(token))
+    for index, token in enumerate(tokens):
+        previous = tokens[index - 1].type if index else ""
+        is_condition = token.type == "WHEN" and begun in ABOUT_AGENTS
+        if token.type in BEGINNING and previous != "WITH" and not is_condition:
+            begun = token.type
+            pending = {"agent": AGENT} if begun in ABOUT_AGENTS else {}
+        match token.type:
+            case "LBRACE":
+                blocks.append({**blocks[-1], **pending})
+                pending = {}
+            case "LPAR":
+                blocks.append({**blocks[-1], **pending})
+                declaring = [t.type for t in tokens[max(0, index - 2) : index]]
+                if declaring in (["PHASE", "NAME"], ["DEFINE", "NAME"]):
+                    inside = takewhile(lambda t: t.type != "RPAR", tokens[index:])
+                    pending = {str(t): None for t in inside if t.type == "NAME"}
+            case "RBRACE" if len(blocks) > 1:
+                blocks.pop()
+                pending = {}
+            case "RPAR" if len(blocks) > 1:
+                blocks.pop()
+            case "NAME" if previous in ("LET", "DRAW"):
+                blocks[-1][str(token)] = None
+            case "NAME" if previous == "AS":
+                pending[str(token)] = pending.pop(str(tokens[index - 2]), None)
+            case "NAME" if previous != "DOT" and names.owners(str(token)):
+                pending[str(token)] = names.owners(str(token))
     return {**blocks[-1], **pending}

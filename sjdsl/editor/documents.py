@@ -1,4 +1,4 @@
-"""The texts that an editor has open, over the files on the disk, by their URIs."""
+"""The texts that an editor has open and the files on the disk, by their URIs."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -13,34 +13,37 @@ from sjdsl.editor.positions import UTF16, Lines
 
 
 def path_of(uri: str) -> Path | None:
-    """Returns the file that a URI names, links followed; None for one that is not on the disk, such as a text never saved."""
-    place = place_of(uri)
-    if place is None or urlsplit(uri).scheme != "file":
+    """Returns the file that a URI names, links followed; None if it isn't one on the disk."""
+    path = _path_in(uri)
+    if path is None or urlsplit(uri).scheme != "file":
         return None
-    return place.resolve()
+    return path.resolve()
 
 
-def place_of(uri: str) -> Path | None:
+def _path_in(uri: str) -> Path | None:
     """Returns the path in a URI, None if it has none that a file can have.
 
-    A URI of another scheme may have one too: of an earlier version, `git:/games/pond.sj?...`, or of a text that is not saved yet.
+    A URI of another scheme may have a path too: of an earlier version, `git:/games/pond.sj?...`, or
+    of a text that isn't saved yet.
     """
     parts = urlsplit(uri)
     try:
-        place = Path(url2pathname(parts.path))
-        place.resolve()
+        path = Path(url2pathname(parts.path))
+        path.resolve()
     except (OSError, RuntimeError, ValueError):  # RuntimeError: links that lead to each other
         return None
     is_remote = parts.scheme != "file" and parts.netloc
-    return place if place.is_absolute() and not is_remote else None
+    return path if path.is_absolute() and not is_remote else None
 
 
 @dataclass(frozen=True)
 class Document:
-    """One text: `version` as the client counts, None for a file that is not open.
+    """One text.
 
-    path: the file that it is the text of, links followed; place: the path in its URI, beside which are its maps and bases. None where
-    there is none.
+    version: as the client counts, None for a file that isn't open.
+    encoding: of positions, see `Lines`.
+    path: its file, links followed, None if it isn't saved.
+    uri_path: the path in its URI, beside which its maps and bases lie, None if there is none.
     """
 
     uri: str
@@ -48,35 +51,37 @@ class Document:
     version: int | None = None
     encoding: str = UTF16
     path: Path | None = None
-    place: Path | None = None
+    uri_path: Path | None = None
 
     @property
     def name(self) -> str:
-        """What messages call it."""
-        return self.uri if self.path is None or self.place is None else self.place.as_posix()
+        """The name that messages use."""
+        if self.path is None or self.uri_path is None:
+            return self.uri
+        return self.uri_path.as_posix()
 
     @property
     def folder(self) -> Path | None:
-        return None if self.place is None else self.place.parent
+        """The folder of its maps and bases."""
+        return None if self.uri_path is None else self.uri_path.parent
 
     @cached_property
     def lines(self) -> Lines:
+        """Converts its positions."""
         return Lines(self.text, self.encoding)
 
 
 class Documents:
-    """The open texts. `encoding`: the code units that the client counts in positions.
+    """The open texts.
 
-    inside: the folders in which files are read, None for all.
+    encoding: of positions, see `Lines`; inside: the folders in which files are read, None for all.
     """
 
     def __init__(self, encoding: str = UTF16, inside: Sequence[Path] | None = None):
         self.encoding = encoding
         self._inside = None if inside is None else [folder.resolve() for folder in inside]
         self._open: dict[str, Document] = {}
-        self._uris: dict[
-            Path, str
-        ] = {}  # as the client writes them: it may escape more than others
+        self._uris: dict[Path, str] = {}  # of open texts, as the client escapes them
 
     def put(self, uri: str, text: str, version: int | None = None) -> Document:
         """Opens a text, or replaces it."""
@@ -86,7 +91,7 @@ class Documents:
         return document
 
     def close(self, uri: str) -> None:
-        """Forgets an open text: from then on its file counts."""
+        """Forgets an open text; from then on its file is read."""
         document = self._open.pop(uri, None)
         if document is not None and document.path is not None:
             self._uris.pop(document.path, None)
@@ -98,7 +103,7 @@ class Documents:
         return uri in self._open
 
     def get(self, uri: str) -> Document | None:
-        """Returns an open text, or a file as it is on the disk; None if there is neither, or no text."""
+        """Returns an open text or the text of a file, None if there is neither."""
         if uri in self._open:
             return self._open[uri]
         path = self.path(uri)
@@ -112,15 +117,15 @@ class Documents:
             return None
 
     def path(self, uri: str) -> Path | None:
-        """Returns the file that a URI names; None for one that is not on the disk, or that may not be read."""
+        """Returns the file that a URI names, None if it isn't on the disk or may not be read."""
         path = path_of(uri)
         return path if path is not None and self._may_read(path) else None
 
     def _document(self, uri: str, text: str, version: int | None) -> Document:
-        place = place_of(uri)
-        if place is not None and not self._may_read(place.parent.resolve()):
-            place = None
-        return Document(uri, text, version, self.encoding, self.path(uri), place)
+        uri_path = _path_in(uri)
+        if uri_path is not None and not self._may_read(uri_path.parent.resolve()):
+            uri_path = None
+        return Document(uri, text, version, self.encoding, self.path(uri), uri_path)
 
     def _may_read(self, path: Path) -> bool:
         return self._inside is None or any(path.is_relative_to(folder) for folder in self._inside)
@@ -130,6 +135,6 @@ class Documents:
         return self._uris.get(path.resolve()) or path.as_uri()
 
     def text_over(self, path: Path) -> str | None:
-        """Returns the open text of a file, None if it is not open."""
+        """Returns the text of a file that is open, None if it isn't."""
         uri = self._uris.get(path)
         return None if uri is None else self._open[uri].text

@@ -1,4 +1,4 @@
-"""Edits of a text that an editor offers: the changes that messages suggest, and the lines that `sjdsl fmt` would change."""
+"""Edits that an editor offers: those that messages suggest, and those of `sjdsl fmt`."""
 
 from difflib import SequenceMatcher
 from itertools import accumulate
@@ -17,55 +17,57 @@ def quick_fixes(
     analysis: Analysis, range_: types.Range, documents: Documents
 ) -> list[types.CodeAction]:
     """Returns what the messages about a range suggest, in all variants."""
-    lines, own = analysis.document.lines, analysis.document.name
-    start, end = lines.offset(range_.start), lines.offset(range_.end)
-    told = [
-        (d, v)
-        for d, v in by_variant(analysis.all_problems())
-        if d.span.file == own and d.span.start <= end and start <= d.span.end
+    document = analysis.document
+    start = document.lines.offset(range_.start)
+    end = document.lines.offset(range_.end)
+    problems = [
+        (d, variants)
+        for d, variants in by_variant(analysis.all_problems())
+        if d.span.file == document.name and d.span.start <= end and start <= d.span.end
     ]
-    found = []
-    for d, variants in told:
+    versioned = types.OptionalVersionedTextDocumentIdentifier(document.uri, document.version)
+    actions = []
+    for d, variants in problems:
         shown = diagnostics(analysis, documents, [(variants[:1], [d])])
-        inside = [
+        suggestions = [
             suggestion
             for suggestion in d.suggestions
-            if all(edit.span.file == own for edit in suggestion.edits)
+            if all(edit.span.file == document.name for edit in suggestion.edits)
         ]
-        for number, suggestion in enumerate(inside):
+        is_clear = len(problems) == 1 and (len(suggestions) == 1 or d.fix is not None)
+        for number, suggestion in enumerate(suggestions):
             edits: list[Any] = [
-                types.TextEdit(lines.span(edit.span), edit.text) for edit in suggestion.edits
+                types.TextEdit(document.lines.span(edit.span), edit.text)
+                for edit in suggestion.edits
             ]
-            versioned = types.OptionalVersionedTextDocumentIdentifier(
-                analysis.document.uri, analysis.document.version
+            changes = [types.TextDocumentEdit(versioned, edits)]
+            action = types.CodeAction(
+                title=suggestion.says[:1].upper() + suggestion.says[1:],
+                kind=types.CodeActionKind.QuickFix,
+                diagnostics=shown,
+                is_preferred=number == 0 and is_clear,
+                edit=types.WorkspaceEdit(document_changes=changes),
             )
-            found.append(
-                types.CodeAction(
-                    title=suggestion.says[:1].upper() + suggestion.says[1:],
-                    kind=types.CodeActionKind.QuickFix,
-                    diagnostics=shown,
-                    is_preferred=number == 0
-                    and len(told) == 1
-                    and (len(inside) == 1 or d.fix is not None),
-                    edit=types.WorkspaceEdit(
-                        document_changes=[types.TextDocumentEdit(versioned, edits)]
-                    ),
-                )
-            )
-    return found
+            actions.append(action)
+    return actions
 
 
 def formatting(analysis: Analysis) -> list[types.TextEdit]:
-    """Returns the edits that lay out a text, of no other lines, so that the cursor stays where it is; none for one with syntax errors."""
-    before = analysis.document.text
+    """Returns the edits that format a text; none if it has syntax errors.
+
+    They change only lines that differ, so that the cursor stays where it is.
+    """
     try:
-        after = format_source(analysis.source)
+        formatted = format_source(analysis.source)
     except CompileError:
         return []
-    old, new = before.splitlines(keepends=True), after.splitlines(keepends=True)
-    starts, lines = [0, *accumulate(map(len, old))], analysis.document.lines
-    return [
-        types.TextEdit(lines.range(starts[i], starts[j]), "".join(new[first:last]))
-        for tag, i, j, first, last in SequenceMatcher(None, old, new, autojunk=False).get_opcodes()
-        if tag != "equal"
-    ]
+    document = analysis.document
+    old = document.text.splitlines(keepends=True)
+    new = formatted.splitlines(keepends=True)
+    starts = [0, *accumulate(map(len, old))]
+    edits = []
+    for tag, i, j, first, last in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+        if tag != "equal":
+            range_ = document.lines.range(starts[i], starts[j])
+            edits.append(types.TextEdit(range_, "".join(new[first:last])))
+    return edits

@@ -1,7 +1,7 @@
-"""The files in which a name of one of them may stand: its own, those it extends, and all that extend one of these."""
+"""The files that share names: a text, the games that it extends, and those that extend these."""
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from itertools import chain, islice
 from pathlib import Path
 
@@ -10,89 +10,96 @@ from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.editor.analysis import Analyses, Analysis
 from sjdsl.files import games_below
 
-MOST_FILES = 2000  # of the folders that are looked through for games that extend another
+MAX_FILES = 2000  # that are searched for games that extend another
 
 
-def readable(uris: Iterable[str], analyses: Analyses) -> list[Analysis]:
-    """Returns what is known of texts when they had no syntax errors last, each once."""
-    return [made for made in map(analyses.readable, dict.fromkeys(uris)) if made is not None]
+def _readable(uris: Iterable[str], analyses: Analyses) -> list[Analysis]:
+    """Returns the last analysis without syntax errors of each text."""
+    candidates = map(analyses.readable, dict.fromkeys(uris))
+    return [analysis for analysis in candidates if analysis is not None]
 
 
-def bases(analysis: Analysis, analyses: Analyses) -> list[Analysis]:
-    """Returns what is known of the games that a text extends, the nearest first."""
-    return readable(
-        (
-            analyses.documents.uri(source.file)
-            for source, _ in analysis.chain[1:]
-            if source.file is not None
-        ),
-        analyses,
-    )
+def _bases(analysis: Analysis, analyses: Analyses) -> list[Analysis]:
+    """Returns the games that a text extends, the nearest first."""
+    files = [source.file for source, _ in analysis.chain[1:] if source.file is not None]
+    return _readable(map(analyses.documents.uri, files), analyses)
 
 
 def declarations(
     symbols: Iterable[Symbol], analysis: Analysis, analyses: Analyses
 ) -> list[tuple[Analysis, Occurrence]]:
-    """Returns where something is declared: in the text itself, then in its bases."""
+    """Returns where symbols are declared: in the text itself, then in its bases."""
     wanted = set(symbols)
-    made = (
-        [analysis]
-        if any(s.space == "local" for s in wanted)
-        else [analysis, *bases(analysis, analyses)]
-    )
+    texts = [analysis]
+    if all(symbol.space != "local" for symbol in wanted):
+        texts += _bases(analysis, analyses)
     return [
-        (one, o) for one in made for o in one.occurrences if o.declares and wanted & set(o.symbols)
+        (text, o)
+        for text in texts
+        for o in text.occurrences
+        if o.declares and wanted & {*o.symbols}
     ]
 
 
 def everywhere(
     symbols: Iterable[Symbol], analysis: Analysis, analyses: Analyses, folders: Iterable[Path]
 ) -> list[tuple[Analysis, list[Occurrence]]]:
-    """Returns where something is named: in the text, in its bases, and in all texts that stand on a file of these that declares it, perhaps nowhere.
+    """Returns where symbols are named, by text.
 
-    A field of several kinds that a group puts together is one thing: a name for one of them is a name for all.
+    The texts are the given one, its bases, and those that extend a file that declares a symbol and
+    is one of these. A field that several kinds of a group have counts as one: a name of it for one
+    kind is a name of it for all.
+
+    Args:
+      folders: where to search for games that extend the text or its bases.
     """
     wanted = set(symbols)
-    if any(s.space == "local" for s in wanted):
-        return [(analysis, [o for o in analysis.occurrences if wanted & set(o.symbols)])]
+    if any(symbol.space == "local" for symbol in wanted):
+        return [(analysis, [o for o in analysis.occurrences if wanted & {*o.symbols}])]
     files = _files(analysis)
-    below = islice(chain.from_iterable(map(games_below, folders)), MOST_FILES)
+    below = islice(chain.from_iterable(map(games_below, folders)), MAX_FILES)
     uris = [
-        *(d.uri for d in analyses.documents),
+        analysis.document.uri,
+        *(base.document.uri for base in _bases(analysis, analyses)),
+        *(document.uri for document in analyses.documents),
         *(analyses.documents.uri(path.resolve()) for path in below),
     ]
-    texts = readable(
-        [analysis.document.uri, *(made.document.uri for made in bases(analysis, analyses)), *uris],
-        analyses,
-    )
-    family = [made for made in texts if made is analysis or files & _files(made)]
-    resolved = defaultdict[Span, set[Symbol]](
-        set
-    )  # a define of a base may be used for other kinds by games that stand on it
-    for span, found in (pair for made in family for pair in made.resolved.items()):
-        resolved[span] |= found
-    known = 0
-    while known < len(wanted):
-        known = len(wanted)
-        wanted |= {
-            symbol for together in resolved.values() if wanted & together for symbol in together
-        }
-    read = [
-        (made, [o for o in occurrences(made.file, made.names, resolved) if wanted & set(o.symbols)])
-        for made in family
-        if made.file
+    family = [
+        text for text in _readable(uris, analyses) if text is analysis or files & _files(text)
     ]
-    declaring = {_file(made.source) for made, hits in read if any(o.declares for o in hits)} & files
-    return [(made, hits) for made, hits in read if declaring & _files(made)]
+    # Games that extend a base may use one of its defines for other kinds.
+    resolved = defaultdict[Span, set[Symbol]](set)
+    for text in family:
+        for span, symbols_there in text.resolved.items():
+            resolved[span] |= symbols_there
+    wanted = _connected(wanted, resolved.values())
+    named: list[tuple[Analysis, list[Occurrence]]] = []
+    declaring: set[Path | str] = set()
+    for text in family:
+        if text.file is not None:
+            names = occurrences(text.file, text.names, resolved)
+            names = [o for o in names if wanted & {*o.symbols}]
+            named.append((text, names))
+            if any(o.declares for o in names):
+                declaring.add(_file(text.source))
+    return [(text, names) for text, names in named if declaring & files & _files(text)]
+
+
+def _connected(symbols: set[Symbol], groups: Collection[set[Symbol]]) -> set[Symbol]:
+    """Returns the symbols that share a group with one of `symbols`, directly or through others."""
+    connected = set(symbols)
+    while True:
+        larger = connected.union(*(group for group in groups if connected & group))
+        if larger == connected:
+            return connected
+        connected = larger
 
 
 def _files(analysis: Analysis) -> set[Path | str]:
     """Returns the file of a text and of each game that it extends."""
-    return {
-        _file(source) for source in (analysis.source, *(source for source, _ in analysis.chain))
-    }
+    return {_file(analysis.source), *(_file(source) for source, _ in analysis.chain)}
 
 
 def _file(source: Source) -> Path | str:
-    """Returns the file of a text, links followed; of one that is in no file, its name."""
+    """Returns the file of a text, links followed; its name if it isn't saved."""
     return source.file or source.name

@@ -1,4 +1,4 @@
-"""How the words and signs of a text are coloured: patterns of a TextMate grammar, from which every highlighter of the language is made."""
+"""The patterns of a TextMate grammar, from which every highlighter of the language is made."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -9,8 +9,9 @@ from sjdsl.compiler.syntax.parse import automaton
 from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, STATEMENTS
 from sjdsl.runtime.actions import HEADINGS
 
-NAMED = (
-    "size", "param", "kind", "group", "define", "movers", "shape", "phase", "policy", "scenario", "variant", "event", "mean", "final", "game",
+NAMED = (  # keywords before a new name
+    "size", "param", "kind", "group", "define", "movers", "shape", "phase", "policy", "scenario",
+    "variant", "event", "mean", "final", "game",
 )  # fmt: skip
 FIELDS = ("field", "timer")
 CONTROL = ("when", "chance", "otherwise", "each", "pick", "first", "match", "case")
@@ -21,29 +22,26 @@ SPACE = "punctuation.whitespace.sj"
 
 
 def word_groups() -> dict[str, list[str]]:
-    """Returns the words of the language by how they are coloured; each is in one group."""
-    kinds = {
-        word: kind
-        for kind, word in sorted(automaton().words.items())
-        if word.isalpha() and word not in VALUES
+    """Returns the keywords of the language by scope; each is in one group."""
+    groups: dict[str, list[str]] = {
+        "keyword.control.sj": [],
+        "storage.type.sj": [],
+        "keyword.other.statement.sj": [],
+        "keyword.operator.word.sj": [],
     }
-    control = set(CONTROL) & kinds.keys()
-    declaring = {
-        word
-        for word, kind in kinds.items()
-        if kind in SECTIONS | ENTRIES or word in ("game", "sj", "extends", *FIELDS)
-    } - control
-    statements = {word for word, kind in kinds.items() if kind in STATEMENTS} - control - declaring
-    groups = {
-        "keyword.control.sj": control,
-        "storage.type.sj": declaring,
-        "keyword.other.statement.sj": statements,
-    }
-    others = kinds.keys() - control - declaring - statements
-    return {
-        scope: sorted(words)
-        for scope, words in {**groups, "keyword.operator.word.sj": others}.items()
-    }
+    for kind, word in sorted(automaton().words.items(), key=lambda item: item[1]):
+        if not word.isalpha() or word in VALUES:
+            continue
+        if word in CONTROL:
+            scope = "keyword.control.sj"
+        elif kind in SECTIONS | ENTRIES or word in ("game", "sj", "extends", *FIELDS):
+            scope = "storage.type.sj"
+        elif kind in STATEMENTS:
+            scope = "keyword.other.statement.sj"
+        else:
+            scope = "keyword.operator.word.sj"
+        groups[scope].append(word)
+    return groups
 
 
 def any_of(words: Iterable[str]) -> str:
@@ -51,7 +49,7 @@ def any_of(words: Iterable[str]) -> str:
 
 
 def captured(match: str, *scopes: str) -> dict[str, Any]:
-    """Returns a pattern whose groups have these scopes, in order; it matches nothing outside them."""
+    """Returns a pattern whose groups have these scopes, in order; they make up the whole match."""
     return {
         "match": match,
         "captures": {str(number): {"name": scope} for number, scope in enumerate(scopes, 1)},
@@ -59,10 +57,11 @@ def captured(match: str, *scopes: str) -> dict[str, Any]:
 
 
 def patterns() -> list[dict[str, Any]]:
-    """Returns the patterns; at each place the first that matches gives the colour.
+    """Returns the patterns; at each position the first that matches gives the colour.
 
-    Each has `match`, a regular expression, with `name`, the scope of all of it, or `captures`, scopes by the number of a group; or it has
-    `begin`, `end`, `name`, and `patterns` for what stands between.
+    A pattern has `match`, a regular expression, and either `name`, the scope of all of it, or
+    `captures`, scopes by the number of a group. Or it has `begin`, `end`, `name`, and `patterns`
+    for the text between.
     """
     return [
         {"name": "comment.line.number-sign.sj", "match": "#.*$"},

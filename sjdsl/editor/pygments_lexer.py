@@ -1,4 +1,7 @@
-"""A Pygments lexer of the language, made from the same patterns as the TextMate grammar: for Sphinx, MkDocs, LaTeX and terminals."""
+"""A Pygments lexer of the language, for Sphinx, MkDocs, LaTeX and terminals.
+
+It is made from the same patterns as the TextMate grammar.
+"""
 
 from typing import Any, ClassVar, TypeAlias
 
@@ -17,7 +20,7 @@ from pygments.token import (
 
 from sjdsl.editor.highlighting import NAME, patterns
 
-TOKENS = {  # TextMate's scopes as Pygments has them
+TOKENS = {  # Pygments' tokens of TextMate's scopes
     "comment.line.number-sign.sj": Comment.Single,
     "string.quoted.double.sj": String.Double,
     "constant.character.escape.sj": String.Escape,
@@ -38,41 +41,36 @@ TOKENS = {  # TextMate's scopes as Pygments has them
     "punctuation.separator.sj": Punctuation,
     "punctuation.whitespace.sj": Whitespace,
 }
-Rule: TypeAlias = tuple[
-    Any, ...
-]  # a pattern, its token or what makes tokens, and perhaps the state that follows; Pygments has no types
+# A regular expression, its token or callback, and perhaps the next state; Pygments has no types.
+Rule: TypeAlias = tuple[Any, ...]
 
 
-def rules(found: list[dict[str, Any]]) -> dict[str, list[Rule]]:
-    """Returns the states of a lexer, `root` among them, that colours as a TextMate grammar of these patterns does.
+def rules(textmate_patterns: list[dict[str, Any]]) -> dict[str, list[Rule]]:
+    """Returns the states of a lexer that colours as a TextMate grammar does; it starts in `root`.
 
-    Raises KeyError for a scope that has no token.
+    Raises:
+      KeyError: a scope has no token.
     """
-    states: dict[str, list[Rule]] = {"root": [(r"\s+", Whitespace)]}
-    for pattern in found:
+    root: list[Rule] = [(r"\s+", Whitespace)]
+    states = {"root": root}
+    for pattern in textmate_patterns:
         if "begin" in pattern:
-            token, inner = TOKENS[pattern["name"]], pattern["name"]
-            states["root"].append((pattern["begin"], token, inner))
-            states[inner] = [(pattern["end"], token, "#pop")]
-            states[inner] += [
-                (within["match"], TOKENS[within["name"]]) for within in pattern["patterns"]
-            ]
-            states[inner].append((r"[\s\S]", token))
+            state = pattern["name"]
+            token = TOKENS[state]
+            inner = [(each["match"], TOKENS[each["name"]]) for each in pattern["patterns"]]
+            root.append((pattern["begin"], token, state))
+            states[state] = [(pattern["end"], token, "#pop"), *inner, (r"[\s\S]", token)]
         elif "name" in pattern:
-            states["root"].append((pattern["match"], TOKENS[pattern["name"]]))
+            root.append((pattern["match"], TOKENS[pattern["name"]]))
         else:
-            states["root"].append(
-                (
-                    pattern["match"],
-                    bygroups(*(TOKENS[scope["name"]] for scope in pattern["captures"].values())),
-                )
-            )
-    states["root"] += [(NAME, Name), (r"[A-Za-z_]\w*", Text), (r".", Punctuation)]
+            tokens = [TOKENS[scope["name"]] for scope in pattern["captures"].values()]
+            root.append((pattern["match"], bygroups(*tokens)))
+    root += [(NAME, Name), (r"[A-Za-z_]\w*", Text), (r".", Punctuation)]
     return states
 
 
 class SjLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
-    """Colours texts of the language `sj`; Pygments finds it by the name `sj` and by the ending of a file."""
+    """Colours texts of the language; Pygments finds it by the name `sj` and for files `*.sj`."""
 
     name = "sj"
     url = ""

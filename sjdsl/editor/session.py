@@ -1,4 +1,7 @@
-"""One editor's session: its open texts and folders, and an answer for each thing it asks. Nothing here knows how messages travel."""
+"""One editor's session: its open texts and folders, and an answer to each of its questions.
+
+How messages travel is the server's business.
+"""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
@@ -7,7 +10,7 @@ from urllib.parse import urlsplit
 from lsprotocol import types
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
-from sjdsl.editor.analysis import Analyses, Analysis
+from sjdsl.editor.analysis import Analyses
 from sjdsl.editor.completion import completion
 from sjdsl.editor.diagnostics import diagnostics
 from sjdsl.editor.documents import Document, Documents
@@ -21,9 +24,10 @@ GAME = ".sj"
 
 
 class Session:
-    """The state of one client: `encoding`, the code units of its positions; `folders` that it has open.
+    """The state of one client.
 
-    inside: the folders in which files are read, None for all.
+    encoding: of its positions, see `Lines`; folders: that it has open; inside: the folders in which
+    files are read, None for all.
     """
 
     def __init__(
@@ -47,27 +51,28 @@ class Session:
         self.analyses.forget(uri)
 
     def affected_by(self, uri: str) -> list[str]:
-        """Returns the open games whose messages may differ when a text has changed: it itself, and those that stand on it."""
+        """Returns the open games that a change of a text affects: itself and those that read it."""
         path = self.documents.path(uri)
-        games = [d.uri for d in self.documents if is_game(d)]
-        standing = set(self.analyses.standing_on(path)) if path is not None else set()
-        return [game for game in games if game == uri or game in standing]
+        depending = [] if path is None else self.analyses.depending_on(path)
+        games = [document.uri for document in self.documents if is_game(document)]
+        return [game for game in games if game == uri or game in depending]
 
     # ---- messages
 
     def diagnosed(self, uri: str) -> Iterator[list[types.Diagnostic]]:
-        """Yields the messages about a text: of the game as it is, then with those of one variant after the other."""
+        """Yields the messages about a text: without variants, then with those of more and more."""
         analysis = self.analyses.of(uri)
         if analysis is None:
             return
-        found: list[tuple[tuple[str, ...], tuple[Diagnostic, ...]]] = []
-        for variants, problems in analysis.all_problems():
-            found.append((variants, problems))
-            yield diagnostics(analysis, self.documents, found)
+        problems: list[tuple[tuple[str, ...], tuple[Diagnostic, ...]]] = []
+        for problems_of_variant in analysis.all_problems():
+            problems.append(problems_of_variant)
+            yield diagnostics(analysis, self.documents, problems)
 
     def diagnostics(self, uri: str) -> list[types.Diagnostic]:
         """Returns all messages about a text, in all its variants."""
-        return next(iter([*self.diagnosed(uri)][-1:]), [])
+        versions = list(self.diagnosed(uri))
+        return versions[-1] if versions else []
 
     # ---- questions
 
@@ -86,23 +91,16 @@ class Session:
         return references(uri, position, self.analyses, self.folders, declared)
 
     def rename(self, uri: str, position: types.Position, new: str) -> types.WorkspaceEdit:
-        """Raises Refused with the reason why not."""
+        """Returns the edits of a new name. Raises Refused with a reason."""
         return rename(uri, position, new, self.analyses, self.folders)
 
     def quick_fixes(self, uri: str, range_: types.Range) -> list[types.CodeAction]:
-        return [
-            fix
-            for analysis in self._known(uri)
-            for fix in quick_fixes(analysis, range_, self.documents)
-        ]
+        analysis = self.analyses.of(uri)
+        return [] if analysis is None else quick_fixes(analysis, range_, self.documents)
 
     def formatting(self, uri: str) -> list[types.TextEdit]:
-        return [edit for analysis in self._known(uri) for edit in formatting(analysis)]
-
-    def _known(self, uri: str) -> list[Analysis]:
-        """Returns what is known of a text; nothing if there is no such text."""
         analysis = self.analyses.of(uri)
-        return [] if analysis is None else [analysis]
+        return [] if analysis is None else formatting(analysis)
 
     def symbols(self, uri: str) -> list[types.DocumentSymbol]:
         document = self.documents.get(uri)

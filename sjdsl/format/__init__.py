@@ -1,4 +1,4 @@
-"""The formatter: one layout of a `.sj` text with the same tokens and comments, and other spaces and line ends."""
+"""The formatter: changes the spaces and line ends of a `.sj` text, not its tokens and comments."""
 
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.parse import read_tree
@@ -10,17 +10,18 @@ from sjdsl.format.tokens import Tokens, read_gaps
 
 
 def format_source(source: Source) -> str:
-    """Returns the text of a file as it should be laid out: at most 140 columns, ended by one line end, of the sort that the file has.
+    """Returns a formatted text of at most 140 columns, which ends with one line end.
 
-    A line is longer only where it holds nothing that can be broken. Formatting the result changes nothing.
-    Raises CompileError with every syntax error of the file.
+    Line ends are those of the file. A line is longer only if nothing in it can be broken.
+    Formatting the result again changes nothing.
+
+    Raises:
+      CompileError: with every syntax error of the file.
     """
     tokens, tree = read_tree(source)
-    text = render(
-        lay_out(Tokens(tokens, read_structure(tokens, tree), read_gaps(source.text, tokens)))
-    )
-    text = text.replace("\n", line_end(source.text))
-    assert read_tree(Source(source.name, text))[0] == tokens, (
-        "formatting changed the words of the file"
-    )
+    structure = read_structure(tokens, tree)
+    lines = lay_out(Tokens(tokens, structure, read_gaps(source.text, tokens)))
+    text = render(lines).replace("\n", line_end(source.text))
+    formatted_tokens, _ = read_tree(Source(source.name, text))
+    assert formatted_tokens == tokens, "formatting changed the tokens of the file"
     return text

@@ -1,16 +1,20 @@
-"""Writes lines of code with their comments, aligning comments of neighbouring lines."""
+"""Writes lines of code with their comments; those of neighbouring lines are aligned."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 WIDTH = 140  # columns
-FAR = 30  # columns: comments of lines whose lengths differ by more do not share a column
+FAR = 30  # columns: comments of lines whose lengths differ by more aren't aligned
 APART = 2  # columns between code and its comment
 
 
 @dataclass
 class Line:
-    """`text`: with its indentation. `comment`: behind the code, empty if there is none. `blank`: an empty line before it."""
+    """A line.
+
+    text: code with its indentation; comment: behind the code, "" if there is none; blank: whether
+    an empty line stands before it.
+    """
 
     text: str
     comment: str = ""
@@ -22,52 +26,54 @@ class Line:
 
 
 def wrapped(comment: str, indent: int) -> list[str]:
-    """Returns a comment as lines of their own; one that is too long continues on the next line."""
+    """Returns a comment on its own lines; what is too long continues on the next."""
     rest = " " * indent + comment
-    found = []
+    lines = []
     while len(rest) > WIDTH:
-        begin = len(rest) - len(
-            rest[indent:].lstrip("# ")
-        )  # a cut before its first word would leave an empty line
-        cut = rest.rfind(" ", begin, WIDTH + 1)
-        cut = cut if cut >= 0 else rest.find(" ", WIDTH)
+        first_word = len(rest) - len(rest[indent:].lstrip("# "))
+        cut = rest.rfind(" ", first_word, WIDTH + 1)
+        if cut < 0:
+            cut = rest.find(" ", WIDTH)
         if cut < 0:
             break
-        found.append(rest[:cut].rstrip())
+        lines.append(rest[:cut].rstrip())
         rest = " " * indent + "# " + rest[cut:].strip()
-    return [*found, rest]
+    return [*lines, rest]
 
 
 def render(lines: Sequence[Line]) -> str:
-    """Returns the text of the lines, comments below each other in a run of equally indented lines."""
+    """Returns the text of lines; comments of lines with one indentation are aligned."""
     runs: list[list[Line]] = []
     for number, line in enumerate(lines):
         if number == 0 or line.blank or line.indent != lines[number - 1].indent:
             runs.append([])
         runs[-1].append(line)
-    found: list[str] = []
+    texts: list[str] = []
     for run in runs:
+        if run[0].blank and texts:
+            texts.append("")
         columns = _comment_columns(run)
-        found += [""] if run[0].blank and found else []
-        found += [
-            f"{line.text:{columns[n]}}{line.comment}" if line.comment else line.text
-            for n, line in enumerate(run)
-        ]
-    return "".join(f"{line}\n" for line in found)
+        for number, line in enumerate(run):
+            text = line.text
+            if line.comment:
+                text = text.ljust(columns[number]) + line.comment
+            texts.append(text)
+    return "".join(f"{text}\n" for text in texts)
 
 
 def _comment_columns(run: Sequence[Line]) -> dict[int, int]:
-    """Returns the columns of comments in one run: those of far longer lines have a column of their own, or stand alone."""
+    """Returns the column of each comment of a run, by the number of its line.
+
+    Comments share a column unless one line is far longer, or a comment would become too long.
+    """
     lengths = {number: len(line.text) for number, line in enumerate(run) if line.comment}
     columns: dict[int, int] = {}
     while lengths:
-        near = [
-            number for number, length in lengths.items() if length <= min(lengths.values()) + FAR
-        ]
-        shared = max(lengths[number] for number in near) + APART
-        for number in near:
-            length = lengths.pop(number)
-            columns[number] = (
-                shared if shared + len(run[number].comment) <= WIDTH else length + APART
-            )
+        limit = min(lengths.values()) + FAR
+        near = {number: length for number, length in lengths.items() if length <= limit}
+        shared = max(near.values()) + APART
+        for number, length in near.items():
+            is_aligned = shared + len(run[number].comment) <= WIDTH
+            columns[number] = shared if is_aligned else length + APART
+            del lengths[number]
     return columns

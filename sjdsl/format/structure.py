@@ -1,7 +1,8 @@
-"""Reads off the syntax tree where a line may break, which tokens touch, and what can be aligned."""
+"""Reads from the syntax tree where lines may break, which tokens touch, and what is aligned."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 from lark import Token, Tree
@@ -14,9 +15,11 @@ ENTRIES = frozenset(("entry", "arm", "relabel"))
 
 @dataclass(frozen=True)
 class Container:
-    """Items that may stand on lines of their own: statements of a block, entries of a list, rows of a picture, texts of `about`.
+    """Items that may have their own lines, such as statements of a block or rows of a picture.
 
-    open: the token before the first item. items: the first token of each. close: the closing brace; texts have none.
+    sort: `block` of statements, `list` of entries, `rows` of a picture, `texts` of `about`.
+    open: the token before the first item; items: the first token of each; close: the closing brace,
+    None for texts.
     """
 
     sort: Sort
@@ -31,16 +34,20 @@ class Container:
 
     def ranges(self) -> Iterator[tuple[int, int]]:
         """Yields the first and last token of each item; a comma belongs to the item before it."""
-        ends = (*(start - 1 for start in self.items[1:]), self.end - (self.close is not None))
-        yield from zip(self.items, ends, strict=True) if self.items else ()
+        for start, following in pairwise(self.items):
+            yield start, following - 1
+        if self.items:
+            yield self.items[-1], self.end if self.close is None else self.close - 1
 
 
 @dataclass
 class Structure:
-    """Numbers are those of tokens. game: the word `game`.
+    """The structure of a text. Tokens are given by their index.
 
-    containers: by the token that opens them. branches: `otherwise` that begins a branch. tight: no space before these.
-    columns: first token of a line -> (what it shares columns with, tokens before which columns begin).
+    game: the keyword `game`; containers: by the token that opens them; branches: each `otherwise`
+    that begins one; tight: tokens without a space before them.
+    columns: first token of a line -> (the rule whose lines share columns, the tokens with which
+    columns begin).
     """
 
     game: int
@@ -52,79 +59,105 @@ class Structure:
 
 def read_structure(tokens: Sequence[Token], tree: Tree[Token]) -> Structure:
     """Returns the structure of a text without syntax errors."""
-    number = {token.start_pos: n for n, token in enumerate(tokens)}
-    last = {token.end_pos: n for n, token in enumerate(tokens)}
-    found = Structure(next(n for n, token in enumerate(tokens) if token.type == "GAME"))
-    # tokens that stand close to the one before wherever they are
-    found.tight |= {n for n, token in enumerate(tokens) if token.type in ("COMMA", "RPAR", "RSQB")}
-    found.tight |= {
-        n + 1 for n, token in enumerate(tokens) if token.type in ("LPAR", "LSQB", "DOT")
-    }
-    starts: dict[int, set[str]] = {}
+    by_start = {token.start_pos: n for n, token in enumerate(tokens)}
+    by_end = {token.end_pos: n for n, token in enumerate(tokens)}
+    structure = Structure(next(n for n, token in enumerate(tokens) if token.type == "GAME"))
+    for n, token in enumerate(tokens):
+        if token.type in ("COMMA", "RPAR", "RSQB"):
+            structure.tight.add(n)
+        elif token.type in ("LPAR", "LSQB", "DOT"):
+            structure.tight.add(n + 1)
+    rules_at: dict[int, set[str]] = {}  # the nodes that begin with a token
     chained = {id(child) for node in tree.find_data("otherwise") for child in node.children}
     for node in tree.iter_subtrees():
-        start, end = number[node.meta.start_pos], last[node.meta.end_pos]
+        start = by_start[node.meta.start_pos]
+        end = by_end[node.meta.end_pos]
         if id(node) not in chained:
-            starts.setdefault(start, set()).add(node.data)
-        _note(node.data, start, end, tokens, found)
-    _find_containers(tokens, starts, found)
-    return found
+            rules_at.setdefault(start, set()).add(node.data)
+        _add_node(node.data, start, end, tokens, structure)
+    _add_braces(tokens, rules_at, structure)
+    return structure
 
 
-def _note(rule: str, start: int, end: int, tokens: Sequence[Token], found: Structure) -> None:
-    """Notes what one node says of its tokens `start .. end`."""
+def _add_node(
+    rule: str, start: int, end: int, tokens: Sequence[Token], structure: Structure
+) -> None:
+    """Adds to a structure what follows from a node with the tokens `start .. end`."""
+    tight = structure.tight
+    columns = structure.columns
     match rule:
         case "otherwise":
-            found.branches.add(start)
+            structure.branches.add(start)
         case "call" | "turn" | "count" | "total" | "extreme" | "action" if end > start:
-            found.tight.add(start + 1)
+            tight.add(start + 1)
         case "signed":
-            found.tight.add(start + 1)
+            tight.add(start + 1)
         case "names" | "index" | "member":
-            found.tight.add(start)
+            tight.add(start)
         case "key":
-            found.tight |= {end + 1, end} if tokens[end].type == "DOTS" else {end + 1}
+            tight.add(end + 1)
+            if tokens[end].type == "DOTS":
+                tight.add(end)
         case "about" if end > start + 2:
-            found.containers[start + 1] = Container(
-                "texts", start + 1, tuple(range(start + 2, end + 1)), None
-            )
+            texts = tuple(range(start + 2, end + 1))
+            structure.containers[start + 1] = Container("texts", start + 1, texts, None)
         case "size" | "param" if tokens[start + 2].type == "COLON":  # not one with `by`
-            found.columns[start] = ("number", (start + 1, start + 2, start + 4))
+            columns[start] = ("number", (start + 1, start + 2, start + 4))
         case "kind" | "field":
-            found.columns[start] = (rule, (start + 2,))
-        case "define" | "look" | "entry":
-            signs = {"define": ("EQUAL",), "look": ("AS", "WITH"), "entry": ("COLON",)}[rule]
-            sign = next(n for n in range(start, end) if tokens[n].type in signs)
-            found.columns[start] = (rule, (sign + (rule == "entry"),))
+            columns[start] = (rule, (start + 2,))
+        case "define":
+            columns[start] = (rule, (_find(tokens, start, end, "EQUAL"),))
+        case "look":
+            columns[start] = (rule, (_find(tokens, start, end, "AS", "WITH"),))
+        case "entry":
+            columns[start] = (rule, (_find(tokens, start, end, "COLON") + 1,))
         case _:
             pass
 
 
-def _find_containers(
-    tokens: Sequence[Token], starts: dict[int, set[str]], found: Structure
+def _find(tokens: Sequence[Token], start: int, end: int, *types: str) -> int:
+    """Returns the first of some tokens that has one of the types."""
+    return next(n for n in range(start, end) if tokens[n].type in types)
+
+
+def _add_braces(
+    tokens: Sequence[Token], rules_at: dict[int, set[str]], structure: Structure
 ) -> None:
-    """Adds the braces with items in them; braces around words or members have none."""
-    around: list[tuple[int, Sort | None, list[int]]] = []
+    """Adds the braces with items in them; braces around enum values or members have none."""
+    open_brackets: list[tuple[int, Sort | None, list[int]]] = []
     for number, token in enumerate(tokens):
-        if around:
-            _, sort, items = around[-1]
-            wanted = (
-                STATEMENTS if sort == "block" else ENTRIES if sort == "list" else frozenset[str]()
-            )
-            if wanted & starts.get(number, set()) or (sort == "rows" and token.type == "STRING"):
+        if open_brackets:
+            _, sort, items = open_brackets[-1]
+            if _is_item(sort, token, rules_at.get(number, set())):
                 items.append(number)
-        if token.type in ("LBRACE", "LPAR", "LSQB"):
-            rules, inside = starts.get(number + 1, set()), tokens[number + 1].type
-            sort = "list" if rules & ENTRIES else None
-            sort = (
-                "block"
-                if inside == "RBRACE" or rules & STATEMENTS
-                else "rows"
-                if inside == "STRING"
-                else sort
-            )
-            around.append((number, sort if token.type == "LBRACE" else None, []))
+        if token.type in ("LPAR", "LSQB"):
+            open_brackets.append((number, None, []))
+        elif token.type == "LBRACE":
+            sort = _sort_of_braces(tokens[number + 1], rules_at.get(number + 1, set()))
+            open_brackets.append((number, sort, []))
         elif token.type in ("RBRACE", "RPAR", "RSQB"):
-            open_, sort, items = around.pop()
+            opening, sort, items = open_brackets.pop()
             if sort is not None:
-                found.containers[open_] = Container(sort, open_, tuple(items), number)
+                structure.containers[opening] = Container(sort, opening, tuple(items), number)
+
+
+def _is_item(sort: Sort | None, token: Token, rules: set[str]) -> bool:
+    """Returns whether an item of a container begins with a token, with which nodes begin."""
+    match sort:
+        case "block":
+            return bool(rules & STATEMENTS)
+        case "list":
+            return bool(rules & ENTRIES)
+        case "rows":
+            return token.type == "STRING"
+        case _:
+            return False
+
+
+def _sort_of_braces(first: Token, rules: set[str]) -> Sort | None:
+    """Returns what braces contain, by the first token inside and the nodes that begin with it."""
+    if first.type == "RBRACE" or rules & STATEMENTS:
+        return "block"
+    if first.type == "STRING":
+        return "rows"
+    return "list" if rules & ENTRIES else None

@@ -1,4 +1,4 @@
-"""The tokens of a text as the formatter sees them: what stands between them, their width on one line, and what shares columns."""
+"""The tokens of a text, with what stands between them, their widths and their columns."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +15,11 @@ Range = tuple[int, int]
 
 @dataclass(frozen=True)
 class Comment:
-    """`trailing`: it stands behind a token, on its line. `blank`: a blank line stands before it."""
+    """A comment.
+
+    trailing: whether it stands on the line of the token before; blank: whether it follows a blank
+    line.
+    """
 
     text: str
     trailing: bool = False
@@ -24,7 +28,10 @@ class Comment:
 
 @dataclass(frozen=True)
 class Gap:
-    """What stands before a token. `ended`: at least one line end; `blank`: a blank line right before the token."""
+    """What stands before a token.
+
+    ended: whether there is a line end; blank: whether a blank line stands right before the token.
+    """
 
     comments: tuple[Comment, ...] = ()
     ended: bool = False
@@ -34,7 +41,7 @@ class Gap:
 def read_gaps(text: str, tokens: Sequence[Token]) -> list[Gap]:
     """Returns the gap before each token and, last, the one behind them all.
 
-    A comment that stands before `{` or `,` is moved behind it, so that these end the line they belong to.
+    A comment before `{` or `,` is moved behind it, so that these end the line they belong to.
     """
     starts = [*(token.start_pos or 0 for token in tokens), len(text)]
     ends = [0, *(token.end_pos or 0 for token in tokens)]
@@ -42,62 +49,65 @@ def read_gaps(text: str, tokens: Sequence[Token]) -> list[Gap]:
         _read_gap(text[end:start], first=end == 0) for end, start in zip(ends, starts, strict=True)
     ]
     for number, token in enumerate(tokens):
-        gap, behind = gaps[number], gaps[number + 1]
+        gap = gaps[number]
         if token.type in ("LBRACE", "COMMA") and gap.comments:
+            behind = gaps[number + 1]
             others = (replace(comment, trailing=False) for comment in behind.comments)
-            gaps[number], gaps[number + 1] = (
-                Gap(),
-                Gap((*gap.comments, *others), True, behind.blank),
-            )
+            gaps[number] = Gap()
+            gaps[number + 1] = Gap((*gap.comments, *others), True, behind.blank)
         elif token.type == "RBRACE":
             gaps[number] = replace(gap, blank=False)
     return gaps
 
 
 def _read_gap(text: str, first: bool) -> Gap:
+    """Returns the gap with a text. `first`: whether it stands before all tokens."""
     *lines, last = text.split("\n")
+    lines_with_comments = [*lines, last] if "#" in last else lines
     comments: list[Comment] = []
     blank = False
-    for number, line in enumerate(lines if "#" not in last else (*lines, last)):
-        words = line.strip()
-        if words:
-            comments.append(Comment(words, trailing=number == 0 and not first, blank=blank))
-        blank = not words and number > 0
+    for number, line in enumerate(lines_with_comments):
+        comment = line.strip()
+        if comment:
+            comments.append(Comment(comment, trailing=number == 0 and not first, blank=blank))
+        blank = not comment and number > 0
     return Gap(tuple(comments), bool(lines), blank)
 
 
 class Tokens:
-    """words: their texts. spaces: before each. ends: column behind each if all were one line. broken: whether a line ends before it.
+    """The tokens of a text, by their index.
 
-    Line ends stay where comments are and where items or branches begin. places: tokens before which one stays where the author put it.
-    columns: more spaces before some tokens, so that they stand in columns; no part measured here counts them.
+    words: their texts; spaces: before each.
+    places: tokens before which a line end of the author stays: items, branches, closing braces.
+    broken: whether a line ends before each, because of a comment or of such a line end.
+    ends: the column behind each if all stood on one line.
+    columns: more spaces before some tokens, which align them; `width` and `fits` don't count these.
     """
 
     def __init__(self, tokens: Sequence[Token], structure: Structure, gaps: Sequence[Gap]) -> None:
-        self.structure, self.gaps = structure, gaps
+        self.structure = structure
+        self.gaps = gaps
         self.words = [str(token) for token in tokens]
-        containers = structure.containers.values()
-        items = {item: c.sort for c in containers for item in c.items[c.close is None :]}
-        firsts = {c.open + 1 for c in containers}
         self.spaces = [0 if n in structure.tight else 1 for n in range(len(self.words))]
-        for item, sort in items.items():
-            self.spaces[item] = (
-                BETWEEN_ITEMS if sort in ("block", "rows") and item not in firsts else 1
-            )
-        self.places = {structure.game, *items, *structure.branches, *(c.close for c in containers)}
+        self.places = {structure.game, *structure.branches}
+        for container in structure.containers.values():
+            is_wide = container.sort in ("block", "rows")
+            items = container.items if container.sort != "texts" else container.items[1:]
+            for item in items:
+                is_first = item == container.open + 1
+                self.spaces[item] = BETWEEN_ITEMS if is_wide and not is_first else 1
+                self.places.add(item)
+            if container.close is not None:
+                self.places.add(container.close)
         self.broken = [
             bool(gap.comments) or (gap.ended and n in self.places)
             for n, gap in enumerate(gaps[:-1])
         ]
-        self.broken[self.words.index("{", structure.game) + 1] = (
-            True  # the game's block is never on one line
-        )
+        first_in_game = self.words.index("{", structure.game) + 1
+        self.broken[first_in_game] = True  # a game is never on one line
         self.breaks_before = [0, *accumulate(self.broken)]
-        self.ends = list(
-            accumulate(
-                space + len(word) for space, word in zip(self.spaces, self.words, strict=True)
-            )
-        )
+        widths = (space + len(word) for space, word in zip(self.spaces, self.words, strict=True))
+        self.ends = list(accumulate(widths))
         self.columns: dict[int, int] = {}
 
     def width(self, start: int, end: int) -> int:
@@ -119,50 +129,53 @@ class Tokens:
         """Returns whether the tokens can stand on one line from a column on."""
         return column + self.width(start, end) <= WIDTH and not self.breaks(start + 1, end)
 
-    def align(self, runs: Sequence[Sequence[Range]], indent: int) -> None:
-        """Aligns names, units and values of declarations of one sort on neighbouring lines, in columns.
+    def align(self, lines: Sequence[Sequence[Range]], indent: int) -> None:
+        """Aligns names, units and values of like declarations on neighbouring lines.
 
-        runs: the items of each line; only those alone on their line take part. Neighbours that cannot all have the columns without longer
-        lines than allowed have none.
+        Neighbours aren't aligned if one of them would become too long.
+
+        Args:
+          lines: the items of each line; one that shares its line isn't aligned.
+          indent: columns of the lines.
         """
-        for together in self._neighbours(runs):
-            cells = [(start, *self.structure.columns[start][1]) for start, _ in together]
-            widths = [[self.width(a, b - 1) for a, b in pairwise(row)] for row in cells]
+        for neighbours in self._neighbours(lines):
+            rows = [(start, *self.structure.columns[start][1]) for start, _ in neighbours]
+            widths = [[self.width(a, b - 1) for a, b in pairwise(row)] for row in rows]
             widest = [max(column) for column in zip(*widths, strict=True)]
-            more: dict[
-                int, int
-            ] = {}  # the spaces that make each cell as wide as the widest one above or below
-            for row, own in zip(cells, widths, strict=True):
-                more |= {
-                    token: wide - width
-                    for token, width, wide in zip(row[1:], own, widest, strict=True)
-                }
-            if all(self._has_room(start, end, indent, more) for start, end in together):
-                self.columns |= more
+            added: dict[int, int] = {}  # spaces before tokens that begin a column
+            for row, row_widths in zip(rows, widths, strict=True):
+                for token, width, wide in zip(row[1:], row_widths, widest, strict=True):
+                    added[token] = wide - width
+            if all(self._has_room(start, end, indent, added) for start, end in neighbours):
+                self.columns |= added
 
-    def _neighbours(self, runs: Sequence[Sequence[Range]]) -> Iterator[list[Range]]:
-        """Yields the items that share columns: of one sort, line below line, no blank line between."""
-        together: list[Range] = []
-        columns = self.structure.columns
-        for run in runs:
-            start = run[0][0]
-            sort, gap = (
-                columns[start][0] if len(run) == 1 and start in columns else "",
-                self.gaps[start],
-            )
-            apart = gap.blank or any(comment.blank for comment in gap.comments)
-            if together and (apart or columns[together[0][0]][0] != sort):
-                yield together
-                together = []
-            together += [run[0]] if sort else []
-        if together:
-            yield together
+    def _neighbours(self, lines: Sequence[Sequence[Range]]) -> Iterator[list[Range]]:
+        """Yields the items that share columns: of one rule, with no blank line between."""
+        neighbours: list[Range] = []
+        rule_of_neighbours = ""
+        for line in lines:
+            start = line[0][0]
+            gap = self.gaps[start]
+            rule = ""
+            if len(line) == 1 and start in self.structure.columns:
+                rule, _ = self.structure.columns[start]
+            is_apart = gap.blank or any(comment.blank for comment in gap.comments)
+            if neighbours and (is_apart or rule != rule_of_neighbours):
+                yield neighbours
+                neighbours = []
+            if rule:
+                neighbours.append(line[0])
+                rule_of_neighbours = rule
+        if neighbours:
+            yield neighbours
 
-    def _has_room(self, start: int, end: int, indent: int, more: dict[int, int]) -> bool:
-        """Returns whether the first line of an item, which holds all its columns, is short enough with them."""
+    def _has_room(self, start: int, end: int, indent: int, added: dict[int, int]) -> bool:
+        """Returns whether the first line of an item is short enough with the added spaces.
+
+        If the item doesn't fit on one line, its first container will be open.
+        """
         stops = self.structure.columns[start][1]
         if not self.fits(start, end, indent):
-            end = next(
-                (n for n in range(stops[-1], end + 1) if n in self.structure.containers), end
-            )
-        return self.fits(start, end, indent + sum(more[stop] for stop in stops))
+            rest = range(stops[-1], end + 1)
+            end = next((n for n in rest if n in self.structure.containers), end)
+        return self.fits(start, end, indent + sum(added[stop] for stop in stops))

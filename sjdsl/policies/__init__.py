@@ -1,1 +1,1 @@
-"""Scripted policies of games: what the rules of `policy NAME { … }` make an agent do, compiled and interpreted."""
+"""Scripted policies of games, `policy NAME { … }`, compiled and interpreted."""

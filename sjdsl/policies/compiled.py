@@ -1,4 +1,4 @@
-"""Scripted policies as JAX functions of the true state: the first rule that applies to an agent is the one it follows."""
+"""Scripted policies as JAX functions of the state: an agent follows the first rule that applies."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -26,7 +26,8 @@ from sjdsl.runtime.path_search import (
 from sjdsl.runtime.policy import MemoryPolicy
 from sjdsl.runtime.random_bits import below, key_words, random_bits_at
 
-HALF = 1 << 31  # a 32-bit number is below it with probability one half
+HALF = 1 << 31  # 32 random bits are below it with probability one half
+Poses = tuple[Array, Array, Array]  # heading, row and column of each agent, `[N]` each
 
 
 def scripted_policy(env: Any, name: str) -> MemoryPolicy:
@@ -35,17 +36,18 @@ def scripted_policy(env: Any, name: str) -> MemoryPolicy:
     It reads the state, not the observation, and needs no memory. One compilation serves all agents.
 
     Args:
-      env: a `sjdsl.Environment`, or what passes its attributes on.
+      env: a `sjdsl.Environment`, or a wrapper with its attributes.
+
     Raises:
-      KeyError: the game has no policy of that name. NotSupported: the compiler cannot say exactly what it reads.
+      KeyError: the game has no policy of that name.
+      NotSupported: the policy reads something that the compiler doesn't support.
     """
     choose = Chooser(env, declared_policies(env)[name])
 
     def act(memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
         del observation
-        bits = random_bits_at(
-            key_words(key), 0, jnp.arange(2 * env.num_agents, dtype=jnp.uint32)
-        ).reshape(env.num_agents, 2)
+        numbers = jnp.arange(2 * env.num_agents, dtype=jnp.uint32)
+        bits = random_bits_at(key_words(key), 0, numbers).reshape(env.num_agents, 2)
         return memory, choose(state, bits)
 
     return MemoryPolicy((), act, reads_state=True)
@@ -72,17 +74,17 @@ class Chooser:
         """Returns an action for each agent, `[N]` int32.
 
         Args:
-          bits: `[N, 2]` uint32, two random numbers for each agent.
+          bits: `[N, 2]` uint32, 64 random bits for each agent.
         """
         row, col = self._env.cells(state)
-        here = (state.heading, row, col)
+        poses = (state.heading, row, col)
         present = state.position != 0
-        read = self._reframed(state)
+        reframed = self._reframed(state)
         actions = jnp.full(self._env.num_agents, self._stay, jnp.int32)
         undecided = present
         for rule in self._rules:
-            applies, chosen = self._follow(rule, read, here, present, undecided, bits)
-            actions = jnp.where(undecided & applies, chosen, actions)
+            applies, ruled = self._follow(rule, reframed, poses, present, undecided, bits)
+            actions = jnp.where(undecided & applies, ruled, actions)
             undecided = undecided & ~applies
         return actions
 
@@ -90,97 +92,109 @@ class Chooser:
         self,
         lowered: LoweredRule,
         state: Any,
-        here: tuple[Array, Array, Array],
+        poses: Poses,
         present: Array,
-        wanted: Array,
+        undecided: Array,
         bits: Array,
     ) -> tuple[Array, Array]:
-        """Returns to which agents a rule applies, `[N]` bool, and what they do by it, `[N]` int32."""
-        rule, params = lowered.rule, self._env.params
+        """Returns to which agents a rule applies, `[N]` bool, and their actions, `[N]` int32."""
+        rule = lowered.rule
         if isinstance(rule, ir.Act):
             assert lowered.condition is not None
-            return lowered.condition(state, params), self._taken(lowered, state)
+            return lowered.condition(state, self._env.params), self._final_action(lowered, state)
         if lowered.sought is None:
-            return jnp.zeros_like(wanted), jnp.zeros_like(here[0])
+            return jnp.zeros_like(undecided), jnp.zeros_like(poses[0])
         members = self._board(lowered.sought, state)
         enterable = board(jnp.asarray(self._moves.open))[None]
         if lowered.avoided is not None:
-            closed = self._board(lowered.avoided, state)
-            enterable = enterable & (~closed | members if isinstance(rule, ir.Go) else ~closed)
+            avoided = self._board(lowered.avoided, state)
+            if isinstance(rule, ir.Go):
+                avoided = avoided & ~members
+            enterable = enterable & ~avoided
         if isinstance(rule, ir.Go):
-            turns = 4 if self._moves.turns_matter else 1
-            goals, done = jnp.repeat(members[:, None], turns, axis=1), jnp.int32(self._stay)
+            num_headings = 4 if self._moves.turns_matter else 1
+            goals = jnp.repeat(members[:, None], num_headings, axis=1)
+            at_goal = jnp.int32(self._stay)
         else:
-            goals, done = self._poses(rule, members), self._taken(lowered, state)
-        if not self._moves.actions:  # nobody walks: a rule applies to those who are there already
-            return self._is_there(goals, here), jnp.broadcast_to(done, here[0].shape)
-        arrived, found, best = first_moves(self._moves, goals, enterable, here, wanted)
-        return found, jnp.where(
-            arrived, done, self._walk(best, enterable, here, present, self._movers(state), bits)
-        )
+            goals = self._aiming_poses(rule, members)
+            at_goal = self._final_action(lowered, state)
+        if not self._moves.actions:  # nobody can walk: a rule applies to those at a goal
+            return self._is_at_goal(goals, poses), jnp.broadcast_to(at_goal, poses[0].shape)
+        arrived, has_path, best = first_moves(self._moves, goals, enterable, poses, undecided)
+        moves = self._walk(best, enterable, poses, present, self._movers(state), bits)
+        return has_path, jnp.where(arrived, at_goal, moves)
 
-    def _is_there(self, goals: Array, here: tuple[Array, Array, Array]) -> Array:
-        """Returns which agents are where a rule leads, `[N]` bool. goals: `[K, P, H, L]` boards."""
-        heading, row, col = here
+    def _is_at_goal(self, goals: Array, poses: Poses) -> Array:
+        """Returns which agents are at a goal, `[N]` bool. goals: `[K, P, H, L]` boards."""
+        heading, row, col = poses
         agents = jnp.arange(row.shape[0])
-        own = goals[
-            agents if goals.shape[0] > 1 else 0,
-            heading if goals.shape[1] > 1 else jnp.zeros_like(heading),
-        ]
-        return contains(own, agents[:, None], row[:, None], col[:, None])[:, 0]
+        board_of_agent = agents if goals.shape[0] > 1 else 0
+        plane = heading if goals.shape[1] > 1 else jnp.zeros_like(heading)
+        goals_of_agent = goals[board_of_agent, plane]
+        return contains(goals_of_agent, agents[:, None], row[:, None], col[:, None])[:, 0]
 
-    def _taken(self, lowered: LoweredRule, state: Any) -> Array:
-        """Returns the action that each agent ends in by a rule, `[N]` int32."""
+    def _final_action(self, lowered: LoweredRule, state: Any) -> Array:
+        """Returns the action of each agent that a rule leads to, `[N]` int32."""
         assert not isinstance(lowered.rule, ir.Go)
-        if lowered.taken is None:
+        if lowered.action is None:
             return jnp.full(self._env.num_agents, lowered.rule.action, jnp.int32)
-        taken: Array = lowered.taken(state, self._env.params)
-        return taken
+        action: Array = lowered.action(state, self._env.params)
+        return action
 
     def _movers(self, state: Any) -> list[Array]:
-        """Returns where the movers of each sort are, `row * width + column` of the map, -1 for those that are away."""
-        cols, width = self._shape[1] + 2 * self._pad, self._shape[1]
-        positions = [
-            getattr(state, attribute_of("position", sort.sort)) for sort in self._game.movers
-        ]
-        return [
-            jnp.where(at == 0, -1, (at // cols - self._pad) * width + at % cols - self._pad)
-            for at in positions
-        ]
+        """Returns the positions of the movers of each type, `row * width + column` of the map.
+
+        They are -1 for those that are away.
+        """
+        width = self._shape[1]
+        padded_width = width + 2 * self._pad
+        positions = []
+        for mover in self._game.movers:
+            position = getattr(state, attribute_of("position", mover.sort))
+            row = position // padded_width - self._pad
+            col = position % padded_width - self._pad
+            positions.append(jnp.where(position == 0, -1, row * width + col))
+        return positions
 
     def _walk(
         self,
         best: Array,
         enterable: Array,
-        here: tuple[Array, Array, Array],
+        poses: Poses,
         present: Array,
         movers: list[Array],
         bits: Array,
     ) -> Array:
-        """Returns the moves; where another agent or a mover is in the way, half of them are drawn from those that enter nothing avoided."""
-        heading, row, col = here
-        places = [
+        """Returns the actions of moves, `[N]` int32: `best` unless somebody is in the way.
+
+        If an agent or a mover is, half of the time a move is drawn from those that enter nothing
+        avoided.
+        """
+        heading, row, col = poses
+        num_agents = row.shape[0]
+        destinations = [
             (row, col) if step is None else destination(self._moves, step, heading, row, col)
             for step in self._moves.steps
         ]
-        rows, cols = (jnp.stack([place[axis] for place in places], axis=-1) for axis in (0, 1))
-        which = (
-            jnp.arange(rows.shape[0])
-            if enterable.shape[0] > 1
-            else jnp.zeros(rows.shape[0], jnp.int32)
-        )
-        may = contains(enterable, jnp.broadcast_to(which[:, None], rows.shape), rows, cols)
-        may = may | ((rows == row[:, None]) & (cols == col[:, None]))
-        to_row, to_col = (jnp.take_along_axis(x, best[:, None], axis=1) for x in (rows, cols))
-        others = present[None] & ~jnp.eye(row.shape[0], dtype=bool)
+        rows = jnp.stack([to_row for to_row, _ in destinations], axis=-1)
+        cols = jnp.stack([to_col for _, to_col in destinations], axis=-1)
+        boards = jnp.zeros(num_agents, jnp.int32)
+        if enterable.shape[0] > 1:
+            boards = jnp.arange(num_agents)
+        allowed = contains(enterable, jnp.broadcast_to(boards[:, None], rows.shape), rows, cols)
+        allowed = allowed | ((rows == row[:, None]) & (cols == col[:, None]))
+        to_row = jnp.take_along_axis(rows, best[:, None], axis=1)
+        to_col = jnp.take_along_axis(cols, best[:, None], axis=1)
+        others = present[None] & ~jnp.eye(num_agents, dtype=bool)
         blocked = jnp.any((to_row == row[None]) & (to_col == col[None]) & others, axis=1)
-        for at in movers:
-            blocked = blocked | jnp.any((to_row * self._shape[1] + to_col) == at[None], axis=1)
-        drawn = jnp.argmax(
-            jnp.cumsum(may, axis=1) > below(bits[:, 0], jnp.sum(may, axis=1))[:, None], axis=1
-        )
-        move = jnp.where(blocked & (bits[:, 1] < jnp.uint32(HALF)), drawn.astype(jnp.int32), best)
-        return jnp.asarray(self._moves.actions, jnp.int32)[move]
+        for position in movers:
+            is_mover_there = (to_row * self._shape[1] + to_col) == position[None]
+            blocked = blocked | jnp.any(is_mover_there, axis=1)
+        index = below(bits[:, 0], jnp.sum(allowed, axis=1))
+        drawn = jnp.argmax(jnp.cumsum(allowed, axis=1) > index[:, None], axis=1)
+        draws = blocked & (bits[:, 1] < jnp.uint32(HALF))
+        moves = jnp.where(draws, drawn.astype(jnp.int32), best)
+        return jnp.asarray(self._moves.actions, jnp.int32)[moves]
 
     def _board(self, cells: Cells, state: Any) -> Array:
         """Returns the cells of members as boards, `[N or 1, H, L]`."""
@@ -189,51 +203,50 @@ class Chooser:
             members = cells.read(state, self._env.params)
             padded = jnp.concatenate([members, jnp.zeros((members.shape[0], 1), bool)], axis=1)
             return board(padded[:, jnp.asarray(cells.numbers)].reshape(-1, height, width))
-        members, at = cells.read(state, self._env.params)
+        members, positions = cells.read(state, self._env.params)
         row = jnp.arange(members.shape[0])[:, None]
-        full = (
-            jnp.zeros((members.shape[0], height * width), bool)
-            .at[row, jnp.where(members, at, height * width)]
-            .set(True, mode="drop")
-        )
-        return board(full.reshape(-1, height, width))
+        cell = jnp.where(members, positions, height * width)
+        empty = jnp.zeros((members.shape[0], height * width), bool)
+        return board(empty.at[row, cell].set(True, mode="drop").reshape(-1, height, width))
 
-    def _poses(self, rule: ir.Aim, members: Array) -> Array:
-        """Returns where, and with which heading, an agent has a member in the shape: `[K, P, H, L]` boards."""
+    def _aiming_poses(self, rule: ir.Aim, members: Array) -> Array:
+        """Returns the poses from which a member is in the shape, `[K, P, H, L]` boards."""
         game = self._game
-        shape = shape_named(
-            game.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)}), rule.shape
-        )
+        all_shapes = game.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)})
+        shape = shape_named(all_shapes, rule.shape)
         moved = wrapped if game.wraps else shifted
-        planes = 4 if shape.directed or self._moves.turns_matter else 1
-        found = []
-        for heading in range(planes):
+        planes = []
+        for heading in range(4 if shape.directed or self._moves.turns_matter else 1):
             poses = jnp.zeros_like(members)
-            for (rows, cols), seen in visible_from(game, shape, heading):
-                poses = poses | (
-                    moved(members, -rows, -cols, self._shape[1]) & board(jnp.asarray(seen))[None]
-                )
-            found.append(poses)
-        return jnp.stack(found, axis=1)
+            for (rows, cols), visible in visible_from(game, shape, heading):
+                agents = moved(members, -rows, -cols, self._shape[1])
+                poses = poses | (agents & board(jnp.asarray(visible))[None])
+            planes.append(poses)
+        return jnp.stack(planes, axis=1)
 
     def _reframed(self, state: Any) -> Any:
-        """Returns the state with positions in the frame that the rules read; shapes of policies can reach further than those of rules."""
+        """Returns the state with positions in the frame of the lowered rules.
+
+        It may be wider than the environment's: shapes of policies may reach further.
+        """
         module = self._env.module
         if self._pad == module.PAD:
             return state
-        (_, cols), own = module.FRAME, module.PAD
-        moved = {}
-        for sort in body_sorts(self._game):
-            at = getattr(state, attribute_of("position", sort))
-            row, col = at // cols - own + self._pad, at % cols - own + self._pad
-            moved[attribute_of("position", sort)] = jnp.where(
-                at == 0, 0, row * (self._shape[1] + 2 * self._pad) + col
-            )
-        return state.replace(**moved)
+        _, old_width = module.FRAME
+        new_width = self._shape[1] + 2 * self._pad
+        added = self._pad - module.PAD
+        positions = {}
+        for name in body_sorts(self._game):
+            attribute = attribute_of("position", name)
+            old = getattr(state, attribute)
+            row = old // old_width + added
+            col = old % old_width + added
+            positions[attribute] = jnp.where(old == 0, 0, row * new_width + col)
+        return state.replace(**positions)
 
 
 def open_cells(game: ir.Game) -> np.ndarray:
-    """Returns which cells agents can ever enter, `[H, W]` bool; those that block under a condition are among them."""
+    """Returns which cells agents can ever enter, `[H, W]` bool."""
     kinds = kinds_by_glyph(game)
     closed = {kind.name for kind in game.kinds if blocks_always(kind)}
     return np.array([[kinds[glyph] not in closed for glyph in row] for row in game.rows])
@@ -242,30 +255,38 @@ def open_cells(game: ir.Game) -> np.ndarray:
 def visible_from(
     game: ir.Game, shape: ir.Shape, heading: int
 ) -> Iterator[tuple[tuple[int, int], np.ndarray]]:
-    """Yields each cell of a shape as seen with a heading, and from where it is not behind a cell that always blocks the shape.
+    """Yields each cell of a shape, with the cells from which an agent reaches it.
+
+    It doesn't reach behind a cell that always blocks the shape.
 
     Yields:
-      rows down and columns to the right of the agent, and `[H, W]` bool over the agent's cells.
+      rows down and columns to the right of the agent; `[H, W]` bool over the agent's cells.
     """
     kinds = kinds_by_glyph(game)
-    stops = {kind.name for kind in game.kinds if blocks_always(kind, shape.name)}
-    blocking = np.array([[kinds[glyph] in stops for glyph in row] for row in game.rows])
-    met = {(0, 0)}
+    blocking_kinds = {kind.name for kind in game.kinds if blocks_always(kind, shape.name)}
+    blocking = np.array([[kinds[glyph] in blocking_kinds for glyph in row] for row in game.rows])
+    height, width = blocking.shape
+    yielded = {(0, 0)}
     for lane in shape.lanes:
-        free = np.ones(blocking.shape, bool)
-        for offset in turned(lane, heading):
-            place = (offset[0] % blocking.shape[0], offset[1] % blocking.shape[1])
-            if game.wraps and place in met and offset != (0, 0):  # a cell of the shape already
+        reaches = np.ones((height, width), bool)
+        for rows, cols in turned(lane, heading):
+            cell = (rows % height, cols % width)
+            is_same_cell = game.wraps and cell in yielded and (rows, cols) != (0, 0)
+            if is_same_cell:  # around the edge of the map
                 continue
-            met.add(place)
-            yield offset, free
+            yielded.add(cell)
+            yield (rows, cols), reaches
             if not shape.see_through:
-                free = free & ~_found_at(blocking, *offset, game.wraps)
+                reaches = reaches & ~_shifted_cells(blocking, rows, cols, game.wraps)
 
 
-def _found_at(cells: np.ndarray, rows: int, cols: int, wraps: bool) -> np.ndarray:
-    """Returns for each cell of the map whether the cell so many rows down and columns to the right of it is one of `cells`."""
+def _shifted_cells(cells: np.ndarray, rows: int, cols: int, wraps: bool) -> np.ndarray:
+    """Returns, for each cell, the value of the one some rows down and columns to the right.
+
+    Off the map, it is False.
+    """
     height, width = cells.shape
-    margin = (0, 0) if wraps else (abs(rows), abs(cols))
-    framed = np.roll(np.pad(cells, [(side, side) for side in margin]), (-rows, -cols), (0, 1))
-    return framed[margin[0] : margin[0] + height, margin[1] : margin[1] + width]
+    top, left = (0, 0) if wraps else (abs(rows), abs(cols))
+    padded = np.pad(cells, [(top, top), (left, left)])
+    shifted_cells = np.roll(padded, (-rows, -cols), (0, 1))
+    return shifted_cells[top : top + height, left : left + width]

@@ -6,6 +6,6 @@ from sjdsl.compiler import ir
 
 
 def declared_policies(env: Any) -> dict[str, ir.ScriptedPolicy]:
-    """Returns the policies of an environment's file by name; none where its rules are not at hand."""
+    """Returns the policies of an environment's file by name; none if it has no attribute `game`."""
     game = getattr(env, "game", None)
     return {} if game is None else {policy.name: policy for policy in game.policies}

@@ -1,4 +1,4 @@
-"""Scripted policies on the interpreter: what an agent does in a state, by the first rule that applies, with two random numbers."""
+"""Scripted policies on the interpreter: an agent follows the first rule that applies."""
 
 from collections import deque
 from collections.abc import Collection, Iterator
@@ -26,7 +26,11 @@ class Pose(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """The cells that agents can ever enter, the names of the moves by the numbers of their actions, and the poses before each pose."""
+    """Where agents can go on a map.
+
+    open: the cells that agents can ever enter; moves: number of an action -> name of its move;
+    before: a pose -> the poses from which a move leads there.
+    """
 
     board: Board
     open: frozenset[Cell]
@@ -37,24 +41,31 @@ class Ground:
         """Returns where a move leads, whether or not the cell can be entered."""
         if move in TURNS:
             return Pose(pose.cell, (pose.heading + TURNS[move]) % 4)
-        turned = pose.heading if self.board.game.agents.relative else 0
-        rows, cols = FORWARD[(turned + STEPS[move]) % 4]
-        row, col = pose.cell.row + rows, pose.cell.col + cols
-        return Pose(self.board.at(row, col) or Cell(row, col), pose.heading)
+        heading = pose.heading if self.board.game.agents.relative else 0
+        down, right = FORWARD[(heading + STEPS[move]) % 4]
+        cell = Cell(pose.cell.row + down, pose.cell.col + right)
+        return Pose(self.board.at(cell.row, cell.col) or cell, pose.heading)
 
 
 @lru_cache(maxsize=16)
 def _ground_of(board: Board) -> Ground:
     actions = board.game.agents.actions
     moves = {number: name for number, name in enumerate(actions) if name in TURNS or name in STEPS}
-    open_ = frozenset(
+    open_cells = frozenset(
         cell for cell, kind in board.kind_of.items() if not blocks_always(board.kinds[kind])
     )
-    ground = Ground(board, open_, moves)
-    for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
+    ground = Ground(board, open_cells, moves)
+    for pose in _poses(board):
         for move in moves.values():
             ground.before.setdefault(ground.after(move, pose), []).append(pose)
     return ground
+
+
+def _poses(board: Board) -> Iterator[Pose]:
+    """Yields each cell with each heading."""
+    for cell in board.kind_of:
+        for heading in range(4):
+            yield Pose(cell, heading)
 
 
 def choose(
@@ -63,90 +74,90 @@ def choose(
     """Returns the number of the action that an agent takes.
 
     Args:
-      bits: two random 32-bit numbers, used only where another agent stands in the way.
+      bits: twice 32 random bits, used only if somebody stands in the way.
     """
-    board = board_of(game)
     stay = game.agents.actions.index("stay")
-    here = Instance(board, world, names={"agent": agent})
+    instance = Instance(board_of(game), world, names={"agent": agent})
     cell = world.position[agent]
     if cell is None:
         return stay
     for rule in policy.rules:
         match rule:
             case ir.Act():
-                if evaluate(rule.condition, here):
-                    return _taken(rule, here)
+                if evaluate(rule.condition, instance):
+                    return _final_action(rule, instance)
             case ir.Go() | ir.Aim():
-                taken = _towards(rule, here, Pose(cell, world.heading[agent]), bits, stay)
-                if taken is not None:
-                    return taken
+                pose = Pose(cell, world.heading[agent])
+                action = _go_towards(rule, instance, pose, bits, stay)
+                if action is not None:
+                    return action
     return stay
 
 
-def _towards(
-    rule: ir.Go | ir.Aim, here: Instance, pose: Pose, bits: tuple[int, int], stay: int
+def _go_towards(
+    rule: ir.Go | ir.Aim, instance: Instance, pose: Pose, bits: tuple[int, int], stay: int
 ) -> int | None:
-    """Returns the action by which a rule is followed; None if it does not apply, for no path leads to a goal."""
-    ground = _ground_of(here.board)
-    members = set(_cells_of(rule.domain, here))
-    closed = set() if rule.avoided is None else set(_cells_of(rule.avoided, here))
+    """Returns the action with which a rule is followed, None if no path leads to a goal."""
+    ground = _ground_of(instance.board)
+    members = set(_cells_of(rule.domain, instance))
+    avoided = set() if rule.avoided is None else set(_cells_of(rule.avoided, instance))
     if isinstance(rule, ir.Go):
-        enterable = ground.open - (closed - members)
+        enterable = ground.open - (avoided - members)
         goals = {Pose(cell, heading) for cell in members for heading in range(4)}
-        done = stay
+        at_goal = stay
     else:
-        enterable = ground.open - closed
-        reached = _reached(
-            ground.board, rule.shape
-        ).items()  # what blocks the shape under a condition is not considered
-        goals = {aimed for aimed, cells in reached if not cells.isdisjoint(members)}
-        done = _taken(rule, here)
+        enterable = ground.open - avoided
+        reached = _reached_cells(ground.board, rule.shape)
+        goals = {aiming for aiming, cells in reached.items() if not cells.isdisjoint(members)}
+        at_goal = _final_action(rule, instance)
     if pose in goals:
-        return done
+        return at_goal
     distance = _distances(ground, goals, enterable)
     if pose not in distance:
         return None
-    return _move(ground, pose, distance, enterable, here, bits)
+    return _move(ground, pose, distance, enterable, instance, bits)
 
 
-def _taken(rule: ir.Act | ir.Aim, here: Instance) -> int:
-    """Returns the number of the action that a rule ends in."""
+def _final_action(rule: ir.Act | ir.Aim, instance: Instance) -> int:
+    """Returns the number of the action that a rule leads to."""
     if not rule.chosen:
         return rule.action
-    action = action_named(here.board.game, rule.chosen)
-    wanted = tuple(evaluate(given.value, here) for given in rule.given)
-    return next(number for number in action.numbers if arguments_of(action, number) == wanted)
+    action = action_named(instance.board.game, rule.chosen)
+    arguments = tuple(evaluate(argument.value, instance) for argument in rule.given)
+    return next(number for number in action.numbers if arguments_of(action, number) == arguments)
 
 
-def _cells_of(domain: ir.Domain, here: Instance) -> Iterator[Cell]:
-    for found in members_of(domain, here):
-        cell = (
-            found.member if isinstance(found.member, Cell) else where_is(found.member, here.world)
-        )
+def _cells_of(domain: ir.Domain, instance: Instance) -> Iterator[Cell]:
+    """Yields the cells of a domain, or those on which its agents and movers stand."""
+    for bound in members_of(domain, instance):
+        member = bound.member
+        cell = member if isinstance(member, Cell) else where_is(member, instance.world)
         if cell is not None:
             yield cell
 
 
 @lru_cache(maxsize=16)
-def _reached(board: Board, name: str) -> dict[Pose, frozenset[Cell]]:
-    """Returns the cells of a shape that are reached from each pose."""
+def _reached_cells(board: Board, name: str) -> dict[Pose, frozenset[Cell]]:
+    """Returns the cells that a shape reaches from each pose.
+
+    Cells that block it under a condition don't count as blocking.
+    """
     shape = board.shapes[name]
-    stopping = {
+    blocking = {
         cell for cell, kind in board.kind_of.items() if blocks_always(board.kinds[kind], name)
     }
-    found = {}
-    for pose in (Pose(cell, heading) for cell in board.kind_of for heading in range(4)):
-        lanes = lanes_from(
-            shape, pose.cell, pose.heading if shape.directed else 0, board.at, stopping.__contains__
-        )
-        found[pose] = frozenset(seen.cell for lane in lanes for seen in lane)
-    return found
+    reached = {}
+    for pose in _poses(board):
+        heading = pose.heading if shape.directed else 0
+        lanes = lanes_from(shape, pose.cell, heading, board.at, blocking.__contains__)
+        reached[pose] = frozenset(place.cell for lane in lanes for place in lane)
+    return reached
 
 
 def _distances(
     ground: Ground, goals: Collection[Pose], enterable: Collection[Cell]
 ) -> dict[Pose, int]:
-    """Returns how many moves it takes from each pose to a goal, of those from which one can be reached."""
+    """Returns the number of moves to a goal from each pose from which there is a path."""
     distance = dict.fromkeys(goals, 0)
     waiting = deque(goals)
     while waiting:
@@ -163,21 +174,23 @@ def _move(
     pose: Pose,
     distance: dict[Pose, int],
     enterable: Collection[Cell],
-    here: Instance,
+    instance: Instance,
     bits: tuple[int, int],
 ) -> int:
-    """Returns the first of the moves that lead nearest; where another agent or a mover is in the way, one of all moves half of the time."""
-    ways = {number: ground.after(name, pose) for number, name in ground.moves.items()}
-    ways = {
-        number: after
-        for number, after in ways.items()
-        if after.cell == pose.cell or after.cell in enterable
-    }
+    """Returns the action of the first move that leads nearest to a goal.
+
+    If an agent or a mover is in the way, half of the time it is one of all allowed moves.
+    """
+    allowed: dict[int, Pose] = {}
+    for number, name in ground.moves.items():
+        after = ground.after(name, pose)
+        if after.cell == pose.cell or after.cell in enterable:
+            allowed[number] = after
     best = min(
-        (number for number, after in ways.items() if after in distance),
-        key=lambda number: (distance[ways[number]], number),
+        (number for number, after in allowed.items() if after in distance),
+        key=lambda number: (distance[allowed[number]], number),
     )
-    others = occupied(here.world, without={here.names["agent"]})
-    if ways[best].cell not in others or bits[1] >= 1 << 31:
+    others = occupied(instance.world, without={instance.names["agent"]})
+    if allowed[best].cell not in others or bits[1] >= 1 << 31:
         return best
-    return list(ways)[bits[0] * len(ways) >> 32]
+    return list(allowed)[bits[0] * len(allowed) >> 32]

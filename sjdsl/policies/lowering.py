@@ -1,6 +1,6 @@
-"""Lowers what the rules of a policy read, conditions and domains, to functions of the compiled state.
+"""Lowers the conditions and domains of a policy's rules to functions of the compiled state.
 
-ir.ScriptedPolicy -> for each of its rules functions `(state, params) -> arrays`
+ir.ScriptedPolicy -> for each of its rules, functions `(state, params) -> arrays`
 """
 
 from collections.abc import Callable
@@ -31,11 +31,12 @@ Read = Callable[[Any, Any], Any]
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """The cells of the members of a domain, for each agent that acts or, with one row, for all alike.
+    """The cells of a domain's members: for each agent that acts or, with one row, for all agents.
 
-    read: (state, params) -> members `[N or 1, M]` bool, and their cells `[N or 1, M]` int32, `row * width + column` of the map.
-    numbers: where the members are all cells of some kinds, the number among them of each cell of the map, `[H * W]` int32, past their end for
-    others; then `read` gives the members alone.
+    read: (state, params) -> members `[N or 1, M]` bool, and their cells `[N or 1, M]` int32,
+    `row * width + column` of the map. Without cells if `numbers` isn't None.
+    numbers: if the domain is of all cells of some kinds, the index among them of each cell of the
+    map, `[H * W]` int32, one past the end for other cells.
     """
 
     read: Read
@@ -44,44 +45,34 @@ class Cells:
 
 @dataclass(frozen=True, eq=False)
 class LoweredRule:
-    """A rule with functions of the state: `condition` gives `[N]` bool; `sought`, `avoided` are None where there can be none.
+    """A rule with functions of the state.
 
-    taken: gives the action each agent ends in, `[N]` int32, of a rule that says one with arguments; None: always `rule.action`.
+    condition: gives `[N]` bool; sought, avoided: None if there are no such cells.
+    action: of a rule whose action has arguments, gives that of each agent, `[N]` int32; None for a
+    rule with one action, `rule.action`.
     """
 
     rule: ir.PolicyRule
     condition: Read | None = None
     sought: Cells | None = None
     avoided: Cells | None = None
-    taken: Read | None = None
+    action: Read | None = None
 
 
 def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[LoweredRule], int]:
-    """Returns the rules of a policy in order, and the padding of the frame in which they read positions.
+    """Returns the rules of a policy in order, and the padding of the frame of their positions.
 
-    Raises NotSupported for what the compiler cannot say exactly.
+    Raises NotSupported for what the compiler doesn't support.
     """
-    module = new_module(
-        game.rules.model_copy(update={"shapes": (*game.shapes, *game.policy_shapes)})
-    )
+    shapes = (*game.shapes, *game.policy_shapes)
+    module = new_module(game.rules.model_copy(update={"shapes": shapes}))
     names: dict[str, Any] = {}
 
     def function(w: Writer) -> Read:
         name = f"read_{len(names)}"
-        exec(
-            "\n".join(
-                function_lines(
-                    Function(
-                        name,
-                        (("state", "object"), ("params", "object")),
-                        "object",
-                        "",
-                        tuple(w.body),
-                    )
-                )
-            ),
-            names,
-        )
+        arguments = (("state", "object"), ("params", "object"))
+        lines = function_lines(Function(name, arguments, "object", "", tuple(w.body)))
+        exec("\n".join(lines), names)
         read: Read = names[name]
         return read
 
@@ -92,86 +83,79 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
         numbers = _write_members(domain, module, w)
         return Cells(function(w), numbers)
 
-    def of_each(value: Callable[[IterationScope, Writer], Value]) -> Read:
+    def by_agent(value: Callable[[IterationScope, Writer], Value]) -> Read:
         w = Writer(module)
-        scope = _of_agents(w)
+        scope = _agents_scope(w)
         w.give_back(spread(value(scope, w), scope.axes))
         return function(w)
 
-    def taken(rule: ir.PolicyRule) -> Read | None:
+    def final_action(rule: ir.PolicyRule) -> Read | None:
         if isinstance(rule, ir.Go) or not rule.chosen:
             return None
-        return of_each(
-            lambda scope, w: action_number(action_named(game, rule.chosen), rule.given, scope, w)[0]
-        )
+        action = action_named(game, rule.chosen)
+        return by_agent(lambda scope, w: action_number(action, rule.given, scope, w)[0])
 
     def lowered(rule: ir.PolicyRule) -> LoweredRule:
         if isinstance(rule, ir.Act):
-            return LoweredRule(
-                rule, of_each(lambda scope, w: w.value(rule.condition, scope)), taken=taken(rule)
-            )
-        return LoweredRule(rule, None, cells(rule.domain), cells(rule.avoided), taken(rule))
+            condition = by_agent(lambda scope, w: w.value(rule.condition, scope))
+            return LoweredRule(rule, condition, action=final_action(rule))
+        return LoweredRule(rule, None, cells(rule.domain), cells(rule.avoided), final_action(rule))
 
     rules = [lowered(rule) for rule in policy.rules]
-    names.update(namespace(module))  # what the functions read, known once all of them are written
+    # What the functions use is known when all of them have been written.
+    names.update(namespace(module))
     return rules, module.layout.pad
 
 
-def _of_agents(w: Writer) -> IterationScope:
+def _agents_scope(w: Writer) -> IterationScope:
+    """Returns a scope with one axis, of agents, in which `agent` is bound."""
     axis = w.axis("agent", w.module.agents)
     return IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
 
 
 def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray | None:
-    """Writes what a function of the members gives back; returns `Cells.numbers`."""
-    outer = _of_agents(w)
+    """Writes the body of `Cells.read`; returns `Cells.numbers`."""
+    outer = _agents_scope(w)
     inner = enter(domain, outer, w)
     added = tuple(axis for axis in inner.axes if axis not in outer.axes)
     if len(added) > 1:
         raise NotSupported("a domain of several axes in a policy", domain.origin)
     member = inner.variables[domain.var.name]
-    mask = inner.mask
-    whole = isinstance(member, CellVar) and member.axis is not None
-    at = None if whole else _map_cells(member, module, w)
-    depends = any(
-        axis in value.axes for value in (mask, *([] if at is None else [at])) for axis in outer.axes
-    )
-    axes = (*outer.axes, *added) if depends else added
-    rows_of_members = Sequence((Literal(module.num_agents if depends else 1), Literal(-1)))
-    values = (
-        mask,
-        *([] if at is None else [at]),
-    )  # one without axes may be a plain number, which has no method `reshape`
-    w.give_back(
-        *(
-            Call(Attribute(Name("jnp"), "reshape"), (spread(value, axes), rows_of_members))
-            for value in values
-        )
-    )
-    if not whole:
+    is_of_kinds = isinstance(member, CellVar) and member.axis is not None
+    values = [inner.mask]
+    if not is_of_kinds:
+        values.append(_map_cells(member, module, w))
+    differs = any(axis in value.axes for value in values for axis in outer.axes)
+    axes = (*outer.axes, *added) if differs else added
+    shape = Sequence((Literal(module.num_agents if differs else 1), Literal(-1)))
+    # The function, as a value without axes may be a plain number, which has no method `reshape`.
+    reshape = Attribute(Name("jnp"), "reshape")
+    w.give_back(*(Call(reshape, (spread(value, axes), shape)) for value in values))
+    if not is_of_kinds:
         return None
     rows = module.game.rows
-    return geometry.site_numbers(
-        rows, 0, geometry.cells_of(rows, 0, module.layout.glyphs(domain.var.kinds))
-    )
+    cells = geometry.cells_of(rows, 0, module.layout.glyphs(domain.var.kinds))
+    return geometry.site_numbers(rows, 0, cells)
 
 
 def _map_cells(member: AgentVar | CellVar, module: Module, w: Writer) -> Value:
-    at = (
-        state_reads.cell(member, w)
-        if isinstance(member, CellVar)
-        else state_reads.position(member, w)
-    )
-    pad, cols = Literal(module.layout.pad), Literal(module.layout.cols)
-    row, col = (Binary("-", Binary(op, at.node, cols), pad) for op in ("//", "%"))
-    return replace(at, node=Binary("+", Binary("*", row, Literal(module.layout.width)), col))
+    """Returns the cell of a member, `row * width + column` of the map."""
+    if isinstance(member, CellVar):
+        padded = state_reads.cell(member, w)
+    else:
+        padded = state_reads.position(member, w)
+    pad = Literal(module.layout.pad)
+    padded_width = Literal(module.layout.cols)
+    row = Binary("-", Binary("//", padded.node, padded_width), pad)
+    col = Binary("-", Binary("%", padded.node, padded_width), pad)
+    return replace(padded, node=Binary("+", Binary("*", row, Literal(module.layout.width)), col))
 
 
 def namespace(module: Module) -> dict[str, Any]:
     """Returns the names that functions of a module use: kernels, its constants and its numbers."""
     names: dict[str, Any] = {"jnp": jnp}
-    for home, kernels in KERNELS.items():
-        names |= {kernel: getattr(import_module(home), kernel) for kernel in kernels}
+    for module_name, kernels in KERNELS.items():
+        names |= {kernel: getattr(import_module(module_name), kernel) for kernel in kernels}
     names |= {"NUM_AGENTS": module.num_agents, "MAP": module.game.rows, "PAD": module.layout.pad}
     exec("\n".join(f"{c.name} = {text(c.value)}" for c in module.constants.values()), names)
     return names | {n.name: n.value for n in module.numbers.values()}

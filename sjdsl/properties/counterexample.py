@@ -19,7 +19,7 @@ from sjdsl.properties.monitors import Violation
 from sjdsl.properties.search import Counterexample
 from sjdsl.properties.trajectory import Trajectory, draws_of, params_of
 from sjdsl.render.letters import draw
-from sjdsl.trace.episode import Moment, Told, tell_of
+from sjdsl.trace.episode import Moment, Turn, turn_of
 from sjdsl.trace.jax_random import RecordedDraws
 from sjdsl.trace.lines import make_teller, moment_lines
 from sjdsl.trace.rules import Rules
@@ -174,10 +174,10 @@ def take_step(
 ) -> Moment:
     """Takes a step and returns everything that a trace tells of it."""
     board, recorded = board_of(game), RecordedDraws(draws)
-    told: list[Told] = []
+    told: list[Turn] = []
 
     def tell(account: Account) -> None:
-        told.append(tell_of(account, board, recorded.numbers))
+        told.append(turn_of(account, board, recorded.numbers))
         recorded.numbers.clear()
 
     allowed = action_mask(game, world)

@@ -1,6 +1,7 @@
-"""The appearance of a board at one moment, for everything that shows one: what is in each cell, which are marked, who stands where.
+"""What a board looks like at one moment: its cells, the marks on them, the agents and movers.
 
-A cell or an agent shows what the `look`s that apply say, and then those fields that agents see and none of these looks reads.
+Pictures, films, pages and the terminal are all drawn from it. A cell or an agent shows what the
+`look`s that apply say, then the fields that agents see and that none of these looks reads.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,19 +18,25 @@ from sjdsl.runtime.actions import DIRECTIONS
 
 BAR_STEPS = 8
 TINTED = 0.45
-BADGES_OF_CELL = 8  # that have room: in the corners, then between them
+BADGES_OF_CELL = 8  # as many as have room: in the corners, then between them
 FLASH: Colour = (255, 236, 110)
 Cell = tuple[int, int]  # row, column
-Key = tuple[
-    int, ...
-]  # a number for each field: a word's, an agent's and 1, eighths of a bar; 0 or 1 for each rule: whether it applies
+
+# The state of a cell, as far as it is drawn. A number for each field: that of its enum value, its
+# agent + 1 or the eighths of its bar; then for each `look` whether it applies, 0 or 1.
+Key = tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """A cell. body: what it is; objects: what is there, side by side; badges: around them; bars: place, of four round the cell and so on, eighths.
+    """A cell, from the ground up.
 
-    edge: in the colour of its owner; inner: inside it, those of further owners, None for nobody.
+    body: the sprite that stands for the whole cell; objects: sprites side by side; badges: small
+    sprites around them.
+    edge: a frame in the colour of the cell's owner; inner: frames inside it for more owners, None
+    where nobody owns it.
+    bars: (number of the side that the bar lies along, length in eighths); after the four sides come
+    four places further in, and so on.
     """
 
     ground: Colour
@@ -43,9 +50,10 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Figure:
-    """An agent, or without a number a mover.
+    """An agent, or a mover, which has no number.
 
-    heading: 0 north, 1 east, 2 south, 3 west; held: it can only stay; badges: what it carries, at most two.
+    heading: 0 north, 1 east, 2 south, 3 west; held: whether it can only stay; badges: what it
+    carries, at most two.
     """
 
     number: int | None
@@ -58,7 +66,11 @@ class Figure:
 
 @dataclass(frozen=True)
 class Beam:
-    """A marked cell. fill: the colour of who has marked it; edge: of the phase; sides: north, east, south and west, where the beam ends."""
+    """A marked cell.
+
+    fill: the colour of the agent that marked it; edge: the colour of the phase; sides: whether the
+    beam ends at the north, east, south and west side.
+    """
 
     fill: Colour
     edge: Colour
@@ -67,47 +79,42 @@ class Beam:
 
 @dataclass(frozen=True)
 class Appearance:
-    """A board, from the bottom up: each cell, and what is over the cells.
+    """A board.
 
-    drawings: those that occur; cells: `[H, W]` int, the number of each cell's; figures: with row and column, beams, flashes and who is on
-    the map, each over those before.
+    drawings: each different cell once; cells: `[H, W]` int, indices into `drawings`.
+    figures: (figure, row, column) in the order of drawing: beams, flashes, agents, movers.
     """
 
     drawings: tuple[Drawing, ...]
     cells: np.ndarray
     figures: tuple[tuple[Figure | Beam, int, int], ...]
 
-    def things(self) -> list[set[Picture]]:
-        """Returns what stands in the cells of each drawing."""
-        return [
-            {*d.objects, *d.badges, *([d.body] if d.body is not None else [])}
-            for d in self.drawings
-        ]
-
 
 def appearance_of(
     look: Look, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None
 ) -> Appearance:
-    """Returns what is seen of a board.
+    """Returns what a board looks like.
 
     Args:
-      actions: number of each agent's action in the last step, which say whose beam is whose; unknown without them.
-      before: the moment before; what was taken, cleaned or hit since then flashes. None, or another moment: nothing flashes.
+      actions: the number of each agent's action in the last step. They tell whose beam is whose;
+        without them, any agent may have marked a cell.
+      before: the moment before. What was taken, cleaned or hit since then flashes; nothing flashes
+        without it, or if it isn't the moment one step before.
     """
     ground = _ground(look, snapshot)
-    beams = tuple(_beams(look, snapshot, actions))
-    flash = Figure(None, FLASH, "flash")
-    struck = (
-        ()
-        if before is None or before.step + 1 != snapshot.step
-        else _struck(look, ground, snapshot, before)
-    )
     figures = draw_figures(look, snapshot)
-    standing = ((figures[sort][number], row, col) for sort, number, row, col in snapshot.standing())
+    flashes: list[Cell] = []
+    if before is not None and before.step + 1 == snapshot.step:
+        flashes = sorted(_flashing_cells(look, ground, snapshot, before))
+    flash = Figure(None, FLASH, "flash")
     return Appearance(
         ground.drawings,
         ground.cells,
-        (*beams, *((flash, row, col) for row, col in sorted(struck)), *standing),
+        (
+            *_beams(look, snapshot, actions, figures["agent"]),
+            *((flash, row, col) for row, col in flashes),
+            *((figures[name][number], row, col) for name, number, row, col in snapshot.standing()),
+        ),
     )
 
 
@@ -116,91 +123,103 @@ def _ground(look: Look, snapshot: Snapshot) -> Appearance:
     drawings: list[Drawing] = []
     cells = np.zeros((look.height, look.width), int)
     for kind in look.kinds:
-        keys, key_of = cell_keys(kind, snapshot.values)
-        cells[kind.rows, kind.cols] = len(drawings) + key_of
+        keys, key_of_cell = cell_keys(kind, snapshot.values)
+        cells[kind.rows, kind.cols] = len(drawings) + key_of_cell
         drawings += [draw_cell(kind, key, snapshot.step > 0) for key in keys]
     return Appearance(tuple(drawings), cells, ())
 
 
 def _beams(
-    look: Look, snapshot: Snapshot, actions: Sequence[int]
+    look: Look, snapshot: Snapshot, actions: Sequence[int], figures: Sequence[Figure]
 ) -> Iterator[tuple[Beam, int, int]]:
-    """Yields the marked cells, each in the colour of the agent nearest behind it of those whose action marks in this phase."""
-    marked = [(marked_cells(snapshot, label), label, edge) for label, edge in look.marks]
-    colours = (
-        [figure.colour for figure in draw_figures(look, snapshot)["agent"]]
-        if any(cells for cells, _, _ in marked)
-        else []
-    )
-    for cells, label, edge in marked:
-        acted = [
-            not actions or not look.acting[label] or actions[agent] in look.acting[label]
-            for agent in range(look.num_agents)
-        ]
+    """Yields the marked cells, with row and column.
+
+    A cell has the colour of the nearest agent that doesn't face away from it, among those whose
+    action marks in this phase.
+    """
+    for label, edge in look.marks:
+        marking = look.acting[label]
         agents = [
-            agent for agent in range(look.num_agents) if acted[agent] and snapshot.row[agent] >= 0
+            agent
+            for agent in range(look.num_agents)
+            if snapshot.row[agent] >= 0
+            and (not actions or not marking or actions[agent] in marking)
         ]
+        cells = marked_cells(snapshot, label)
         owner: dict[Cell, int] = {}
+        for cell in cells:
+            distances = [_beam_distance(snapshot, agent, cell) for agent in agents]
+            owner[cell] = agents[distances.index(min(distances))] if agents else -1
         for row, col in cells:
-            away = [_beam_distance(snapshot, agent, row, col) for agent in agents]
-            owner[row, col] = agents[away.index(min(away))] if away else -1
-        for (row, col), agent in owner.items():
-            sides = tuple(
+            agent = owner[row, col]
+            north, east, south, west = (
                 owner.get((row + down, col + right)) != agent for down, right in DIRECTIONS
             )
-            yield Beam(colours[agent] if agent >= 0 else edge, edge, sides), row, col  # type: ignore[arg-type]
+            fill = figures[agent].colour if agent >= 0 else edge
+            yield Beam(fill, edge, (north, east, south, west)), row, col
 
 
-def _beam_distance(snapshot: Snapshot, agent: int, row: int, col: int) -> tuple[bool, int]:
-    """Returns how far a cell is from an agent, as a key to compare agents by: first whether it lies behind, then the steps."""
-    down, right = row - int(snapshot.row[agent]), col - int(snapshot.col[agent])
-    facing = DIRECTIONS[int(snapshot.heading[agent])]
-    return down * facing[0] + right * facing[1] < 0, abs(down) + abs(right)
+def _beam_distance(snapshot: Snapshot, agent: int, cell: Cell) -> tuple[bool, int]:
+    """Returns how far a cell is from an agent, to compare: whether it lies behind, then steps."""
+    down = cell[0] - int(snapshot.row[agent])
+    right = cell[1] - int(snapshot.col[agent])
+    facing_down, facing_right = DIRECTIONS[int(snapshot.heading[agent])]
+    is_behind = down * facing_down + right * facing_right < 0
+    return is_behind, abs(down) + abs(right)
 
 
-def _struck(look: Look, ground: Appearance, snapshot: Snapshot, before: Snapshot) -> set[Cell]:
-    """Returns the cells to flash: where an object is gone from under an agent or a mark, and where an agent or a mover was hit or removed."""
-    was = _ground(look, before)
-    here, there = _places(snapshot), _places(before)
-    reached = {cell for label, _ in look.marks for cell in marked_cells(snapshot, label)} | {
-        at for at in here["agent"] if at is not None
-    }
-    earlier, now = was.things(), ground.things()
-    lost = {
-        (row, col)
-        for row, col in reached
-        if any(
-            p.sprite != "floor"
-            for p in earlier[int(was.cells[row, col])] - now[int(ground.cells[row, col])]
-        )
-    }
-    held = zip(snapshot.held.tolist(), before.held.tolist(), here["agent"], strict=True)
-    lost |= {
-        at for now_held, held_before, at in held if at is not None and now_held and not held_before
-    }
-    for sort, places in there.items():
-        for at, then in zip(here[sort], places, strict=True):
-            if then is not None and (at is None or _distance(look, at, then) > 1):
-                lost.add(then)
-    return lost
+def _flashing_cells(
+    look: Look, ground: Appearance, snapshot: Snapshot, before: Snapshot
+) -> set[Cell]:
+    """Returns the cells where something was taken, cleaned or hit in the last step.
+
+    That is where an object is gone from under an agent or a mark, where an agent is held for the
+    first time, and from where an agent or a mover was sent away.
+    """
+    positions = _positions(snapshot)
+    earlier_positions = _positions(before)
+    earlier_ground = _ground(look, before)
+    reached = {cell for cell in positions["agent"] if cell is not None}
+    for label, _ in look.marks:
+        reached |= {*marked_cells(snapshot, label)}
+    flashing: set[Cell] = set()
+    for cell in reached:
+        gone = _things(earlier_ground, cell) - _things(ground, cell)
+        if any(picture.sprite != "floor" for picture in gone):
+            flashing.add(cell)
+    for agent, position in enumerate(positions["agent"]):
+        if position is not None and snapshot.held[agent] and not before.held[agent]:
+            flashing.add(position)
+    for name, cells in earlier_positions.items():
+        for earlier, position in zip(cells, positions[name], strict=True):
+            if earlier is not None and (position is None or _steps(look, earlier, position) > 1):
+                flashing.add(earlier)
+    return flashing
 
 
-def _distance(look: Look, first: Cell, second: Cell) -> int:
-    """Returns how many steps apart two cells are, across the edges of the map if that is shorter."""
-    down, right = abs(first[0] - second[0]), abs(first[1] - second[1])
+def _things(ground: Appearance, cell: Cell) -> set[Picture]:
+    """Returns the sprites in a cell."""
+    drawing = ground.drawings[int(ground.cells[cell])]
+    body = set() if drawing.body is None else {drawing.body}
+    return body | {*drawing.objects, *drawing.badges}
+
+
+def _steps(look: Look, first: Cell, second: Cell) -> int:
+    """Returns the steps between two cells, across the edges of the map if that is shorter."""
+    down = abs(first[0] - second[0])
+    right = abs(first[1] - second[1])
     return min(down, look.height - down) + min(right, look.width - right)
 
 
-def _places(snapshot: Snapshot) -> dict[str, list[Cell | None]]:
-    """Returns row and column of each agent and mover, None of those that are away, by their sorts."""
-    sorts = {"agent": (snapshot.row, snapshot.col), **snapshot.movers}
-    return {
-        sort: [
-            (row, col) if row >= 0 else None
-            for row, col in zip(rows.tolist(), cols.tolist(), strict=True)
-        ]
-        for sort, (rows, cols) in sorts.items()
+def _positions(snapshot: Snapshot) -> dict[str, list[Cell | None]]:
+    """Returns row and column of each agent and each mover, by type; None if it is away."""
+    positions: dict[str, list[Cell | None]] = {
+        "agent": [None] * len(snapshot.row),
+        **{name: [None] * len(rows) for name, (rows, _) in snapshot.movers.items()},
     }
+    for name, number, row, col in snapshot.standing():
+        positions[name][number] = (row, col)
+    return positions
 
 
 def marked_cells(snapshot: Snapshot, label: str) -> list[Cell]:
@@ -210,159 +229,169 @@ def marked_cells(snapshot: Snapshot, label: str) -> list[Cell]:
 
 
 def cell_keys(kind: KindLook, values: Values) -> tuple[list[Key], np.ndarray]:
-    """Returns the states in which cells of a kind look differently, and the number of each cell's, `[S]`."""
+    """Returns the different keys among the cells of a kind, and each cell's index into them, `[S]`.
+
+    Args:
+      values: attribute of the state -> array.
+    """
     count = len(kind.rows)
     columns = [shown_values(field, values[field.attribute]) for field in kind.fields]
     columns += [rule.applies(kind.name, values, count).astype(int) for rule in kind.rules]
     if not columns:
         return [()], np.zeros(count, int)
-    found, number = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
-    return [tuple(map(int, row)) for row in found], number.reshape(-1)
+    keys, key_of_cell = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
+    return [tuple(key) for key in keys.tolist()], key_of_cell.reshape(-1)
 
 
 def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
-    """Returns `[S]` int: the number of each cell's word, of its agent and 1, or the eighths of its bar, rounded up."""
+    """Returns a field's number in the key of each cell, `[S]` int.
+
+    That is the number of its enum value, its agent + 1, or the eighths of its bar, rounded up.
+    """
     match field.holds:
         case "word":
             return values.astype(int)
-        case "agents":
-            counts = (
-                np.bitwise_count(values).reshape(len(values), -1).sum(axis=1)
-            )  # large sets are kept in several numbers
         case "agent":
             return values.astype(int) + 1
-        case _:
+        case "agents":  # a large set is kept as several numbers
+            counts = np.bitwise_count(values).reshape(len(values), -1).sum(axis=1)
+        case "number":
             counts = values.reshape(len(values), -1).sum(axis=1)
     return np.asarray(np.clip(np.ceil(counts / field.full * BAR_STEPS), 0, BAR_STEPS), int)
 
 
 @lru_cache(maxsize=4096)
 def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
-    """Returns what is drawn in a cell of a kind in one of its states; after the first step, `begun`, no mark of a starting place."""
+    """Returns how a cell of a kind is drawn. `begun`: marks of starting places are left out."""
     applied = [
         rule for rule, applies in zip(kind.rules, key[len(kind.fields) :], strict=True) if applies
     ]
-    ground, body = kind.ground, None if begun and kind.starting else kind.body
+    ground = kind.ground
+    body = None if begun and kind.starting else kind.body
     standing: Picture | None = None  # on a body that fills the cell
-    for (
-        rule
-    ) in applied:  # the last one that speaks of body or ground counts, and all that speak of badges
+    for rule in applied:  # the last one with a sprite or a colour counts, and every badge
         if rule.sprite is not None:
             picture = Picture(rule.sprite, rule.colour or SPRITES[rule.sprite])
-            is_on = picture.sprite not in FILLING and body is not None and body.sprite in FILLING
-            body, standing = (body, picture) if is_on else (picture, None)
+            if _fills_cell(body) and not _fills_cell(picture):
+                standing = picture
+            else:
+                body = picture
+                standing = None
         elif rule.colour is not None:
             ground = rule.colour
-            body = filled(body, rule.colour)
-    if body == Picture("floor", ground):  # a mark in the colour of its ground is not seen
+            body = _tint_body(body, rule.colour)
+    if body == Picture("floor", ground):  # a mark in the colour of its ground can't be seen
         body = None
-    badges = tuple(dict.fromkeys(rule.badge for rule in applied if rule.badge is not None))[
-        :BADGES_OF_CELL
-    ]
     read = frozenset().union(*(rule.reads for rule in applied))
     objects: list[Picture] = []
     edges: list[Colour | None] = []
     bars: list[tuple[int, int]] = []
-    places = {
-        field.name: place
-        for place, field in enumerate(field for field in kind.fields if field.sort == "bar")
-    }
+    side = 0
     for field, value in zip(kind.fields, key, strict=False):
-        if field.sort == "edge":
-            is_owned = value > 0 and field.name not in read
-            edges.append(field.colours[value - 1] if is_owned else None)
-        if field.name in read:
-            continue
+        is_read = field.name in read
         match field.sort:
-            case "tint" if field.is_drawn(value):
-                ground = mixed(ground, field.colours[value], TINTED)
-                body = filled(
-                    body, None if body is None else mixed(body.colour, field.colours[value], TINTED)
-                )
-            case "shape" if field.is_drawn(value):
+            case "edge":
+                edges.append(field.colours[value - 1] if value > 0 and not is_read else None)
+            case "bar":
+                if value > 0 and not is_read:
+                    bars.append((side, value))
+                side += 1
+            case "tint" if not is_read and field.is_drawn(value):
+                tint = field.colours[value]
+                ground = mixed(ground, tint, TINTED)
+                if body is not None:
+                    body = _tint_body(body, mixed(body.colour, tint, TINTED))
+            case "shape" if not is_read and field.is_drawn(value):
                 objects.append(field.pictures[value])
-            case "bar" if value > 0:
-                bars.append((places[field.name], value))
-    if standing is not None or (
-        body is not None and body.sprite not in FILLING
-    ):  # a tree with an apple, not an apple over a tree
-        objects, badges = (
-            [standing] if standing is not None else [],
-            (*objects, *badges)[:BADGES_OF_CELL],
-        )
+    badges = list(dict.fromkeys(rule.badge for rule in applied if rule.badge is not None))
+    if standing is not None or (body is not None and not _fills_cell(body)):
+        # A tree with an apple, not an apple over a tree.
+        badges = [*objects, *badges]
+        objects = [] if standing is None else [standing]
     edge, *inner = edges or [None]
     return Drawing(
-        ground, body, tuple(objects), badges, edge, tuple(bars), tuple(inner) if any(inner) else ()
+        ground,
+        body,
+        tuple(objects),
+        tuple(badges[:BADGES_OF_CELL]),
+        edge,
+        tuple(bars),
+        tuple(inner) if any(inner) else (),
     )
 
 
-def filled(body: Picture | None, colour: Colour | None) -> Picture | None:
-    """Returns a body in a colour if it covers the ground, whose colour nobody would see."""
-    return (
-        Picture(body.sprite, colour)
-        if body is not None and colour is not None and body.sprite in COVERING
-        else body
-    )
+def _fills_cell(body: Picture | None) -> bool:
+    return body is not None and body.sprite in FILLING
+
+
+def _tint_body(body: Picture | None, colour: Colour) -> Picture | None:
+    """Returns the body in a colour if it hides the ground, whose colour nobody would see."""
+    if body is not None and body.sprite in COVERING:
+        return Picture(body.sprite, colour)
+    return body
 
 
 def draw_figures(look: Look, snapshot: Snapshot) -> dict[str, list[Figure]]:
-    """Returns how each agent is drawn, and, by their sorts, each mover; those that are away among them."""
+    """Returns the agents, `agent`, and the movers by type, those that are away among them."""
     values = snapshot.values
-    agents = zip(
-        look.agent_colours(values), snapshot.heading.tolist(), snapshot.held.tolist(), strict=True
-    )
-    plain = [
-        Figure(number, colour, "agent", heading, held)
-        for number, (colour, heading, held) in enumerate(agents)
+    headings = snapshot.heading.tolist()
+    held = snapshot.held.tolist()
+    agents = [
+        Figure(number, colour, "agent", headings[number], held[number])
+        for number, colour in enumerate(look.agent_colours(values))
     ]
-    found = {"agent": _looking("agent", plain, look.rules, look.carried, values)}
-    for herd in look.herds:  # movers face their heading
-        plain = [
-            Figure(None, herd.colour, herd.sprite, int(heading))
-            for heading in values[f"{herd.name}_heading"]
+    figures = {"agent": _apply_looks(agents, "agent", look.rules, look.carried, values)}
+    for herd in look.herds:
+        movers = [
+            Figure(None, herd.colour, herd.sprite, heading)
+            for heading in values[f"{herd.name}_heading"].tolist()
         ]
-        found[herd.name] = _looking(herd.name, plain, herd.rules, herd.carried, values)
-    return found
+        figures[herd.name] = _apply_looks(movers, herd.name, herd.rules, herd.carried, values)
+    return figures
 
 
 def held_entries(look: Look, snapshot: Snapshot, agent: int) -> list[tuple[Picture, float]]:
-    """Returns how much an agent has of each thing that it can have several of, row by row; nothing where agents have no row of numbers."""
-    return [
-        entry
-        for row in look.held
-        for entry in zip(row.pictures, snapshot.values[row.attribute][agent].tolist(), strict=True)
-    ]
+    """Returns the amounts that an agent has of each thing, from all its indexed fields."""
+    entries: list[tuple[Picture, float]] = []
+    for field in look.held:
+        amounts = snapshot.values[field.attribute][agent].tolist()
+        entries += zip(field.pictures, amounts, strict=True)
+    return entries
 
 
-def _looking(
+def _apply_looks(
+    figures: list[Figure],
     prefix: str,
-    plain: list[Figure],
     rules: tuple[Rule, ...],
     carried: tuple[FieldLook, ...],
     values: Values,
 ) -> list[Figure]:
-    """Returns figures after the looks that apply to each, with badges for what it carries. `prefix`: of the attributes of their fields."""
-    applied = [rule.applies(prefix, values, len(plain)) for rule in rules]
-    figures = []
-    for number, figure in enumerate(plain):
-        own = [rule for rule, applies in zip(rules, applied, strict=True) if applies[number]]
-        for rule in own:
-            figure = ruled(figure, rule)
-        read = frozenset().union(*(rule.reads for rule in own))
-        words = [
-            (field, int(values[field.attribute][number]))
-            for field in carried
-            if field.name not in read
+    """Returns figures as the looks that apply to each say, with a badge for each thing carried.
+
+    Args:
+      prefix: what the names of the figures' attributes in `values` begin with.
+    """
+    applies = [rule.applies(prefix, values, len(figures)) for rule in rules]
+    result = []
+    for number, figure in enumerate(figures):
+        applied = [
+            rule for rule, is_applied in zip(rules, applies, strict=True) if is_applied[number]
         ]
-        said = [field.pictures[word] for field, word in words if field.is_carried(word)]
-        figures.append(
-            replace(figure, badges=tuple(dict.fromkeys([*figure.badges, *said]))[:BADGES])
-        )
-    return figures
+        for rule in applied:
+            figure = apply_rule(figure, rule)
+        read = frozenset().union(*(rule.reads for rule in applied))
+        badges = list(figure.badges)
+        for field in carried:
+            value = int(values[field.attribute][number])
+            if field.name not in read and field.is_carried(value):
+                badges.append(field.pictures[value])
+        distinct = tuple(dict.fromkeys(badges))
+        result.append(replace(figure, badges=distinct[:BADGES]))
+    return result
 
 
-def ruled(figure: Figure, rule: Rule) -> Figure:
-    """Returns a figure after a `look` that applies to it."""
+def apply_rule(figure: Figure, rule: Rule) -> Figure:
+    """Returns a figure as a `look` that applies to it says."""
     badges = figure.badges if rule.badge is None else (*figure.badges, rule.badge)
     return replace(
         figure,

@@ -1,11 +1,14 @@
-"""The conditions of looks in words, for legends: `agent.health == 2` is `health 2`, `tree.fruit is ripe` is `ripe`."""
+"""The conditions of looks in words, for legends.
+
+`agent.health == 2` becomes `health 2`, `tree.fruit is ripe` becomes `ripe`.
+"""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.printer import number_text
 
-COMPARED = {
+COMPARISONS = {
     "==": "{} {}",
     "!=": "{} not {}",
     "<": "{} under {}",
@@ -13,16 +16,16 @@ COMPARED = {
     ">": "{} over {}",
     ">=": "{} at least {}",
 }
-OF_ROW = {"sum": "all {}", "min": "least {}", "max": "most {}"}
+REDUCTIONS = {"sum": "all {}", "min": "least {}", "max": "most {}"}
 
 
 def in_words(condition: ir.Expr) -> str:
-    """Returns what a condition says of its cell, agent or mover, empty if it always holds."""
+    """Returns what a condition says of its cell, agent or mover; "" if it always holds."""
     return ", ".join(filter(None, map(_part, conjuncts(condition))))
 
 
 def _part(e: ir.Expr) -> str:
-    """Returns a condition without `and`."""
+    """Returns a condition in words. It isn't an `and`, except inside another condition."""
     match e:
         case ir.Same(left=ir.Word(value=word)) | ir.Same(right=ir.Word(value=word)):
             return word
@@ -45,28 +48,33 @@ def _part(e: ir.Expr) -> str:
             return f"{_value(left)} other than {_value(right)}"
         case ir.Compare(fn=">", left=ir.At() as entry, right=ir.Number(value=0)):
             return _value(entry)
-        case ir.Compare(fn=">" | "==" as fn, left=left, right=ir.Number(value=0)):
-            return f"{'some' if fn == '>' else 'no'} {_value(left)}"
+        case ir.Compare(fn=">", left=left, right=ir.Number(value=0)):
+            return f"some {_value(left)}"
+        case ir.Compare(fn="==", left=left, right=ir.Number(value=0)):
+            return f"no {_value(left)}"
         case ir.Compare(
-            fn=">" | "<" as fn, left=ir.At(row=row, key=one), right=ir.At(row=same, key=other)
-        ) if form(row) == form(same):
-            return f"{_value(row)}: {'more' if fn == '>' else 'less'} {_value(one)} than {_value(other)}"
+            fn=">" | "<" as fn,
+            left=ir.At(row=field, key=key),
+            right=ir.At(row=other_field, key=other_key),
+        ) if form(field) == form(other_field):
+            comparison = "more" if fn == ">" else "less"
+            return f"{_value(field)}: {comparison} {_value(key)} than {_value(other_key)}"
         case ir.Compare(fn=fn, left=left, right=right):
-            return COMPARED[fn].format(_value(left), _value(right))
+            return COMPARISONS[fn].format(_value(left), _value(right))
         case ir.InRange(value=value, low=low, high=high):
             return f"{_value(value)} {_value(low)} to {_value(high)}"
         case ir.Logic(fn="or", args=args):
             return " or ".join(map(in_words, args))
         case ir.Not(value=value):
             return f"not {in_words(value)}"
-        case ir.Named(name=name):
-            return name
+        case ir.Logic():
+            return in_words(e)
         case _:
-            return in_words(e) if isinstance(e, ir.Logic) else _value(e)
+            return _value(e)
 
 
 def _value(e: ir.Expr) -> str:
-    """Returns a value: a field without its owner."""
+    """Returns a value in words: a field without its owner."""
     match e:
         case ir.FieldRead(name=name) | ir.Named(name=name) | ir.Member(name=name):
             return name
@@ -77,8 +85,8 @@ def _value(e: ir.Expr) -> str:
         case ir.Word(value=word):
             return word
         case ir.SumRow(fn=fn, row=row):
-            return OF_ROW[fn].format(_value(row))
+            return REDUCTIONS[fn].format(_value(row))
         case ir.Narrowed(value=value):
             return _value(value)
         case _:
-            raise AssertionError(e)  # the compiler refuses all others in a `look`
+            raise AssertionError(e)  # the compiler refuses every other expression in a `look`

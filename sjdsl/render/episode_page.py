@@ -1,4 +1,7 @@
-"""An episode as plain data for a browser, and as one HTML file that plays it anywhere, without a server and without the internet."""
+"""An episode as data for a browser, and as one HTML file that plays it.
+
+The file needs no server and no internet.
+"""
 
 import html
 import json
@@ -22,15 +25,15 @@ from sjdsl.render.moment import Moment, Snapshot
 from sjdsl.render.vector import SIZE, svg_url, vector_figure, vector_tile
 
 FORMAT = 1  # of the data; the page refuses another
-DIGITS = 6  # of rewards
+DIGITS = 6  # after the point, of rewards
 SCRIPTS = ("board.js", "plot.js", "episode.js")
-SPEED = 8.0
+SPEED = 8.0  # moments a second
 FRAME_HEIGHT = 720  # pixels of the frame in a notebook
 
 
 @dataclass(frozen=True)
 class EpisodePage:
-    """A page. text: the whole file; in a notebook it is shown where it is the value of a cell."""
+    """A page; a notebook shows it where it is the value of a cell. text: the whole file."""
 
     text: str
 
@@ -39,8 +42,12 @@ class EpisodePage:
         write_whole(Path(path), self.text)
 
     def _repr_html_(self) -> str:
-        """Returns the page in a frame of its own, which can run its scripts and reach nothing around it."""
-        return f'<iframe sandbox="allow-scripts" style="width: 100%; height: {FRAME_HEIGHT}px; border: 0" srcdoc="{html.escape(self.text)}"></iframe>'
+        """Returns the page in a frame whose scripts can't reach anything around it."""
+        style = f"width: 100%; height: {FRAME_HEIGHT}px; border: 0"
+        return (
+            f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{html.escape(self.text)}">'
+            "</iframe>"
+        )
 
 
 def make_page(game: ir.Game, moments: Iterable[Moment], speed: float = SPEED) -> EpisodePage:
@@ -48,28 +55,25 @@ def make_page(game: ir.Game, moments: Iterable[Moment], speed: float = SPEED) ->
 
     Args:
       game: the rules, `env.game`.
-      moments: of `play_moments`, of `sjdsl.replay.replayed`, or made by hand; at least one.
-      speed: moments a second, until somebody chooses another speed.
+      moments: from `play_moments`, from `sjdsl.replay.replayed`, or built by hand; at least one.
+      speed: moments a second, until the viewer chooses another speed.
 
     Raises:
       ValueError: there is no moment.
     """
     data = {**episode_data(game, moments), "speed": speed}
-    # JSON that ends no script element, whatever texts a game has
+    # `<` is escaped so that no text of a game ends the script element.
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     environment = jinja2.Environment(
         undefined=jinja2.StrictUndefined, autoescape=True, keep_trailing_newline=True
     )
-    page = environment.from_string(_asset("episode.html"))
-    script = "\n".join(map(_asset, SCRIPTS))
-    return EpisodePage(
-        page.render(
-            title=data["title"],
-            style=Markup(_asset("episode.css")),
-            data=Markup(text),
-            script=Markup(script),
-        ),  # as they are
+    page = environment.from_string(_asset("episode.html")).render(
+        title=data["title"],
+        style=Markup(_asset("episode.css")),
+        data=Markup(text),
+        script=Markup("\n".join(map(_asset, SCRIPTS))),
     )
+    return EpisodePage(page)
 
 
 def _asset(name: str) -> str:
@@ -77,20 +81,19 @@ def _asset(name: str) -> str:
 
 
 def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
-    """Returns an episode, or several one after the other, as JSON can hold it.
+    """Returns an episode, or several one after the other, as data for JSON.
 
     Keys: `format`; `title`; `height`, `width` of the map in cells, `size` of a picture in pixels;
-    `actions`: names by number; `agents`: a colour for each; `has`: whether something stands in the column of what agents have;
-    `pictures`: SVG files as data URLs; `legend`: [picture, text] of what is in some moment; `moments`: see `Artist.moment`.
+    `actions`: names by number; `agents`: a colour for each; `has`: whether there is a column of
+    what agents have; `pictures`: SVG files as data URLs; `legend`: [picture, text] of what is in
+    some moment; `moments`: see `Artist.moment`. A picture is an index into `pictures`.
     """
-    artist, shown = Artist(make_look(game)), []
-    told = []
-    for moment in moments:
-        shown.append(moment.snapshot)
-        told.append(artist.moment(moment))
-    if not told:
+    look = make_look(game)
+    artist = Artist(look)
+    moments = list(moments)
+    if not moments:
         raise ValueError("an episode without a moment cannot be shown: give at least its start")
-    look = artist.look
+    drawn = [artist.moment(moment) for moment in moments]
     return {
         "format": FORMAT,
         "title": look.title,
@@ -100,15 +103,18 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
         "actions": list(game.agents.actions),
         "agents": artist.colours,
         "has": bool(look.held or look.own),
-        "legend": artist.legend(shown),
-        "moments": told,
+        "legend": artist.legend([moment.snapshot for moment in moments]),
+        "moments": drawn,
         "pictures": artist.pictures,
     }
 
 
 @dataclass
 class Artist:
-    """Draws moments with as few pictures as possible. pictures: data URLs; colours: of the agents when they were last drawn."""
+    """Draws moments with as few pictures as possible.
+
+    pictures: data URLs; colours: of the agents in the moment drawn last.
+    """
 
     look: Look
     pictures: list[str] = field(default_factory=list)
@@ -118,74 +124,76 @@ class Artist:
     _before: Snapshot | None = None
 
     def moment(self, moment: Moment) -> dict[str, Any]:
-        """Returns one moment.
+        """Returns one moment as data for JSON.
 
-        Keys: `step`; `cells`: [cell, picture, cell, picture, …], of all cells in the first moment and then of those that look otherwise
-        than in the moment before, numbered in reading order; `figures`: [picture, row, column] of beams, flashes, agents and movers, each
-        over those before; `actions`: a number for each agent, or nothing at the start of an episode; `rewards`, `returns` of each agent;
-        `held`: [row, picture, amount] of what each agent has; `own`: [name, value] of what else it is shown of itself, `world`: of the world;
-        `events`: [name, count of each agent, or one count]; `done`.
+        Keys:
+          `step`; `done`; `rewards` and `returns` of each agent;
+          `cells`: [cell, picture, cell, picture, …] with cells numbered in reading order: all in
+            the first moment, then those that differ from the moment before;
+          `figures`: [picture, row, column] in the order of drawing;
+          `actions`: a number for each agent, or nothing at the start of an episode;
+          `held`: for each agent, [field, picture, amount] of each thing that it has;
+          `own`: for each agent, [name, value] of what else it observes of itself;
+          `world`: [name, value] of what agents observe of the world;
+          `events`: [name, count of each agent or one count].
         """
-        shot = moment.snapshot
-        seen = appearance_of(self.look, shot, moment.actions, self._before)
-        self._before = shot
-        numbers = np.array([self.picture_of(vector_tile(drawing)) for drawing in seen.drawings])
-        cells = numbers[seen.cells].reshape(-1)
-        changed = (
-            np.arange(cells.size) if self._last is None else np.flatnonzero(cells != self._last)
-        )
+        look = self.look
+        snapshot = moment.snapshot
+        appearance = appearance_of(look, snapshot, moment.actions, self._before)
+        pictures = [self.picture_of(vector_tile(drawing)) for drawing in appearance.drawings]
+        cells = np.array(pictures)[appearance.cells].reshape(-1)
+        changed = np.arange(cells.size)
+        if self._last is not None:
+            changed = np.flatnonzero(cells != self._last)
+        self._before = snapshot
         self._last = cells
         self.colours = [
-            hexadecimal(figure.colour) for figure in draw_figures(self.look, shot)["agent"]
+            hexadecimal(figure.colour) for figure in draw_figures(look, snapshot)["agent"]
         ]
+        agents = range(look.num_agents)
         return {
-            "step": shot.step,
+            "step": snapshot.step,
             "cells": np.stack([changed, cells[changed]], axis=1).reshape(-1).tolist(),
             "figures": [
                 [self.picture_of(vector_figure(figure)), row, col]
-                for figure, row, col in seen.figures
+                for figure, row, col in appearance.figures
             ],
             "actions": list(moment.actions),
             "rewards": _rounded(moment.reward),
-            "returns": _rounded(shot.returns),
-            "held": [self._held(shot, agent) for agent in range(self.look.num_agents)],
+            "returns": _rounded(snapshot.returns),
+            "held": [self._held(snapshot, agent) for agent in agents],
             "own": [
-                [[r.name, r.text(shot, agent)] for r in self.look.own]
-                for agent in range(self.look.num_agents)
+                [[reading.name, reading.text(snapshot, agent)] for reading in look.own]
+                for agent in agents
             ],
-            "world": [[reading.name, reading.text(shot)] for reading in self.look.world],
+            "world": [[reading.name, reading.text(snapshot)] for reading in look.world],
             "events": [[name, np.asarray(count).tolist()] for name, count in moment.events.items()],
             "done": moment.done,
         }
 
     def _held(self, snapshot: Snapshot, agent: int) -> list[list[Any]]:
-        names = [row.name for row in self.look.held for _ in row.words]
-        things = zip(names, held_entries(self.look, snapshot, agent), strict=True)
-        figures = [
-            (name, Figure(None, thing.colour, thing.sprite), amount)
-            for name, (thing, amount) in things
-            if amount
-        ]
-        return [
-            [name, self.picture_of(vector_figure(figure)), amount]
-            for name, figure, amount in figures
-        ]
+        names = [field.name for field in self.look.held for _ in field.words]
+        entries: list[list[Any]] = []
+        things = held_entries(self.look, snapshot, agent)
+        for name, (thing, amount) in zip(names, things, strict=True):
+            if amount:
+                figure = Figure(None, thing.colour, thing.sprite)
+                entries.append([name, self.picture_of(vector_figure(figure)), amount])
+        return entries
 
     def legend(self, shown: Sequence[Snapshot] | None = None) -> list[list[Any]]:
-        """Returns what can be seen on the board, or is in one of the moments that are shown: [picture, text]."""
-        entries = legend_entries(self.look, shown)
-        return [
-            [
-                self.picture_of(
-                    vector_tile(seen) if isinstance(seen, Drawing) else vector_figure(seen, PAPER)
-                ),
-                text,
-            ]
-            for seen, text in entries
-        ]
+        """Returns [picture, text] of what can be seen, in the moments `shown` or at all."""
+        entries: list[list[Any]] = []
+        for symbol, text in legend_entries(self.look, shown):
+            if isinstance(symbol, Drawing):
+                svg = vector_tile(symbol)
+            else:
+                svg = vector_figure(symbol, PAPER)
+            entries.append([self.picture_of(svg), text])
+        return entries
 
     def picture_of(self, svg: str) -> int:
-        """Returns the number of a picture; equal ones have one number."""
+        """Returns the index of a picture in `pictures`; equal ones have one index."""
         if svg not in self._numbers:
             self._numbers[svg] = len(self.pictures)
             self.pictures.append(svg_url(svg))

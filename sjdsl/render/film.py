@@ -1,4 +1,7 @@
-"""Draws the frames of a film, each a board with its legend below, and writes frames as files: GIF, MP4, PNG."""
+"""Draws the frames of a film, and writes frames as GIF, MP4 or PNG.
+
+A frame is a board with the state of the agents and the legend below.
+"""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,14 +26,14 @@ with needs("pictures"):
     from PIL.PngImagePlugin import PngInfo
 
 MIN_WIDTH = 400
-MILLISECONDS = 120  # a frame is shown
+MILLISECONDS = 120  # for which a frame is shown
 SAMPLES = 24  # frames whose colours make the palette
-COLOURS = 200  # leaves room for the one that says "as before"
+COLOURS = 200  # of the palette; leaves room for the one that means "as before"
 
 
 @dataclass(frozen=True)
 class Painter:
-    """Draws the frames of one game; the legend is drawn once."""
+    """Draws the frames of one game. Its legend has been drawn once, for all of them."""
 
     look: Look
     width: int
@@ -40,11 +43,12 @@ class Painter:
     def draw(
         self, snapshot: Snapshot, actions: Sequence[int] = (), before: Snapshot | None = None
     ) -> Image.Image:
-        """Returns the picture of one moment; all pictures of a game have the same size.
+        """Returns the picture of one moment; all pictures of a painter have the same size.
 
         Args:
-          actions: number of each agent's action in the last step, if they are known: a beam then has the colour of the agent whose it is.
-          before: the moment before, if what was taken, cleaned or hit since then shall flash.
+          actions: the number of each agent's action in the last step, if they are known. They tell
+            which agent's colour a beam has.
+          before: the moment before, for what was taken, cleaned or hit since then to flash.
         """
         board = Image.fromarray(draw_board(self.look, snapshot, actions, before))
         status = self.status.draw(snapshot)
@@ -58,7 +62,11 @@ class Painter:
 
 
 def make_painter(env: Environment, shown: Sequence[Snapshot] | None = None) -> Painter:
-    """Returns what draws the states of an environment. `shown`: the moments that will be drawn; the legend leaves out what is in none."""
+    """Returns what draws the states of an environment.
+
+    Args:
+      shown: the moments that will be drawn; the legend leaves out what is in none of them.
+    """
     look = make_look(env.game)
     width = max(look.width * look.tile, MIN_WIDTH)
     return Painter(look, width, make_status(look, width, shown), draw_legend(look, width, shown))
@@ -66,24 +74,24 @@ def make_painter(env: Environment, shown: Sequence[Snapshot] | None = None) -> P
 
 def draw_film(env: Environment, moments: Iterable[Moment]) -> Iterator[Image.Image]:
     """Yields the picture of each moment."""
-    kept = list(moments)
-    painter = make_painter(env, [moment.snapshot for moment in kept])
-    for before, moment in zip([None, *kept], kept, strict=False):
-        yield painter.draw(
-            moment.snapshot, moment.actions, None if before is None else before.snapshot
-        )
+    moments = list(moments)
+    painter = make_painter(env, [moment.snapshot for moment in moments])
+    before: Snapshot | None = None
+    for moment in moments:
+        yield painter.draw(moment.snapshot, moment.actions, before)
+        before = moment.snapshot
 
 
 def draw_legend(look: Look, width: int, shown: Sequence[Snapshot] | None = None) -> Image.Image:
-    """Returns the part below the board that is the same in every frame: what can be seen, each with its text."""
-    lines: list[list[tuple[int, np.ndarray, str]]] = [[]]  # from the left, the picture, its text
+    """Returns the part of the picture that is the same in every frame: the legend."""
+    lines: list[list[tuple[int, np.ndarray, str]]] = [[]]  # left edge, picture, text
     left = MARGIN
-    for seen, text in legend_entries(look, shown):
-        if isinstance(seen, Drawing):
-            swatch = draw_tile(seen, SWATCH)
+    for symbol, text in legend_entries(look, shown):
+        if isinstance(symbol, Drawing):
+            swatch = draw_tile(symbol, SWATCH)
         else:
             swatch = np.full((SWATCH, SWATCH, 3), PAPER, np.uint8)
-            put_figure(swatch, seen)
+            put_figure(swatch, symbol)
         length = SWATCH + 4 + round(FONT.getlength(text))
         if lines[-1] and left + length > width - MARGIN:
             lines.append([])
@@ -93,27 +101,30 @@ def draw_legend(look: Look, width: int, shown: Sequence[Snapshot] | None = None)
     strip = Image.new("RGB", (width, LINE * len(lines) + 4), PAPER)
     pen = ImageDraw.Draw(strip)
     for number, line in enumerate(lines):
+        top = number * LINE + 2
         for left, swatch, text in line:
-            strip.paste(Image.fromarray(swatch), (left, number * LINE + 2))
-            pen.text(
-                (left + SWATCH + 4, number * LINE + 2 + SWATCH // 2), text, INK, FONT, anchor="lm"
-            )
+            strip.paste(Image.fromarray(swatch), (left, top))
+            pen.text((left + SWATCH + 4, top + SWATCH // 2), text, INK, FONT, anchor="lm")
     return strip
 
 
 def save_gif(
     frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS
 ) -> None:
-    """Writes frames as an endless GIF with one palette, so that what does not change does not flicker."""
+    """Writes frames as an endless GIF; with one palette, so that nothing flickers.
+
+    Args:
+      milliseconds: for which a frame is shown; the last one stays eight times as long.
+    """
     palette = _palette(frames)
-    plain = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
-    durations = [milliseconds] * (len(plain) - 1) + [8 * milliseconds]
+    first, *others = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    durations = [milliseconds] * len(others) + [8 * milliseconds]
     with written_whole(Path(path)) as file:
-        plain[0].save(
+        first.save(
             file,
             format="GIF",
             save_all=True,
-            append_images=plain[1:],
+            append_images=others,
             duration=durations,
             loop=0,
             optimize=True,
@@ -123,25 +134,28 @@ def save_gif(
 def save_mp4(
     frames: Sequence[Image.Image], path: Path | str, milliseconds: int = MILLISECONDS
 ) -> None:
-    """Writes frames as an H.264 film. Raises ModuleNotFoundError without the package `av` (`sjdsl[video]`)."""
+    """Writes frames as an H.264 film.
+
+    Raises:
+      ModuleNotFoundError: the package `av` (`sjdsl[video]`) isn't installed.
+    """
     with needs("video"):
         import av
 
-    width, height = (2 * (side // 2) for side in frames[0].size)  # the encoding halves both
+    width, height = (2 * (side // 2) for side in frames[0].size)  # H.264 needs even sides
     with written_whole(Path(path)) as file, av.open(file, "w", format="mp4") as film:
         stream = film.add_stream("libx264", rate=Fraction(1000, milliseconds))
-        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+        stream.width = width
+        stream.height = height
+        stream.pix_fmt = "yuv420p"
         for frame in frames:
-            film.mux(
-                stream.encode(
-                    av.VideoFrame.from_image(frame.convert("RGB").crop((0, 0, width, height)))
-                )
-            )
+            picture = frame.convert("RGB").crop((0, 0, width, height))
+            film.mux(stream.encode(av.VideoFrame.from_image(picture)))
         film.mux(stream.encode())
 
 
 def save_png(frame: Image.Image, path: Path | str, notes: Mapping[str, str] | None = None) -> None:
-    """Writes one picture; `notes` stand in the file as texts by key."""
+    """Writes one picture; `notes` are stored in the file as texts by key."""
     texts = PngInfo()
     for key, note in (notes or {}).items():
         texts.add_text(key, note)

@@ -1,4 +1,4 @@
-"""Plays episodes to be drawn: the moments of one environment under a policy."""
+"""Plays episodes to be drawn."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -16,12 +16,12 @@ __all__ = ["play", "play_moments", "random_policy", "stay_policy"]
 
 
 def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Iterator[Snapshot]:
-    """Returns the states of episodes, the first of each included.
+    """Yields the states of episodes, the first of each included.
 
     Args:
       policy: `(key, observation) -> actions [N]`, or one with memory.
       num_steps: steps to play, over as many episodes as they take.
-      seed: of the first episode; the next have the seeds after it.
+      seed: of the first episode; the next episodes have the seeds that follow.
     """
     return (moment.snapshot for moment in play_moments(env, policy, num_steps, seed))
 
@@ -29,11 +29,13 @@ def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Ite
 def play_moments(
     env: Environment, policy: Policy, num_steps: int, seed: int = 0
 ) -> Iterator[Moment]:
-    """Yields every moment of the same episodes, with the actions and the rewards; the arguments are those of `play`."""
-    remembering, played = with_memory(policy), 0
-    act = jax.jit(partial(take_actions, env, remembering))
+    """Yields the same states with the actions and rewards; the arguments are those of `play`."""
+    policy_with_memory = with_memory(policy)
+    act = jax.jit(partial(take_actions, env, policy_with_memory))
+    played = 0
     while True:
-        keys, memory = EpisodeKeys(jax.random.key(seed), jax.random.fold_in), remembering.start
+        keys = EpisodeKeys(jax.random.key(seed), jax.random.fold_in)
+        memory = policy_with_memory.start
         observation, state = env.reset(keys.start())
         moment = first_moment(env, state)
         yield moment
@@ -54,9 +56,9 @@ def play_moments(
 
 
 def first_moment(env: Environment, state: Any) -> Moment:
-    """Returns the start of an episode: nothing was done, and nothing paid."""
-    nothing = np.zeros(env.num_agents)
-    return Moment(take_snapshot(env, state, nothing), (), nothing, {}, False)
+    """Returns the start of an episode, without actions and rewards."""
+    reward = np.zeros(env.num_agents)
+    return Moment(take_snapshot(env, state, reward), (), reward, {}, False)
 
 
 def next_moment(
@@ -68,13 +70,12 @@ def next_moment(
     done: bool,
     events: dict[str, Any],
 ) -> Moment:
-    """Returns the moment after a step. `returns`: those before it, `[N]`."""
-    paid = np.asarray(reward)
-    counted = {name: np.asarray(count) for name, count in events.items() if np.any(count)}
+    """Returns the moment after a step. `returns`: `[N]`, rewards before the step."""
+    reward = np.asarray(reward)
     return Moment(
-        take_snapshot(env, state, returns + paid),
+        take_snapshot(env, state, returns + reward),
         tuple(np.asarray(actions).tolist()),
-        paid,
-        counted,
+        reward,
+        {name: np.asarray(count) for name, count in events.items() if np.any(count)},
         done,
     )

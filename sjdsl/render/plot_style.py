@@ -1,4 +1,4 @@
-"""How every plot looks: the colours of agents and of pages, a name at the end of each line, axes that begin at 0 where nothing is below it."""
+"""How every plot looks: the colours of agents and pages, and a name at the end of each line."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -23,21 +23,24 @@ from sjdsl.render.colours import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-BLACK, FAINT = hexadecimal(INK), hexadecimal(mixed(INK, PAPER, 0.4))
-COOPERATE, DEFECT = hexadecimal(WORDS["cooperate"]), hexadecimal(WORDS["defect"])
+BLACK = hexadecimal(INK)
+FAINT = hexadecimal(mixed(INK, PAPER, 0.4))
+COOPERATE = hexadecimal(WORDS["cooperate"])
+DEFECT = hexadecimal(WORDS["defect"])
 PUBLISHED: dict[str, Any] = {"color": BLACK, "linestyle": "--", "marker": "x", "linewidth": 1}
-LABEL = 22  # letters of a line of a label
-_LINE = 0.052  # of the height of a plot, by which a line of text moves the next label
-# Colours that lines are told apart by: those of agents, the first two exchanged, without what can't be seen on white.
+LABEL = 22  # letters in a line of a label
+_LINE = 0.052  # height of a line of text, as a share of the plot's height
 _LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
-def _is_seen(colour: Colour) -> bool:
+def _is_visible(colour: Colour) -> bool:
+    """Returns whether a colour can be seen on white."""
     return float(np.dot(colour, _LUMINANCE)) < 175
 
 
+# Colours of lines: those of agents, the first two exchanged.
 PALETTE = tuple(
-    hexadecimal(colour) for colour in (AGENTS[1], AGENTS[0], *AGENTS[2:]) if _is_seen(colour)
+    hexadecimal(colour) for colour in (AGENTS[1], AGENTS[0], *AGENTS[2:]) if _is_visible(colour)
 )
 
 
@@ -47,15 +50,17 @@ def line_colour(number: int) -> str:
 
 
 def agent_line_colour(agent: int) -> str:
-    """Returns the colour that an agent has on boards and pages, darker where it can't be seen on white."""
+    """Returns an agent's colour on boards and pages, darker if it can't be seen on white."""
     colour = agent_colour(agent)
-    return hexadecimal(colour if _is_seen(colour) else mixed(colour, read_colour("black"), 0.3))
+    if not _is_visible(colour):
+        colour = mixed(colour, read_colour("black"), 0.3)
+    return hexadecimal(colour)
 
 
 @contextmanager
 def plot_style() -> Iterator[None]:
-    """Draws plots in the style of all: its colours, no frame but the axes, a faint grid."""
-    import matplotlib  # here: importing it costs as much as a short test
+    """Applies the style of all plots inside a `with` block."""
+    import matplotlib  # here because importing it takes as long as a short test
     from cycler import cycler
 
     style: Any = {
@@ -82,7 +87,7 @@ def plot_style() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Label:
-    """A name beside a line. at: the height at which the line ends, as data."""
+    """A name beside a line. at: the value at which the line ends."""
 
     text: str
     at: float
@@ -90,7 +95,7 @@ class Label:
 
 
 def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
-    """Writes the name of each line right of the plot, at the height of its end, or as near to it as no other name is."""
+    """Writes the name of each line right of the plot, near its end, without overlaps."""
     labels = sorted(
         (label for label in labels if label.text and np.isfinite(label.at)),
         key=lambda label: label.at,
@@ -98,10 +103,10 @@ def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
     if not labels:
         return
     texts = [fill(label.text, LABEL) for label in labels]
-    axes.get_ylim()  # transLimits doesn't bring limits that follow the data up to date
-    ends = axes.transLimits.transform(
-        [(0, axes.transScale.transform((1, label.at))[1]) for label in labels]
-    )[:, 1]
+    axes.get_ylim()  # brings limits that follow the data up to date, which transLimits doesn't
+    scaled = [(0, axes.transScale.transform((1, label.at))[1]) for label in labels]
+    ends = axes.transLimits.transform(scaled)[:, 1]
+    heights = [_LINE * (text.count("\n") + 1) for text in texts]
     style: Any = {
         "xycoords": "axes fraction",
         "va": "center",
@@ -109,39 +114,36 @@ def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
         "linespacing": 1.0,
         "annotation_clip": False,
     }
-    for label, text, place in zip(
-        labels,
-        texts,
-        apart(list(ends), [_LINE * (text.count("\n") + 1) for text in texts]),
-        strict=True,
-    ):
-        axes.annotate(text, (1.02, place), color=label.colour, **style)
+    for label, text, y in zip(labels, texts, apart(list(ends), heights), strict=True):
+        axes.annotate(text, (1.02, y), color=label.colour, **style)
 
 
 def apart(wanted: Sequence[float], heights: Sequence[float]) -> list[float]:
-    """Returns the middles of labels, given from below to above, near where they are wanted, so that none overlaps the next.
+    """Returns the middles of labels near where they are wanted, such that none overlap.
 
-    Labels that would overlap share a stack around the mean of their places; stacks stay above 0.
+    Labels that would overlap share a stack around the mean of their wanted middles; no label
+    reaches below 0.
+
+    Args:
+      wanted: middles, in increasing order.
+      heights: of the labels, in the same unit.
     """
-    from scipy.optimize import isotonic_regression  # here: importing it takes a while
+    from scipy.optimize import isotonic_regression  # here because importing it takes a while
 
-    below = np.cumsum(heights) - np.divide(
-        heights, 2
-    )  # how high the middle of each would be if all stood on one another
-    middles: list[float] = (
-        np.maximum(isotonic_regression(np.subtract(wanted, below)).x, 0) + below
-    ).tolist()
+    stacked = np.cumsum(heights) - np.divide(heights, 2)  # middles of one stack of all labels
+    shifts = isotonic_regression(np.subtract(wanted, stacked)).x
+    middles: list[float] = (np.maximum(shifts, 0) + stacked).tolist()
     return middles
 
 
 def begin_at_zero(axes: "Axes", values: Iterable[float]) -> None:
-    """Has the y axis begin at 0 if nothing that it shows, or no single measurement, is below 0."""
+    """Lets the y axis begin at 0 unless a value is negative."""
     known = [value for value in values if np.isfinite(value)]
     if known and min(known) >= 0:
         axes.set_ylim(bottom=0, top=None if max(known) > 0 else 1)
 
 
 def note_below(figure: Any, text: str) -> None:
-    """Writes what lines, bands and bars are below a figure, in small letters."""
+    """Writes a note below a figure, in small letters."""
     if text:
         figure.supxlabel(text, fontsize="small", color=FAINT, x=0.01, ha="left")

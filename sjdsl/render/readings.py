@@ -1,4 +1,4 @@
-"""What agents are shown and no cell can show, as texts beside the board: values of the world, and what each agent has."""
+"""Texts beside the board: what agents observe of the world and of themselves and no cell shows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,10 @@ from sjdsl.render.moment import Snapshot, shown_defines
 
 @dataclass(frozen=True)
 class Reading:
-    """A value of the world, or one that each agent has. name: as the rules call it; attribute: of the state, empty for a define."""
+    """A value of the world, or one that each agent has.
+
+    name: as the rules call it; attribute: its array in the state, "" for a define.
+    """
 
     name: str
     attribute: str
@@ -23,20 +26,20 @@ class Reading:
     def text(self, snapshot: Snapshot, agent: int | None = None) -> str:
         """Returns the value at one moment. `agent`: whose it is, None for one of the world."""
         if not self.attribute:
-            return snapshot.told.get(self.name, "")
+            return snapshot.defines.get(self.name, "")
         values = snapshot.values[self.attribute]
-        return _said(values if agent is None else values[agent], self.type)
+        return _value_text(values if agent is None else values[agent], self.type)
 
 
 def world_readings(game: ir.Game) -> tuple[Reading, ...]:
-    """Returns the fields of the world and the defines that agents are shown, but for `step`, which stands there anyway."""
+    """Returns the fields of the world and the defines that agents observe, except `step`."""
     seen = {o.field for o in game.observables if o.what == "world"}
     fields = tuple(_reading(field) for field in game.fields if field.name in seen)
     return (*fields, *(Reading(o.field, "", o.type) for o in shown_defines(game)))
 
 
 def agent_readings(game: ir.Game) -> tuple[Reading, ...]:
-    """Returns the fields of agents that some agent is shown."""
+    """Returns the fields of agents that some agent observes."""
     seen = {o.field for o in game.observables if o.what in ("own", "other", "everyone")}
     return tuple(_reading(field) for field in game.agents.fields if field.name in seen)
 
@@ -50,33 +53,33 @@ def _reading(field: ir.VarField) -> Reading:
     return Reading(field.name, attribute_name(field), field.type)
 
 
-def _said(value: np.ndarray, type_: ir.Type) -> str:
-    """Returns a value as it is kept in a state; of a row each entry, behind its word if it has one."""
+def _value_text(value: np.ndarray, type_: ir.Type) -> str:
+    """Returns the text of a value as a state keeps it; of an indexed field, each entry."""
     if type_.by:
-        level = type_.by[0]
-        entries = [_said(entry, element(type_)) for entry in value]
-        return " ".join(
-            entries
-            if level.sort != "word"
-            else [f"{name} {entry}" for name, entry in zip(level.names, entries, strict=True)]
-        )
+        index = type_.by[0]
+        entries = [_value_text(entry, element(type_)) for entry in value]
+        if index.sort == "word":
+            entries = [f"{name} {entry}" for name, entry in zip(index.names, entries, strict=True)]
+        return " ".join(entries)
     match type_.kind:
         case "word":
             return type_.words[int(value)]
         case "agent":
             return "nobody" if value < 0 else str(int(value))
         case "agents":
-            numbers = enumerate(np.atleast_1d(value).tolist())
-            members = [
-                place * BITS + bit
-                for place, number in numbers
-                for bit in range(BITS)
-                if int(number) >> bit & 1
+            agents = [
+                number * BITS + bit
+                for number, bits in enumerate(np.atleast_1d(value).tolist())
+                for bit in _set_bits(bits)
             ]
-            return "+".join(map(str, members)) or "nobody"
+            return "+".join(map(str, agents)) or "nobody"
         case "cell":
             return "nowhere" if value < 0 else str(divmod(int(value), CELLS))
         case "real":
             return f"{float(value):.4g}"
         case _:
             return str(int(value))
+
+
+def _set_bits(bits: int) -> list[int]:
+    return [bit for bit in range(BITS) if bits >> bit & 1]

@@ -1,7 +1,7 @@
-"""Draws the part below the board that changes: the step, the world, and for each agent its rewards so far and what it has.
+"""Draws what changes below the board: the step, the world, each agent's return and possessions.
 
-Where everything stands is decided once for all pictures of a game, from the widest texts in the moments that will be drawn. A text that is wider
-still is drawn smaller, so that all pictures have one size.
+The layout is the same in all pictures of a game. It follows from the widest texts in the moments
+that will be drawn; a text that is wider still is drawn smaller.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,9 +18,15 @@ from sjdsl.render.readings import Reading
 with needs("pictures"):
     from PIL import Image, ImageDraw, ImageFont
 
-LINE, SWATCH, GAP, MARGIN = 23, 19, 14, 8  # pixels
-SMALL, BETWEEN = 15, 4  # pixels of the picture of what an agent has; between a picture and its text
-LEAST, UNKNOWN = 30, 60  # pixels of a return; of a text where no moment is known
+# In pixels.
+LINE = 23
+SWATCH = 19
+GAP = 14
+MARGIN = 8
+SMALL = 15  # side of the picture of what an agent has
+BETWEEN = 4  # from a picture to its text
+NUMBER_WIDTH = 30  # at least, for a return
+UNKNOWN_WIDTH = 60  # for a text of the world if no moment is known
 FONT_SIZE = 12.5
 FONT = ImageFont.load_default(FONT_SIZE)
 FAINT = mixed(INK, PAPER, 0.4)  # of labels
@@ -28,148 +34,163 @@ FAINT = mixed(INK, PAPER, 0.4)  # of labels
 
 @dataclass(frozen=True)
 class Item:
-    """What stands in one place: a picture, a label, and a text that changes, for which `room` pixels are kept."""
+    """A value below the board: a label, a picture or none, and a text of up to `room` pixels.
 
-    room: int
+    The value is a reading, or an entry of an indexed field of agents, or else an agent's return.
+    """
+
+    room: int = 0
     label: str = ""
     reading: Reading | None = None
-    row: FieldLook | None = None
+    field: FieldLook | None = None
     entry: int = 0
 
     @property
     def width(self) -> int:
-        picture = 0 if self.row is None else SMALL + BETWEEN
+        """Pixels of all parts together."""
+        picture = 0 if self.field is None else SMALL + BETWEEN
         label = round(FONT.getlength(self.label)) + BETWEEN if self.label else 0
         return picture + label + self.room
 
     def text(self, snapshot: Snapshot, agent: int | None) -> str:
-        """Returns what changes."""
+        """Returns the value at one moment. `agent`: whose it is, None for one of the world."""
         if self.reading is not None:
             return self.reading.text(snapshot, agent)
         assert agent is not None
-        if self.row is None:
+        if self.field is None:
             return f"{snapshot.returns[agent]:.4g}"
-        return f"{snapshot.values[self.row.attribute][agent][self.entry]:.3g}"
+        return f"{snapshot.values[self.field.attribute][agent][self.entry]:.3g}"
+
+
+@dataclass(frozen=True)
+class Placed:
+    """An item, with its left edge in pixels and its line."""
+
+    item: Item
+    left: int
+    line: int
 
 
 @dataclass(frozen=True)
 class Status:
-    """Where everything stands. world, own: items with their left edge and their line, of the world and of one agent; per_line: agents in a line."""
+    """The layout below the board.
+
+    width: pixels; world, own: items of the world and of one agent; column: pixels between agents;
+    per_line: agents in a line.
+    """
 
     look: Look
     width: int
-    world: tuple[tuple[Item, int, int], ...]
-    own: tuple[tuple[Item, int, int], ...]
+    world: tuple[Placed, ...]
+    own: tuple[Placed, ...]
     column: int
     per_line: int
 
     @property
     def height(self) -> int:
-        """Pixels of the strip."""
+        """Pixels of the picture."""
         rows = -(-self.look.num_agents // self.per_line)
-        return LINE * (1 + lines_of(self.world) + rows * lines_of(self.own)) + 4
+        return LINE * (1 + _count_lines(self.world) + rows * _count_lines(self.own)) + 4
 
     def draw(self, snapshot: Snapshot) -> Image.Image:
-        """Returns the strip for one moment."""
-        strip = Image.new("RGB", (self.width, self.height), PAPER)
-        pen = ImageDraw.Draw(strip)
+        """Returns the picture of one moment."""
+        picture = Image.new("RGB", (self.width, self.height), PAPER)
+        pen = ImageDraw.Draw(picture)
+        middle = LINE // 2 + 2
         step = f"step {snapshot.step}"
         room = self.width - 2 * MARGIN - round(FONT.getlength(step)) - GAP
-        write(pen, self.look.title, (MARGIN, LINE // 2 + 2), room, bold=True)
-        pen.text((self.width - MARGIN, LINE // 2 + 2), step, INK, FONT, anchor="rm")
-        for item, left, line in self.world:
-            _put(strip, pen, item, item.text(snapshot, None), MARGIN + left, LINE * (1 + line) + 4)
-        top = LINE * (1 + lines_of(self.world)) + 4
+        _write(pen, self.look.title, (MARGIN, middle), room, bold=True)
+        pen.text((self.width - MARGIN, middle), step, INK, FONT, anchor="rm")
+        for placed in self.world:
+            text = placed.item.text(snapshot, None)
+            top = LINE * (1 + placed.line) + 4
+            _draw_item(picture, placed.item, text, MARGIN + placed.left, top)
+        agents_top = LINE * (1 + _count_lines(self.world)) + 4
         for agent, figure in enumerate(draw_figures(self.look, snapshot)["agent"]):
             row, place = divmod(agent, self.per_line)
-            start, above = MARGIN + place * self.column, top + row * LINE * lines_of(self.own)
+            left = MARGIN + place * self.column
+            top = agents_top + row * LINE * _count_lines(self.own)
             body = Image.fromarray(draw_figure(replace(figure, heading=0, badges=()), SWATCH))
-            strip.paste(body, (start, above), body)
-            for item, left, line in self.own:
-                _put(
-                    strip,
-                    pen,
-                    item,
-                    item.text(snapshot, agent),
-                    start + SWATCH + BETWEEN + left,
-                    above + LINE * line,
-                )
-        return strip
+            picture.paste(body, (left, top), body)
+            left += SWATCH + BETWEEN
+            for placed in self.own:
+                text = placed.item.text(snapshot, agent)
+                _draw_item(picture, placed.item, text, left + placed.left, top + LINE * placed.line)
+        return picture
 
 
 def make_status(look: Look, width: int, shown: Sequence[Snapshot] | None = None) -> Status:
-    """Returns the part below the board for all pictures of a game. `shown`: the moments that will be drawn, if they are known."""
+    """Returns the layout for all pictures of a game.
+
+    Args:
+      width: pixels.
+      shown: the moments that will be drawn, if they are known.
+    """
     agents = range(look.num_agents)
 
-    def item(agents: Sequence[int | None], least: int, unknown: int, **what: object) -> Item:
-        blank = Item(0, **what)  # type: ignore[arg-type]
-        texts = [blank.text(shot, agent) for shot in shown or () for agent in agents]
-        widest = max(map(FONT.getlength, texts)) if texts else unknown
-        return replace(blank, room=max(least, round(widest)))
+    def widest(item: Item, agents: Sequence[int | None], unknown: int) -> int:
+        """Returns the pixels of an item's widest text, `unknown` if no moment is known."""
+        texts = [item.text(snapshot, agent) for snapshot in shown or () for agent in agents]
+        return round(max(map(FONT.getlength, texts))) if texts else unknown
 
-    world = [
-        item([None], 0, UNKNOWN, label=reading.name, reading=reading) for reading in look.world
-    ]
-    own = [item(agents, LEAST, LEAST)]
-    for row in look.held:
-        for entry in range(len(row.words)):
-            own.append(
-                item(
-                    agents,
-                    LEAST - BETWEEN,
-                    LEAST - BETWEEN,
-                    label="" if entry else row.name,
-                    row=row,
-                    entry=entry,
-                )
-            )
-    own += [item(agents, 0, LEAST, label=reading.name, reading=reading) for reading in look.own]
-    room = width - 2 * MARGIN - SWATCH - BETWEEN
-    placed = tuple(flow(own, room))
-    column = SWATCH + BETWEEN + max(left + item.width for item, left, _ in placed) + GAP
-    per_line = max(1, (width - 2 * MARGIN) // column)
-    return Status(look, width, tuple(flow(world, width - 2 * MARGIN)), placed, column, per_line)
+    world: list[Item] = []
+    for reading in look.world:
+        item = Item(label=reading.name, reading=reading)
+        world.append(replace(item, room=widest(item, [None], UNKNOWN_WIDTH)))
+    own = [Item(room=max(NUMBER_WIDTH, widest(Item(), agents, 0)))]
+    for field in look.held:
+        for entry in range(len(field.words)):
+            item = Item(label="" if entry else field.name, field=field, entry=entry)
+            room = max(NUMBER_WIDTH - BETWEEN, widest(item, agents, 0))
+            own.append(replace(item, room=room))
+    for reading in look.own:
+        item = Item(label=reading.name, reading=reading)
+        own.append(replace(item, room=widest(item, agents, NUMBER_WIDTH)))
+    line = width - 2 * MARGIN
+    placed_own = tuple(_flow(own, line - SWATCH - BETWEEN))
+    right_edge = max(placed.left + placed.item.width for placed in placed_own)
+    column = SWATCH + BETWEEN + right_edge + GAP
+    per_line = max(1, line // column)
+    return Status(look, width, tuple(_flow(world, line)), placed_own, column, per_line)
 
 
-def flow(items: Sequence[Item], width: int) -> Iterator[tuple[Item, int, int]]:
-    """Yields items with their left edge and their line: as many in a line as `width` pixels hold."""
-    left, line = 0, 0
+def _flow(items: Sequence[Item], width: int) -> Iterator[Placed]:
+    """Yields items with as many in a line as `width` pixels hold."""
+    left = 0
+    line = 0
     for item in items:
         if left and left + item.width > width:
-            left, line = 0, line + 1
-        yield item, left, line
+            left = 0
+            line += 1
+        yield Placed(item, left, line)
         left += item.width + GAP // 2
 
 
-def lines_of(placed: Sequence[tuple[Item, int, int]]) -> int:
-    """Returns how many lines items take."""
-    return max((line + 1 for _, _, line in placed), default=0)
+def _count_lines(items: Sequence[Placed]) -> int:
+    return max((placed.line + 1 for placed in items), default=0)
 
 
-def write(
-    pen: ImageDraw.ImageDraw, text: str, at: tuple[int, int], room: int, bold: bool = False
+def _write(
+    pen: ImageDraw.ImageDraw, text: str, point: tuple[int, int], room: int, bold: bool = False
 ) -> None:
     """Writes a text to the right of a point, smaller if it is wider than `room` pixels."""
+    font = FONT
     length = FONT.getlength(text)
-    font = (
-        FONT
-        if length <= max(1, room)
-        else ImageFont.load_default(max(1.0, FONT_SIZE * room / length))
-    )
-    pen.text(at, text, INK, font, anchor="lm", stroke_width=0.3 if bold else 0)
+    if length > max(1, room):
+        font = ImageFont.load_default(max(1.0, FONT_SIZE * room / length))
+    pen.text(point, text, INK, font, anchor="lm", stroke_width=0.3 if bold else 0)
 
 
-def _put(
-    strip: Image.Image, pen: ImageDraw.ImageDraw, item: Item, text: str, left: int, top: int
-) -> None:
+def _draw_item(picture: Image.Image, item: Item, text: str, left: int, top: int) -> None:
     """Draws an item from its top left corner on."""
+    pen = ImageDraw.Draw(picture)
     middle = top + SWATCH // 2
     if item.label:
         pen.text((left, middle), item.label, FAINT, FONT, anchor="lm")
         left += round(FONT.getlength(item.label)) + BETWEEN
-    if item.row is not None:
-        picture = item.row.pictures[item.entry]
-        thing = Image.fromarray(draw_figure(Figure(None, picture.colour, picture.sprite), SMALL))
-        strip.paste(thing, (left, top + (SWATCH - SMALL) // 2), thing)
+    if item.field is not None:
+        symbol = item.field.pictures[item.entry]
+        thing = Image.fromarray(draw_figure(Figure(None, symbol.colour, symbol.sprite), SMALL))
+        picture.paste(thing, (left, top + (SWATCH - SMALL) // 2), thing)
         left += SMALL + BETWEEN
-    write(pen, text, (left, middle), item.room)
+    _write(pen, text, (left, middle), item.room)

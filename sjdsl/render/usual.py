@@ -1,4 +1,7 @@
-"""Default appearance of kinds and words without a `look`: by their names, or by what the rules do with them."""
+"""What kinds and enum values without a `look` look like.
+
+Their names decide, or what the rules do with them.
+"""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -6,11 +9,11 @@ from dataclasses import dataclass
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph
 from sjdsl.render.colours import (
-    ALIKE,
     INK,
     INKS,
-    PICTURED,
+    KIND_SYNONYMS,
     SHAPES,
+    SPRITE_SYNONYMS,
     SPRITES,
     WORDS,
     Colour,
@@ -19,18 +22,13 @@ from sjdsl.render.colours import (
     word_colours,
 )
 
-EATEN = ("apple", "gem", "coin", "mushroom", "ore")  # words that agents take, by their place
-
-STANDING = {
-    "forest": "tree",
-    "rock": "ore",
-}  # what stops agents and is no wall, by what it is drawn like
-DARKER = 0.35  # than its ground
-
-SPAWNS = (
-    SPRITES["floor"],
-    *map(read_colour, ("purple", "brown", "blue")),
-)  # of several kinds on which agents appear
+# Sprites of enum values that agents take, in order.
+TAKEN = ("apple", "gem", "coin", "mushroom", "ore")
+# Sprites of kinds that stop agents and aren't walls.
+OBSTACLES = {"forest": "tree", "rock": "ore"}
+DARKER = 0.35  # how much darker an obstacle is than its ground
+# Colours of the kinds on which agents start.
+SPAWNS = (SPRITES["floor"], *map(read_colour, ("purple", "brown", "blue")))
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,7 @@ class Picture:
 
 
 def main_kind(game: ir.Game) -> str:
-    """Returns the kind that most of the open map is made of: the ground that all other things stand on."""
+    """Returns the kind that most of the open map is made of, as ground of all other things."""
     kind_of = kinds_by_glyph(game)
     cells = Counter(kind_of[glyph] for row in game.rows for glyph in row)
     return max(
@@ -53,13 +51,11 @@ def main_kind(game: ir.Game) -> str:
 
 
 def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
-    """Returns the kinds without fields on which agents are put at the start, but for the one that most of the open map is made of."""
-    targets = {
-        kind
-        for node in ir.walk(game.start)
-        if isinstance(node, ir.Send)
-        for kind in node.domain.var.kinds
-    }
+    """Returns the kinds on which agents start and that have no fields, except the main kind."""
+    targets: set[str] = set()
+    for node in ir.walk(game.start):
+        if isinstance(node, ir.Send):
+            targets |= {*node.domain.var.kinds}
     main = main_kind(game)
     return tuple(
         kind.name
@@ -69,78 +65,81 @@ def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
 
 
 def usual_body(kind: ir.Kind, ground: Colour, spawns: tuple[str, ...]) -> Picture | None:
-    """Returns the sprite of a whole cell: one with its name, a wall or a block for what stops agents, a faint mark where they start."""
-    like = next((ALIKE[part] for part in reversed(kind.name.split("_")) if part in ALIKE), "")
-    if like == "water" or (like in STANDING and blocks_always(kind)):
-        return Picture(
-            STANDING.get(like, like), ground if like == "water" else mixed(ground, INK, DARKER)
-        )
-    named = named_sprite(kind.name)
-    if named is not None and named != "floor":
-        return Picture(named, ground if named in ("wall", "water") else SPRITES[named])
+    """Returns the sprite of a whole cell, None if only its ground is drawn.
+
+    It is the sprite that the name of the kind mentions, else a block for what stops agents and a
+    faint mark where they start.
+    """
+    parts = reversed(kind.name.split("_"))
+    meaning = next((KIND_SYNONYMS[part] for part in parts if part in KIND_SYNONYMS), "")
+    if meaning == "water":
+        return Picture("water", ground)
+    if meaning in OBSTACLES and blocks_always(kind):
+        return Picture(OBSTACLES[meaning], mixed(ground, INK, DARKER))
+    sprite = named_sprite(kind.name)
+    if sprite in ("wall", "water"):
+        return Picture(sprite, ground)
+    if sprite is not None and sprite != "floor":
+        return Picture(sprite, SPRITES[sprite])
     if blocks_always(kind):
         return Picture("block", ground)
-    return (
-        Picture("floor", SPAWNS[spawns.index(kind.name) % len(SPAWNS)])
-        if kind.name in spawns
-        else None
-    )
+    if kind.name in spawns:
+        return Picture("floor", SPAWNS[spawns.index(kind.name) % len(SPAWNS)])
+    return None
 
 
 def usual_movers(game: ir.Game) -> list[Picture]:
-    """Returns the body of each sort of movers: the sprite with its name, else an animal; sorts with one sprite differ in colour."""
-    found: list[Picture] = []
-    for sort in game.movers:
-        sprite = named_sprite(sort.name) or "animal"
-        free = [
-            colour for colour in (SPRITES[sprite], *INKS) if Picture(sprite, colour) not in found
-        ]
-        found.append(Picture(sprite, (free or [SPRITES[sprite]])[0]))
-    return found
+    """Returns the body of each type of mover: the sprite that its name mentions, else an animal.
+
+    Types with one sprite differ in colour while there are colours left.
+    """
+    bodies: list[Picture] = []
+    for mover in game.movers:
+        sprite = named_sprite(mover.name) or "animal"
+        usual = Picture(sprite, SPRITES[sprite])
+        choices = [usual, *(Picture(sprite, ink) for ink in INKS)]
+        bodies.append(next((body for body in choices if body not in bodies), usual))
+    return bodies
 
 
 def usual_words(field: ir.VarField, taken: bool, first: int = 0) -> tuple[Picture, ...]:
-    """Returns the picture of each word of a field.
+    """Returns the picture of each enum value of a field.
 
     Args:
-      taken: agents change it where they stand, so it is an object.
-      first: the plain shape of its second word, so that the fields of one kind have others.
+      taken: whether agents change it where they stand, so that it is an object.
+      first: the index of the shape of its second value, to differ from other fields of the kind.
     """
-    of_field, colours = named_sprite(field.name), word_colours(field.type.words)
-    found: list[Picture] = []
-    for number, (word, colour) in enumerate(zip(field.type.words, colours, strict=True)):
-        of_word = named_sprite(word)
-        cycle = EATEN if taken else SHAPES
-        sprite = of_word or of_field or cycle[(number - 1 + (0 if taken else first)) % len(cycle)]
-        says_it = word not in WORDS and (
-            of_word is not None or (of_field is not None and len(field.type.words) == 2)
-        )
-        own = Picture(sprite, SPRITES[sprite]) if says_it else None
-        found.append(own if own is not None and own not in found[1:] else Picture(sprite, colour))
-    return tuple(found)
+    words = field.type.words
+    field_sprite = named_sprite(field.name)
+    pictures: list[Picture] = []
+    for number, (word, colour) in enumerate(zip(words, word_colours(words), strict=True), -1):
+        word_sprite = named_sprite(word)
+        unnamed = TAKEN[number % len(TAKEN)] if taken else SHAPES[(number + first) % len(SHAPES)]
+        sprite = word_sprite or field_sprite or unnamed
+        is_named = word_sprite is not None or (field_sprite is not None and len(words) == 2)
+        picture = Picture(sprite, colour)
+        if is_named and word not in WORDS:
+            usual = Picture(sprite, SPRITES[sprite])
+            picture = picture if usual in pictures[1:] else usual
+        pictures.append(picture)
+    return tuple(pictures)
 
 
 def is_taken(name: str, kind: str, game: ir.Game) -> bool:
-    """Returns whether agents change the field of the cell that they stand on."""
+    """Returns whether agents change a field of the cell that they stand on."""
     for node in ir.walk(game):
-        if (
-            isinstance(node, ir.Each | ir.Pick | ir.First)
-            and node.domain.on is not None
-            and kind in node.domain.on.kinds
-        ):
-            cell = node.domain.on.name
-            sets = (inner.target for inner in ir.walk(node) if isinstance(inner, ir.Set))
-            if any(
-                isinstance(t, ir.FieldRead)
-                and t.name == name
-                and getattr(t.owner, "name", "") == cell
-                for t in sets
-            ):
-                return True
+        cell = node.domain.on if isinstance(node, ir.Each | ir.Pick | ir.First) else None
+        if cell is None or kind not in cell.kinds:
+            continue
+        for inner in ir.walk(node):
+            match inner:
+                case ir.Set(target=ir.FieldRead(name=target, owner=owner)):
+                    if target == name and getattr(owner, "name", "") == cell.name:
+                        return True
     return False
 
 
 def named_sprite(name: str) -> str | None:
     """Returns the sprite that a name mentions: the last of its parts that names one."""
-    parts = (PICTURED.get(part, part) for part in reversed(name.split("_")))
+    parts = (SPRITE_SYNONYMS.get(part, part) for part in reversed(name.split("_")))
     return next((part for part in parts if part in SPRITES), None)

@@ -1,4 +1,4 @@
-"""Recorded episodes that can be replayed: stored as seed and actions, or as arrays for offline learning."""
+"""Recorded episodes for replays, as seed and actions, or for offline learning, as arrays."""
 
 from typing import TYPE_CHECKING
 

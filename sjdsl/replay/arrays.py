@@ -1,4 +1,4 @@
-"""Reads arrays out of an `.npz` file from elsewhere: sizes are looked at before anything is unpacked, and nothing is unpickled."""
+"""Reads arrays from an untrusted `.npz` file: checks sizes before unpacking, never unpickles."""
 
 import hashlib
 import io
@@ -11,41 +11,38 @@ from math import prod
 
 import numpy as np
 
-METHODS = (
-    zipfile.ZIP_STORED,
-    zipfile.ZIP_DEFLATED,
-)  # of others, LZMA takes as much memory as the file says
-# What a damaged file raises in zipfile, zlib and NumPy; a member that is encrypted raises RuntimeError.
+# Other methods are refused: LZMA takes as much memory as the file says.
+METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+# What zipfile, zlib and NumPy raise for a damaged file; RuntimeError for an encrypted member.
 FAULTS = (
-    *(
-        zipfile.BadZipFile,
-        zipfile.LargeZipFile,
-        zlib.error,
-        struct.error,
-        OSError,
-        EOFError,
-        RuntimeError,
-        MemoryError,
-    ),
-    *(
-        KeyError,
-        IndexError,
-        ValueError,
-        TypeError,
-        AttributeError,
-        OverflowError,
-        SyntaxError,
-        tokenize.TokenError,
-    ),
+    zipfile.BadZipFile,
+    zipfile.LargeZipFile,
+    zlib.error,
+    struct.error,
+    OSError,
+    EOFError,
+    RuntimeError,
+    MemoryError,
+    KeyError,
+    IndexError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    OverflowError,
+    SyntaxError,
+    tokenize.TokenError,
 )
 
 
 class TooLarge(ValueError):
-    """Arrays take more memory than they may."""
+    """Arrays take more memory than is allowed."""
 
 
 def read_arrays(file: zipfile.ZipFile, names: Iterable[str], limit: int) -> dict[str, np.ndarray]:
-    """Returns arrays by their names, which take at most `limit` bytes in all.
+    """Returns arrays by their names.
+
+    Args:
+      limit: bytes of all arrays together.
 
     Raises:
       TooLarge: they are larger. One of FAULTS: an array is missing or damaged.
@@ -63,7 +60,7 @@ def array_digest(array: np.ndarray) -> bytes:
 
 
 def _content(file: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
-    """Returns what a member holds: as much as it says, for `ZipFile.read` unpacks more before it looks."""
+    """Returns the content of a member, as long as it states; `ZipFile.read` would unpack more."""
     if member.compress_type not in METHODS:
         raise ValueError(f"{member.filename} is compressed in a way that is not read")
     with file.open(member) as opened:
@@ -74,7 +71,10 @@ def _content(file: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
 
 
 def _array(content: bytes) -> np.ndarray:
-    """Returns the array of a `.npy` file, whose header must say what follows it: NumPy makes room for as much as it says."""
+    """Returns the array of a `.npy` file.
+
+    NumPy allocates as much as the header states, so this has to be what follows the header.
+    """
     file = io.BytesIO(content)
     read_header = {
         (1, 0): np.lib.format.read_array_header_1_0,

@@ -1,4 +1,4 @@
-"""A dataset of many episodes in one `.npz` file: observations, actions, rewards, and how they were made."""
+"""A dataset of episodes in one `.npz` file: observations, actions, rewards, and their origin."""
 
 import warnings
 import zipfile
@@ -20,17 +20,19 @@ SUFFIX = ".npz"
 HEADER = "header"
 LARGEST_HEADER = 2**20  # bytes
 DIGEST_SIZE = 32  # bytes
-ENDS = ("returns", "digests")  # the arrays of all episodes together
+SUMMARIES = ("returns", "digests")  # the arrays about all episodes
 LARGEST = 2**30  # bytes of the arrays of one episode, and of the returns of all
 
 
 class Header(BaseModel):
     """The header of a file of episodes; JSON with these names.
 
-    environment: the arguments of `sjdsl.make`, including `variant`; hash: of the rules; policy: its name, policy_digest: the SHA-256 of its
-    file, if any; seed: of the first episode, the next ones have `seed + 1`, …; planes: of an observation, by name; versions: of the packages
-    used; arrays: of each episode, by name, and digests: the SHA-256 of the arrays `returns` and `digests`, which has those of all
-    episodes' arrays. Files of earlier versions lack the last two.
+    environment: the arguments of `sjdsl.make`, including `variant`; hash: of the rules.
+    policy: its name; policy_digest: the SHA-256 of its file, if any.
+    seed: of the first episode, the next ones have `seed + 1`, …; planes: names, in order.
+    versions: of the packages used; arrays: names of each episode's arrays.
+    digests: the SHA-256 of the arrays `returns` and `digests`; the latter has the SHA-256 of every
+    array of every episode. Files of earlier versions lack `arrays` and `digests`.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -54,30 +56,35 @@ class Header(BaseModel):
 class DatasetWriter:
     """Writes episodes one by one, in a `with` block; the file appears when the block ends.
 
-    After an interruption the file has the episodes added so far; after another exception there is no file. The same episodes give the same
-    bytes.
+    After an interruption the file has the episodes added so far; after another exception there is
+    no file. The same episodes give the same bytes.
     """
 
     def __init__(self, path: Path, header: Header) -> None:
-        """Starts a file. `header`: its number of episodes, its arrays and its digests are replaced by those of what is added."""
-        self.path, self._header = path, header
+        """Starts a file.
+
+        Args:
+          header: its number of episodes, `arrays` and `digests` are replaced at the end.
+        """
+        self.path = path
+        self._header = header
         self._open = ExitStack()
-        self._zip = zipfile.ZipFile(
-            self._open.enter_context(written_whole(path)),
-            "w",
-            zipfile.ZIP_DEFLATED,
-            allowZip64=True,
-        )
+        file = self._open.enter_context(written_whole(path))
+        self._zip = zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, allowZip64=True)
         self.returns: list[np.ndarray] = []
         self.steps = 0
         self._names: list[str] = []
         self._digests: list[list[bytes]] = []
 
     def add(self, episode: Episode) -> None:
-        """Appends an episode. Raises ValueError if it is too large, or has other arrays than those before."""
-        place = _place_of(len(self.returns))
-        arrays = {"actions": episode.actions, "rewards": episode.rewards}
-        arrays |= {
+        """Appends an episode.
+
+        Raises:
+          ValueError: it is too large, or has other arrays than those before.
+        """
+        arrays = {
+            "actions": episode.actions,
+            "rewards": episode.rewards,
             "terminated": np.array(episode.terminated),
             "truncated": np.array(episode.truncated),
             "seed": np.array(episode.seed),
@@ -88,15 +95,17 @@ class DatasetWriter:
         size = sum(array.nbytes for array in arrays.values())
         if size > LARGEST // 2:  # leaves room for the arrays' headers, a few hundred bytes each
             raise ValueError(
-                f"an episode of {size:,} bytes is too large for a file of episodes: record without observations"
+                f"an episode of {size:,} bytes is too large for a file of episodes: record without "
+                "observations"
             )
         if self.returns and [*arrays] != self._names:
             raise ValueError(
                 f"the arrays of all episodes have the same names: {', '.join(self._names)}"
             )
         self._names = [*arrays]
+        folder = _folder_of(len(self.returns))
         for name, array in arrays.items():
-            self._write(f"{place}/{name}", array)
+            self._write(f"{folder}/{name}", array)
         self._digests.append([array_digest(array) for array in arrays.values()])
         self.returns.append(episode.returns)
         self.steps += len(episode.actions)
@@ -110,25 +119,27 @@ class DatasetWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        wanted = kind is None or (issubclass(kind, KeyboardInterrupt) and bool(self.returns))
-        if not wanted:
+        is_interrupted = kind is not None and issubclass(kind, KeyboardInterrupt)
+        is_kept = kind is None or (is_interrupted and len(self.returns) > 0)
+        if not is_kept:
             with suppress(OSError):
                 self._zip.close()
             self._open.__exit__(kind, error, trace)
             return
         with self._open:
-            digests = np.frombuffer(
-                b"".join(digest for one in self._digests for digest in one), np.uint8
-            )
-            ends = {
-                "returns": np.array(self.returns),
-                "digests": digests.reshape(len(self.returns), len(self._names), DIGEST_SIZE),
-            }
-            for name, array in ends.items():
+            digests = np.frombuffer(b"".join(map(b"".join, self._digests)), np.uint8)
+            shape = (len(self.returns), len(self._names), DIGEST_SIZE)
+            summaries = {"returns": np.array(self.returns), "digests": digests.reshape(shape)}
+            for name, array in summaries.items():
                 self._write(name, array)
-            of_ends = {name: array_digest(array).hex() for name, array in ends.items()}
             header = self._header.model_copy(
-                update={"episodes": len(self.returns), "arrays": self._names, "digests": of_ends}
+                update={
+                    "episodes": len(self.returns),
+                    "arrays": self._names,
+                    "digests": {
+                        name: array_digest(array).hex() for name, array in summaries.items()
+                    },
+                }
             )
             self._write(HEADER, np.array(header.model_dump_json()))
             self._zip.close()
@@ -136,10 +147,10 @@ class DatasetWriter:
     def _write(self, name: str, array: np.ndarray) -> None:
         member = zipfile.ZipInfo(f"{name}.npy")  # without the time of day
         member.compress_type = zipfile.ZIP_DEFLATED
+        if array.ndim:
+            array = np.ascontiguousarray(array)
         with self._zip.open(member, "w", force_zip64=True) as file:
-            np.lib.format.write_array(
-                file, np.ascontiguousarray(array) if array.ndim else array, allow_pickle=False
-            )
+            np.lib.format.write_array(file, array, allow_pickle=False)
 
 
 class Dataset:
@@ -159,31 +170,28 @@ class Dataset:
         try:
             with zipfile.ZipFile(self.path) as file:
                 self._names = set(file.namelist())
-                self.header = Header.model_validate_json(
-                    str(read_arrays(file, [HEADER], LARGEST_HEADER)[HEADER])
-                )
-                ends = read_arrays(
-                    file, ENDS if self.header.arrays is not None else ["returns"], LARGEST
-                )
+                header = read_arrays(file, [HEADER], LARGEST_HEADER)[HEADER]
+                self.header = Header.model_validate_json(str(header))
+                names = SUMMARIES if self.header.arrays is not None else ["returns"]
+                summaries = read_arrays(file, names, LARGEST)
         except TooLarge as error:
             raise RecordingError(f"{path} cannot be read: {error}") from None
         except OSError as error:
             raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
         except FAULTS:
             raise RecordingError(
-                f"{path} holds no recorded episodes; `sjdsl record GAME -o {self.path.name}` writes some"
+                f"{path} holds no recorded episodes; `sjdsl record GAME -o {self.path.name}` "
+                "writes some"
             ) from None
-        self.returns = ends["returns"]
-        self._digests = ends.get("digests", np.zeros((0, 0, DIGEST_SIZE), np.uint8))
-        if (
-            self.returns.ndim != 2
-            or len(self.returns) != self.header.episodes
-            or self.returns.dtype != np.float64
-        ):
+        self.returns = summaries["returns"]
+        self._digests = summaries.get("digests", np.zeros((0, 0, DIGEST_SIZE), np.uint8))
+        episodes = self.header.episodes
+        is_valid = self.returns.ndim == 2 and self.returns.dtype == np.float64
+        if not is_valid or len(self.returns) != episodes:
             raise RecordingError(
-                f"{path} is damaged: it doesn't hold the returns of {self.header.episodes} episodes"
+                f"{path} is damaged: it doesn't hold the returns of {episodes} episodes"
             )
-        self._check_members(ends)
+        self._check_members(summaries)
 
     def __len__(self) -> int:
         return self.header.episodes
@@ -201,67 +209,63 @@ class Dataset:
             raise IndexError(
                 f"{self.path} has no episode {number}: it has {len(self)}, counted from 0"
             )
-        place = f"{_place_of(number % len(self))}/"
         try:
-            with zipfile.ZipFile(self.path) as file:
-                names = [
-                    name.removesuffix(".npy")
-                    for name in sorted(self._names)
-                    if name.startswith(place)
-                ]
-                parts = {
-                    name.removeprefix(place): array
-                    for name, array in read_arrays(file, names, LARGEST).items()
-                }
-            for index, name in enumerate(self.header.arrays or ()):
-                if array_digest(parts[name]) != self._digests[number][index].tobytes():
-                    raise ValueError(f"its {name} are not those that were written")
-            events = {
-                name.removeprefix("events/"): parts.pop(name)
-                for name in list(parts)
-                if name.startswith("events/")
-            }
-            seed, terminated, truncated = (
-                int(parts.pop("seed")),
-                bool(parts.pop("terminated")),
-                bool(parts.pop("truncated")),
-            )
-            seen = parts.pop("observations", None)
-            episode = Episode(
-                seed=seed,
-                observations=seen,
-                events=events,
-                terminated=terminated,
-                truncated=truncated,
-                **parts,
-            )
+            episode = self._read_episode(number)
         except FAULTS as error:
             raise RecordingError(
                 f"episode {number} of {self.path} cannot be read: {error}"
             ) from None
         if not _is_whole(episode):
             raise RecordingError(
-                f"episode {number} of {self.path} is damaged: its arrays aren't those of one episode"
+                f"episode {number} of {self.path} is damaged: its arrays aren't those of one "
+                "episode"
             )
         return episode
 
-    def _check_members(self, ends: Mapping[str, np.ndarray]) -> None:
-        """Checks that the file has the arrays that its header accounts for. Raises RecordingError.
+    def _read_episode(self, number: int) -> Episode:
+        """Returns an episode. Raises one of FAULTS if an array is missing or damaged."""
+        folder = f"{_folder_of(number % len(self))}/"
+        names = [
+            name.removesuffix(".npy") for name in sorted(self._names) if name.startswith(folder)
+        ]
+        with zipfile.ZipFile(self.path) as file:
+            arrays = read_arrays(file, names, LARGEST)
+        arrays = {name.removeprefix(folder): array for name, array in arrays.items()}
+        for index, name in enumerate(self.header.arrays or ()):
+            if array_digest(arrays[name]) != self._digests[number][index].tobytes():
+                raise ValueError(f"its {name} are not those that were written")
+        events = {
+            name.removeprefix("events/"): arrays.pop(name)
+            for name in list(arrays)
+            if name.startswith("events/")
+        }
+        return Episode(
+            seed=int(arrays.pop("seed")),
+            observations=arrays.pop("observations", None),
+            events=events,
+            terminated=bool(arrays.pop("terminated")),
+            truncated=bool(arrays.pop("truncated")),
+            **arrays,
+        )
 
-        A file of an earlier version, whose header accounts for none, is read with a warning.
+    def _check_members(self, summaries: Mapping[str, np.ndarray]) -> None:
+        """Raises RecordingError if the arrays of the file aren't those that its header names.
+
+        A file of an earlier version, whose header names none, is read with a warning.
         """
         if self.header.arrays is None:
             warnings.warn(
-                f"{self.path} has no digests, like files of earlier versions: damage can't be detected",
+                f"{self.path} has no digests, like files of earlier versions: damage can't be "
+                "detected",
                 stacklevel=3,
             )
             return
-        episodes = (
-            f"{_place_of(number)}/{name}"
+        of_episodes = (
+            f"{_folder_of(number)}/{name}"
             for number in range(len(self))
             for name in self.header.arrays
         )
-        if self._names != {f"{name}.npy" for name in (HEADER, *ends, *episodes)}:
+        if self._names != {f"{name}.npy" for name in (HEADER, *summaries, *of_episodes)}:
             raise RecordingError(
                 f"{self.path} is damaged: its arrays are not those that its header names"
             )
@@ -270,48 +274,52 @@ class Dataset:
             raise RecordingError(
                 f"{self.path} is damaged: it doesn't hold the digests of {len(self)} episodes"
             )
-        if any(
-            array_digest(array).hex() != self.header.digests.get(name)
-            for name, array in ends.items()
-        ):
-            raise RecordingError(
-                f"{self.path} is damaged: its returns or digests are not those that were written"
-            )
+        for name, array in summaries.items():
+            if array_digest(array).hex() != self.header.digests.get(name):
+                raise RecordingError(
+                    f"{self.path} is damaged: its returns or digests are not those that were "
+                    "written"
+                )
 
     def recording(self, number: int) -> Recording:
         """Returns an episode as a recording that can be replayed."""
         return self[number].recording(self.header.environment, self.header.hash)
 
 
-def _place_of(number: int) -> str:
+def _folder_of(number: int) -> str:
     """Returns the folder of an episode in the file."""
     return f"episode_{number:05d}"
 
 
 def _is_whole(episode: Episode) -> bool:
     """Returns whether the arrays of an episode have consistent shapes and valid dtypes."""
-    shape = episode.actions.shape
-    seen = episode.observations
-    return (
-        (len(shape), episode.actions.dtype.kind) == (2, "i")
-        and (episode.rewards.shape, episode.rewards.dtype.kind) == (shape, "f")
-        and (
-            seen is None
-            or (seen.ndim, seen.shape[:2], seen.dtype.name)
-            == (5, (shape[0] + 1, shape[1]), "uint8")
-        )
-        and all(
-            count.shape in (shape, shape[:1]) and count.dtype.kind in "iu"
-            for count in episode.events.values()
-        )
+    actions = episode.actions
+    rewards = episode.rewards
+    observations = episode.observations
+    if actions.ndim != 2 or actions.dtype.kind != "i":
+        return False
+    if rewards.shape != actions.shape or rewards.dtype.kind != "f":
+        return False
+    num_steps, num_agents = actions.shape
+    if observations is not None:
+        if observations.ndim != 5 or observations.shape[:2] != (num_steps + 1, num_agents):
+            return False
+        if observations.dtype != np.uint8:
+            return False
+    return all(
+        count.shape in ((num_steps, num_agents), (num_steps,)) and count.dtype.kind in "iu"
+        for count in episode.events.values()
     )
 
 
 def load_recording(path: Path, episode: int = 0) -> Recording:
-    """Returns an episode of a file that `sjdsl play --record` or `sjdsl record` wrote. `episode`: its number in the file, from 0.
+    """Returns an episode of a file that `sjdsl play --record` or `sjdsl record` wrote.
+
+    Args:
+      episode: its number in the file, from 0.
 
     Raises:
-      RecordingError: there is no such file, no such episode, or something else in it.
+      RecordingError: there is no such file or episode, or the file holds something else.
     """
     if path.is_file() and zipfile.is_zipfile(path):
         try:
@@ -325,8 +333,9 @@ def load_recording(path: Path, episode: int = 0) -> Recording:
     try:
         Arguments.model_validate(recording.environment)
     except ValidationError as error:
-        (first, *_) = error.errors()
+        first = error.errors()[0]
+        location = ".".join(map(str, ("environment", *first["loc"])))
         raise RecordingError(
-            f"{path} has an invalid description of its game: environment.{'.'.join(map(str, first['loc']))}: {first['msg']}"
+            f"{path} has an invalid description of its game: {location}: {first['msg']}"
         ) from None
     return recording

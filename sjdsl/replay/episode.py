@@ -8,15 +8,17 @@ import numpy as np
 
 from sjdsl.replay.recording import Recording
 
-Observation = Literal["tokens", "onehot", "none"]  # what is kept of the observations
+Observation = Literal["tokens", "onehot", "none"]  # how observations are stored, if at all
 
 
 @dataclass(frozen=True)
 class Episode:
     """One episode of T steps.
 
-    seed: begins it. observations: `[T + 1, N, planes, rows, cols]` uint8, the first before any action, or None; actions: `[T, N]` int32;
-    rewards: `[T, N]` float32, raw; events: counts by name, `[T, N]` or `[T]` int32; terminated: by its rules; truncated: by its length.
+    observations: `[T + 1, N, planes, rows, cols]` uint8, the first before any action, or None.
+    actions: `[T, N]` int32; rewards: `[T, N]` float32, as the game gives them.
+    events: counts by name, `[T, N]` or `[T]` int32.
+    terminated: whether the rules ended it; truncated: whether its length did.
     """
 
     seed: int
@@ -33,12 +35,11 @@ class Episode:
         return np.asarray(self.rewards.astype(np.float64).sum(axis=0))
 
     def recording(self, environment: Mapping[str, Any], game_hash: str) -> Recording:
-        """Returns the episode as `sjdsl play --record` keeps one. `environment`: the arguments of `sjdsl.make`."""
-        actions, returns = self.actions.tolist(), self.returns.tolist()
+        """Returns the episode as a recording. `environment`: the arguments of `sjdsl.make`."""
         return Recording(
             environment=dict(environment),
             hash=game_hash,
             seed=self.seed,
-            actions=actions,
-            returns=returns,
+            actions=self.actions.tolist(),
+            returns=self.returns.tolist(),
         )

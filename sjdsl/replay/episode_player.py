@@ -24,12 +24,14 @@ class EpisodePlayer:
     """One episode of an environment.
 
     Attributes:
-      keys: of the episode; observation, state: the current ones; actions: of all steps so far; returns: `[N]`; done.
+      keys: of the episode; observation, state: the current ones; actions: of each step so far.
+      returns: `[N]`; done: whether the episode is over.
     """
 
     def __init__(self, env: Environment, seed: int) -> None:
         """Starts the episode of a seed."""
-        self.env, self.seed = env, seed
+        self.env = env
+        self.seed = seed
         self.keys = EpisodeKeys(jax.random.key(seed), jax.random.fold_in)
         self.observation, self.state = env.reset(self.keys.start())
         self.actions: list[list[int]] = []
@@ -39,9 +41,8 @@ class EpisodePlayer:
     def now(self) -> Moment:
         """Returns the current moment, as after a step without rewards."""
         moment = first_moment(self.env, self.state)
-        return replace(
-            moment, snapshot=replace(moment.snapshot, returns=self.returns), done=self.done
-        )
+        snapshot = replace(moment.snapshot, returns=self.returns)
+        return replace(moment, snapshot=snapshot, done=self.done)
 
     def step(self, actions: Sequence[int]) -> Moment:
         """Takes one step.
@@ -49,34 +50,35 @@ class EpisodePlayer:
         Raises:
           ValueError: the episode is over, or the actions aren't one valid number for each agent.
         """
-        chosen = [int(action) for action in actions]
+        env = self.env
+        numbers = [int(action) for action in actions]
         if self.done:
             raise ValueError("the episode is over")
-        if len(chosen) != self.env.num_agents or not all(
-            0 <= action < self.env.num_actions for action in chosen
-        ):
+        are_actions = all(0 <= number < env.num_actions for number in numbers)
+        if len(numbers) != env.num_agents or not are_actions:
             raise ValueError(
-                f"actions must be {self.env.num_agents} numbers from 0 to {self.env.num_actions - 1}, not {chosen}"
+                f"actions must be {env.num_agents} numbers from 0 to {env.num_actions - 1}, "
+                f"not {numbers}"
             )
-        self.observation, self.state, reward, done, info = self.env.step_env(
-            self.keys.of_step(len(self.actions)), self.state, np.array(chosen, np.int32)
+        self.observation, self.state, reward, done, info = env.step_env(
+            self.keys.of_step(len(self.actions)), self.state, np.array(numbers, np.int32)
         )
         moment = next_moment(
-            self.env, self.state, self.returns, chosen, reward, bool(done), info["events"]
+            env, self.state, self.returns, numbers, reward, bool(done), info["events"]
         )
-        self.actions.append(chosen)
-        self.returns, self.done = moment.snapshot.returns, moment.done
+        self.actions.append(numbers)
+        self.returns = moment.snapshot.returns
+        self.done = moment.done
         return moment
 
     def recording(self, environment: Mapping[str, Any]) -> Recording:
         """Returns the episode so far. `environment`: the arguments of `sjdsl.make`."""
-        returns = [float(value) for value in self.returns]
         return Recording(
             environment=dict(environment),
             hash=self.env.hash,
             seed=self.seed,
             actions=self.actions,
-            returns=returns,
+            returns=self.returns.tolist(),
         )
 
 
@@ -84,7 +86,8 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     """Yields the moments of a recorded episode, the first one included.
 
     Raises:
-      RecordingError: the environment has other rules, its episode is shorter, an action is invalid, or the returns differ.
+      RecordingError: the environment has other rules, its episode is shorter, an action is invalid,
+        or the returns differ.
     """
     check_rules(recording, env.hash, env.name)
     check_actions(recording, env.num_agents, env.num_actions)
@@ -93,7 +96,8 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     for actions in recording.actions:
         if player.done:
             raise RecordingError(
-                f"the episode ends after {len(player.actions)} steps, but {len(recording.actions)} were recorded"
+                f"the episode ends after {len(player.actions)} steps, but "
+                f"{len(recording.actions)} were recorded"
             )
         yield player.step(actions)
     check_returns(recording, player.returns.tolist())

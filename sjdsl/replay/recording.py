@@ -35,8 +35,9 @@ Seed = Annotated[int, Field(ge=0, lt=2**63)]
 class Recording(BaseModel):
     """One episode; JSON with these names.
 
-    environment: the arguments of `sjdsl.make`; hash: of the rules, so that an episode is never shown under other rules.
-    seed: of the episode; actions: one list for each step, one number for each agent; returns: of each agent, to check a replay.
+    environment: the arguments of `sjdsl.make`; hash: of the rules, which a replay has to have.
+    actions: for each step, the number of each agent's action; returns: of each agent, to check a
+    replay.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -50,7 +51,7 @@ class Recording(BaseModel):
 
 
 def save_recording(recording: Recording, path: Path) -> None:
-    """Writes a file atomically."""
+    """Writes the file of an episode, whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, json.dumps(recording.model_dump()) + "\n")
 
@@ -67,24 +68,27 @@ def read_recording(path: Path) -> Recording:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
     except ValidationError:
         raise RecordingError(
-            f"{path} does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, `sjdsl record GAME -o FILE.npz` many"
+            f"{path} does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, "
+            "`sjdsl record GAME -o FILE.npz` many"
         ) from None
 
 
 def check_rules(recording: Recording, game_hash: str, name: str) -> None:
-    """Raises RecordingError if the rules of a game, by their hash, differ from those of the recording."""
+    """Raises RecordingError if the hash of a game's rules differs from that of the recording."""
     if game_hash != current_hash(recording.hash):
         raise RecordingError(
-            f"the rules of {name} have changed since the episode was recorded: the hash was {recording.hash}, and is now {game_hash}"
+            f"the rules of {name} have changed since the episode was recorded: the hash was "
+            f"{recording.hash}, and is now {game_hash}"
         )
 
 
 def check_actions(recording: Recording, num_agents: int, num_actions: int) -> None:
     """Raises RecordingError if a step lacks one valid action for each agent."""
-    for number, chosen in enumerate(recording.actions, 1):
-        if len(chosen) != num_agents or not all(0 <= action < num_actions for action in chosen):
+    for number, actions in enumerate(recording.actions, 1):
+        if len(actions) != num_agents or not all(0 <= action < num_actions for action in actions):
             raise RecordingError(
-                f"step {number} of the episode is damaged: its actions must be {num_agents} numbers from 0 to {num_actions - 1}, not {chosen}"
+                f"step {number} of the episode is damaged: its actions must be {num_agents} "
+                f"numbers from 0 to {num_actions - 1}, not {actions}"
             )
 
 
@@ -94,5 +98,6 @@ def check_returns(recording: Recording, returns: Sequence[float]) -> None:
         returns, recording.returns, rtol=1e-5, atol=1e-5
     ):
         raise RecordingError(
-            f"the replay gave returns {list(map(float, returns))}, but {recording.returns} were recorded"
+            f"the replay gave returns {list(map(float, returns))}, but {recording.returns} were "
+            "recorded"
         )

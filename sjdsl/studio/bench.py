@@ -1,4 +1,7 @@
-"""The bench: one game, its episode, and an answer to each request of the page. Nothing here knows how messages travel."""
+"""The bench: one game, its episode, and an answer to each request of the page.
+
+How messages travel is the business of the server and the worker.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -37,18 +40,20 @@ from sjdsl.trace.choices import chooser
 from sjdsl.trace.rules import Rules
 
 Answer = dict[str, Any]
-MOST_TOLD = 50  # errors of a text that are told
+MAX_ERRORS = 50  # of a text that are sent to the page
 
 
 class Refused(Exception):
-    """A request cannot be done; the text says why, to the person who asked."""
+    """A request can't be done; the message tells the user why."""
 
 
 class Bench:
-    """One game and its episode. `folder`: where its maps and bases are.
+    """One game and its episode.
 
-    opened: the game of the text; on_board: the one that is played, on another map while a counterexample is shown. Before a text has compiled
-    there is none; while a text does not compile, the last one that did is played on.
+    folder: of its maps and bases.
+    opened: the game of the last text that compiled; there is none before the first.
+    on_board: the game that is played: `opened`, or the same on the map of a counterexample.
+    others: the policy of the agents that the user doesn't control.
     """
 
     opened: Opened
@@ -57,20 +62,23 @@ class Bench:
     _artist: Artist
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.seed, self.others = folder, 0, "random"
-        self._is_empty, self._sent = True, 0
+        self.folder = folder
+        self.seed = 0
+        self.others = "random"
+        self._is_empty = True  # no text has compiled yet
+        self._num_sent = 0  # pictures that the page has
 
     def answer(self, request: ask.AnyRequest) -> Answer:
-        """Returns what a request leads to; `refused` with the reason if it cannot be done."""
+        """Returns the answer to a request; `refused` with the reason if it can't be done."""
         try:
-            found = self._done(request)
+            answer = self._perform(request)
         except (Refused, TooLong, CannotPaint, NoReplay, FileRefused) as reason:
-            found = {"refused": str(reason)}
-        except LeavesFloat32 as left:
-            found = {"refused": Rules(self.opened.build.sources).overflow(left)}
-        return {"id": request.id, "do": request.do, **found}
+            answer = {"refused": str(reason)}
+        except LeavesFloat32 as overflow:
+            answer = {"refused": Rules(self.opened.build.sources).overflow(overflow)}
+        return {"id": request.id, "do": request.do, **answer}
 
-    def _done(self, request: ask.AnyRequest) -> Answer:
+    def _perform(self, request: ask.AnyRequest) -> Answer:
         if isinstance(request, ask.Text):
             return self._text(request)
         if self._is_empty:
@@ -93,15 +101,13 @@ class Bench:
             case ask.Paint():
                 if self._shows_counterexample:
                     raise Refused(
-                        "this is the map of a counterexample: begin again to see the game's own, and paint there"
+                        "this is the map of a counterexample: begin again to see the game's own, "
+                        "and paint there"
                     )
                 return {"change": vars(paint(self.opened, request.row, request.col, request.glyph))}
             case ask.Write():
-                return {
-                    "change": vars(
-                        write_number(self.opened, request.name, request.entry, request.value)
-                    )
-                }
+                change = write_number(self.opened, request.name, request.entry, request.value)
+                return {"change": vars(change)}
             case ask.Replay():
                 return self._put_on_board(*replayed(self.opened, request))
             case ask.Panel():
@@ -115,81 +121,75 @@ class Bench:
     # ---- the text
 
     def _text(self, request: ask.Text) -> Answer:
-        """Opens a text; the answer says whether the state was kept. A text with errors leaves everything as it is."""
+        """Opens a text; the answer says whether the state was kept.
+
+        A text with errors changes nothing.
+        """
         folder, path = place_of(request.path, self.folder.resolve())
         file = Folder(folder).inside(path)
         if file.suffix != ".sj":
             raise FileRefused(f"`{path}` is no game: its name does not end in .sj")
-        over = {(folder / name).resolve(): text for name, text in request.over.items()}
-        source = Source(path, request.text, (folder / path).parent, over.get, file)
+        unsaved = {(folder / name).resolve(): text for name, text in request.over.items()}
+        source = Source(path, request.text, (folder / path).parent, unsaved.get, file)
         try:
             opened = open_text(source, request.variants, request.agents, request.params)
         except CompileError as error:
-            errors = [d for d in error.diagnostics if d.severity == "error"]
-            told = [
-                [
-                    d.span.line if d.span.file == path else None,
-                    d.message + (f"\nhelp: {d.hint}" if d.hint else ""),
-                ]
-                for d in errors[:MOST_TOLD]
-            ]
-            return {
-                "version": request.version,
-                "compiles": False,
-                "errors": len(errors),
-                "problems": told,
-            }
-        kept = None if request.fresh or self._is_empty else self._kept(opened)
-        try:
-            episode = kept or begun(opened.game, opened.values, self.seed)
-        except LeavesFloat32 as left:
-            raise Refused(Rules(opened.build.sources).overflow(left)) from None
-        self.opened, self._is_empty = opened, False
+            return {"version": request.version, "compiles": False, **_errors(error, path)}
+        episode = None if request.fresh or self._is_empty else self._continued(opened)
+        is_kept = episode is not None
+        if episode is None:
+            try:
+                episode = begun(opened.game, opened.values, self.seed)
+            except LeavesFloat32 as overflow:
+                raise Refused(Rules(opened.build.sources).overflow(overflow)) from None
+        self.opened = opened
+        self._is_empty = False
         return {
             "version": request.version,
             "compiles": True,
-            "kept": kept is not None,
+            "kept": is_kept,
             **self._put_on_board(opened, episode),
         }
 
-    def _put_on_board(self, shown: Opened, episode: Episode) -> Answer:
-        """Shows an episode of a game. Whoever drove the agents goes on if the game has such a policy."""
-        self.on_board, self.episode = shown, episode
-        if self.others not in _policies(shown.game):
+    def _put_on_board(self, opened: Opened, episode: Episode) -> Answer:
+        """Shows an episode of a game."""
+        self.on_board = opened
+        self.episode = episode
+        if self.others not in _policies(opened.game):
             self.others = "random"
-        self._artist, self._sent = Artist(make_look(shown.game)), 0
-        return {"game": self._described(), **self._scene()}
+        self._artist = Artist(make_look(opened.game))
+        self._num_sent = 0
+        return {"game": self._description(), **self._scene()}
 
-    def _kept(self, now: Opened) -> Episode | None:
-        """Returns the episode under the new rules: as it was if they are the same, else going on from the state that is shown.
+    def _continued(self, opened: Opened) -> Episode | None:
+        """Returns the episode under new rules, None if it can't go on.
 
-        Not a counterexample: it was one to the old rules.
+        If the rules are the same, all its moments are kept, else only the state that is shown. A
+        counterexample can't go on: it is one to the old rules.
         """
-        episode, before = self.episode, self.on_board
+        episode = self.episode
+        before = self.on_board
         if episode.scenario is not None:
             return None
-        if game_hash(before.game) == game_hash(now.game) and before.values == now.values:
-            return replace(episode, game=now.game)
-        world = carried(before.game, episode.now.world, now.game, now.values)
-        return (
-            None
-            if world is None
-            else resumed(now.game, world, episode.returns[episode.at], self.seed)
-        )
+        if game_hash(before.game) == game_hash(opened.game) and before.values == opened.values:
+            return replace(episode, game=opened.game)
+        world = carried(before.game, episode.now.world, opened.game, opened.values)
+        if world is None:
+            return None
+        return resumed(opened.game, world, episode.returns[episode.at], self.seed)
 
-    def _described(self) -> Answer:
-        """Returns what the page has to know of a game."""
-        opened, shown = self.opened, self.on_board
-        game = shown.game
+    def _description(self) -> Answer:
+        """Returns what the page has to know about the game."""
+        opened = self.opened
+        game = self.on_board.game
         return {
             "name": game.name,
             "title": game.title or game.name,
             "height": len(game.rows),
             "width": len(game.rows[0]),
             "agents": game.agents.number,
-            "agents_are_free": isinstance(
-                opened.composition.number, ast.Path
-            ),  # a `size` says how many
+            # Whether a `size` of the file says how many.
+            "agents_are_free": isinstance(opened.composition.number, ast.Path),
             "actions": list(game.agents.actions),
             "keys": action_keys(game.agents.actions, game.agents.relative),
             "policies": _policies(game),
@@ -200,7 +200,7 @@ class Bench:
                 for v in opened.composition.variants.values()
             ],
             "chosen": list(opened.composition.chosen),
-            "numbers": knobs(game, shown.values),
+            "numbers": knobs(game, self.on_board.values),
             "left": list(opened.left),
             "glyphs": glyphs(opened),
             "map_file": map_file(opened),
@@ -217,58 +217,62 @@ class Bench:
         return self._put_on_board(self.opened, episode)
 
     def _step(self, request: ask.Step) -> Answer:
-        shown, episode = self.on_board, self.episode
-        if episode.now.is_over:
+        game = self.on_board.game
+        moment = self.episode.now
+        if moment.is_over:
             raise Refused("the episode is over: go back, or begin it again")
-        driven = {self._agent(agent): action for agent, action in request.actions.items()}
-        if any(not 0 <= action < len(shown.game.agents.actions) for action in driven.values()):
-            raise Refused("there is no such action")
-        actions = list(
-            chooser(shown.game, self.others, self.seed)(episode.now.world.step, episode.now.world)
-        )
-        for agent, action in driven.items():
-            actions[agent] = action
-        episode.step(actions, shown.values)
+        choose = chooser(game, self.others, self.seed)
+        actions = list(choose(moment.world.step, moment.world))
+        for agent, action in request.actions.items():
+            if not 0 <= action < len(game.agents.actions):
+                raise Refused("there is no such action")
+            actions[self._agent(agent)] = action
+        self.episode.step(actions, self.on_board.values)
         return self._scene()
 
     def _number(self, request: ask.Number) -> None:
-        game, values = self.on_board.game, self.on_board.values
+        game = self.on_board.game
+        values = self.on_board.values
         try:
-            given = with_entries(game, values, request.name, request.value)
-            changed = replace(
-                self.on_board, values=interpreted_values(game, {**values, request.name: given})
-            )
+            value = with_entries(game, values, request.name, request.value)
+            values = interpreted_values(game, {**values, request.name: value})
         except ValueError as error:
             raise Refused(str(error)) from None
+        changed = replace(self.on_board, values=values)
         if not self._shows_counterexample:
             self.opened = changed
         self.on_board = changed
 
     def _put(self, request: ask.Put) -> None:
-        game, episode, agent = self.on_board.game, self.episode, self._agent(request.agent)
-        cell, world = self._cell(request.row, request.col), episode.now.world
+        episode = self.episode
+        world = episode.now.world
+        agent = self._agent(request.agent)
+        cell = self._cell(request.row, request.col)
         if cell in world.position and world.position.index(cell) != agent:
             raise Refused("another agent stands there")
         if any(cell in herd.position for herd in world.movers.values()):
             raise Refused("a mover stands there")
-        place = [cell if number == agent else at for number, at in enumerate(world.position)]
-        away = [None if number == agent else waits for number, waits in enumerate(world.away)]
-        self.episode = resumed(
-            game, replace(world, position=place, away=away), episode.returns[episode.at], self.seed
-        )
+        position = list(world.position)
+        position[agent] = cell
+        away = list(world.away)
+        away[agent] = None
+        world = replace(world, position=position, away=away)
+        returns = episode.returns[episode.at]
+        self.episode = resumed(self.on_board.game, world, returns, self.seed)
 
     def _scene(self) -> Answer:
-        """Returns the moment that is shown, the pictures that the page does not have yet, and how many moments there are."""
+        """Returns the moment that is shown, with the pictures that the page doesn't have yet."""
         episode = self.episode
         scene = self._artist.moment(episode.drawn(episode.at))
-        new, self._sent = self._artist.pictures[self._sent :], len(self._artist.pictures)
-        game = self.on_board.game
+        positions = episode.now.world.position
+        scene["places"] = [None if cell is None else list(cell) for cell in positions]
+        new_pictures = self._artist.pictures[self._num_sent :]
+        self._num_sent = len(self._artist.pictures)
         return {
-            "scene": scene
-            | {"places": [None if at is None else list(at) for at in episode.now.world.position]},
-            "pictures": new,
+            "scene": scene,
+            "pictures": new_pictures,
             "colours": self._artist.colours,
-            "metrics": measured(game, episode.now.outcome),
+            "metrics": measured(self.on_board.game, episode.now.outcome),
             "at": episode.at,
             "moments": len(episode.moments),
         }
@@ -276,18 +280,18 @@ class Bench:
     # ---- beside the board
 
     def _panel(self, request: ask.Panel) -> Answer:
-        opened, shown, moment = self.opened, self.on_board, self.episode.now
-        cell = (
-            None
-            if request.row is None or request.col is None
-            else self._cell(request.row, request.col)
-        )
+        opened = self.opened
+        on_board = self.on_board
+        world = self.episode.now.world
+        cell = None
+        if request.row is not None and request.col is not None:
+            cell = self._cell(request.row, request.col)
         panels: dict[str, Callable[[], Answer]] = {
             "rules": lambda: rules_panel(opened),
             "python": lambda: python_panel(opened),
-            "state": lambda: state_panel(shown, moment.world, cell),
-            "seen": lambda: seen_panel(shown, moment.world, self._agent(request.agent)),
-            "trace": lambda: trace_panel(shown, self.episode.traced()),
+            "state": lambda: state_panel(on_board, world, cell),
+            "seen": lambda: seen_panel(on_board, world, self._agent(request.agent)),
+            "trace": lambda: trace_panel(on_board, self.episode.traced()),
             "checks": lambda: checks_panel(opened),
             "diff": lambda: diff_panel(opened),
             "curves": lambda: curves_panel(self.episode),
@@ -298,11 +302,11 @@ class Bench:
             raise Refused(error.diagnostics[0].message) from None
 
     def _share(self) -> Answer:
-        episode, game = self.episode, self.on_board.game
-        moments = [episode.drawn(number) for number in range(len(episode.moments))]
+        game = self.on_board.game
+        moments = [self.episode.drawn(number) for number in range(len(self.episode.moments))]
         return {"html": make_page(game, moments).text, "name": f"{game.name}.html"}
 
-    # ---- what there is
+    # ---- checks
 
     @property
     def _shows_counterexample(self) -> bool:
@@ -321,5 +325,19 @@ class Bench:
 
 
 def _policies(game: ir.Game) -> list[str]:
-    """Returns the names of the policies that agents can follow if nobody controls them."""
+    """Returns the names of the policies that agents can follow."""
     return ["random", "stay", *(policy.name for policy in game.policies)]
+
+
+def _errors(error: CompileError, path: str) -> Answer:
+    """Returns the number of a text's errors, and the first ones with their lines.
+
+    The line is None for an error in another file.
+    """
+    errors = [d for d in error.diagnostics if d.severity == "error"]
+    problems = []
+    for d in errors[:MAX_ERRORS]:
+        line = d.span.line if d.span.file == path else None
+        help_ = f"\nhelp: {d.hint}" if d.hint else ""
+        problems.append([line, d.message + help_])
+    return {"errors": len(errors), "problems": problems}

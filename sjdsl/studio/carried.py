@@ -1,4 +1,4 @@
-"""Carries the state of an episode over to the rules as they are after an edit, as far as it still fits."""
+"""Carries the state of an episode over to edited rules, as far as it fits them."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,40 +13,38 @@ from sjdsl.interpreter.stored import held_values
 
 
 def carried(old: ir.Game, world: World, new: ir.Game, params: Mapping[str, Value]) -> World | None:
-    """Returns a state of the old rules as one of the new; None if nothing of it fits: another map, other agents or movers.
+    """Returns a state of the old rules as one of the new; None if it doesn't fit at all.
 
-    A field that is new, or whose type no longer has one of the values, starts as it is declared.
+    The map and the numbers of agents and movers have to be the same. A field that is new, or whose
+    type has lost one of its values, starts as it is declared.
     """
-    bodies, other = (
-        (game.agents.number, [(m.name, m.number) for m in game.movers]) for game in (old, new)
-    )
-    if bodies != other or board_of(old).kind_of != board_of(new).kind_of:
+    if _bodies(old) != _bodies(new) or board_of(old).kind_of != board_of(new).kind_of:
         return None
-    waiting = chain(world.away, *(herd.away for herd in world.movers.values()))
-    if old.schedule != new.schedule and any(
-        away is not None and away.pool is not None for away in waiting
-    ):
-        return None  # where they come back to is known by its place in the rules
-    fresh = declared_world(board_of(new), dict(params))
-    before = {(field.held_by, field.name): field.type for field in all_fields(old)}
+    if old.schedule != new.schedule:
+        for away in chain(world.away, *(herd.away for herd in world.movers.values())):
+            if away is not None and away.pool is not None:
+                return None  # it comes back to a place known by its position in the old rules
+    carried_world = declared_world(board_of(new), dict(params))
+    old_types = {(field.held_by, field.name): field.type for field in all_fields(old)}
     for field in all_fields(new):
-        type_ = before.get((field.held_by, field.name))
-        if (
-            type_ is None
-            or (type_.kind, type_.by) != (field.type.kind, field.type.by)
-            or not _fits(held_values(field, world), field.type)
-        ):
+        old_type = old_types.get((field.held_by, field.name))
+        if old_type is None or (old_type.kind, old_type.by) != (field.type.kind, field.type.by):
+            continue
+        values = held_values(field, world)
+        if not _fits(values, field.type):
             continue
         if field.held_by.what == "world":
-            fresh.fields[field.name] = world.fields[field.name]
+            carried_world.fields[field.name] = values
         else:
-            held_values(field, fresh)[:] = held_values(field, world)
+            held_values(field, carried_world)[:] = values
     herds = {
-        sort: replace(fresh.movers[sort], position=h.position, moved=h.moved, away=h.away)
-        for sort, h in world.movers.items()
+        name: replace(
+            carried_world.movers[name], position=herd.position, moved=herd.moved, away=herd.away
+        )
+        for name, herd in world.movers.items()
     }
     return replace(
-        fresh,
+        carried_world,
         step=world.step,
         position=world.position,
         heading=world.heading,
@@ -56,8 +54,13 @@ def carried(old: ir.Game, world: World, new: ir.Game, params: Mapping[str, Value
     )
 
 
+def _bodies(game: ir.Game) -> tuple[int, list[tuple[str, int]]]:
+    """Returns the number of agents, and the number of movers of each type."""
+    return game.agents.number, [(mover.name, mover.number) for mover in game.movers]
+
+
 def _fits(value: Any, type_: ir.Type) -> bool:
-    """Returns whether a type has a value, or every value in a list or a row of them."""
+    """Returns whether a value, or each one in a list, belongs to a type."""
     if isinstance(value, list | tuple):
         return all(_fits(entry, type_) for entry in value)
     if type_.kind == "word":

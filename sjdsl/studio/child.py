@@ -1,4 +1,4 @@
-"""A worker process seen from the server: one request at a time, each with a time limit, started again when it is over."""
+"""A worker process, as the server uses it: one request at a time, each with a time limit."""
 
 import asyncio
 import contextlib
@@ -9,15 +9,15 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 LONGEST_LINE = 64 * 2**20  # bytes of one answer
-# Seconds that a request may take: checks are played for a long time, and so is a long counterexample.
+# Seconds that a request may take. Tests of checks take long, and so does a long counterexample.
 SECONDS = {"panel": 120.0, "replay": 120.0, "step": 60.0}
-ANY = 20.0
-START = 90.0  # that Python and the compiler may take to load
-LATER = 10.0  # seconds until the place of a process that a page has taken is filled
+ANY = 20.0  # seconds that any other request may take
+START = 90.0  # seconds that Python and the compiler may take to load
+LATER = 10.0  # seconds after which a process that a page has taken is replaced
 
 
 class Child:
-    """A worker process. `folder`: in which games are opened."""
+    """A worker process; it is started again when it has ended. folder: of the games."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -25,7 +25,10 @@ class Child:
         self._turn = asyncio.Lock()
 
     async def ask(self, request: str) -> str:
-        """Returns the answer to a request, both as JSON. One that takes too long, or breaks the process, is refused with the reason."""
+        """Returns the answer to a request, both as JSON.
+
+        A request that takes too long, or ends the process, is refused with the reason.
+        """
         async with self._turn:
             limit = SECONDS.get(part_of(request, "do"), ANY)
             try:
@@ -42,14 +45,14 @@ class Child:
                 line = b""
             if not line:
                 await self.stop()
-                return _lost(
-                    request,
-                    "the process that plays the game ended; it starts again with the next change",
+                reason = (
+                    "the process that plays the game ended; it starts again with the next change"
                 )
+                return _lost(request, reason)
             return line.decode()
 
     async def begin(self) -> None:
-        """Starts the process ahead of the first request. One that cannot be started is tried again with that."""
+        """Starts the process ahead of the first request, which tries again if this fails."""
         async with self._turn:
             if self._process is None:
                 with contextlib.suppress(TimeoutError, OSError):
@@ -57,41 +60,37 @@ class Child:
 
     async def stop(self) -> None:
         """Ends the process; the next request starts another."""
-        process, self._process = self._process, None
+        process = self._process
+        self._process = None
         if process is not None and process.returncode is None:
             process.kill()
             await process.wait()
 
     async def _start(self) -> Process:
-        module = "sjdsl.studio.worker"
+        command = [sys.executable, "-m", "sjdsl.studio.worker", str(self._folder)]
         self._process = await asyncio.create_subprocess_exec(
-            sys.executable,
-            "-m",
-            module,
-            str(self._folder),
-            stdin=PIPE,
-            stdout=PIPE,
-            limit=LONGEST_LINE,
+            *command, stdin=PIPE, stdout=PIPE, limit=LONGEST_LINE
         )
         assert self._process.stdout is not None
-        await asyncio.wait_for(self._process.stdout.readline(), START)  # it has loaded
+        await asyncio.wait_for(self._process.stdout.readline(), START)  # until it has loaded
         return self._process
 
 
 class Spares:
-    """Processes that are started before a page asks for them: to load the compiler takes longer than to open a game.
+    """Processes that are started before a page needs them, as the compiler takes long to load.
 
-    number: how many wait; a page takes two.
+    number: of processes that wait; a page takes two.
     """
 
     def __init__(self, folder: Path, number: int = 2) -> None:
-        self._folder, self._number = folder, number
+        self._folder = folder
+        self._number = number
         self._waiting: list[Child] = []
         self._filling: set[asyncio.Task[None]] = set()
         self._is_open = False
 
     def take(self) -> Child:
-        """Returns a process of its own for a page, and has another started in a while, when the page has been served."""
+        """Returns a process for a page. Another one starts later, when the page has been served."""
         child = self._waiting.pop(0) if self._waiting else Child(self._folder)
         self._fill(LATER)
         return child
@@ -124,7 +123,7 @@ class Spares:
 
 
 def part_of(request: str, name: str) -> str:
-    """Returns a part of a request as text; nothing if the request has none, or is no object of JSON."""
+    """Returns a field of a request as text, "" if there is none or it isn't a JSON object."""
     try:
         return str(json.loads(request)[name])
     except (ValueError, KeyError, TypeError, RecursionError):
@@ -132,13 +131,13 @@ def part_of(request: str, name: str) -> str:
 
 
 def number_of(request: str) -> int:
-    """Returns the number of a request, 0 without one."""
+    """Returns the `id` of a request, 0 without one."""
     number = part_of(request, "id")
     return int(number) if number.isdecimal() else 0
 
 
 def _lost(request: str, reason: str) -> str:
-    """Returns the answer for a request that has none; `lost`: the page has to open its text again."""
+    """Returns an answer in place of the process. `lost`: the page has to open its text again."""
     return json.dumps(
         {"id": number_of(request), "do": part_of(request, "do"), "refused": reason, "lost": True}
     )

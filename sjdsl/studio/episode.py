@@ -26,9 +26,11 @@ class TooLong(Exception):
 class Episode:
     """An episode of a seed, with the draws of `sjdsl play`.
 
-    moments: all so far, the start first; returns: of each agent at each of them; at: the number of the one that is shown. is_put: it begins
-      with a state that somebody has made, not with the phase `start`.
-    scenario: that of a counterexample, whose draws the start and the first `written` steps have.
+    moments: all so far, the start first; returns: of each agent at each of them.
+    at: the index of the moment that is shown.
+    is_put: whether it begins with a state that the user built, not with the phase `start`.
+    scenario: of a counterexample, which determines the draws of the start and of the first
+      `written` steps.
     """
 
     game: ir.Game
@@ -42,92 +44,88 @@ class Episode:
 
     @property
     def now(self) -> Moment:
+        """The moment that is shown."""
         return self.moments[self.at]
 
     def step(self, actions: list[int], params: Mapping[str, Value]) -> None:
-        """Takes a step from the moment that is shown; what came after is forgotten.
+        """Takes a step from the moment that is shown, and drops the moments after it.
 
-        Raises TooLong, and LeavesFloat32.
+        Raises TooLong or LeavesFloat32.
         """
         if self.at + 1 >= LONGEST:
             raise TooLong(
                 f"the studio keeps {LONGEST} moments of an episode: go back, or begin it again"
             )
-        key = keys_of(self.seed).of_step(self.now.world.step)
-        world, outcome = step(self.game, self.now.world, actions, params, Threefry(*key))
-        moment, paid = (
-            Moment(self.now.world.step, key, world, (), tuple(actions), frozenset(), outcome),
-            map(float, outcome.reward),
-        )
-        del self.moments[self.at + 1 :], self.returns[self.at + 1 :]
+        before = self.now.world
+        key = keys_of(self.seed).of_step(before.step)
+        world, outcome = step(self.game, before, actions, params, Threefry(*key))
+        moment = Moment(before.step, key, world, (), tuple(actions), frozenset(), outcome)
+        self.moments[self.at + 1 :] = [moment]
+        self.returns[self.at + 1 :] = [with_reward(self.returns[self.at], outcome)]
         self.written = min(self.written, self.at)
-        self.moments.append(moment)
-        self.returns.append(
-            [before + reward for before, reward in zip(self.returns[self.at], paid, strict=True)]
-        )
         self.at += 1
 
     def traced(self) -> Moment:
-        """Returns the moment that is shown with an account of what led to it, by the rules as they are written now."""
+        """Returns the moment that is shown with an account of what led to it.
+
+        The account follows the rules as they are now.
+        """
         moment = self.now
+        params = moment.world.params
         if moment.outcome is not None:
             before = self.moments[self.at - 1].world
             if self.scenario is not None and self.at <= self.written:
-                return take_step(
-                    self.game,
-                    before,
-                    moment.actions,
-                    moment.world.params,
-                    draws_of(self.scenario, self.at - 1),
-                )
-            return follow(self.game, before, moment.world.params, moment.key, list(moment.actions))
-        return (
-            begin(self.game, moment.world.params, moment.key)
-            if moment.world.step == 0 and not self.is_put
-            else moment
-        )
+                draws = draws_of(self.scenario, self.at - 1)
+                return take_step(self.game, before, moment.actions, params, draws)
+            return follow(self.game, before, params, moment.key, list(moment.actions))
+        if moment.world.step == 0 and not self.is_put:
+            return begin(self.game, params, moment.key)
+        return moment
 
     def go(self, number: int) -> None:
-        """Shows another moment; the nearest there is."""
+        """Shows another moment, the nearest there is."""
         self.at = min(max(0, number), len(self.moments) - 1)
 
     def drawn(self, number: int) -> Drawn:
-        """Returns a moment as pictures and pages have it."""
+        """Returns a moment as pictures and pages need it."""
         moment = self.moments[number]
         return moment_of(
             self.game, moment.world, self.returns[number], moment.actions, moment.outcome
         )
 
 
+def with_reward(returns: list[float], outcome: Outcome) -> list[float]:
+    """Returns the returns of the agents after a step."""
+    return [before + float(paid) for before, paid in zip(returns, outcome.reward, strict=True)]
+
+
 def metric_names(game: ir.Game) -> list[tuple[str, bool]]:
-    """Returns the metrics of a game by name, each with whether it is an event, whose counts add up."""
-    return [(name, True) for event in game.events for _, name in counts_of(event)] + [
-        (m.name, False) for m in game.measures
-    ]
+    """Returns the names of a game's metrics, each with whether it is an event, which is summed."""
+    events = [(name, True) for event in game.events for _, name in counts_of(event)]
+    return events + [(measure.name, False) for measure in game.measures]
 
 
 def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
-    """Returns the metrics of a step, in the order of `metric_names`, events summed over the agents; nothing for the start of an episode."""
+    """Returns the metrics of a step, in the order of `metric_names`; none without an outcome.
+
+    Events are summed over the agents.
+    """
     if outcome is None:
         return []
-    found = []
+    values = []
     for event in game.events:
         counts = outcome.events[event.name]
-        for place, (word, _) in enumerate(counts_of(event)):
-            by_agent = counts if event.per_agent else [counts]
-            found.append(sum(float(count if word is None else count[place]) for count in by_agent))
-    return found + [float(outcome.measures[m.name]) for m in game.measures]
+        by_agent = counts if event.per_agent else [counts]
+        for index, (word, _) in enumerate(counts_of(event)):
+            values.append(sum(float(c if word is None else c[index]) for c in by_agent))
+    return values + [float(outcome.measures[measure.name]) for measure in game.measures]
 
 
 def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
     """Returns the start of an episode. Raises LeavesFloat32."""
     key = keys_of(seed).start()
-    return Episode(
-        game,
-        seed,
-        [Moment(None, key, copied(reset(game, params, Threefry(*key))), ())],
-        [[0.0] * game.agents.number],
-    )
+    world = copied(reset(game, params, Threefry(*key)))
+    return Episode(game, seed, [Moment(None, key, world, ())], [[0.0] * game.agents.number])
 
 
 def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:

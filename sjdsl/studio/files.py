@@ -1,4 +1,4 @@
-"""Answers what the page asks about files, for the server and for the studio without one."""
+"""Answers requests about files, for the studio with and without a server."""
 
 import json
 from collections.abc import Mapping
@@ -14,15 +14,15 @@ Answer = dict[str, Any]
 def answered(
     folder: Folder, method: str, address: str, query: Mapping[str, str], body: str | bytes = ""
 ) -> tuple[int, Answer]:
-    """Returns the HTTP status and the answer of a request; `refused` with the reason if it cannot be done."""
+    """Returns the HTTP status and the answer to a request; `refused` has the reason if it fails."""
     try:
-        given = json.loads(body or "{}")
+        arguments = json.loads(body or "{}")
     except (ValueError, RecursionError):
-        given = None
-    if not isinstance(given, dict):
+        arguments = None
+    if not isinstance(arguments, dict):
         return 400, {"refused": "the request is no object of JSON"}
     try:
-        return 200, _done(folder, method, address, query, given)
+        return 200, _answer(folder, method, address, query, arguments)
     except Changed as reason:
         return 409, {"refused": str(reason), "changed": True}
     except FileRefused as reason:
@@ -33,45 +33,35 @@ def answered(
         return 400, {"refused": "the text has a character that no file can hold"}
 
 
-def _done(
-    folder: Folder, method: str, address: str, query: Mapping[str, str], given: Answer
+def _answer(
+    folder: Folder, method: str, address: str, query: Mapping[str, str], arguments: Answer
 ) -> Answer:
-    """Returns the answer. Raises FileRefused, KeyError for a field that is missing, and UnicodeEncodeError."""
+    """Returns the answer to a request.
+
+    Raises FileRefused, KeyError for an argument that is missing, or UnicodeEncodeError.
+    """
     match method, address:
-        case (
-            "GET",
-            "/games",
-        ):  # those that can be opened: the folder's own, the bundled ones, and those of the tour
+        case "GET", "/games":
             return {"games": folder.games(), "examples": examples(), "tour": tour.games()}
         case "GET", "/tour":
             return {"steps": tour.steps()}
-        case (
-            "GET",
-            "/file",
-        ):  # of the folder, of an example or of the tour; its URI is for the language server
-            place, path = place_of(query["path"], folder.root)
-            text, digest = Folder(place).read(path)
-            return {"text": text, "digest": digest, "uri": (place / path).as_uri()}
+        case "GET", "/file":
+            home, path = place_of(query["path"], folder.root)
+            text, digest = Folder(home).read(path)
+            uri = (home / path).as_uri()  # for the language server
+            return {"text": text, "digest": digest, "uri": uri}
         case "PUT", "/file":
-            return {
-                "digest": folder.write(str(given["path"]), str(given["text"]), given.get("digest"))
-            }
-        case (
-            "POST",
-            "/copy",
-        ):  # the text of an example, as it has been changed, as a new file, with the files that it needs
-            if folder.inside(str(given["path"])).exists():
-                raise FileRefused(f"there is a file `{given['path']}` already: choose another name")
-            copied = copy_beside(str(given["example"]), folder)
-            return {
-                "digest": folder.write(str(given["path"]), str(given["text"]), None),
-                "copied": copied,
-            }
-        case (
-            "POST",
-            "/new",
-        ):  # a game of the name that the file has: the starting one of `sjdsl new`, or a renamed copy of another
-            made = new_game(str(given["path"]), str(given["like"]), folder)
-            return {"digest": folder.read(str(given["path"]))[1], "copied": made}
+            path, text = str(arguments["path"]), str(arguments["text"])
+            return {"digest": folder.write(path, text, arguments.get("digest"))}
+        case "POST", "/copy":  # an example, whose text has perhaps been changed, with its files
+            path, text = str(arguments["path"]), str(arguments["text"])
+            if folder.inside(path).exists():
+                raise FileRefused(f"there is a file `{path}` already: choose another name")
+            copied = copy_beside(str(arguments["example"]), folder)
+            return {"digest": folder.write(path, text, None), "copied": copied}
+        case "POST", "/new":
+            path = str(arguments["path"])
+            written = new_game(path, str(arguments["like"]), folder)
+            return {"digest": folder.read(path)[1], "copied": written}
         case _:
             raise FileRefused(f"there is no `{address}`")

@@ -1,4 +1,4 @@
-"""The files that the studio opens and writes: games and maps inside the folder it was started in."""
+"""The files that the studio opens and writes: games and maps in the folder it was started in."""
 
 import hashlib
 from dataclasses import dataclass
@@ -10,31 +10,29 @@ from sjdsl.files import games_below, line_end, read_bytes, write_whole
 
 SUFFIXES = (".sj", ".txt")
 LARGEST = 400_000  # bytes of a file
-MOST = 500  # files that are listed
-_writing = (
-    Lock()
-)  # so that of several who write from the same text one succeeds: the server answers in threads
+MAX_GAMES = 500  # that are listed
+# The server answers in threads: of several that write a file from one state, one succeeds.
+_writing = Lock()
 
 
 class FileRefused(Exception):
-    """A file cannot be read or written; the text says why."""
+    """A file can't be read or written; the message says why."""
 
 
 class Changed(FileRefused):
-    """A file is not as it was when it was read."""
+    """A file has changed since it was read."""
 
 
 @dataclass(frozen=True)
 class Folder:
-    """A folder and all below it. `root`: resolved."""
+    """A folder and all below it. root: its path, links followed."""
 
     root: Path
 
     def games(self) -> list[str]:
-        """Returns the games, by their paths inside, those in nearer folders first; at most 500."""
-        return [
-            path.relative_to(self.root).as_posix() for path in islice(games_below(self.root), MOST)
-        ]
+        """Returns the paths of the games inside, those in nearer folders first; at most 500."""
+        games = islice(games_below(self.root), MAX_GAMES)
+        return [path.relative_to(self.root).as_posix() for path in games]
 
     def read(self, name: str) -> tuple[str, str]:
         """Returns the text of a file and its digest. Raises FileRefused."""
@@ -50,24 +48,29 @@ class Folder:
             raise FileRefused(f"`{name}` is not text in UTF-8") from None
 
     def write(self, name: str, text: str, before: str | None) -> str:
-        """Writes a file, with line ends as it had, and returns its digest: a page has no others than `\\n`.
+        """Writes a file and returns its digest.
 
-        before: the digest when it was read; None for a file that is new. Raises Changed if it is not so any more, and FileRefused.
+        The file keeps its line ends; those of the page's text are `\\n`.
+
+        Args:
+          before: the digest when the file was read, None for a new file.
+
+        Raises:
+          Changed: the file has another digest now.
+          FileRefused: it can't be written.
         """
         path = self.inside(name)
         with _writing:
-            written, now = self.read(name) if path.is_file() else ("", None)
-            if line_end(written) == "\r\n" and "\r" not in text:
+            old_text, now = self.read(name) if path.is_file() else ("", None)
+            if line_end(old_text) == "\r\n" and "\r" not in text:
                 text = text.replace("\n", "\r\n")
             data = text.encode("utf-8")
             if len(data) > LARGEST:
                 raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
+            if now is None and before is not None:
+                raise Changed(f"`{name}` is not there any more")
             if now != before:
-                raise Changed(
-                    f"`{name}` was changed by somebody else since it was opened"
-                    if now
-                    else f"`{name}` is not there any more"
-                )
+                raise Changed(f"`{name}` was changed by somebody else since it was opened")
             try:
                 write_whole(path, data)
             except OSError as error:
@@ -75,16 +78,20 @@ class Folder:
         return digest(data)
 
     def inside(self, name: str) -> Path:
-        """Returns the path of a file in the folder. Raises FileRefused for one that is, or leads, outside, and for other sorts of files."""
+        """Returns the path of a game or a map in the folder.
+
+        Raises:
+          FileRefused: it is another file, or lies outside, or is a link to a file outside.
+        """
         try:
-            name.encode("utf-8")  # what JSON cannot hold, the page cannot either
+            name.encode("utf-8")  # a name that JSON can't hold
             path = (self.root / name).resolve()
-            path.is_file()  # the system refuses some names only when it is asked
+            path.is_file()  # a name that the system refuses
         except (OSError, RuntimeError, ValueError):
             raise FileRefused(f"`{ascii(name[:80])[1:-1]}` is no path of a file") from None
         if not path.is_relative_to(self.root):
-            is_ = "is a link to a file" if (self.root / name).is_symlink() else "is"
-            raise FileRefused(f"`{name}` {is_} outside the folder that the studio was started in")
+            verb = "is a link to a file" if (self.root / name).is_symlink() else "is"
+            raise FileRefused(f"`{name}` {verb} outside the folder that the studio was started in")
         if path.suffix not in SUFFIXES:
             raise FileRefused(f"`{name}` is neither a game (.sj) nor a map (.txt)")
         return path

@@ -1,4 +1,4 @@
-"""The numbers of a game as the page has them: one slider or field for each param, and for each entry of a table."""
+"""The params of a game as the page shows them: a slider or field for each number or enum value."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -8,66 +8,70 @@ from sjdsl.compiler.ir.sorts import Level
 from sjdsl.interpreter.numbers import real
 
 INFINITE = 1e9  # a limit beyond it is none
-MOST = 400  # entries of one table that are shown
+MAX_ENTRIES = 400  # of one param that are shown
 
 
 def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
-    """Returns every param with its unit and limits (null for none), and its entries: `[[names], value, written]`, without names if it is no table.
+    """Returns every param as data for JSON.
 
-    value: as it is set; written: as the text has it in the chosen variant.
-    words: what the param can be, if it is one of several words; else empty. A table of more than 400 entries has its first.
+    Keys: `name`; `whole`: whether it is a whole number; `unit`; `low`, `high`: its limits, null for
+    none; `words`: its enum values, none for a number; `entries`: the first 400, `[[keys], value,
+    written]`, one without keys if the param isn't indexed; `left_out`: how many follow. `value` is
+    set now, `written` stands in the text, with the chosen variant.
     """
-    found = []
+    params: list[dict[str, Any]] = []
     for param in game.params:
         type_ = param.type
-        low, high = (limit if abs(limit) < INFINITE else None for limit in (type_.low, type_.high))
+        is_word = type_.kind == "word"
         written = real(param.value) if type_.kind == "real" else param.value
-        entries = list(_entries(values[param.name], written, type_.by, type_.kind == "word"))
-        found.append(
-            {
-                "name": param.name,
-                "whole": type_.kind == "int",
-                "unit": type_.unit,
-                "low": low,
-                "high": high,
-                "words": list(type_.words) if type_.kind == "word" else [],
-                "entries": entries[:MOST],
-                "left_out": max(0, len(entries) - MOST),
-            }
-        )
-    return found
+        entries = list(_entries(values[param.name], written, type_.by, is_word))
+        knob = {
+            "name": param.name,
+            "whole": type_.kind == "int",
+            "unit": type_.unit,
+            "low": type_.low if abs(type_.low) < INFINITE else None,
+            "high": type_.high if abs(type_.high) < INFINITE else None,
+            "words": list(type_.words) if is_word else [],
+            "entries": entries[:MAX_ENTRIES],
+            "left_out": max(0, len(entries) - MAX_ENTRIES),
+        }
+        params.append(knob)
+    return params
 
 
 def _entries(value: Any, written: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[Any]]:
-    if not by:
-        yield [[], value, written] if is_word else [[], float(value), float(written)]
-        return
-    for key, inner, other in zip(by[0].keys, value, written, strict=True):
-        yield from (
-            [[key, *names], *found] for names, *found in _entries(inner, other, by[1:], is_word)
-        )
+    if by:
+        for key, entry, written_entry in zip(by[0].keys, value, written, strict=True):
+            for keys, *numbers in _entries(entry, written_entry, by[1:], is_word):
+                yield [[key, *keys], *numbers]
+    elif is_word:
+        yield [[], value, written]
+    else:
+        yield [[], float(value), float(written)]
 
 
-def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, given: Any) -> Any:
-    """Returns what is given for a param; of a table, where a mapping is given, with the entries that it leaves out as they are now."""
+def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, value: Any) -> Any:
+    """Returns a new value of a param, with all entries of an indexed one.
+
+    Args:
+      values: of all params now.
+      value: the new value; entries that a mapping leaves out stay as they are.
+    """
     param = next((param for param in game.params if param.name == name), None)
-    return given if param is None else _filled(values[name], param.type.by, given)
+    return value if param is None else _merged(values[name], param.type.by, value)
 
 
-def _filled(now: Any, by: tuple[Level, ...], given: Any) -> Any:
-    if not by or not isinstance(given, Mapping):
-        return given
-    before = dict(zip(by[0].keys, now, strict=True))
-    inner = {
-        key: _filled(before[key], by[1:], value) if key in before else value
-        for key, value in given.items()
-    }
-    return {key: _plain(value, by[1:]) for key, value in before.items()} | inner
+def _merged(old: Any, by: tuple[Level, ...], new: Any) -> Any:
+    if not by or not isinstance(new, Mapping):
+        return new
+    entries = dict(zip(by[0].keys, old, strict=True))
+    merged = {key: _as_mapping(entry, by[1:]) for key, entry in entries.items()}
+    for key, value in new.items():
+        merged[key] = _merged(entries[key], by[1:], value) if key in entries else value
+    return merged
 
 
-def _plain(value: Any, by: tuple[Level, ...]) -> Any:
-    return (
-        {key: _plain(inner, by[1:]) for key, inner in zip(by[0].keys, value, strict=True)}
-        if by
-        else value
-    )
+def _as_mapping(value: Any, by: tuple[Level, ...]) -> Any:
+    if not by:
+        return value
+    return {key: _as_mapping(entry, by[1:]) for key, entry in zip(by[0].keys, value, strict=True)}

@@ -1,4 +1,4 @@
-"""The text of a game as it is opened: checked rules in the chosen variant, with the numbers somebody has set."""
+"""A game that is open: its checked rules with the chosen variants and the params that are set."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,11 @@ from sjdsl.library.parameters import param_values, split_sizes
 
 @dataclass(frozen=True)
 class Opened:
-    """A checked game. values: of every param, as the interpreter has them; left: numbers that were set and that this text does not take."""
+    """A checked game.
+
+    values: of every param, as the interpreter has them; left: the names of params and sizes that
+    were set but don't fit this text.
+    """
 
     source: Source
     composition: Composition
@@ -31,43 +35,52 @@ class Opened:
 def open_text(
     source: Source, variants: tuple[str, ...], agents: int | None, params: Mapping[str, Any]
 ) -> Opened:
-    """Returns the game of a text. Raises CompileError with every problem of the failing stage.
+    """Returns the game of a text.
 
-    agents: None for as many as the file says; params: numbers by name, sizes among them.
-    Numbers that the text no longer takes, for it has no such name, other limits or another `require`, are left out and named.
+    Args:
+      agents: how many, None for as many as the file says.
+      params: values of params and sizes. Those that don't fit the text, because it has no such
+        name, other limits or another `require`, are left out and named in the result.
+
+    Raises:
+      CompileError: with every problem of the failing stage.
     """
     composition = compose(source, variants)
     names = composition.number_names()
-    known = {name for of in names for name in of}
+    known = set[str]().union(*names)
     left = [name for name in params if name not in known]
-    sizes, rest = split_sizes(
-        *names, {name: value for name, value in params.items() if name in known}
-    )
+    fitting = {name: value for name, value in params.items() if name in known}
+    sizes, candidates = split_sizes(*names, fitting)
     build = build_composition(composition, Overrides(sizes, agents))
-    taken: dict[str, Any] = {}
-    for name, value in rest.items():
+    accepted: dict[str, Any] = {}
+    for name, value in candidates.items():
         try:
-            param_values(build.game, {**taken, name: value}, check_requires=False)
-            taken[name] = value
+            param_values(build.game, {**accepted, name: value}, check_requires=False)
+            accepted[name] = value
         except ValueError:
             left.append(name)
     while True:
         try:
-            values = interpreted_values(build.game, taken)
+            values = interpreted_values(build.game, accepted)
             break
-        except (
-            ValueError
-        ):  # a `require` of several numbers, each of which is allowed: the last one set goes first
-            if not taken:
+        except ValueError:  # a `require` of several params: drop the one that was set last
+            if not accepted:
                 raise
-            left.append(taken.popitem()[0])
+            left.append(accepted.popitem()[0])
     return Opened(source, composition, build, values, tuple(left))
 
 
-def interpreted_values(game: ir.Game, given: Mapping[str, Any]) -> dict[str, Value]:
-    """Returns the value of every param as the interpreter has it; `given`: of some. Raises ValueError for one that the game does not take."""
+def interpreted_values(game: ir.Game, params: Mapping[str, Any]) -> dict[str, Value]:
+    """Returns the value of every param as the interpreter has it.
+
+    Args:
+      params: values that differ from the game's.
+
+    Raises:
+      ValueError: the game doesn't accept a value.
+    """
     reals = {param.name for param in game.params if param.type.kind == "real"}
     return {
         name: real(value) if name in reals else value
-        for name, value in param_values(game, given).items()
+        for name, value in param_values(game, params).items()
     }

@@ -1,4 +1,4 @@
-"""Changes of the text that are made beside it: another glyph on a cell of the map, another value of a number."""
+"""Changes of the text from the board and the panels: a glyph of the map, the value of a param."""
 
 from dataclasses import dataclass
 from pathlib import PurePosixPath
@@ -8,14 +8,15 @@ from sjdsl.studio.opened import Opened
 
 
 class CannotPaint(Exception):
-    """The map, or a number, cannot be changed here; the text says why, and what to do."""
+    """The map or a param can't be changed by the page; the message says why, and what to do."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """Replaces the characters `start .. end` of a text by `glyph`, or by the text of a number; both counted in UTF-16 units as browsers do.
+    """A replacement of the characters `start .. end` of a text.
 
-    path: of the game or of its map's file, in the folder; before: what stands there now.
+    path: of the game or of its map, in the folder; start, end: in UTF-16 units, as browsers count.
+    before: the characters now; glyph: the new ones, a glyph or a number.
     """
 
     path: str
@@ -26,53 +27,58 @@ class Change:
 
 
 def map_file(opened: Opened) -> str | None:
-    """Returns the path of the file that has the map, None if the map is written in a game."""
-    written = opened.composition.map
-    if written is None or written.file is None:
+    """Returns the path of the map's file, None if the map stands in a game."""
+    map_ = opened.composition.map
+    if map_ is None or map_.file is None:
         return None
-    return (PurePosixPath(opened.source.name).parent / written.file.text).as_posix()
+    return (PurePosixPath(opened.source.name).parent / map_.file.text).as_posix()
 
 
 def glyphs(opened: Opened) -> list[tuple[str, str]]:
-    """Returns each glyph of the map with what it stands for: a kind, and values that are not as declared."""
-    starts = [
-        (meaning, ", ".join(f"{name} {value}" for name, value in meaning.starts))
-        for meaning in opened.game.glyphs
-    ]
-    return [
-        (meaning.glyph, f"{meaning.kind}: {values}" if values else meaning.kind)
-        for meaning, values in starts
-    ]
+    """Returns each glyph with its kind, and the values that differ from the declared ones."""
+    meanings = []
+    for meaning in opened.game.glyphs:
+        values = ", ".join(f"{name} {value}" for name, value in meaning.starts)
+        meanings.append((meaning.glyph, f"{meaning.kind}: {values}" if values else meaning.kind))
+    return meanings
 
 
 def paint(opened: Opened, row: int, col: int, glyph: str) -> Change:
     """Returns the change that puts a glyph on a cell. Raises CannotPaint."""
-    game, written = opened.game, opened.composition.map
+    game = opened.game
+    map_ = opened.composition.map
     if glyph not in {meaning.glyph for meaning in game.glyphs}:
         raise CannotPaint(f"no kind of this game has the glyph `{glyph}`")
-    if written is None or not (0 <= row < len(game.rows) and 0 <= col < len(game.rows[0])):
+    if map_ is None or not (0 <= row < len(game.rows) and 0 <= col < len(game.rows[0])):
         raise CannotPaint("that is no cell of the map")
     before = game.rows[row][col]
     path = map_file(opened)
     if path is not None:
         start = _units("\n".join((*game.rows[:row], game.rows[row][:col])))
         return Change(path, start, start + _units(before), before, glyph)
-    line = written.rows[row]
+    line = map_.rows[row]
     if line.span.file != opened.source.name:
         raise CannotPaint(
-            f"the map is written in `{PurePosixPath(line.span.file).name}`, which this game extends: open that one"
+            f"the map is written in `{PurePosixPath(line.span.file).name}`, which this game "
+            "extends: open that one"
         )
-    text, at = opened.source.text, line.span.start + 1 + col
-    if text[at] != before or text[line.span.start + 1 : line.span.end - 1] != line.text:
+    text = opened.source.text
+    first = line.span.start + 1
+    if text[first + col] != before or text[first : line.span.end - 1] != line.text:
         raise CannotPaint("this row of the map is written with escapes: change it in the text")
-    start = _units(text[:at])
+    start = _units(text[: first + col])
     return Change(opened.source.name, start, start + _units(before), before, glyph)
 
 
 def write_number(opened: Opened, name: str, entry: tuple[str, ...], value: str) -> Change:
-    """Returns the change that writes a value where the text, in its chosen variant, has that of a param. Raises CannotPaint.
+    """Returns the change of a param's value in the text, with the chosen variant.
 
-    entry: keys of one entry of a table, outermost first; none of a param that is no table. value: as it will stand in the text.
+    Args:
+      entry: the keys of one entry, outermost first; none for a param that isn't indexed.
+      value: as it will stand in the text.
+
+    Raises:
+      CannotPaint: the text has no such value.
     """
     constant = opened.composition.constants.get(name)
     if constant is None:
@@ -82,14 +88,17 @@ def write_number(opened: Opened, name: str, entry: tuple[str, ...], value: str) 
         entries = {e.key.text: e.value for e in node.entries} if isinstance(node, ast.Table) else {}
         if key not in entries:
             raise CannotPaint(
-                f"`{name}` has no entry of its own for {key}: it is written together with others, so change it in the text"
+                f"`{name}` has no entry of its own for {key}: it is written together with others, "
+                "so change it in the text"
             )
         node = entries[key]
-    span, text = node.span, opened.source.text
+    span = node.span
     if span.file != opened.source.name:
         raise CannotPaint(
-            f"`{name}` is written in `{PurePosixPath(span.file).name}`, which this game extends: open that one"
+            f"`{name}` is written in `{PurePosixPath(span.file).name}`, which this game extends: "
+            "open that one"
         )
+    text = opened.source.text
     start = _units(text[: span.start])
     before = text[span.start : span.end]
     return Change(opened.source.name, start, start + _units(before), before, value)

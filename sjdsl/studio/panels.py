@@ -1,4 +1,4 @@
-"""What stands beside the board: the rules, the generated program, the state, what an agent sees, why something happened."""
+"""The panels beside the board: rules, generated program, state, observations, reasons, checks."""
 
 import re
 from typing import Any
@@ -31,117 +31,127 @@ def rules_panel(opened: Opened) -> dict[str, Any]:
 
 
 def python_panel(opened: Opened) -> dict[str, Any]:
-    """Returns the generated module line by line, each with the line of the game that it comes from, or null."""
+    """Returns the lines of the generated module, each with the line of the game it comes from.
+
+    The latter is null for a line that comes from none.
+    """
     lines: list[list[Any]] = []
-    place: int | None = None
+    game_line: int | None = None
     for line in compile_build(opened.build, opened.source).splitlines():
-        if found := LINE.search(line):
-            place = int(found[1])
-        elif not line.startswith("    ") or line.startswith(
-            "    return"
-        ):  # a comment is about all that follows, to the end of the phase
-            place = None
-        lines.append([line, place])
+        # A comment with a line of the game is about all that follows in the phase.
+        if comment := LINE.search(line):
+            game_line = int(comment[1])
+        elif not line.startswith("    ") or line.startswith("    return"):
+            game_line = None
+        lines.append([line, game_line])
     return {"lines": lines}
 
 
 def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, Any]:
     """Returns the values of the world, of each agent and each mover, and of one cell."""
     game = opened.game
-    agents = [
-        [("place", _place(world.position[a])), ("heading", HEADINGS[world.heading[a]])]
-        for a in range(game.agents.number)
-    ]
-    for field in game.agents.fields:
-        for agent, value in enumerate(world.agents[field.name]):
-            agents[agent].append((field.name, say_value(value, field.type)))
+    world_values = [(f.name, say_value(world.fields[f.name], f.type)) for f in game.fields]
+    agents = []
+    for agent, position in enumerate(world.position):
+        values = [("place", _place(position)), ("heading", HEADINGS[world.heading[agent]])]
+        for field in game.agents.fields:
+            values.append((field.name, say_value(world.agents[field.name][agent], field.type)))
+        agents.append(values)
     movers: list[list[Any]] = []
-    for sort in game.movers:
-        herd = world.movers[sort.name]
-        for number, at in enumerate(herd.position):
-            values = [(f.name, say_value(herd.fields[f.name][number], f.type)) for f in sort.fields]
-            movers.append([sort.name, number, [("place", _place(at)), *values]])
-    shown = None
-    if cell is not None:
-        board = board_of(game)
-        kind, number = board.kind_of[cell], board.number[cell]
-        values = [
-            (f.name, say_value(world.cells[kind, f.name][number], f.type))
-            for f in kind_named(game, kind).fields
-        ]
-        shown = {"kind": kind, "place": list(cell), "values": values}
+    for mover in game.movers:
+        herd = world.movers[mover.name]
+        for number, position in enumerate(herd.position):
+            values = [("place", _place(position))]
+            for field in mover.fields:
+                values.append((field.name, say_value(herd.fields[field.name][number], field.type)))
+            movers.append([mover.name, number, values])
     return {
-        "world": [("step", str(world.step))]
-        + [(f.name, say_value(world.fields[f.name], f.type)) for f in game.fields],
+        "world": [("step", str(world.step)), *world_values],
         "agents": agents,
         "movers": movers,
-        "cell": shown,
+        "cell": None if cell is None else _cell_values(game, world, cell),
     }
 
 
-def _place(at: Cell | None) -> str:
-    return "away" if at is None else f"({at.row}, {at.col})"
+def _cell_values(game: ir.Game, world: World, cell: Cell) -> dict[str, Any]:
+    board = board_of(game)
+    kind = board.kind_of[cell]
+    number = board.number[cell]
+    values = [
+        (field.name, say_value(world.cells[kind, field.name][number], field.type))
+        for field in kind_named(game, kind).fields
+    ]
+    return {"kind": kind, "place": list(cell), "values": values}
+
+
+def _place(cell: Cell | None) -> str:
+    return "away" if cell is None else f"({cell.row}, {cell.col})"
 
 
 def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
-    """Returns the observation of one agent, plane by plane: `values` row by row, and what each number stands for."""
-    picture = observe(opened.game, world)[agent]
-    return {
-        "agent": agent,
-        "planes": [
-            {
-                "name": plane.name,
-                "encoding": plane.encoding,
-                "labels": list(plane.labels),
-                "values": picture[number].tolist(),
-            }
-            for number, plane in enumerate(planes(opened.game))
-        ],
-    }
+    """Returns the observation of one agent by plane.
+
+    A plane has `values`, row by row, and `labels`, the meaning of each number.
+    """
+    observation = observe(opened.game, world)[agent]
+    described = [
+        {
+            "name": plane.name,
+            "encoding": plane.encoding,
+            "labels": list(plane.labels),
+            "values": observation[number].tolist(),
+        }
+        for number, plane in enumerate(planes(opened.game))
+    ]
+    return {"agent": agent, "planes": described}
 
 
 def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
     """Returns what happened in the step that led to a moment.
 
-    For each phase its rules with their lines, and for each rule what it changed: in words, with the reasons, and which cells that concerns,
-    so that a page can ask why something on one cell is as it is.
+    For each phase these are its rules with their lines, and for each rule its changes: in words,
+    with their reasons, and with the cells that they concern, so that a page can show why a cell is
+    as it is.
     """
-    rules, board = Rules(opened.build.sources), board_of(opened.game)
+    rules = Rules(opened.build.sources)
+    board = board_of(opened.game)
     turns = []
     for turn in moment.turns:
-        found, explainer = [], explainer_of(turn, board, rules)
+        explainer = explainer_of(turn, board, rules)
+        rules_of_turn = []
         for rule, effects in rules_with_effects(turn):
-            span = None if rule is None else rule.origin
-            found.append(
-                {
-                    "line": None if span is None or span.file != opened.source.name else span.line,
-                    "place": "" if rule is None else rules.place(rule),
-                    "text": "" if rule is None else rules.text(rule),
-                    "effects": [_effect(effect, moment.world, explainer) for effect in effects],
-                }
-            )
-        if found:
-            turns.append({"phase": turn.label, "rules": found})
+            is_in_text = rule is not None and rule.origin.file == opened.source.name
+            described = {
+                "line": rule.origin.line if rule is not None and is_in_text else None,
+                "place": "" if rule is None else rules.place(rule),
+                "text": "" if rule is None else rules.text(rule),
+                "effects": [_effect(effect, moment.world, explainer) for effect in effects],
+            }
+            rules_of_turn.append(described)
+        if rules_of_turn:
+            turns.append({"phase": turn.label, "rules": rules_of_turn})
     return {"step": moment.number, "turns": turns}
 
 
 def _effect(effect: Effect, world: World, explainer: Explainer) -> dict[str, Any]:
-    """Returns one change. cells: its own, those between which somebody went, and the one where its agent or mover stands now."""
+    """Returns one change in words, with its reasons and the cells that it concerns.
+
+    These are the cell that changed, those between which somebody went, and the one where the agent
+    or mover stands now.
+    """
     owner = effect.owner
-    stands = where_is(owner, world) if isinstance(owner, int | Mover) else None
-    concerned = (owner, effect.old, effect.new, stands)
+    position = where_is(owner, world) if isinstance(owner, int | Mover) else None
+    concerned = (owner, effect.old, effect.new, position)
+    cells = dict.fromkeys(cell for cell in concerned if isinstance(cell, Cell))
     return {
-        "said": say_effect(effect, explainer.here.board),
-        "cells": [
-            list(cell)
-            for cell in dict.fromkeys(place for place in concerned if isinstance(place, Cell))
-        ],
+        "said": say_effect(effect, explainer.instance.board),
+        "cells": [list(cell) for cell in cells],
         "because": [_reason(reason) for reason in explainer.effect(effect)],
     }
 
 
 def _reason(reason: Reason) -> dict[str, Any]:
-    """Returns why something happened: a sentence, its random bits in words, or nothing, and the reasons behind it."""
+    """Returns a reason: a sentence, its random draw in words or "", and the reasons behind it."""
     return {
         "text": reason.text,
         "bits": reason.bits,
@@ -150,7 +160,7 @@ def _reason(reason: Reason) -> dict[str, Any]:
 
 
 def curves_panel(episode: Episode) -> dict[str, Any]:
-    """Returns the returns of the agents at each moment so far, and the metrics of the step that led to it."""
+    """Returns the agents' returns and the metrics of the last step, at each moment so far."""
     return {
         "returns": episode.returns,
         "metrics": [measured(episode.game, moment.outcome) for moment in episode.moments],
@@ -158,25 +168,19 @@ def curves_panel(episode: Episode) -> dict[str, Any]:
 
 
 def diff_panel(opened: Opened) -> dict[str, Any]:
-    """Returns what the chosen variant changes in the game of the file, as `sjdsl diff` has it."""
-    if not opened.composition.chosen:
+    """Returns what the chosen variants change in the game, as `sjdsl diff` prints it."""
+    variants = opened.composition.chosen
+    if not variants:
         return {"text": None}
-    plain, chosen = (
-        read_written(opened.source),
-        read_written(opened.source, opened.composition.chosen),
-    )
-    return {"text": report(plain, chosen)}
+    return {"text": report(read_written(opened.source), read_written(opened.source, variants))}
 
 
 def checks_panel(opened: Opened) -> dict[str, Any]:
-    """Returns the verdict on each check of the game as its text has it, with a counterexample in words and as what leads to it."""
+    """Returns the verdict on each check of the text, with its counterexample if there is one."""
     family = GameFamily(opened.source, opened.composition.chosen)
-    found = verify_properties(family)
-    return {
-        "verdicts": [
-            _verdict(verdict, opened, family.own) for verdict in (*found.verdicts, *found.faults)
-        ]
-    }
+    results = verify_properties(family)
+    verdicts = (*results.verdicts, *results.faults)
+    return {"verdicts": [_verdict(verdict, opened, family.own) for verdict in verdicts]}
 
 
 def _verdict(verdict: Verdict, opened: Opened, game: ir.Game) -> dict[str, Any]:

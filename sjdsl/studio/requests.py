@@ -1,4 +1,4 @@
-"""What the page asks of a bench: one class for each request, checked before anything is done."""
+"""The requests of the page to a bench, each a class that checks its fields."""
 
 from typing import Annotated, Any, Literal
 
@@ -12,16 +12,17 @@ NAME = Annotated[str, Field(max_length=200)]
 
 
 class Request(BaseModel):
-    """id: of the request, given back with the answer."""
+    """A request. id: repeated in the answer."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
     id: int = 0
 
 
 class Text(Request):
-    """Opens a text, or shows an episode as its rules are after an edit. `version`: of the text, given back; `fresh`: with a new episode.
+    """Opens a text, or goes on with the episode after an edit.
 
-    over: texts that stand in place of files in the folder, by their paths: maps that are not saved yet.
+    version: of the text, repeated in the answer; fresh: begins a new episode.
+    over: texts of maps that aren't saved yet, by their paths in the folder.
     """
 
     do: Literal["text"]
@@ -36,7 +37,7 @@ class Text(Request):
 
 
 class Step(Request):
-    """Takes a step. `actions`: by number of agent, of those that somebody controls."""
+    """Takes a step. actions: of the agents that the user controls, by number."""
 
     do: Literal["step"]
     actions: dict[int, int] = {}
@@ -57,14 +58,21 @@ class Begin(Request):
 
 
 class Others(Request):
-    """Chooses the policy of the agents that nobody controls: `random`, `stay`, or one of the file."""
+    """Chooses the policy of the agents that the user doesn't control.
+
+    policy: `random`, `stay`, or one of the file.
+    """
 
     do: Literal["others"]
     policy: NAME
 
 
 class Number(Request):
-    """Sets a number of the game from the next step on; of a table, the entries that a mapping has: `{"soft": {"hard": 3}}`."""
+    """Sets a param from the next step on.
+
+    value: for an indexed param a mapping, such as `{"soft": {"hard": 3}}`; entries that it leaves
+    out stay as they are.
+    """
 
     do: Literal["number"]
     name: NAME
@@ -90,7 +98,7 @@ class Paint(Request):
 
 
 class Write(Request):
-    """Asks for the change of the text that writes a value of a param there; `entry`: the keys of one entry of a table."""
+    """Asks for the change of the text that sets a param. entry: the keys of an indexed one."""
 
     do: Literal["write"]
     name: NAME
@@ -99,7 +107,10 @@ class Write(Request):
 
 
 class Replay(Request):
-    """Shows the counterexample to a check, as its verdict has it: the map it was found on, params that differ from the file's, all actions."""
+    """Shows the counterexample to a check, with the fields of its verdict.
+
+    rows: the map; params: those that differ from the file's; actions: of each step.
+    """
 
     do: Literal["replay"]
     rows: Annotated[
@@ -116,7 +127,7 @@ class Replay(Request):
 
 
 class Panel(Request):
-    """Asks for what stands beside the board. `agent`, `row`, `col`: of whom, and where, if the panel is about one."""
+    """Asks for a panel. agent, row, col: of a panel about one agent or one cell."""
 
     do: Literal["panel"]
     panel: Literal["rules", "python", "state", "seen", "trace", "checks", "diff", "curves"]
@@ -126,7 +137,7 @@ class Panel(Request):
 
 
 class Share(Request):
-    """Asks for the episode as a page of its own."""
+    """Asks for the episode as a page."""
 
     do: Literal["share"]
 

@@ -1,4 +1,7 @@
-"""The studio's server: its page, the files of one folder, and sockets to the processes that play games and look at texts."""
+"""The studio's server: its page, the files of one folder, and sockets to other processes.
+
+These are a worker that plays games, and the language server.
+"""
 
 import asyncio
 import contextlib
@@ -32,12 +35,14 @@ ASSETS = {
     "board.js": ("sjdsl.render", "text/javascript"),
 }
 Handler = Callable[[Request], Coroutine[Any, Any, Response]]
-REFUSED = 4403  # close code of a socket that may not be opened
-UNREADABLE = 1003  # of one that has sent something other than text
-MOST_WAITING = 100  # requests of a socket that wait for their turn; a page sends few at a time
+# Close codes of a socket that isn't allowed, and of one that has sent something other than text.
+REFUSED = 4403
+UNREADABLE = 1003
+MAX_WAITING = 100  # requests of a socket that wait for their turn; a page sends few at a time
 POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'"
 )
 HEADERS = {
     "content-security-policy": POLICY,
@@ -48,17 +53,20 @@ HEADERS = {
 
 
 def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlette:
-    """Returns the server of a folder. `opened`: the game that the page opens first, by its path inside."""
-    inside = Folder(folder.resolve())
-    spares = Spares(inside.root)
+    """Returns the server of a folder. `opened`: the path of the game that the page opens first."""
+    root = folder.resolve()
+    answer_files = _files(Folder(root))
+    spares = Spares(root)
     routes = [
         Route("/", _page(opened)),
         Route("/assets/{name}", _asset),
-        *(Route(path, _files(inside)) for path in ("/games", "/tour")),
-        Route("/file", _files(inside), methods=["GET", "PUT"]),
-        *(Route(path, _files(inside), methods=["POST"]) for path in ("/copy", "/new")),
+        Route("/games", answer_files),
+        Route("/tour", answer_files),
+        Route("/file", answer_files, methods=["GET", "PUT"]),
+        Route("/copy", answer_files, methods=["POST"]),
+        Route("/new", answer_files, methods=["POST"]),
         WebSocketRoute("/bench", _bench(spares)),
-        WebSocketRoute("/language", lambda socket: serve_language(socket, inside.root)),
+        WebSocketRoute("/language", lambda socket: serve_language(socket, root)),
     ]
     return Starlette(
         routes=routes,
@@ -68,10 +76,11 @@ def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlet
 
 
 class Guard:
-    """Lets only requests through that `Access` allows, and limits their size; see there."""
+    """Passes on only requests that `Access` allows."""
 
     def __init__(self, app: ASGIApp, access: Access) -> None:
-        self._app, self._access = app, access
+        self._app = app
+        self._access = access
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -92,12 +101,11 @@ class Guard:
 
 def _page(opened: str | None) -> Callable[[Request], Response]:
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
-    page = environment.from_string(
-        files("sjdsl.studio").joinpath("page/studio.html").read_text(encoding="utf-8")
-    )
-    given = {"opened": opened or "", "patterns": json.dumps(patterns())}
+    html = files("sjdsl.studio").joinpath("page/studio.html").read_text(encoding="utf-8")
+    page = environment.from_string(html)
+    variables = {"opened": opened or "", "patterns": json.dumps(patterns())}
     return lambda request: HTMLResponse(
-        page.render(token=request.query_params["token"], **given), headers=HEADERS
+        page.render(token=request.query_params["token"], **variables), headers=HEADERS
     )
 
 
@@ -105,16 +113,13 @@ def _asset(request: Request) -> Response:
     name = request.path_params["name"]
     if name not in ASSETS:
         raise HTTPException(404)
-    package, sort = ASSETS[name]
-    return Response(
-        files(package).joinpath(f"page/{name}").read_text(encoding="utf-8"),
-        media_type=sort,
-        headers=HEADERS,
-    )
+    package, media_type = ASSETS[name]
+    text = files(package).joinpath(f"page/{name}").read_text(encoding="utf-8")
+    return Response(text, media_type=media_type, headers=HEADERS)
 
 
 def _files(folder: Folder) -> Handler:
-    """Answers a request about files, beside the other requests: to list a large folder takes a while."""
+    """Returns what answers requests about files, in a thread, as a large folder takes a while."""
 
     async def answer(request: Request) -> Response:
         body = b""
@@ -122,19 +127,20 @@ def _files(folder: Folder) -> Handler:
             body += part
             if len(body) > 2 * LARGEST:
                 return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
-        status, found = await run_in_threadpool(
+        status, content = await run_in_threadpool(
             answered, folder, request.method, request.url.path, request.query_params, body
         )
-        return JSONResponse(found, status, HEADERS)
+        return JSONResponse(content, status, HEADERS)
 
     return answer
 
 
 def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
     async def bench(socket: WebSocket) -> None:
-        """Answers each request of a socket by a worker process of its own, one after the other; the process ends with the socket at once."""
+        """Answers the requests of a socket in order, by a worker process that ends with it."""
         await socket.accept()
-        child, waiting = spares.take(), asyncio.Queue[str](MOST_WAITING)
+        child = spares.take()
+        waiting = asyncio.Queue[str](MAX_WAITING)
 
         async def listen() -> None:
             while True:
@@ -146,13 +152,12 @@ def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
 
         tasks = [asyncio.create_task(listen()), asyncio.create_task(answer())]
         try:
-            for ended in (await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED))[0]:
-                ended.result()
-        except (
-            WebSocketDisconnect,
-            RuntimeError,
-            asyncio.CancelledError,
-        ):  # RuntimeError: it is closed where an answer is sent
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
+        except (WebSocketDisconnect, asyncio.CancelledError):
+            pass
+        except RuntimeError:  # the socket was closed while an answer was sent
             pass
         except KeyError:  # bytes in place of text
             await socket.close(UNREADABLE)

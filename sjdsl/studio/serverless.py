@@ -1,4 +1,4 @@
-"""The studio without a server: the same requests and answers, for a page that runs Python itself (Pyodide)."""
+"""The studio without a server, for a page that runs Python itself (Pyodide)."""
 
 import json
 from collections.abc import Callable
@@ -15,9 +15,10 @@ Send = Callable[[str], object]
 
 
 class Serverless:
-    """What the page's server does, for one worker of the page. `folder`: of the games that somebody has saved, in the worker's memory.
+    """The server's part, for one worker of the page.
 
-    Whoever runs the worker ends it when something takes too long, and gives the next one the saved files by `keep`.
+    The page ends a worker that takes too long, and passes the saved files to the next by `keep`.
+    folder: of the saved games, in the worker's memory.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -31,8 +32,12 @@ class Serverless:
         return json.dumps(answered(self._bench, request))
 
     def prepare_language(self, send: Send) -> None:
-        """Loads the language server and reads a first request, so that the page's own is answered soon. `send`: as for `language`."""
-        from sjdsl.editor.server import make_server  # a bench needs none
+        """Loads the language server, and what it needs to read a request, ahead of the first one.
+
+        Args:
+          send: takes each message of the language server.
+        """
+        from sjdsl.editor.server import make_server  # here because a bench doesn't need it
 
         self._language = make_server()
         self._language.protocol.set_writer(_Writer(send), include_headers=False)
@@ -41,24 +46,31 @@ class Serverless:
         )
 
     def language(self, message: str, send: Send) -> None:
-        """Gives the language server a message; what it says, now or later, is sent. Wants a running event loop."""
+        """Passes a message to the language server, inside a running event loop.
+
+        Args:
+          send: takes each message of the language server, now or later.
+        """
         if self._language is None:
             self.prepare_language(send)
         protocol = self._language.protocol
         protocol.handle_message(protocol.structure_message(json.loads(message)))
 
     def file(self, method: str, path: str, body: str = "") -> str:
-        """Answers a request about files as the server does, as JSON; `written` has the files that are new, with their texts."""
-        at = urlsplit(path)
-        query = {name: values[0] for name, values in parse_qs(at.query).items()}
-        status, found = files.answered(self._folder, method, at.path, query, body)
+        """Returns the server's answer to a request about files, as JSON.
+
+        After a change, `written` has the texts of the new files.
+        """
+        url = urlsplit(path)
+        query = {name: values[0] for name, values in parse_qs(url.query).items()}
+        status, answer = files.answered(self._folder, method, url.path, query, body)
         if method != "GET" and status == 200:
-            names = (*found.get("copied", ()), json.loads(body)["path"])
-            found["written"] = {name: self._folder.read(name)[0] for name in names}
-        return json.dumps(found)
+            names = (*answer.get("copied", ()), json.loads(body)["path"])
+            answer["written"] = {name: self._folder.read(name)[0] for name in names}
+        return json.dumps(answer)
 
     def keep(self, path: str, text: str) -> None:
-        """Writes a file as somebody has saved it before, or in another worker of the page. Raises FileRefused."""
+        """Writes a file that was saved before or in another worker. Raises FileRefused."""
         (self._folder.root / path).parent.mkdir(parents=True, exist_ok=True)
         try:
             before = self._folder.read(path)[1]

@@ -1,13 +1,12 @@
-"""The tour inside the studio: the steps of docs/tour.md, each with the game as it is after that step."""
+"""The tour inside the studio: the steps of docs/tour.md, each with the game after that step."""
 
 import re
 from importlib.resources import files
 from pathlib import Path
 
-PREFIX = "tour:"  # of the path of a game of the tour, as the page has it
-FENCE = re.compile(
-    r"^```(\w*)[^\n]*$", re.MULTILINE
-)  # after the language, what the tests of the page read
+PREFIX = "tour:"  # of the path of a game of the tour, in the page
+# After the language, a fence has words for the tests of docs/tour.md.
+FENCE = re.compile(r"^```(\w*)[^\n]*$", re.MULTILINE)
 LINK = re.compile(r"\[([^\]]+)\]\([^)]+\)")
 
 
@@ -17,16 +16,21 @@ def tour_folder() -> Path:
 
 
 def steps() -> list[dict[str, str]]:
-    """Returns the steps: `title`, `text` in Markdown without links, and `game`, the path of the game after it; of the opening none."""
+    """Returns the steps of the tour.
+
+    Keys: `title`; `text`, Markdown without links; `game`, the path of the game after the step, ""
+    for the opening.
+    """
     text = files("sjdsl.studio").joinpath("tour/tour.md").read_text(encoding="utf-8")
-    opening, *chapters = re.split(
-        r"^## ", LINK.sub(r"\1", FENCE.sub(r"```\1", text)), flags=re.MULTILINE
-    )
-    found = [{"title": "A tour", "text": opening.split("\n", 1)[1].strip(), "game": ""}]
+    text = LINK.sub(r"\1", FENCE.sub(r"```\1", text))
+    opening, *chapters = re.split(r"^## ", text, flags=re.MULTILINE)
+    _, _, opening = opening.partition("\n")
+    described = [{"title": "A tour", "text": opening.strip(), "game": ""}]
     for number, chapter in enumerate(chapters, 1):
-        title, body = chapter.split("\n", 1)
-        found.append({"title": title, "text": body.strip(), "game": f"{PREFIX}berries_{number}.sj"})
-    return found
+        title, _, body = chapter.partition("\n")
+        game = f"{PREFIX}berries_{number}.sj"
+        described.append({"title": title, "text": body.strip(), "game": game})
+    return described
 
 
 def games() -> list[str]:

@@ -1,7 +1,7 @@
-"""Traces: what happens in a game step by step and rule by rule, on the reference interpreter, without JAX."""
+"""Traces: what happens in a game, step by step and rule by rule, without JAX."""
 
 from sjdsl.trace.effects import Effect, effects_of
-from sjdsl.trace.episode import Moment, Told, play, tell_of
+from sjdsl.trace.episode import Moment, Turn, play, turn_of
 from sjdsl.trace.rules import Rules
 
-__all__ = ["Effect", "Moment", "Rules", "Told", "effects_of", "play", "tell_of"]
+__all__ = ["Effect", "Moment", "Rules", "Turn", "effects_of", "play", "turn_of"]

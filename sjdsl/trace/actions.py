@@ -1,4 +1,4 @@
-"""The actions of a trace: drawn at random, given step by step, or those of a policy."""
+"""The actions of a trace: drawn at random, listed step by step, or those of a policy."""
 
 from sjdsl.compiler import ir
 from sjdsl.library.action_names import split_actions
@@ -9,37 +9,44 @@ RANDOM = "random"
 
 
 def read_actions(text: str, game: ir.Game, steps: int | None) -> tuple[ByEpisode, int | None]:
-    """Returns what the agents do, and for how many steps if that is written down.
+    """Returns what the agents do, and the number of steps if the text lists several.
 
     Args:
-      text: `random`, or the steps: a part up to `;` for each, with an action for each agent or one for all; a single step is repeated.
-    Raises ValueError: an unknown action, not one for each agent, fewer steps than asked for.
+      text: `random`, or steps separated by `;`, each with an action for each agent or one for all;
+        a single step is repeated.
+      steps: how many are wanted, None for as many as there are.
+
+    Raises:
+      ValueError: an action is unknown, the number of actions is wrong, or there are too few steps.
     """
     if text == RANDOM:
         return lambda seed, _before: random_actions(game, seed), None
-    lines = [
-        words
-        for words in (
-            list(filter(None, split_actions(line, r"[,\s]+"))) for line in text.split(";")
-        )
-        if words
-    ]
+    lines = []
+    for line in text.split(";"):
+        names = list(filter(None, split_actions(line, r"[,\s]+")))
+        if names:
+            lines.append(names)
     if not lines:
         raise ValueError(
             f"`{text}` names no actions; the game has {', '.join(game.agents.actions)}"
         )
-    taken = [_step(words, number, game) for number, words in enumerate(lines, 1)]
-    if len(taken) == 1:
-        return lambda _seed, _before: lambda _number, _world: taken[0], None
-    if steps is not None and steps > len(taken):
+    actions = [_actions_of_step(names, number, game) for number, names in enumerate(lines, 1)]
+    if len(actions) == 1:
+        return lambda _seed, _before: lambda _number, _world: actions[0], None
+    if steps is not None and steps > len(actions):
         raise ValueError(
-            f"actions are written for {len(taken)} steps, not for {steps}; name fewer --steps or more actions"
+            f"actions are written for {len(actions)} steps, not for {steps}; name fewer --steps "
+            "or more actions"
         )
-    return lambda _seed, before: lambda number, _world: taken[before + number], len(taken)
+    return lambda _seed, before: lambda number, _world: actions[before + number], len(actions)
 
 
 def policy_actions(name: str, game: ir.Game) -> ByEpisode:
-    """Returns what agents do that all follow a policy of the game's file. Raises ValueError for one that it does not have."""
+    """Returns what agents do that all follow a policy of the game's file.
+
+    Raises:
+      ValueError: the file has no such policy.
+    """
     declared = [policy.name for policy in game.policies]
     if name not in declared:
         have = meant(name, declared, "it has") if declared else ""
@@ -48,15 +55,19 @@ def policy_actions(name: str, game: ir.Game) -> ByEpisode:
     return lambda seed, _before: scripted_actions(game, name, seed)
 
 
-def _step(words: list[str], number: int, game: ir.Game) -> list[int]:
-    names, agents = game.agents.actions, game.agents.number
-    for word in words:
-        if word not in names:
+def _actions_of_step(names: list[str], step: int, game: ir.Game) -> list[int]:
+    """Returns the number of each agent's action in a step. Raises ValueError."""
+    num_agents = game.agents.number
+    known = game.agents.actions
+    for name in names:
+        if name not in known:
             raise ValueError(
-                f"there is no action `{word}` (step {number}){meant(word, names, 'the game has')}"
+                f"there is no action `{name}` (step {step}){meant(name, known, 'the game has')}"
             )
-    if len(words) not in (1, agents):
+    if len(names) not in (1, num_agents):
         raise ValueError(
-            f"step {number} has {len(words)} actions; write one for each of the {agents} agents, or one for all"
+            f"step {step} has {len(names)} actions; write one for each of the {num_agents} "
+            "agents, or one for all"
         )
-    return [names.index(word) for word in words] * (agents if len(words) == 1 else 1)
+    actions = [known.index(name) for name in names]
+    return actions * num_agents if len(actions) == 1 else actions

@@ -1,4 +1,4 @@
-"""The effects of one turn of the schedule: each change, with the statements that made it."""
+"""The effects of one turn of the schedule: each change, with the statements that caused it."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,12 +26,13 @@ from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Slot, winners
 
 Sort = Literal["field", "place", "heading", "away", "moved", "reward", "event", "mark", "end"]
+Owner = int | Mover | Cell | None
 Purpose = Literal["which cell", "which heading", "which way"]
 RandomNumbers = Mapping[tuple[int, int], int]  # (stream, number) -> 32 random bits
 
 
 class Used(NamedTuple):
-    """A random number that decided where an agent or a mover went: which cell, which heading, which way."""
+    """A random number that decided where an agent or a mover went."""
 
     purpose: Purpose
     stream: int
@@ -41,15 +42,19 @@ class Used(NamedTuple):
 
 @dataclass(frozen=True)
 class Effect:
-    """One change: `old` and `new` as the interpreter holds them; a reward, an event and a mark have only `new`.
+    """One change.
 
-    owner: an agent's number, a mover, a cell, or None for the world. name: of the field or event, with its words (`bag[raw]`).
-    by: the statements that made it; none for what timers do at a `tick`. lost: those that would have, and lost the lot.
-    The heading of a mover that a rule sets is a field; the one that it has from its way is a heading.
+    sort: what changed. The heading of a mover that a rule sets is a `field`, the one that follows
+    from its way a `heading`.
+    owner: an agent's number, a mover, a cell, or None for the world.
+    name: of the field or event, with its indices: `bag[raw]`.
+    old, new: values as the interpreter has them; a reward, an event and a mark have only `new`.
+    by: the statements that caused it; none for what timers do at a `tick`.
+    lost: the statements that drew lots with those and lost.
     """
 
     sort: Sort
-    owner: int | Mover | Cell | None
+    owner: Owner
     name: str
     old: Value
     new: Value
@@ -60,60 +65,65 @@ class Effect:
 
 
 def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[Effect]:
-    """Returns everything a turn changed, in the order of its statements. `numbers`: the random numbers taken in it."""
-    found = [*_fields(account, board), *_of_bodies(account, board, numbers), *_said(account, board)]
+    """Returns the effects of a turn, in the order of its statements.
+
+    Args:
+      numbers: the random numbers drawn in it.
+    """
+    effects = [
+        *_fields(account, board),
+        *_bodies(account, board, numbers),
+        *_announcements(account, board),
+    ]
     order = {id(done): number for number, done in enumerate(account.done)}
-    return sorted(found, key=lambda effect: order.get(id(effect.by[0]), -1) if effect.by else -1)
+    return sorted(effects, key=lambda effect: order.get(id(effect.by[0]), -1) if effect.by else -1)
 
 
 # ---- fields
 
 
 def _fields(account: Account, board: Board) -> Iterator[Effect]:
-    writers, lost = _writers(account)
-    before, after = account.before, account.after
-    rows: list[
-        tuple[ir.VarField, tuple[str, int] | None, int | Mover | Cell | None, Value, Value]
-    ] = []
-    for (holder, _), declared in sorted(
-        board.fields.items(), key=lambda field: field[1].held_by.what == "mover"
-    ):
-        old, new = (held_values(declared, world) for world in (before, after))
-        what = declared.held_by.what
-        if what == "world":
-            rows.append((declared, None, None, old, new))
-        else:
-            places = (
-                board.cells[holder]
-                if what == "cell"
-                else [Mover(holder, n) if what == "mover" else n for n in range(len(old))]
-            )
-            rows += [
-                (declared, (holder, n), *entry)
-                for n, entry in enumerate(zip(places, old, new, strict=True))
+    """Yields the entries of fields that changed; fields of movers come last."""
+    writers, losers = _writers(account)
+    fields = sorted(board.fields.items(), key=lambda item: item[1].held_by.what == "mover")
+    for (holder, _), field in fields:
+        old = held_values(field, account.before)
+        new = held_values(field, account.after)
+        values: list[tuple[Owner, tuple[str, int] | None, Value, Value]] = [(None, None, old, new)]
+        if field.held_by.what != "world":
+            owners = _owners(field, holder, len(old), board)
+            values = [
+                (owner, (holder, number), old[number], new[number])
+                for number, owner in enumerate(owners)
             ]
-    for declared, owner, place, old, new in rows:
-        for entries, label, was, now in _entries(declared.type.by, old, new):
-            slot = Slot(declared.name, owner, entries)
-            by = tuple(writers[slot])
-            if isinstance(place, Mover) and declared.name == "heading" and not by:
-                continue  # it turns the way it goes, or as it is sent: told with its place
-            yield Effect(
-                "field",
-                place,
-                declared.name + label,
-                was,
-                now,
-                declared.type,
-                by,
-                lost=tuple(lost[slot]),
-            )
+        for owner, place, old_value, new_value in values:
+            for entries, label, was, now in _entries(field.type.by, old_value, new_value):
+                slot = Slot(field.name, place, entries)
+                by = tuple(writers[slot])
+                if isinstance(owner, Mover) and field.name == "heading" and not by:
+                    continue  # it follows from its way
+                lost = tuple(losers[slot])
+                name = field.name + label
+                yield Effect("field", owner, name, was, now, field.type, by, lost=lost)
+
+
+def _owners(
+    field: ir.VarField, holder: str, number: int, board: Board
+) -> Sequence[int | Mover | Cell]:
+    """Returns the agents, movers or cells that have a field, in the order of its values."""
+    match field.held_by.what:
+        case "cell":
+            return board.cells[holder]
+        case "mover":
+            return [Mover(holder, n) for n in range(number)]
+        case _:
+            return range(number)
 
 
 def _entries(
     by: tuple[ir.Level, ...], old: Value, new: Value
 ) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
-    """Yields the entries of a field that differ: indices, `[word]` for each level, both values."""
+    """Yields the entries of a field that differ: indices, their text (`[raw]`), both values."""
     if old == new:
         return
     if not by:
@@ -125,59 +135,63 @@ def _entries(
 
 
 def _writers(account: Account) -> tuple[dict[Slot, list[Done]], dict[Slot, list[Done]]]:
-    """Returns who wrote each entry of a field, and who lost the lot; a statement that was performed twice in one instance counts once."""
-    found: dict[Slot, list[Done]] = defaultdict(list)
-    lost: dict[Slot, list[Done]] = defaultdict(list)
-    won = winners(lot for done in account.done for lot in done.written.get("lots", ()))
+    """Returns the statements that wrote each entry of a field, and those that lost its lot.
+
+    A statement that was performed twice in one instance counts once.
+    """
+    writers: dict[Slot, list[Done]] = defaultdict(list)
+    losers: dict[Slot, list[Done]] = defaultdict(list)
+    winning = winners(lot for done in account.done for lot in done.written.get("lots", ()))
     for done in account.done:
-        for slot in dict.fromkeys(
-            slot for slot, _ in (*done.written.get("sets", ()), *done.written.get("adds", ()))
-        ):
-            found[slot].append(done)
+        writes = (*done.written.get("sets", ()), *done.written.get("adds", ()))
+        for slot in dict.fromkeys(slot for slot, _ in writes):
+            writers[slot].append(done)
         for lot in done.written.get("lots", ()):
-            (found if won[lot.slot] is lot else lost)[lot.slot].append(done)
-    return found, lost
+            has_won = winning[lot.slot] is lot
+            (writers if has_won else losers)[lot.slot].append(done)
+    return writers, losers
 
 
 # ---- agents and movers
 
 
-def _of_bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[Effect]:
-    """Yields what changed of the places, absence, movement and headings of agents and movers."""
-    written = {slot for done in account.done for slot, _ in done.written.get("sets", ())}
-    written |= {lot.slot for done in account.done for lot in done.written.get("lots", ())}
+def _bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[Effect]:
+    """Yields the changes of the place, heading, absence and movement of agents and movers."""
+    written: set[Slot] = set()
+    for done in account.done:
+        written |= {slot for slot, _ in done.written.get("sets", ())}
+        written |= {lot.slot for lot in done.written.get("lots", ())}
     for body in bodies(account.before):
         by = tuple(_senders(account, board, body))
-        before, after, n = (
-            herd_of(body, account.before),
-            herd_of(body, account.after),
-            number_of(body),
-        )
+        before = herd_of(body, account.before)
+        after = herd_of(body, account.after)
+        n = number_of(body)
+        heading = heading_of(body, account.before)
+        new_heading = heading_of(body, account.after)
         changes: list[tuple[Sort, Value, Value]] = [
             ("place", before.position[n], after.position[n]),
+            ("heading", heading, new_heading),
             ("away", before.away[n], after.away[n]),
             ("moved", before.moved[n], after.moved[n]),
         ]
-        if not isinstance(body, Mover) or Slot("heading", (body.sort, n), ()) not in written:
-            changes.insert(
-                1, ("heading", heading_of(body, account.before), heading_of(body, account.after))
-            )
         for sort, old, new in changes:
+            if sort == "heading" and isinstance(body, Mover):
+                if Slot("heading", (body.sort, n), ()) in written:
+                    continue  # an effect on a field
             if old != new:
                 used = tuple(_used(sort, body, account, by, numbers))
                 yield Effect(sort, body, "", old, new, None, by, used)
 
 
 def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
-    """Yields the statements that move, send or remove somebody in this turn, or that sent it away when it returns at a `tick`."""
-    away, back = away_of(body, account.before), away_of(body, account.after)
-    if (
-        isinstance(account.turn, ir.Tick)
-        and away is not None
-        and back is None
-        and away.pool is not None
-    ):
-        yield Done(board.pools[away.pool], {}, (), {})
+    """Yields the statements that move, send or remove a body in a turn.
+
+    If it returns at a `tick`, that is the statement that sent it away.
+    """
+    away = away_of(body, account.before)
+    if isinstance(account.turn, ir.Tick) and away is not None and away.pool is not None:
+        if away_of(body, account.after) is None:
+            yield Done(board.pools[away.pool], {}, (), {})
     for done in account.done:
         match done.statement:
             case ir.Move() if done.statement.domain.var.sort == sort_of_body(body):
@@ -186,10 +200,10 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
                 yield done
             case ir.Shift() if body in [sent.agent for sent in done.written.get("shifts", ())]:
                 yield done
-            case ir.Remove() if body in list(
-                agents_in(evaluate(done.statement.who, _instance(done, account, board)))
-            ):
-                yield done
+            case ir.Remove(who=who):
+                removed = agents_in(evaluate(who, _instance(done, account, board)))
+                if body in list(removed):
+                    yield done
             case _:
                 pass
 
@@ -197,7 +211,11 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
 def _used(
     sort: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers
 ) -> Iterator[Used]:
-    for statement in (done.statement for done in by):
+    """Yields the random numbers that decided a change of a body's place or heading."""
+    if where_is(body, account.after) is None:
+        return
+    for done in by:
+        statement = done.statement
         purpose: Purpose
         match sort, statement:
             case "heading", ir.Shift() | ir.Send():
@@ -208,20 +226,20 @@ def _used(
                 purpose = "which way"
             case _:
                 continue
-        if where_is(body, account.after) is None or stream is None:
+        if stream is None:
             continue
-        at = (
-            return_stream(stream) if isinstance(account.turn, ir.Tick) else stream,
-            number_of(body),
-        )
-        if at in numbers:
-            yield Used(purpose, *at, numbers[at])
+        if isinstance(account.turn, ir.Tick):
+            stream = return_stream(stream)
+        number = number_of(body)
+        if (stream, number) in numbers:
+            yield Used(purpose, stream, number, numbers[stream, number])
 
 
 # ---- rewards, events, marks, ends
 
 
-def _said(account: Account, board: Board) -> Iterator[Effect]:
+def _announcements(account: Account, board: Board) -> Iterator[Effect]:
+    """Yields rewards, counts of events, marks, and the end of the episode."""
     events = {event.name: event for event in board.game.events}
     for done in account.done:
         for agent, value in done.written.get("gives", ()):
@@ -229,16 +247,10 @@ def _said(account: Account, board: Board) -> Iterator[Effect]:
                 yield Effect("reward", agent, "", None, value, None, (done,))
         for counted in done.written.get("tallies", ()):
             if counted.amount:
-                word = f"[{counted.word}]" if events[counted.event].by else ""
-                yield Effect(
-                    "event",
-                    counted.agent,
-                    counted.event + word,
-                    None,
-                    counted.amount,
-                    None,
-                    (done,),
-                )
+                name = counted.event
+                if events[name].by:
+                    name += f"[{counted.word}]"
+                yield Effect("event", counted.agent, name, None, counted.amount, None, (done,))
         match done.statement:
             case ir.Mark():
                 near = ir.Near(shape=done.statement.shape, anchor=done.statement.anchor)

@@ -1,6 +1,7 @@
 """Plays an episode on the reference interpreter and keeps an account of every step.
 
-The draws are those of the compiled game: a trace of a seed is the episode that `sjdsl render` and `sjdsl play` show for the same seed.
+The draws are those of the compiled game: a trace is the episode that `sjdsl render` and `sjdsl
+play` show for the same seed.
 """
 
 from collections.abc import Iterator, Mapping
@@ -18,8 +19,8 @@ from sjdsl.trace.jax_random import Key, RecordedDraws, keys_of
 
 
 @dataclass(frozen=True)
-class Told:
-    """One turn of the schedule, or the phase `start`. account: what its effects are told from."""
+class Turn:
+    """One turn of the schedule, or the phase `start`. account: from which its effects follow."""
 
     label: str
     effects: tuple[Effect, ...]
@@ -28,15 +29,16 @@ class Told:
 
 @dataclass(frozen=True)
 class Moment:
-    """The start of an episode (`number` None) or one step of it, and the state it leads to.
+    """The start of an episode or one step of it.
 
-    key: the two numbers that all its draws come from. actions: those chosen, none at the start; forbidden: agents whose action is forbidden.
+    number: of the step, None at the start; key: of its draws; world: the state that it leads to.
+    actions: those chosen, none at the start; forbidden: the agents whose action was forbidden.
     """
 
     number: int | None
     key: Key
     world: World
-    turns: tuple[Told, ...]
+    turns: tuple[Turn, ...]
     actions: tuple[int, ...] = ()
     forbidden: frozenset[int] = frozenset()
     outcome: Outcome | None = None
@@ -50,17 +52,21 @@ class Moment:
 def play(
     game: ir.Game, params: Mapping[str, Value], seed: int, steps: int, choices: ByEpisode
 ) -> Iterator[Moment]:
-    """Yields the start and so many steps; after the end of an episode comes the start of that of the next seed."""
+    """Yields the start of an episode and its steps; after its end, the episode of the next seed.
+
+    Args:
+      steps: how many, over all episodes.
+    """
     played = 0
     while True:
-        keys, choose = keys_of(seed), choices(seed, played)
+        keys = keys_of(seed)
+        choose = choices(seed, played)
         moment = begin(game, params, keys.start())
         yield moment
         while played < steps and not moment.is_over:
             number = moment.world.step
-            moment = follow(
-                game, moment.world, params, keys.of_step(number), choose(number, moment.world)
-            )
+            actions = choose(number, moment.world)
+            moment = follow(game, moment.world, params, keys.of_step(number), actions)
             yield moment
             played += 1
         if played == steps:
@@ -69,38 +75,39 @@ def play(
 
 
 def begin(game: ir.Game, params: Mapping[str, Value], key: Key) -> Moment:
-    """Returns the start of an episode. `key`: that of the environment's `reset`."""
-    told: list[Told] = []
-    recorded = RecordedDraws(Threefry(*key))
-    world = reset(game, params, recorded, _listener(told, board_of(game), recorded))
-    return Moment(None, key, copied(world), tuple(told))
+    """Returns the start of an episode. `key`: of the environment's `reset`."""
+    turns: list[Turn] = []
+    draws = RecordedDraws(Threefry(*key))
+    world = reset(game, params, draws, _listener(turns, board_of(game), draws))
+    return Moment(None, key, copied(world), tuple(turns))
 
 
 def follow(
     game: ir.Game, world: World, params: Mapping[str, Value], key: Key, actions: list[int]
 ) -> Moment:
-    """Returns the step that follows a state. `key`: that of the environment's `step`."""
-    told: list[Told] = []
-    recorded = RecordedDraws(Threefry(*key))
+    """Returns the step that follows a state. `key`: of the environment's `step`."""
+    turns: list[Turn] = []
+    draws = RecordedDraws(Threefry(*key))
     allowed = action_mask(game, world)
     forbidden = frozenset(
         agent for agent, action in enumerate(actions) if not allowed[agent][action]
     )
-    after, outcome = step(
-        game, world, actions, params, recorded, _listener(told, board_of(game), recorded)
-    )
-    return Moment(world.step, key, after, tuple(told), tuple(actions), forbidden, outcome)
+    listener = _listener(turns, board_of(game), draws)
+    after, outcome = step(game, world, actions, params, draws, listener)
+    return Moment(world.step, key, after, tuple(turns), tuple(actions), forbidden, outcome)
 
 
-def _listener(told: list[Told], board: Board, recorded: RecordedDraws) -> Tell:
-    def tell(account: Account) -> None:
-        told.append(tell_of(account, board, recorded.numbers))
-        recorded.numbers.clear()
+def _listener(turns: list[Turn], board: Board, draws: RecordedDraws) -> Tell:
+    """Returns what adds the account of each turn to `turns`."""
 
-    return tell
+    def add(account: Account) -> None:
+        turns.append(turn_of(account, board, draws.numbers))
+        draws.numbers.clear()
+
+    return add
 
 
-def tell_of(account: Account, board: Board, numbers: Mapping[tuple[int, int], int]) -> Told:
-    """Returns what there is to tell of one turn. `numbers`: the random numbers taken in it."""
+def turn_of(account: Account, board: Board, numbers: Mapping[tuple[int, int], int]) -> Turn:
+    """Returns one turn with its effects. `numbers`: the random numbers drawn in it."""
     label = account.turn.label if isinstance(account.turn, ir.Phase) else "tick"
-    return Told(label, tuple(effects_of(account, board, numbers)), account)
+    return Turn(label, tuple(effects_of(account, board, numbers)), account)

@@ -1,6 +1,7 @@
-"""JAX's random number functions in plain integers (keys, `split`, `randint`), and draws that are recorded for traces.
+"""JAX's random number functions in plain integers, and draws that are recorded for traces.
 
-Source: the counter-based generator of JAX (`jax.random.key`, `split`, `randint`; threefry-2x32, partitionable).
+Source: the counter-based generator of JAX (`jax.random.key`, `split`, `randint`; threefry-2x32,
+partitionable).
 """
 
 from dataclasses import dataclass, field
@@ -15,14 +16,15 @@ Key = tuple[int, int]
 
 @dataclass
 class RecordedDraws:
-    """Draws that remember the random numbers taken since the last account, by stream and index."""
+    """Draws that remember the random numbers since the last account, by stream and number."""
 
     source: Draws
     numbers: dict[tuple[int, int], int] = field(default_factory=dict)
 
     def word(self, stream: int, number: int) -> int:
-        self.numbers[stream, number] = self.source.word(stream, number)
-        return self.numbers[stream, number]
+        bits = self.source.word(stream, number)
+        self.numbers[stream, number] = bits
+        return bits
 
 
 def key_of(seed: int) -> Key:
@@ -46,14 +48,21 @@ def keys_of(seed: int) -> EpisodeKeys[Key]:
 
 
 def random_numbers(key: Key, count: int, below: int) -> list[int]:
-    """Returns `jax.random.randint(key, (count,), 0, below)`: two 32-bit draws a number, so that all numbers are equally likely."""
-    high, low = split(key, 2)
-    weight = (2**16 % below) ** 2 % below
-    found = []
-    for number in range(count):
-        (a, b), (c, d) = (
-            threefry(high, (0, number), JAX_ROUNDS),
-            threefry(low, (0, number), JAX_ROUNDS),
-        )
-        found.append((((a ^ b) % below * weight + (c ^ d) % below) & WORD) % below)
-    return found
+    """Returns `jax.random.randint(key, (count,), 0, below)`.
+
+    Each number takes 64 random bits, so that all are almost equally likely.
+    """
+    high_key, low_key = split(key, 2)
+    weight = (2**16 % below) ** 2 % below  # 2^32 modulo `below`
+    numbers = []
+    for index in range(count):
+        high = _random_bits(high_key, index) % below
+        low = _random_bits(low_key, index) % below
+        numbers.append(((high * weight + low) & WORD) % below)
+    return numbers
+
+
+def _random_bits(key: Key, index: int) -> int:
+    """Returns an entry of `jax.random.bits(key, ...)`, 32 bits."""
+    first, second = threefry(key, (0, index), JAX_ROUNDS)
+    return first ^ second

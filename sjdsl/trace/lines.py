@@ -7,20 +7,25 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.board import Board
 from sjdsl.render.letters import Letters, draw, make_letters
 from sjdsl.trace.effects import Effect
-from sjdsl.trace.episode import Moment, Told
+from sjdsl.trace.episode import Moment, Turn
 from sjdsl.trace.reasons import Explainer, Reason, explainer_of
 from sjdsl.trace.rules import Rules
 from sjdsl.trace.wording import say_effect, say_names, say_owner, say_value
 
-RULE, EFFECT, REASON = "  ", " " * 4, " " * 6
-NAMED = 5  # places named where alike changes are told together
+# Indentation.
+RULE = " " * 4
+EFFECT = " " * 6
+REASON = " " * 8
+NAMED = 5  # owners that are named where a line stands for several like changes
 
 
 @dataclass(frozen=True)
 class Teller:
-    """What the lines of a trace need to know. phases: names or labels of those to show, all if empty.
+    """How the lines of a trace are written.
 
-    most: how many of alike changes of a rule, and of reasons for one change, are told; None: all.
+    phases: names or labels of those that are shown, all if empty; agents: variables that stand for
+    agents, not for numbers.
+    most: how many like changes of a rule, and reasons of a change, are written out; None for all.
     """
 
     board: Board
@@ -32,7 +37,7 @@ class Teller:
 
 
 def make_teller(board: Board, rules: Rules, phases: Collection[str] = ()) -> Teller:
-    """Returns what is needed to tell of a game; variables that stand for agents are told from numbers by it."""
+    """Returns how traces of a game are written."""
     agents = frozenset(
         node.name
         for node in ir.walk(board.game)
@@ -41,8 +46,8 @@ def make_teller(board: Board, rules: Rules, phases: Collection[str] = ()) -> Tel
     return Teller(board, rules, make_letters(board.game), phases, agents)
 
 
-def is_shown(turn: Told, phases: Collection[str]) -> bool:
-    """Returns whether a turn is one of those asked for: by its label `receive(cut)` or its name `receive`."""
+def is_shown(turn: Turn, phases: Collection[str]) -> bool:
+    """Returns whether the phases have a turn's label, `receive(cut)`, or its name, `receive`."""
     return not phases or turn.label in phases or turn.label.partition("(")[0] in phases
 
 
@@ -55,128 +60,147 @@ def moment_lines(moment: Moment, teller: Teller) -> Iterator[str]:
         if is_shown(turn, teller.phases):
             yield from turn_lines(turn, teller)
     yield from _outcome(moment)
-    yield from (f"    {row}" for row in draw(teller.looks, teller.board, moment.world))
+    for row in draw(teller.looks, teller.board, moment.world):
+        yield f"    {row}"
     yield ""
 
 
-def turn_lines(turn: Told, teller: Teller) -> Iterator[str]:
-    """Yields the lines of one turn of the schedule: its rules, what each changed and why; a formula is written out once."""
-    found = list(rules_with_effects(turn))
-    explainer, told = explainer_of(turn, teller.board, teller.rules), set[Reason]()
-    if found:
-        yield f"  {turn.label}"
-    for rule, together in found:
+def turn_lines(turn: Turn, teller: Teller) -> Iterator[str]:
+    """Yields the lines of one turn: its rules, what each changed, and why.
+
+    What is behind a reason is written out once.
+    """
+    explainer = explainer_of(turn, teller.board, teller.rules)
+    written: set[Reason] = set()
+    for number, (rule, effects) in enumerate(rules_with_effects(turn)):
+        if number == 0:
+            yield f"  {turn.label}"
         if rule is not None:
-            yield f"{RULE}  {_rule(rule, teller.rules)}"
-        for alike in [together] if teller.most is None else _alike(together, teller.board):
-            shown = alike[: _shown(len(alike), teller.most)]
+            yield f"{RULE}{teller.rules.place(rule)}  {teller.rules.text(rule)}"
+        for like_effects in [effects] if teller.most is None else _groups(effects, teller.board):
+            shown = like_effects[: _num_shown(len(like_effects), teller.most)]
             for effect in shown:
-                yield from _effect_lines(effect, rule, teller, explainer, told)
-            if len(shown) < len(alike):
-                yield f"{EFFECT}  {_more(alike[len(shown) :], teller.board)}"
+                yield from _effect_lines(effect, rule, teller, explainer, written)
+            if len(shown) < len(like_effects):
+                yield f"{EFFECT}{_rest(like_effects[len(shown) :], teller.board)}"
 
 
-def rules_with_effects(turn: Told) -> Iterator[tuple[ir.Stmt | None, list[Effect]]]:
-    """Yields the rules of a turn in the order in which they come first, each with its effects."""
-    found: dict[int, tuple[ir.Stmt | None, list[Effect]]] = {}
+def rules_with_effects(turn: Turn) -> Iterator[tuple[ir.Stmt | None, list[Effect]]]:
+    """Yields the rules of a turn in the order of their first effects, each with its effects."""
+    rules: dict[int, tuple[ir.Stmt | None, list[Effect]]] = {}
     for effect in turn.effects:
-        if effect.sort == "moved":  # the places tell
-            continue
-        rule = effect.by[0].statement if effect.by else None
-        found.setdefault(id(rule), (rule, []))[1].append(effect)
-    yield from found.values()
+        if effect.sort != "moved":  # its place changes, too
+            rule = effect.by[0].statement if effect.by else None
+            _, effects = rules.setdefault(id(rule), (rule, []))
+            effects.append(effect)
+    yield from rules.values()
 
 
-def _shown(number: int, most: int | None) -> int:
-    """Returns how many of so many lines are shown: all, if a line about the others would save none."""
+def _num_shown(number: int, most: int | None) -> int:
+    """Returns how many lines are shown: all, if a line about the others would save none."""
     return number if most is None or number <= most + 1 else most
 
 
-def _alike(effects: Sequence[Effect], board: Board) -> list[list[Effect]]:
-    """Returns effects of a rule in groups: of owners of one kind, the same change of a word or condition, any change of a number or place."""
+def _groups(effects: Sequence[Effect], board: Board) -> list[list[Effect]]:
+    """Returns the effects of a rule in groups of like ones.
+
+    These have owners of one kind and change one field in the same way, or by any number or place.
+    """
     groups: dict[tuple[object, ...], list[Effect]] = {}
     for effect in effects:
         kind = say_owner(effect.owner, board).split(" ")[0]
+        name = effect.name.split("[")[0]
         values = tuple(value for value in (effect.old, effect.new) if isinstance(value, str | bool))
-        groups.setdefault((kind, effect.sort, effect.name.split("[")[0], values), []).append(effect)
+        groups.setdefault((kind, effect.sort, name, values), []).append(effect)
     return list(groups.values())
 
 
-def _more(effects: Sequence[Effect], board: Board) -> str:
-    """Returns a line about changes like those that were told."""
-    places = [
-        f"{say_owner(effect.owner, board)} {''.join(effect.name.partition('[')[1:])}".strip()
-        for effect in effects
-    ]
-    others = f" and {len(places) - NAMED} others" if len(places) > NAMED else ""
-    return f"and {len(effects)} more such changes: {', '.join(places[:NAMED])}{others}"
-
-
-def _rule(rule: ir.Stmt, rules: Rules) -> str:
-    return f"{rules.place(rule)}  {rules.text(rule)}"
+def _rest(effects: Sequence[Effect], board: Board) -> str:
+    """Returns a line about changes that aren't written out."""
+    owners = []
+    for effect in effects:
+        _, bracket, entry = effect.name.partition("[")
+        owners.append(f"{say_owner(effect.owner, board)} {bracket}{entry}".strip())
+    others = f" and {len(owners) - NAMED} others" if len(owners) > NAMED else ""
+    return f"and {len(effects)} more such changes: {', '.join(owners[:NAMED])}{others}"
 
 
 def _effect_lines(
-    effect: Effect, rule: ir.Stmt | None, teller: Teller, explainer: Explainer, told: set[Reason]
+    effect: Effect, rule: ir.Stmt | None, teller: Teller, explainer: Explainer, written: set[Reason]
 ) -> Iterator[str]:
+    """Yields one change with its reasons. `written`: the reasons that were written out before."""
     names = say_names(effect.by[0], effect.owner, teller.agents, teller.board) if effect.by else ""
-    others = dict.fromkeys(
+    notes = [names] if names else []
+    places = (
         teller.rules.place(done.statement) for done in effect.by if done.statement is not rule
     )
-    beside = [*([names] if names else []), *(f"also {place}" for place in others)]
-    yield f"{EFFECT}  {say_effect(effect, teller.board)}" + (
-        f"  [{'; '.join(beside)}]" if beside else ""
-    )
-    reasons, lots = explainer.effect(effect), list(_lots(effect, names, teller))
-    shown = reasons[: _shown(len(reasons), teller.most)]
+    notes += [f"also {place}" for place in dict.fromkeys(places)]
+    line = f"{EFFECT}{say_effect(effect, teller.board)}"
+    yield f"{line}  [{'; '.join(notes)}]" if notes else line
+    reasons = explainer.effect(effect)
+    shown = reasons[: _num_shown(len(reasons), teller.most)]
     for number, reason in enumerate(shown):
-        yield from reason_lines(reason, told, f"{REASON}  {'and' if number else 'because'} ")
+        conjunction = "and" if number else "because"
+        yield from reason_lines(reason, written, f"{REASON}{conjunction} ")
     if len(shown) < len(reasons):
-        yield f"{REASON}  and for {len(reasons) - len(shown)} more reasons"
-    yield from (f"{REASON}  {text}" for text in lots[: _shown(len(lots), teller.most)])
-    if len(lots) > _shown(len(lots), teller.most):
-        yield f"{REASON}  and {len(lots) - _shown(len(lots), teller.most)} more lost it"
+        yield f"{REASON}and for {len(reasons) - len(shown)} more reasons"
+    losers = list(_losers(effect, names, teller))
+    num_losers = _num_shown(len(losers), teller.most)
+    for text in losers[:num_losers]:
+        yield f"{REASON}{text}"
+    if num_losers < len(losers):
+        yield f"{REASON}and {len(losers) - num_losers} more lost it"
 
 
-def reason_lines(reason: Reason, told: set[Reason], head: str) -> Iterator[str]:
-    """Yields a reason and what is behind it, without what was told before. head: what its line begins with."""
+def reason_lines(reason: Reason, written: set[Reason], head: str) -> Iterator[str]:
+    """Yields a reason and what is behind it.
+
+    Args:
+      written: what was written out before, and isn't again; updated.
+      head: what the first line begins with.
+    """
     yield f"{head}{reason.text}"
-    deeper = " " * (len(head) - len(head.lstrip()) + 2)
+    indent = " " * (len(head) - len(head.lstrip()) + 2)
     for behind in reason.because:
-        if behind not in told:
-            told.add(behind)
-            yield from reason_lines(behind, told, deeper)
+        if behind not in written:
+            written.add(behind)
+            yield from reason_lines(behind, written, indent)
 
 
-def _lots(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
-    """Yields who else would have made a change: `a 0 lost the lot to a 2`, with the statement where it is another one."""
-    winner = winner or (teller.rules.place(effect.by[0].statement) if effect.by else "")
+def _losers(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
+    """Yields who else would have made a change: `a 0 lost the lot to a 2`.
+
+    Before it stands the place of the statement if it is another one.
+    """
+    statement = effect.by[0].statement if effect.by else None
+    if not winner and statement is not None:
+        winner = teller.rules.place(statement)
     for done in effect.lost:
         loser = say_names(done, effect.owner, teller.agents, teller.board)
-        other = (
-            ""
-            if effect.by and done.statement is effect.by[0].statement
-            else teller.rules.place(done.statement)
-        )
-        yield f"{', '.join(filter(None, (other, loser)))} lost the lot to {winner}"
+        if done.statement is not statement:
+            place = teller.rules.place(done.statement)
+            loser = f"{place}, {loser}" if loser else place
+        yield f"{loser} lost the lot to {winner}"
 
 
 def _actions(moment: Moment, game: ir.Game) -> str:
-    said = []
+    actions = []
     for agent, action in enumerate(moment.actions):
-        said.append(
-            f"{agent} {game.agents.actions[action]}{' (forbidden)' if agent in moment.forbidden else ''}"
-        )
-    return ", ".join(said)
+        forbidden = " (forbidden)" if agent in moment.forbidden else ""
+        actions.append(f"{agent} {game.agents.actions[action]}{forbidden}")
+    return ", ".join(actions)
 
 
 def _outcome(moment: Moment) -> Iterator[str]:
+    """Yields the rewards, the metrics, and whether the episode ends."""
     outcome = moment.outcome
     if outcome is None:
         return
-    if any(outcome.reward):
-        yield f"  rewards  {', '.join(f'{agent} {float(r):+.7g}' for agent, r in enumerate(outcome.reward) if r)}"
-    if outcome.measures:
-        yield f"  metrics  {', '.join(f'{name} = {say_value(value)}' for name, value in outcome.measures.items())}"
+    rewards = [f"{agent} {float(r):+.7g}" for agent, r in enumerate(outcome.reward) if r]
+    if rewards:
+        yield f"  rewards  {', '.join(rewards)}"
+    metrics = [f"{name} = {say_value(value)}" for name, value in outcome.measures.items()]
+    if metrics:
+        yield f"  metrics  {', '.join(metrics)}"
     if outcome.terminated or outcome.truncated:
         yield f"  the episode ends after step {moment.world.step}"

@@ -1,4 +1,4 @@
-"""The text of a game's statements as their author wrote them, with file and line."""
+"""The statements of a game as their author wrote them, with file and line."""
 
 import re
 from collections.abc import Mapping
@@ -25,42 +25,39 @@ class Rules:
         span = statement.origin
         return UNKNOWN if span is None else f"{PurePath(span.file).name}:{span.line}"
 
-    def overflow(self, left: LeavesFloat32) -> str:
+    def overflow(self, error: LeavesFloat32) -> str:
         """Returns where and when a real left float32."""
-        return f"{self.place(left.node)}: in step {left.before}, `{self.text(left.node)}`: {left}"
+        place = self.place(error.node)
+        return f"{place}: in step {error.before}, `{self.text(error.node)}`: {error}"
 
     def text(self, statement: ir.Node) -> str:
-        """Returns a statement without comments and on one line; one that has others in it up to its block."""
+        """Returns a statement up to its block, without comments, on one line."""
         span = statement.origin
         if span is None or span.file not in self.sources:
             return type(statement).__name__.lower()
-        return self._words(span, _end_of_header(statement, span))
+        return self._one_line(span, _end_of_header(statement, span))
 
     def expression(self, e: ir.Expr) -> str:
-        """Returns an expression as it is written, on one line."""
+        """Returns an expression as written, on one line."""
         span = e.origin
-        return (
-            expression(e)
-            if span is None or span.file not in self.sources
-            else self._words(span, span.end)
-        )
+        if span is None or span.file not in self.sources:
+            return expression(e)
+        return self._one_line(span, span.end)
 
     def branch(self, statement: "ir.When | ir.Chance", number: int) -> str:
         """Returns the header of one branch: `chance 0.5`, `otherwise chance 0.2`."""
+        if number == 0:
+            return self.text(statement)
         branch = statement.branches[number]
-        opening = self.text(statement) if number == 0 else ""
-        if (
-            opening
-            or branch.origin is None
-            or branch.test.origin is None
-            or branch.origin.file not in self.sources
-        ):
-            return opening or f"branch {number + 1} of {self.text(statement)}"
-        return f"otherwise {self._words(branch.origin, branch.test.origin.end)}"
+        span = branch.origin
+        if span is None or branch.test.origin is None or span.file not in self.sources:
+            return f"branch {number + 1} of {self.text(statement)}"
+        return f"otherwise {self._one_line(span, branch.test.origin.end)}"
 
-    def _words(self, span: Span, end: int) -> str:
+    def _one_line(self, span: Span, end: int) -> str:
+        """Returns the text from a span's start to `end` without comments and line ends."""
         text = self.sources[span.file].text[span.start : end]
-        return " ".join(_COMMENT_OR_TEXT.sub(lambda found: found.group(1) or "", text).split())
+        return " ".join(_COMMENT_OR_TEXT.sub(lambda match: match[1] or "", text).split())
 
 
 def _end_of_header(statement: ir.Node, span: Span) -> int:

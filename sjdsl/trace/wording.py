@@ -32,12 +32,10 @@ def say_value(value: Value, type_: ir.Type | None = None) -> str:
     match value:
         case None:
             return "nowhere" if kind == "cell" else "nobody"
+        case frozenset() if not value:
+            return "nobody"
         case frozenset():
-            return (
-                "{ " + ", ".join(f"agent {agent}" for agent in sorted(value)) + " }"
-                if value
-                else "nobody"
-            )
+            return f"{{ {', '.join(f'agent {agent}' for agent in sorted(value))} }}"
         case Cell():
             return say_cell(value)
         case Mover():
@@ -59,7 +57,8 @@ def say_effect(effect: Effect, board: Board) -> str:
     owner = say_owner(effect.owner, board)
     match effect.sort:
         case "field":
-            change = f"{effect.name}: {say_value(effect.old, effect.type)} -> {say_value(effect.new, effect.type)}"
+            old = say_value(effect.old, effect.type)
+            change = f"{effect.name}: {old} -> {say_value(effect.new, effect.type)}"
         case "place":
             change = _journey(effect.old, effect.new)
         case "heading":
@@ -81,41 +80,39 @@ def say_effect(effect: Effect, board: Board) -> str:
 
 def _journey(old: Cell | None, new: Cell | None) -> str:
     if new is None:
-        return f"leaves {say_cell(old)}" if old is not None else "stays off the map"
-    return (
-        f"comes to {say_cell(new)}"
-        if old is None
-        else f"goes from {say_cell(old)} to {say_cell(new)}"
-    )
+        return "stays off the map" if old is None else f"leaves {say_cell(old)}"
+    if old is None:
+        return f"comes to {say_cell(new)}"
+    return f"goes from {say_cell(old)} to {say_cell(new)}"
 
 
 def _absence(away: Away | None) -> str:
     if away is None:
         return "is back on the map"
-    return (
-        f"is off the map for {away.ticks} tick{'' if away.ticks == 1 else 's'}"
-        if away.ticks
-        else "is off the map for ever"
-    )
+    if not away.ticks:
+        return "is off the map for ever"
+    return f"is off the map for {away.ticks} tick{'' if away.ticks == 1 else 's'}"
 
 
 def say_names(
     done: Done, owner: int | Mover | Cell | None, turn_agents: frozenset[str], board: Board
 ) -> str:
-    """Returns what the variables around a statement stand for: `cleaner 0, level cut`; not those that are the owner itself."""
-    said = []
+    """Returns the values of the variables around a statement: `cleaner 0, level cut`.
+
+    A variable that stands for the owner is left out.
+
+    Args:
+      turn_agents: the variables that stand for agents, not for numbers.
+    """
+    texts = []
     for name, value in done.names.items():
-        is_agent = name in turn_agents
-        if isinstance(value, Mover):
-            text = f"{name} {value.number}" if name == value.sort else f"{name} {say_value(value)}"
-        elif isinstance(value, Cell):
-            text = (
-                say_owner(value, board)
-                if name == board.kind_of[value]
-                else f"{name} {say_cell(value)}"
-            )
+        is_body = name in turn_agents or isinstance(value, Cell | Mover)
+        if is_body and value == owner:
+            continue
+        if isinstance(value, Mover) and name == value.sort:
+            texts.append(f"{name} {value.number}")
+        elif isinstance(value, Cell) and name == board.kind_of[value]:
+            texts.append(say_owner(value, board))
         else:
-            text = f"{name} {say_value(value)}"
-        if not ((is_agent or isinstance(value, Cell | Mover)) and value == owner):
-            said.append(text)
-    return ", ".join(said)
+            texts.append(f"{name} {say_value(value)}")
+    return ", ".join(texts)
