@@ -248,7 +248,7 @@ def test_an_evaluation_notes_once_how_the_training_of_its_seeds_ended(tmp_path: 
         ({"status": "interrupted"}, "{} may not have finished its training: interrupted"),
         (
             {"diverged": diverged},
-            "seeds 0 and 2 of {} diverged (non-finite loss) in update 2; played is the policy from before that",
+            "seeds 0 and 2 of {} diverged (non-finite loss) in update 2; the policy before that update is played",
         ),
     ):
         (tmp_path / "manifest.json").write_text(json.dumps(state))
