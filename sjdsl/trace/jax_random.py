@@ -20,8 +20,8 @@ class RecordedDraws:
     source: Draws
     numbers: dict[tuple[int, int], int] = field(default_factory=dict)
 
-    def word(self, stream: int, number: int) -> int:
-        self.numbers[stream, number] = self.source.word(stream, number)
+    def bits(self, stream: int, number: int) -> int:
+        self.numbers[stream, number] = self.source.bits(stream, number)
         return self.numbers[stream, number]
 
 

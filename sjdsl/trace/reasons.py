@@ -52,7 +52,7 @@ class Explainer:
     def draw(self, drawn: Drawn) -> Reason:
         """Returns a draw, what came of it, and the values that it depended on."""
         statement, here = drawn.statement, self.here.only(drawn.names)
-        bits = _bits(drawn.word, drawn.number, statement.stream)
+        bits = _bits(drawn.bits, drawn.number, statement.stream)
         match statement:
             case ir.Chance():
                 last = len(statement.branches) - 1 if drawn.result is None else drawn.result
@@ -217,7 +217,7 @@ def _said(e: ir.Expr, here: Instance) -> str:
 
 def _chance(drawn: Drawn, header: str) -> str:
     """Returns `chance luck drew 0.08873 < 0.25`; of a later branch also the bound that was not met before."""
-    numbers = [(drawn.word >> 1) / WHOLE, *(bound / WHOLE for bound in drawn.bounds)]
+    numbers = [(drawn.bits >> 1) / WHOLE, *(bound / WHOLE for bound in drawn.bounds)]
     digits = next(
         digits
         for digits in (4, 12)
