@@ -67,7 +67,7 @@ def side_by_side(game: ir.Game, seed: int) -> Chosen:
     def choose_all(number: int, world: object) -> list[int]:
         draws = Threefry(*keys.of_choices(number))
         bits = [
-            (draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1))
+            (draws.bits(0, 2 * agent), draws.bits(0, 2 * agent + 1))
             for agent in range(game.agents.number)
         ]
         return [

@@ -1,4 +1,7 @@
-"""The command `sjdsl`: one module for each subcommand, imported when it is called, so that `check` never waits for JAX."""
+"""The command `sjdsl`: one module for each subcommand.
+
+A module is imported when its command is called, so that `check` never waits for JAX.
+"""
 
 import ast
 import gc
@@ -13,9 +16,9 @@ from typing import NoReturn
 import click
 
 from sjdsl.cli.encoding import accept_any_text
-from sjdsl.cli.examples import below
+from sjdsl.cli.examples import epilog
 from sjdsl.cli.faults import INTERRUPTED, report_fault
-from sjdsl.cli.pointer import pointed
+from sjdsl.cli.pointer import pointing_to_explanations
 from sjdsl.library.cache import keep_programs
 from sjdsl.near_names import meant
 from sjdsl.termination import TERMINATED, Terminated, raising_on_sigterm
@@ -61,9 +64,10 @@ GROUPS = {
 }
 COMMANDS = {name: summary for group in GROUPS.values() for name, summary in group.items()}
 
-# Nearly everything a command allocates at first (modules, classes, tables) lives until it ends: collecting garbage in it, and again when
-# the process ends, takes a fifth of the time of `check`.
-FEW_COLLECTIONS = 1_000_000
+# Allocations between two garbage collections. Most of what a command allocates at first (modules,
+# classes, tables) lives until the process ends: collecting garbage takes a fifth of the time of
+# `check`.
+COLLECTION_THRESHOLD = 1_000_000
 
 
 class Commands(click.Group):
@@ -81,7 +85,7 @@ class Commands(click.Group):
         command: click.Command = module.command
         if command.help is None:  # `python -OO` leaves out docstrings
             command.help = _docstring_in_source(module)
-        command.epilog = below(cmd_name)
+        command.epilog = epilog(cmd_name)
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -118,35 +122,37 @@ def _docstring_in_source(module: ModuleType) -> str | None:
 @click.version_option(package_name="sjdsl", message="sjdsl %(version)s")
 @click.pass_context
 def commands(context: click.Context) -> None:
-    """Compiles social-dilemma games written in `.sj` files into JAX environments, and trains agents in them."""
+    """Compiles social-dilemma games written in `.sj` files into JAX environments, and trains agents
+    in them."""
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Runs one command; returns the exit status: 0 done, 1 for a fault in the game or files, 2 for a wrong call."""
-    with pointed():
+    """Runs one command and returns its exit status.
+
+    The status is 0 if it succeeds, 1 for a fault in the game or files, and 2 for a wrong call.
+    """
+    if arguments is None:
+        arguments = sys.argv[1:]
+    with pointing_to_explanations():
         try:
             result = commands.main(arguments, prog_name="sjdsl", standalone_mode=False)
         except click.exceptions.Exit as exit_:
             return exit_.exit_code
         except Exception as error:
-            words = sys.argv[1:] if arguments is None else arguments
-            return report_fault(
-                error, " ".join(["sjdsl", *[word for word in words if word in COMMANDS][:1]])
-            )
+            name = next((argument for argument in arguments if argument in COMMANDS), None)
+            return report_fault(error, "sjdsl" if name is None else f"sjdsl {name}")
     return result if isinstance(result, int) else 0
 
 
 def main() -> NoReturn:
     """Runs the command line of this process; programs that JAX compiles are cached for the next."""
-    gc.set_threshold(FEW_COLLECTIONS)
-    os.environ.setdefault(
-        "OPENBLAS_NUM_THREADS", "1"
-    )  # NumPy would start threads that no command uses, in a tenth of a second
-    os.environ.setdefault(
-        "PYDANTIC_DISABLE_PLUGINS", "__all__"
-    )  # looking for plugins reads the metadata of every installed package
+    gc.set_threshold(COLLECTION_THRESHOLD)
+    # NumPy would spend a tenth of a second on starting threads that no command uses.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # To look for plugins, pydantic would read the metadata of every installed package.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     accept_any_text()
     keep_programs()
     try:
@@ -157,14 +163,12 @@ def main() -> NoReturn:
         status = TERMINATED
     except KeyboardInterrupt:  # before or after the command itself
         status = INTERRUPTED
-    except BrokenPipeError:  # the reader has closed, as `head` does; discard the rest
+    except BrokenPipeError:  # the reader has closed the pipe, as `head` does; discard the rest
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 1
     gc.freeze()
-    if status in (
-        INTERRUPTED,
-        TERMINATED,
-    ):  # XLA may still be compiling: it can't be stopped, and would crash when Python exits
+    if status in (INTERRUPTED, TERMINATED):
+        # XLA may still be compiling: it can't be stopped, and would crash when Python exits.
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 from rich import box
@@ -21,23 +21,22 @@ if TYPE_CHECKING:
 
 
 class Listed(click.ParamType["tuple[Any, ...]"]):
-    """Values between commas, each once. each: the type of one of them."""
+    """Values of the type `item`, separated by commas; duplicates are dropped."""
 
     name = "list"
 
-    def __init__(self, each: click.ParamType[Any]) -> None:
-        self.each = each
+    def __init__(self, item: click.ParamType[Any]) -> None:
+        self.item = item
 
     def convert(
         self, value: str, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[Any, ...]:
-        return tuple(
-            dict.fromkeys(self.each.convert(part.strip(), param, ctx) for part in value.split(","))
-        )
+        items = [self.item.convert(part.strip(), param, ctx) for part in value.split(",")]
+        return tuple(dict.fromkeys(items))
 
 
-LEAST = click.IntRange(min=1)
-COUNTS = Listed(LEAST)
+POSITIVE = click.IntRange(min=1)
+COUNTS = Listed(POSITIVE)
 
 
 @click.command("bench")
@@ -58,11 +57,11 @@ COUNTS = Listed(LEAST)
     help="Form of observations.",
 )
 @click.option(
-    "--repeats", type=LEAST, metavar="N", default=5, show_default=True, help="Rounds of timings."
+    "--repeats", type=POSITIVE, metavar="N", default=5, show_default=True, help="Rounds of timings."
 )
 @click.option(
     "--steps",
-    type=LEAST,
+    type=POSITIVE,
     metavar="N",
     help="Steps of one timing; by default about 40,000 environment steps in all.",
 )
@@ -77,38 +76,43 @@ def command(
     json_file: str | None,
     variant: str | None,
 ) -> None:
-    """Measures environment steps a second under random actions, in GAMEs or in the games of games/ itself.
+    """Measures environment steps a second under random actions, in GAMEs or in the games of games/
+    itself.
 
-    Beside each game runs the yardstick, a step of Commons Harvest written by hand. The speed of a machine
-    varies over time; the ratio to the yardstick, taken round by round, does not.
+    Beside each game runs the yardstick, a step of Commons Harvest written by hand. The speed of a
+    machine varies over time; the ratio to the yardstick, taken round by round, does not.
     """
     if json_file:
         require_writable(Path(json_file).parent)
     disable_compilation_cache()
-    made = [
+    environments = [
         make_environment(EnvironmentOptions(variant).describe(game), observation)
         for game in games or main_games()
     ]
     from sjdsl.bench import game_task, measure
     from sjdsl.bench.loop import steps_for
-    from sjdsl.bench.stored import write_found
+    from sjdsl.bench.stored import write_figures
     from sjdsl.bench.tables import notes_of_speeds, speed_tables
 
-    tasks = [game_task(env, f"{env.name}+{variant}" if variant else env.name) for env in made]
-    with stages("compiling") as tell:
-        found = measure(tasks, envs, repeats, lambda number: steps or steps_for(number), tell)
+    suffix = f"+{variant}" if variant else ""
+    tasks = [game_task(env, env.name + suffix) for env in environments]
+    with stages("compiling") as say:
+        report = measure(tasks, envs, repeats, lambda number: steps or steps_for(number), say)
     if json_file:
-        write_found(Path(json_file), found)
-    print_tables(speed_tables(found), found.machine, notes_of_speeds(found))
+        write_figures(Path(json_file), report)
+    print_tables(speed_tables(report), report.machine, notes_of_speeds(report))
 
 
 def disable_compilation_cache() -> None:
-    """Stops JAX from storing and finding compiled programs, because seconds of compiling are measured too."""
+    """Stops JAX from storing and loading compiled programs, because compile time is measured
+    too.
+    """
     import jax
     from jax.experimental.compilation_cache import compilation_cache
 
     jax.config.update("jax_enable_compilation_cache", False)
-    compilation_cache.reset_cache()  # JAX decides at the first program of a process, which an import may make
+    # JAX decides whether to use a cache at the first program of a process, which an import may run.
+    compilation_cache.reset_cache()
 
 
 def print_tables(tables: "Sequence[Table]", machine: dict[str, Any], notes: Sequence[str]) -> None:
@@ -116,15 +120,15 @@ def print_tables(tables: "Sequence[Table]", machine: dict[str, Any], notes: Sequ
     from sjdsl.bench.machine import machine_line
 
     console = Console()
-    console = console if console.is_terminal else Console(width=200)
+    if not console.is_terminal:
+        console = Console(width=200)
     for table in tables:
-        shown = RichTable(box=box.SIMPLE, title_justify="left", title=table.title)
+        rich_table = RichTable(box=box.SIMPLE, title_justify="left", title=table.title)
         for index, heading in enumerate(table.headings):
-            shown.add_column(
-                heading, justify="left" if index < table.labels else "right", no_wrap=index == 0
-            )
+            justify: Literal["left", "right"] = "left" if index < table.labels else "right"
+            rich_table.add_column(heading, justify=justify, no_wrap=index == 0)
         for row in table.rows:
-            shown.add_row(*row)
-        console.print(shown)
+            rich_table.add_row(*row)
+        console.print(rich_table)
     for line in (*notes, machine_line(machine)):
         console.print(line, highlight=False, markup=False)

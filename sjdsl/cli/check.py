@@ -12,7 +12,7 @@ from sjdsl.compiler.diagnostics.report import to_json
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.library.checked_game import split_variants
 
-Found = dict[tuple[str, ...], list[Diagnostic]]
+DiagnosticsByVariant = dict[tuple[str, ...], list[Diagnostic]]
 
 
 @click.command("check")
@@ -23,47 +23,47 @@ Found = dict[tuple[str, ...], list[Diagnostic]]
 def command(files: tuple[str, ...], variant: str | None, strict: bool, as_json: bool) -> int:
     """Reports all mistakes in games: FILE is a `.sj` file or the name of a bundled game.
 
-    Without --variant, the game itself and each of its variants are checked. The exit status is 1 if there is an error; warnings
-    count only with --strict.
+    Without --variant, the game itself and each of its variants are checked. The exit status is 1 if
+    there is an error; warnings count only with --strict.
     """
-    everything: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []  # of all files
     for file in files:
         try:
-            source = open_game(file)
-            found = find_problems(source, variant)
-        except CompileError as error:  # unreadable
-            found = {(): list(error.diagnostics)}
-        everything += [d for problems in found.values() for d in problems]
+            problems = find_problems(open_game(file), variant)
+        except CompileError as error:  # the file can't be read
+            problems = {(): list(error.diagnostics)}
+        for of_variant in problems.values():
+            diagnostics += of_variant
         if not as_json:
-            _print_problems(file, found)
+            _print_problems(file, problems)
     if as_json:
-        click.echo(json.dumps(to_json(everything, texts_of(everything)), indent=2))
-    return int(any(strict or d.severity == "error" for d in everything))
+        click.echo(json.dumps(to_json(diagnostics, texts_of(diagnostics)), indent=2))
+    return int(any(strict or diagnostic.severity == "error" for diagnostic in diagnostics))
 
 
-def find_problems(source: Source, variant: str | None = None) -> Found:
-    """Returns the diagnostics of a game by variant, in the order of the file; each is listed once, with the first variant that has it."""
+def find_problems(source: Source, variant: str | None = None) -> DiagnosticsByVariant:
+    """Returns the diagnostics of a game by variant, in the order of the file.
+
+    Each diagnostic is listed once, with the first variant that has it.
+    """
     if variant is not None:
-        chosen = split_variants(variant)
-        return {chosen: list(check(source, chosen))}
-    found: Found = {}
-    known = set()  # by these alone: in each variant a label may point elsewhere
-    for name, problems in check_variants(source):
-        found[name] = [d for d in problems if (d.code, d.span, d.message) not in known]
-        known |= {(d.code, d.span, d.message) for d in problems}
-    return found
+        names = split_variants(variant)
+        return {names: list(check(source, names))}
+    problems: DiagnosticsByVariant = {}
+    known = set()  # the labels of a diagnostic don't count: they may differ between variants
+    for names, diagnostics in check_variants(source):
+        problems[names] = [d for d in diagnostics if (d.code, d.span, d.message) not in known]
+        known |= {(d.code, d.span, d.message) for d in diagnostics}
+    return problems
 
 
-def _print_problems(file: str, found: Found) -> None:
-    for name, problems in found.items():
-        if problems and name and len(found) > 1:
-            click.echo(f"in variant `{'+'.join(name)}` of {file}:\n")
-        print_diagnostics(problems)
-    if not any(found.values()):
-        variants = ["+".join(name) for name in found if name]
-        beside = (
-            f", with variant{'s' if len(variants) > 1 else ''} {', '.join(variants)}"
-            if variants
-            else ""
-        )
-        click.echo(f"{file}: no problems{beside}")
+def _print_problems(file: str, problems: DiagnosticsByVariant) -> None:
+    for names, diagnostics in problems.items():
+        if diagnostics and names and len(problems) > 1:
+            click.echo(f"in variant `{'+'.join(names)}` of {file}:\n")
+        print_diagnostics(diagnostics)
+    if not any(problems.values()):
+        variants = ["+".join(names) for names in problems if names]
+        plural = "s" if len(variants) > 1 else ""
+        checked = f", with variant{plural} {', '.join(variants)}" if variants else ""
+        click.echo(f"{file}: no problems{checked}")

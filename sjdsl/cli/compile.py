@@ -1,4 +1,6 @@
-"""`sjdsl compile`: writes games as Python modules to `generated/`, or checks that those there are up to date."""
+"""`sjdsl compile`: writes games as Python modules to `generated/`, or checks that those there are
+up to date.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -31,7 +33,9 @@ class Module:
     @property
     def summary(self) -> str:
         """`generated/coins.py  13.0 kB  289 lines`."""
-        return f"{self.path}  {len(self.text.encode()) / 1000:.1f} kB  {self.text.count(chr(10))} lines"
+        size = len(self.text.encode()) / 1000
+        lines = self.text.count("\n")
+        return f"{self.path}  {size:.1f} kB  {lines} lines"
 
 
 @click.command("compile")
@@ -64,9 +68,11 @@ def command(
     variant: str | None,
     map_file: str | None,
 ) -> int:
-    """Writes each game as a Python module: generated/NAME.py, a variant as generated/NAME_VARIANT.py.
+    """Writes each game as a Python module: generated/NAME.py, a variant as
+    generated/NAME_VARIANT.py.
 
-    FILE is a `.sj` file or the name of a bundled game. The same game gives the same bytes everywhere.
+    FILE is a `.sj` file or the name of a bundled game. The same game gives the same bytes
+    everywhere.
     """
     if output and only_check:
         raise click.UsageError("--check writes nothing: leave out -o")
@@ -94,51 +100,56 @@ def compile_games(
     variant: str | None,
     map_file: str | None,
     output: str | None,
-    alone: bool = False,
+    alone: bool,
 ) -> list[Module]:
     """Returns the modules of games. Raises CompileError with the faults of all of them."""
     modules: list[Module] = []
-    problems: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for name in names:
         try:
             modules.append(compile_game(name, variant, map_file, output, alone))
         except CompileError as error:
-            problems += error.diagnostics
-    if problems:
-        raise CompileError(problems)
+            diagnostics += error.diagnostics
+    if diagnostics:
+        raise CompileError(diagnostics)
     return modules
 
 
 def compile_game(
-    name: str, variant: str | None, map_file: str | None, output: str | None, alone: bool = False
+    name: str, variant: str | None, map_file: str | None, output: str | None, alone: bool
 ) -> Module:
     """Returns the module of a game; its warnings go to the terminal. Raises CompileError."""
     source = read_source(game_path(name))
     variants = split_variants(variant)
     try:
-        made = build(source, variants, Overrides(None, None, *map_rows(map_file, source)))
+        overrides = Overrides(None, None, *map_rows(map_file, source))
+        built = build(source, variants, overrides)
     except FileNotFoundError as error:
         raise click.ClickException(str(error)) from None
-    print_diagnostics(made.warnings, made.sources, err=True)
-    path = Path(output or ("." if alone else FOLDER))
-    if path.suffix != ".py":
-        path = path / f"{'_'.join((made.game.name, *variants, *['standalone'] * alone))}.py"
-    program = lower_build(made, source)
-    return Module(path, standalone(program) if alone else render(program))
+    print_diagnostics(built.warnings, built.sources, err=True)
+    program = lower_build(built, source)
+    stem = "_".join((built.game.name, *variants))
+    if alone:
+        path = Path(output or ".")
+        stem += "_standalone"
+        text = standalone(program)
+    else:
+        path = Path(output or FOLDER)
+        text = render(program)
+    return Module(path if path.suffix == ".py" else path / f"{stem}.py", text)
 
 
 def _report_differences(modules: list[Module]) -> int:
-    problems = []
+    is_current = True
     for module in modules:
         if not module.path.is_file():
-            problems.append(f"{module.path} is missing")
+            click.echo(f"{module.path} is missing")
+            is_current = False
         elif module.path.read_bytes() != module.text.encode():
-            problems.append(f"{module.path} differs from what its game compiles to now")
-    for problem in problems:
-        click.echo(problem)
-    click.echo(
-        "compile again to update them"
-        if problems
-        else f"{len(modules)} generated files are up to date"
-    )
-    return int(bool(problems))
+            click.echo(f"{module.path} differs from what its game compiles to now")
+            is_current = False
+    if is_current:
+        click.echo(f"{len(modules)} generated files are up to date")
+    else:
+        click.echo("compile again to update them")
+    return int(not is_current)

@@ -17,18 +17,20 @@ class SeveralPolicies(click.Command):
     """A command whose `--policies` takes all words up to the next option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        spread, listing = [], False
-        for word in args:
-            if word == "--policies":
-                listing = True
-            elif word.startswith("-"):
-                listing = False
-                spread.append(word)
-            else:
-                spread += ["--policies", word] if listing else [word]
-        if listing and args[-1] == "--policies":
-            spread.append("--policies")  # click complains about the missing value
-        return super().parse_args(ctx, spread)
+        repeated: list[str] = []  # the arguments with `--policies` before each policy
+        is_policy = False
+        for argument in args:
+            if argument == "--policies":
+                is_policy = True
+                continue
+            if argument.startswith("-"):
+                is_policy = False
+            if is_policy:
+                repeated.append("--policies")
+            repeated.append(argument)
+        if args[-1:] == ["--policies"]:
+            repeated.append("--policies")  # click complains about the missing value
+        return super().parse_args(ctx, repeated)
 
 
 @click.command("crossplay", cls=SeveralPolicies)
@@ -60,8 +62,8 @@ def command(
 ) -> None:
     """Plays policies with each other in GAME: in one line-up, or in all mixtures of them.
 
-    Each episode of a mixture draws which policy gets which slot. A RUN of several seeds is a pool: seed i of one plays with seed i of the
-    others, and the intervals are over seeds.
+    Each episode of a mixture draws which policy gets which slot. A RUN of several seeds is a pool:
+    seed i of one plays with seed i of the others, and the intervals are over seeds.
     """
     if (slots is None) == (not policies):
         raise click.UsageError(
@@ -82,7 +84,7 @@ def command(
 
         kind = mix or "all"
         with warnings_as_notes():
-            planned = plan_cross_play(env, in_slots, policies or None, kind, episodes, seed)
-        found = play_mixtures(planned, kind if in_slots is None else None, folder, say)
-    click.echo(crossplay_text(found))
+            plan = plan_cross_play(env, in_slots, policies or None, kind, episodes, seed)
+        results = play_mixtures(plan, kind if in_slots is None else None, folder, say)
+    click.echo(crossplay_text(results))
     echo_files(folder, FILES)

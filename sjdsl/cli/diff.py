@@ -20,30 +20,34 @@ DEFAULT = "default"
     help="The variants to compare; `default` is the game without one.",
 )
 def command(games: tuple[str, ...], variants: tuple[str, str] | None) -> None:
-    """Prints the numbers and declarations that differ between two variants of GAME, or between GAME and OTHER.
+    """Prints the numbers and declarations that differ between two variants of GAME, or between GAME
+    and OTHER.
 
-    A game is a `.sj` file or the name of a bundled one. Layout, comments and the order of declarations
-    don't count as differences.
+    A game is a `.sj` file or the name of a bundled one. Layout, comments and the order of
+    declarations don't count as differences.
     """
     if len(games) > 2 or (len(games) == 1 and variants is None):
         raise click.UsageError("name two games, or one game and two variants (--variants A B)")
-    sources = [open_game(name) for name in (games[0], games[-1])]
-    old, new = (
-        read_variant(source, name)
-        for source, name in zip(sources, variants or (DEFAULT, DEFAULT), strict=True)
-    )
+    old_variant, new_variant = variants or (DEFAULT, DEFAULT)
+    old = read_variant(open_game(games[0]), old_variant)
+    new = read_variant(open_game(games[-1]), new_variant)
     click.echo(report(old, new), nl=False)
 
 
-def read_variant(source: Source, name: str) -> Written:
-    """Returns a game in a variant (`a+b`: in both). Raises ClickException for one it doesn't have, CompileError for mistakes."""
-    chosen = () if name == DEFAULT else split_variants(name)
+def read_variant(source: Source, variant: str) -> Written:
+    """Returns a game in a variant (`a+b`: in both).
+
+    Raises ClickException for a variant that the game doesn't have, CompileError for mistakes.
+    """
     plain = read_written(source)
-    known = [variant for variant, _ in plain.variants]
-    for part in chosen:
-        if part not in known:
-            near = meant(part, [*known, DEFAULT], "")
+    if variant == DEFAULT:
+        return plain
+    names = split_variants(variant)
+    known = [DEFAULT, *(declared for declared, _ in plain.variants)]
+    for name in names:
+        if name not in known[1:]:
             raise click.ClickException(
-                f"`{plain.file}` has no variant `{part}`{near}; its variants are {', '.join([DEFAULT, *known])}"
+                f"`{plain.file}` has no variant `{name}`{meant(name, known, '')}; "
+                f"its variants are {', '.join(known)}"
             )
-    return read_written(source, chosen) if chosen else plain
+    return read_written(source, names)

@@ -16,8 +16,9 @@ from sjdsl.library.checked_game import split_variants
 @variant_option
 @click.option("-o", "output", metavar="FILE", help="Write to this file instead of printing.")
 def command(game: str, variant: str | None, output: str | None) -> None:
-    """Prints all the rules of GAME on a page, in the order of the ODD protocol for agent-based models (Grimm et al. 2020):
-    tables of actions, numbers, sources and what agents see, and each rule as written, with its comments.
+    """Prints all the rules of GAME on a page, in the order of the ODD protocol for agent-based
+    models (Grimm et al. 2020): tables of actions, numbers, sources and what agents see, and each
+    rule as written, with its comments.
 
     GAME is a `.sj` file or a bundled game.
     """

@@ -32,17 +32,19 @@ def command(file: str, stage: str, variant: str | None, no_positions: bool) -> N
 def dump(
     source: Source, stage: str, variants: Sequence[str] = (), positions: bool = True
 ) -> Iterator[str]:
-    """Yields a stage of the compiler as stable text, line by line; `positions` only matters to `ir`."""
+    """Yields a stage of the compiler as stable text, line by line; `positions` only matters to
+    `ir`.
+    """
     if stage == "ast":
         yield from ast_printer.lines(parse(source))
         return
-    made = build(source, variants)
+    built = build(source, variants)
     match stage:
         case "ir":
-            yield from ir_printer.game(made.game, positions).splitlines()
+            yield from ir_printer.game(built.game, positions).splitlines()
         case "program":
-            yield from listing(lower_build(made, source))
+            yield from listing(lower_build(built, source))
         case "python":
-            yield from compile_build(made, source).splitlines()
+            yield from compile_build(built, source).splitlines()
         case _:
             raise ValueError(f"no stage `{stage}`; the stages are {', '.join(STAGES)}")

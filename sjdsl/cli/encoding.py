@@ -1,4 +1,4 @@
-"""Prints any text in any encoding: what an encoding lacks is spelt with characters that it has."""
+"""Prints any text in any encoding: a character that an encoding lacks is spelt out in ASCII."""
 
 import codecs
 import io
@@ -7,34 +7,36 @@ import unicodedata
 from typing import TextIO
 
 SPELL_OUT = "sjdsl.spell_out"  # the name of the error handler
-SPELT = {
-    "…": "...", "×": "x", "±": "+-", "°": " degrees", "→": "->", "−": "-", "–": "-", "—": "-", "“": '"', "”": '"', "‘": "'", "’": "'",
+ASCII_SPELLINGS = {
+    "…": "...", "×": "x", "±": "+-", "°": " degrees", "→": "->", "−": "-", "–": "-", "—": "-",
+    "“": '"', "”": '"', "‘": "'", "’": "'",
 }  # fmt: skip
 
 
 def accept_any_text() -> None:
-    """Has this process print every text to standard output and standard error, whatever their encoding."""
+    """Makes standard output and standard error print every text, whatever their encoding."""
     codecs.register_error(SPELL_OUT, spell_out)
     sys.stdout = _accepting(sys.stdout)
     sys.stderr = _accepting(sys.stderr)
 
 
 def spell_out(error: UnicodeError) -> tuple[str, int]:
-    """Returns ASCII for what could not be encoded, and where to go on: an error handler for `codecs`.
+    """Returns ASCII for characters that can't be encoded, and the index behind them.
 
-    Signs are spelt, accents left out; any other character becomes its number, as in `\\u30b3`.
+    An error handler for `codecs`: signs are spelt out, accents left out; any other character
+    becomes its number, as in `\\u30b3`.
     """
     assert isinstance(error, UnicodeEncodeError)
     missing = error.object[error.start : error.end]
-    return "".join(map(_spelt, missing)), error.end
+    return "".join(map(_in_ascii, missing)), error.end
 
 
-def _spelt(character: str) -> str:
-    if character in SPELT:
-        return SPELT[character]
-    base = unicodedata.normalize("NFD", character)[0]  # of a letter with accents that without them
-    if base.isascii() and base.isalpha():
-        return base
+def _in_ascii(character: str) -> str:
+    if character in ASCII_SPELLINGS:
+        return ASCII_SPELLINGS[character]
+    without_accents = unicodedata.normalize("NFD", character)[0]
+    if without_accents.isascii() and without_accents.isalpha():
+        return without_accents
     return character.encode("ascii", "backslashreplace").decode()
 
 
@@ -48,10 +50,13 @@ def _accepting(stream: TextIO) -> TextIO:
 
 
 class _Ascii(io.TextIOWrapper):
-    """Standard output or error in ASCII, named otherwise: click takes a stream of that name for a mistake, and writes UTF-8 to it."""
+    """Standard output or error in ASCII, under the name of another encoding.
+
+    click writes UTF-8 to a stream whose encoding is called ASCII: it thinks that is a mistake.
+    """
 
     def __init__(self, stream: io.TextIOWrapper) -> None:
-        self._replaced = stream  # which closes the buffer when nothing refers to it
+        self._replaced = stream  # without a reference to it, it would close the buffer
         super().__init__(
             stream.buffer,
             "latin-1",

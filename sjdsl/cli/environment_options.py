@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Encoding, Environment
 
 Command = Callable[..., Any]
-SEED = click.IntRange(
-    0, 2**32 - 1
-)  # JAX makes keys from the lower 32 bits, so a larger seed would repeat one of these
 
 
 @dataclass(frozen=True)
 class EnvironmentOptions:
-    """The values of --variant, --map, --agents and --param: the arguments of `sjdsl.make` other than the game."""
+    """The values of --variant, --map, --agents and --param.
+
+    They are the arguments of `sjdsl.make` other than the game.
+    """
 
     variant: str | None = None
     map: str | None = None  # a file
@@ -40,42 +40,44 @@ class EnvironmentOptions:
 
     @property
     def names(self) -> list[str]:
-        """The options that were given, by the names of their arguments; numbers of the game as `param.X`."""
-        given = [
-            name for name in ("variant", "map", "num_agents") if getattr(self, name) is not None
-        ]
-        return [*given, *(f"param.{name}" for name in self.params)]
+        """The names of the arguments that have a value; a parameter of the game is `param.X`."""
+        arguments = ("variant", "map", "num_agents")
+        names = [name for name in arguments if getattr(self, name) is not None]
+        return names + [f"param.{name}" for name in self.params]
 
     def describe(self, game: str) -> dict[str, Any]:
-        """Returns the arguments of `make_environment` as JSON values that mean the same in every folder."""
+        """Returns the arguments of `make_environment` as JSON values, with absolute paths."""
         path = game_path(game)
         return {
             "game": game if is_name(game) else str(path.resolve()),
             "variant": self.variant,
-            "map": self.map and str(Path(self.map).resolve()),
+            "map": None if self.map is None else str(Path(self.map).resolve()),
             "num_agents": self.num_agents,
             "params": dict(self.params),
         }
 
     def read(self, game: str) -> tuple[Build, dict[str, Any]]:
-        """Returns the checked game and its run-time numbers, without JAX, which takes seconds to load.
+        """Returns the checked game and its run-time numbers. Doesn't load JAX, which takes seconds.
 
         Raises CompileError, and ValueError for numbers that don't fit the game.
         """
         try:
-            made, given = build_game(
+            built, run_time_params = build_game(
                 game_path(game), self.variant, self.num_agents, self.params, self.map
             )
         except FileNotFoundError as error:
             raise click.ClickException(str(error)) from None
-        types = {p.name: p.type for p in made.game.params}
-        return made, {
-            name: real(value) if types[name].kind == "real" else value
-            for name, value in param_values(made.game, given).items()
-        }
+        values = param_values(built.game, run_time_params)
+        for param in built.game.params:
+            if param.type.kind == "real" and param.name in values:
+                values[param.name] = real(values[param.name])
+        return built, values
 
     def build(self, game: str) -> tuple[Build, dict[str, Any]]:
-        """Returns what `read` does. Raises CompileError, and ClickException for numbers that don't fit the game."""
+        """Returns what `read` does.
+
+        Raises CompileError, and ClickException for numbers that don't fit the game.
+        """
         try:
             return self.read(game)
         except ValueError as error:
@@ -90,11 +92,13 @@ class EnvironmentOptions:
         return make_environment(self.describe(game))
 
     def or_else(self, preset: Mapping[str, Any]) -> "EnvironmentOptions":
-        """Returns these options, with a preset's in place of those that weren't given; the game's numbers are merged one by one."""
-        given = {name: value for name, value in vars(self).items() if value is not None}
-        return EnvironmentOptions(
-            **{**preset, **given, "params": {**preset.get("params", {}), **self.params}}
-        )
+        """Returns these options, with a preset's in place of those that have no value.
+
+        The game's parameters are merged one by one.
+        """
+        chosen = {name: value for name, value in vars(self).items() if value is not None}
+        params = {**preset.get("params", {}), **self.params}
+        return EnvironmentOptions(**{**preset, **chosen, "params": params})
 
 
 def environment_options(command: Command) -> Command:
@@ -109,10 +113,8 @@ def environment_options(command: Command) -> Command:
         params: tuple[str, ...],
         **others: Any,
     ) -> Any:
-        return command(
-            options=EnvironmentOptions(variant, map_file, agents, read_assignments(params)),
-            **others,
-        )
+        options = EnvironmentOptions(variant, map_file, agents, read_assignments(params))
+        return command(options=options, **others)
 
     number = click.option(
         "--agents", type=click.IntRange(min=1), metavar="N", help="The number of agents."
@@ -127,24 +129,28 @@ def environment_options(command: Command) -> Command:
     return variant_option(map_option(number(params(with_options))))
 
 
-def written_options(*but: str) -> list[str]:
-    """Returns the options and arguments given on the command line, as they are written there, without the parameters in `but`."""
+def written_options(*allowed: str) -> list[str]:
+    """Returns the options and arguments on the command line, as a user writes them.
+
+    The parameters in `allowed`, by their Python names, are left out.
+    """
     context = click.get_current_context()
-    return [
-        max(parameter.opts, key=len)
-        if isinstance(parameter, click.Option)
-        else parameter.make_metavar(context).strip("[]")
-        for parameter in context.command.params
-        if parameter.name not in but
-        and context.get_parameter_source(parameter.name or "")
-        is click.core.ParameterSource.COMMANDLINE
-    ]
+    written = []
+    for parameter in context.command.params:
+        source = context.get_parameter_source(parameter.name or "")
+        if parameter.name in allowed or source is not click.core.ParameterSource.COMMANDLINE:
+            continue
+        if isinstance(parameter, click.Option):
+            written.append(max(parameter.opts, key=len))
+        else:
+            written.append(parameter.make_metavar(context).strip("[]"))
+    return written
 
 
-def read_texts(given: tuple[str, ...]) -> dict[str, str]:
+def read_texts(assignments: tuple[str, ...]) -> dict[str, str]:
     """Returns `name=value` as a mapping of texts."""
     values: dict[str, str] = {}
-    for text in given:
+    for text in assignments:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not name:
             raise click.UsageError(f"`{text}` must have the form name=value")
@@ -154,12 +160,15 @@ def read_texts(given: tuple[str, ...]) -> dict[str, str]:
     return values
 
 
-def read_assignments(given: tuple[str, ...]) -> dict[str, Any]:
-    """Returns `name=value` and `name[word]=value` as a mapping, with a level for each bracket; values are JSON, or text."""
+def read_assignments(assignments: tuple[str, ...]) -> dict[str, Any]:
+    """Returns `name=value` and `name[index]=value` as a mapping; values are JSON, or text.
+
+    A name with indices has a mapping of them, nested in the order of the brackets.
+    """
     values: dict[str, Any] = {}
-    for text in given:
+    for text in assignments:
         ((path, value),) = read_texts((text,)).items()
-        *outer, last = (word.strip() for word in path.replace("]", "").split("["))
+        *outer, last = (name.strip() for name in path.replace("]", "").split("["))
         inner = values
         for name in outer:
             inner = inner.setdefault(name, {})
@@ -182,24 +191,33 @@ def _refuse_second(name: str) -> NoReturn:
 
 
 def make_environment(
-    described: Mapping[str, Any], observation: "Encoding" = "tokens"
+    arguments: Mapping[str, Any], observation: "Encoding" = "tokens"
 ) -> "Environment":
-    """Returns the environment. Raises CompileError, and ClickException for arguments that don't fit the game."""
+    """Returns the environment that `EnvironmentOptions.describe` describes.
+
+    Raises CompileError, and ClickException for arguments that don't fit the game.
+    """
     try:
-        return sjdsl.make(**described, observation=observation)
+        return sjdsl.make(**arguments, observation=observation)
     except (ValueError, TypeError, FileNotFoundError) as error:
         raise click.ClickException(str(error)) from error
 
 
 @contextmanager
-def named_in(file: Path | str) -> Iterator[None]:
-    """Turns faults of a game that a file names into a ClickException, which shows no text of that game or its map."""
+def hiding_game_text(file: Path | str) -> Iterator[None]:
+    """Turns faults of a game that a file names into a ClickException without any text of the game.
+
+    The file may come from somebody else, and the path in it may be that of any text on this
+    machine.
+    """
     try:
         yield
     except CompileError as error:
-        found = dict.fromkeys(_without_text(d) for d in error.diagnostics if d.severity == "error")
+        errors = [d for d in error.diagnostics if d.severity == "error"]
+        titles = ", ".join(dict.fromkeys(map(_without_text, errors)))
         raise click.ClickException(
-            f"{file} names a game, or a map for it, with errors: {', '.join(found)}; run `sjdsl check` on them to see where"
+            f"{file} names a game, or a map for it, with errors: {titles}; "
+            "run `sjdsl check` on them to see where"
         ) from None
     except (ValueError, TypeError, KeyError, OverflowError, OSError) as error:
         raise click.ClickException(
@@ -208,5 +226,8 @@ def named_in(file: Path | str) -> Iterator[None]:
 
 
 def _without_text(fault: Diagnostic) -> str:
-    """Returns a fault of a game without its text; that a file is missing is only found in what is a game."""
-    return f"{fault.code} {fault.title}" + (f": {fault.message}" if fault.code == "SJ111" else "")
+    """Returns the code and title of a fault; the message too if it quotes only the name of a
+    file.
+    """
+    title = f"{fault.code} {fault.title}"
+    return f"{title}: {fault.message}" if fault.code == "SJ111" else title

@@ -1,4 +1,5 @@
-"""`sjdsl evaluate`: prints what a policy earns beside a random policy in the same episodes, or as focal agents among scripted ones."""
+"""`sjdsl evaluate`: prints what a policy earns beside a random policy in the same episodes, or as
+focal agents among scripted ones."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -8,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment_options import (
-    SEED,
     EnvironmentOptions,
     environment_options,
+    hiding_game_text,
     make_environment,
-    named_in,
     written_options,
 )
+from sjdsl.cli.episode_options import episodes_option, seed_option
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of, require_writable
 from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
@@ -30,15 +31,8 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
     from sjdsl.trainers import Estimate, Evaluation
 
-WITHOUT_GAME = (
-    "run",
-    "episodes",
-    "seed",
-    "greedy",
-    "film",
-    "scenario",
-    "allow_code",
-)  # parameters allowed without --game
+# Parameters that are allowed without --game.
+WITHOUT_GAME = ("run", "episodes", "seed", "greedy", "film", "scenario", "allow_code")
 STORED = ".safetensors"
 
 
@@ -52,17 +46,8 @@ STORED = ".safetensors"
 @click.option(
     "--scenario", metavar="NAME|all", help="Play RUN in a scenario of the game, or in several: A,B."
 )
-@click.option(
-    "--episodes",
-    type=click.IntRange(min=1),
-    metavar="N",
-    default=30,
-    show_default=True,
-    help="Episodes to play.",
-)
-@click.option(
-    "--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes."
-)
+@episodes_option(30, "Episodes to play.")
+@seed_option("Seed of the episodes.")
 @click.option(
     "--greedy/--drawn",
     default=None,
@@ -88,29 +73,21 @@ def command(
     output: str | None,
     options: EnvironmentOptions,
 ) -> None:
-    """Evaluates the policy of RUN, or any POLICY in a GAME, beside a random one; the results of RUN go to a file in its folder.
+    """Evaluates the policy of RUN, or any POLICY in a GAME, beside a random one; the results of RUN
+    go to a file in its folder.
 
-    RUN is a folder that `sjdsl train` wrote (each of its seeds is evaluated), RUN@best or RUN@UPDATE. POLICY is random, stay, a policy of
-    the game's file, a .safetensors file, or FILE.py:FUNCTION. --scenario gives a score between 0, random agents, and 1, the best scripted
+    RUN is a folder that `sjdsl train` wrote (each of its seeds is evaluated), RUN@best or
+    RUN@UPDATE. POLICY is random, stay, a policy of the game's file, a .safetensors file, or
+    FILE.py:FUNCTION. --scenario gives a score between 0, random agents, and 1, the best scripted
     ones.
     """
-    path, which = split_name(run)
     if game is None:
-        given = written_options(*WITHOUT_GAME)
-        if "-o" in given and scenario is None:
-            raise click.UsageError(
-                "-o is for --scenario and --game; without them, the results of a run go to its folder"
-            )
-        for option in given:
-            if option != "-o":
-                raise click.UsageError(
-                    f"{option} is for --game; without it, a run plays in the game it was trained in"
-                )
+        _refuse_options_for_game(scenario)
     if scenario is not None:
-        if film is not None or greedy is not None:
-            raise click.UsageError(
-                f"{'--film' if film is not None else '--greedy' if greedy else '--drawn'} is not for --scenario"
-            )
+        if film is not None:
+            raise click.UsageError("--film is not for --scenario")
+        if greedy is not None:
+            raise click.UsageError(f"{_greedy_option(greedy)} is not for --scenario")
         evaluate_in_scenarios(run, scenario, game, episodes, seed, output, options)
         return
     if film is not None:
@@ -119,9 +96,10 @@ def command(
     if game is not None and not _is_run(run, game):
         env, policy = _evaluate_policy(run, game, episodes, seed, greedy, output, options)
     else:
-        provenance = provenance_of(path, OR_A_GAME, game, options.map)
-        with stages(LOADING), named_in(path):
-            env = make_environment(provenance)
+        path, which = split_name(run)
+        arguments = provenance_of(path, OR_A_GAME, game, options.map)
+        with stages(LOADING), hiding_game_text(path):
+            env = make_environment(arguments)
         folders = sorted(path.glob("seed_*")) or [path]
         for folder in folders:
             require_writable(folder)
@@ -133,24 +111,50 @@ def command(
         policy = stored_policy(folders[0], env, greedy, which) if film is not None else None
     if film is not None:
         with stages("drawing an episode") as say:
-            done = save_film(env, policy, Path(film), env.episode_length, seed, say=say)
-        click.echo(done)
+            summary = save_film(env, policy, Path(film), env.episode_length, seed, say)
+        click.echo(summary)
+
+
+def _refuse_options_for_game(scenario: str | None) -> None:
+    """Raises UsageError for an option on the command line that needs --game."""
+    for option in written_options(*WITHOUT_GAME):
+        if option != "-o":
+            raise click.UsageError(
+                f"{option} is for --game; without it, a run plays in the game it was trained in"
+            )
+        if scenario is None:
+            raise click.UsageError(
+                "-o is for --scenario and --game; without them, the results of a run go to its "
+                "folder"
+            )
+
+
+def _greedy_option(greedy: bool) -> str:
+    return "--greedy" if greedy else "--drawn"
 
 
 def _is_run(policy: str, game: str) -> bool:
-    """Whether a text names a run, which is evaluated in its own game. Raises UsageError for an option that none has."""
+    """Whether a text names a run, which is evaluated in its own game.
+
+    Raises UsageError for an option that doesn't apply to runs.
+    """
     path, _ = split_name(policy)
-    if not path.is_dir() or policy in (
-        *UNTRAINED,
-        *(declared.name for declared in EnvironmentOptions().check(game).policies),
-    ):
+    if not path.is_dir() or _is_declared(policy, EnvironmentOptions().check(game)):
         return False
     for option in written_options(*WITHOUT_GAME, "game", "map_file"):
         raise click.UsageError(
-            f"{option} is for a policy that isn't a run; {path} is a folder, and a run is evaluated in its own game. "
-            "To evaluate it in another form of the game, name the file of a policy, such as RUN/policies/last.safetensors"
+            f"{option} is for a policy that isn't a run; {path} is a folder, and a run is "
+            "evaluated in its own game. To evaluate it in another form of the game, name the file "
+            "of a policy, such as RUN/policies/last.safetensors"
         )
     return True
+
+
+def _is_declared(policy: str, game: "ir.Game") -> bool:
+    """Whether a text is the name of an untrained policy, or of one that the game's file
+    declares.
+    """
+    return policy in UNTRAINED or any(policy == declared.name for declared in game.policies)
 
 
 def evaluate_run(
@@ -161,41 +165,33 @@ def evaluate_run(
     greedy: bool | None = None,
     which: str | int = "last",
 ) -> None:
-    """Prints the returns of a trained and of a random policy with their intervals; stores the trained one's in the run's folder.
+    """Prints the returns of a trained and of a random policy with their intervals.
 
-    An evaluation of the same policy in more episodes stays as it is.
+    Stores those of the trained one in the run's folder, unless there is an evaluation of the same
+    policy in more episodes already.
     """
     from sjdsl.trainers import save_evaluation
     from sjdsl.trainers.policies.policy_file import policy_path, update_of
 
-    file = path / (
-        "evaluation.json" if which == "last" else f"evaluation_{which}.json"
-    )  # so that none overwrites another
+    file = path / ("evaluation.json" if which == "last" else f"evaluation_{which}.json")
 
-    def save(played: "Evaluation") -> None:
-        stored = policy_path(path, which)
-        update = update_of(stored)
-        before = read_evaluation(file)
-        if (
-            before is not None
-            and before.update is None
-            and stored.stat().st_mtime <= file.stat().st_mtime
-        ):  # of an earlier version
-            before = before.model_copy(update={"update": update})
-        if before is not None and before.episodes > episodes and before.update == update:
+    def save(evaluation: "Evaluation") -> None:
+        update = update_of(policy_path(path, which))
+        stored = read_evaluation(file)
+        if stored is not None and stored.episodes > episodes and stored.update == update:
             click.echo(
-                f"{file} already holds an evaluation of this policy in {before.episodes} episodes, and is kept; delete it to store this one",
+                f"{file} already holds an evaluation of this policy in {stored.episodes} episodes, "
+                "and is kept; delete it to store this one",
                 err=True,
             )
             return
-        save_evaluation(
-            played, file, {"policy": which, "update": update, "seed": seed, "greedy": greedy}
-        )
+        about = {"policy": which, "update": update, "seed": seed, "greedy": greedy}
+        save_evaluation(evaluation, file, about)
 
-    what = {"last": "", "best": ", the best policy"}.get(
-        str(which), f", the policy of update {which}"
-    )
-    _compare(env, "trained", stored_policy(path, env, greedy, which), episodes, seed, save, what)
+    titles = {"last": "", "best": ", the best policy"}
+    title = titles.get(str(which), f", the policy of update {which}")
+    policy = stored_policy(path, env, greedy, which)
+    _compare(env, "trained", policy, episodes, seed, save, title)
 
 
 def _evaluate_policy(
@@ -207,7 +203,10 @@ def _evaluate_policy(
     output: str | None,
     options: EnvironmentOptions,
 ) -> tuple["Environment", Any]:
-    """Prints what a policy that isn't a run earns, and writes it to `output`, if given. Returns the environment and the policy."""
+    """Prints what a policy that isn't a run earns, and writes it to `output`, unless it is None.
+
+    Returns the environment and the policy.
+    """
     _check_policy(policy, options.check(game), greedy, output)
     with stages(LOADING):
         env = options.make(game)
@@ -217,13 +216,12 @@ def _evaluate_policy(
 
         with warnings_as_notes():
             (player,) = find_pool(policy, env).players  # refuses a policy of another game
-            found = (
-                player.policy_of(player.parameters)
-                if greedy is None
-                else find_policy(policy, env, greedy)
-            )
+            if greedy is None:
+                act = player.policy_of(player.parameters)
+            else:
+                act = find_policy(policy, env, greedy)
 
-    def save(played: "Evaluation") -> None:
+    def save(evaluation: "Evaluation") -> None:
         if output is not None:
             about = {
                 "policy": policy,
@@ -232,22 +230,21 @@ def _evaluate_policy(
                 "seed": seed,
                 "greedy": greedy,
             }
-            save_evaluation(played, output, about)
+            save_evaluation(evaluation, output, about)
 
-    _compare(env, policy, found, episodes, seed, save)
+    _compare(env, policy, act, episodes, seed, save)
     if output is not None:
         click.echo(f"\n{output}")
-    return env, found
+    return env, act
 
 
 def _check_policy(policy: str, game: "ir.Game", greedy: bool | None, output: str | None) -> None:
     """Checks the options as far as possible before JAX loads."""
     path, _ = split_name(policy)
-    named = policy in (*UNTRAINED, *(declared.name for declared in game.policies))
     check_policy(policy, game)
-    if greedy is not None and (named or path.suffix != STORED):
+    if greedy is not None and (_is_declared(policy, game) or path.suffix != STORED):
         raise click.UsageError(
-            f"{'--greedy' if greedy else '--drawn'} is for trained policies, and `{policy}` isn't one"
+            f"{_greedy_option(greedy)} is for trained policies, and `{policy}` isn't one"
         )
     if output is not None:
         if Path(output).suffix != ".json":
@@ -264,47 +261,49 @@ def _compare(
     episodes: int,
     seed: int,
     save: Callable[["Evaluation"], None],
-    what: str = "",
+    title: str = "",
 ) -> None:
-    """Plays episodes with a policy and the same episodes with a random one; prints a table of both. `what`: a part of its title."""
+    """Plays episodes with a policy and the same episodes with a random one; prints a table of both.
+
+    `title` follows the game's name in the title of the table.
+    """
     from sjdsl.trainers import evaluate, random_policy, summarise
     from sjdsl.trainers.policies.evaluation import evaluation_key
 
     key = evaluation_key(seed)
-    with stages(
-        f"compiling and playing {episodes} episodes of {'the trained policy' if name == 'trained' else name}"
-    ) as say:
-        played = evaluate(env, policy, key, episodes)
-        save(played)
-        columns = {name: summarise(played)}
+    whose = "the trained policy" if name == "trained" else name
+    with stages(f"compiling and playing {episodes} episodes of {whose}") as say:
+        evaluation = evaluate(env, policy, key, episodes)
+        save(evaluation)
+        columns = {name: summarise(evaluation)}
         if name != "random":
             say(f"compiling and playing {episodes} episodes of a random policy")
             columns["random"] = summarise(evaluate(env, random_policy(env), key, episodes))
-    undeclared = {
-        f"{'final' if measure.mean else 'mean'} {measure.name}" for measure in env.game.measures
-    }
-    names = [
-        name for name in columns[name] if name.startswith("return of") or " of agent " not in name
-    ]
-    rows = [
-        (name, *(_interval(figures[name]) for figures in columns.values()))
-        for name in names
-        if name not in undeclared
-    ]
-    rows = [("", *columns), *rows]
+    rows = [("", *columns)]
+    for figure in columns[name]:
+        if _is_listed(figure, env.game):
+            rows.append((figure, *(_interval(column[figure]) for column in columns.values())))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     click.echo(
-        f"\n{env.title or env.name}{what}: means of {episodes} episodes with their 95 % confidence intervals"
+        f"\n{env.title or env.name}{title}: means of {episodes} episodes with their "
+        "95 % confidence intervals"
     )
     for row in rows:
-        click.echo(
-            "  "
-            + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        )
-    earned = [_interval(figures["collective return"]) for figures in columns.values()]
-    click.echo(
-        f"return {earned[0]}"
-        + (f" against {earned[1]} of a random policy" if len(earned) > 1 else "")
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        click.echo(f"  {'  '.join(cells)}".rstrip())
+    returns = [_interval(column["collective return"]) for column in columns.values()]
+    baseline = f" against {returns[1]} of a random policy" if len(returns) > 1 else ""
+    click.echo(f"return {returns[0]}{baseline}")
+
+
+def _is_listed(figure: str, game: "ir.Game") -> bool:
+    """Whether the table has a figure: of agents only the return, and of a measure only what it
+    declares (its mean or its final value)."""
+    if " of agent " in figure and not figure.startswith("return of"):
+        return False
+    return not any(
+        figure == (f"final {measure.name}" if measure.mean else f"mean {measure.name}")
+        for measure in game.measures
     )
 
 
@@ -318,7 +317,9 @@ def _interval(figure: "Estimate") -> str:
 def stored_policy(
     source: Path, env: "Environment", greedy: bool | None = None, which: str | int = "last"
 ) -> Any:
-    """Returns the policy in the folder of a run or in a file; warnings about it are printed as notes."""
+    """Returns the policy in the folder of a run or in a file; warnings about it are printed as
+    notes.
+    """
     from sjdsl.trainers import load_policy
 
     with warnings_as_notes():
@@ -326,16 +327,20 @@ def stored_policy(
 
 
 def notes_on_training(run_dir: Path, which: str | int) -> Iterator[str]:
-    """Yields what a reader of its evaluation should know of a run's training: that it hasn't ended, or which seeds diverged."""
+    """Yields what a reader of an evaluation should know about the training of the run: that it
+    hasn't ended, or which seeds diverged."""
     from sjdsl.trainers.runs.run_state import run_state
 
-    state = (
-        None if isinstance(which, int) else run_state(run_dir)
-    )  # a policy by its number may be from before
+    if isinstance(which, int):  # the policy of this update may be from before a seed diverged
+        return
+    state = run_state(run_dir)
     if state is None:
         return
     for update, seeds in seeds_of_each(state.diverged.items()).items():
-        yield f"{seeds_in_words(seeds)} of {run_dir} diverged (non-finite loss) in update {update}; played is the policy from before that"
+        yield (
+            f"{seeds_in_words(seeds)} of {run_dir} diverged (non-finite loss) in update {update}; "
+            "the policy before that update is played"
+        )
     if state.unfinished:
         yield f"{run_dir} may not have finished its training: {state.unfinished}"
 
@@ -347,6 +352,6 @@ def list_files(run_dir: Path) -> None:
     for path in files:
         click.echo(f"  {path.name}  {path.stat().st_size / 1000:.1f} kB")
     for folder in sorted(path for path in run_dir.iterdir() if path.is_dir()):
-        inside = sorted(path.name for path in folder.iterdir() if path.suffix != ".json")
-        what = "of update " if folder.name == "checkpoints" and inside else ""
-        click.echo(f"  {folder.name}/  {what}{', '.join(inside)}")
+        names = sorted(path.name for path in folder.iterdir() if path.suffix != ".json")
+        prefix = "of update " if folder.name == "checkpoints" and names else ""
+        click.echo(f"  {folder.name}/  {prefix}{', '.join(names)}")

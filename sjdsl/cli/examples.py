@@ -65,6 +65,9 @@ EXAMPLES = {
 }
 
 
-def below(command: str) -> str:
-    """Returns the examples of a command; click keeps the lines of a paragraph that begins with \\b."""
+def epilog(command: str) -> str:
+    """Returns the end of a command's help: its examples.
+
+    click keeps the line breaks of a paragraph that begins with \\b.
+    """
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in EXAMPLES[command])

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment_options import (
-    SEED,
     EnvironmentOptions,
     environment_options,
     make_environment,
 )
+from sjdsl.cli.episode_options import episodes_option, seed_option
 from sjdsl.cli.folders import require_writable
 from sjdsl.cli.policies import check_policy, code_option
 from sjdsl.cli.stages import LOADING, Say, stages
@@ -24,24 +24,17 @@ Command = Callable[..., Any]
 
 
 def experiment_options(command: Command) -> Command:
-    """Adds --episodes, --seed, -o (as `output`) and --allow-code, and the options of an environment."""
+    """Adds --episodes, --seed, -o (as `output`) and --allow-code, and the options of an
+    environment.
+    """
     output = click.option(
         "-o",
         "output",
         metavar="DIR",
         help="Folder of the results; by default GAME_ and the command's name.",
     )
-    seed = click.option(
-        "--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episodes."
-    )
-    episodes = click.option(
-        "--episodes",
-        type=click.IntRange(min=1),
-        metavar="N",
-        default=30,
-        show_default=True,
-        help="Episodes of each line-up.",
-    )
+    seed = seed_option("Seed of the episodes.")
+    episodes = episodes_option(30, "Episodes of each line-up.")
     return episodes(seed(output(code_option(environment_options(command)))))
 
 
@@ -49,17 +42,23 @@ def experiment_options(command: Command) -> Command:
 def experiment(
     game: str, policies: Sequence[str], folder: Path, options: EnvironmentOptions
 ) -> Iterator[tuple["Environment", Say]]:
-    """Yields the environment of a command and a function that announces stages; checks what it can before JAX loads."""
-    checked = options.check(game)
+    """Yields the environment of a command and a function that announces stages.
+
+    The options and the names of policies are checked before JAX loads, as far as possible.
+    """
+    rules = options.check(game)
     for policy in policies:
-        check_policy(policy, checked)
-    with playing_in(options.describe(game), folder) as both:
-        yield both
+        check_policy(policy, rules)
+    with writing_to(folder, options.describe(game)) as env_and_say:
+        yield env_and_say
 
 
 @contextmanager
-def playing_in(arguments: Mapping[str, Any], folder: Path) -> Iterator[tuple["Environment", Say]]:
-    """Yields the environment of these arguments and a function that announces stages."""
+def writing_to(folder: Path, arguments: Mapping[str, Any]) -> Iterator[tuple["Environment", Say]]:
+    """Yields the environment of these arguments and a function that announces stages.
+
+    Raises ClickException if nothing can be written to the folder.
+    """
     require_writable(folder)
     with stages(LOADING) as say:
         yield make_environment(arguments), say

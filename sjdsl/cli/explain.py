@@ -6,7 +6,9 @@ import click
 @click.command("explain")
 @click.argument("code")
 def command(code: str) -> None:
-    """Explains the message with this CODE, such as SJ101: what it means, an example, how to repair it."""
+    """Explains the message with this CODE, such as SJ101: what it means, an example, how to repair
+    it.
+    """
     from sjdsl.compiler.diagnostics.explanations import explain
 
     try:

@@ -1,4 +1,6 @@
-"""Turns exceptions into messages: one line or a diagnostic for a user's mistake, a traceback for a bug of ours."""
+"""Turns exceptions into messages: one line or a diagnostic for a user's mistake, a traceback for a
+bug of ours.
+"""
 
 import sys
 
@@ -17,11 +19,11 @@ FAULTS_OF_RUNS = {
 }
 
 
-def report_fault(error: Exception, called: str) -> int:
+def report_fault(error: Exception, command: str) -> int:
     """Prints what went wrong and returns the exit status; re-raises an error that isn't the user's.
 
     Args:
-      called: the command, whose help a usage error points to.
+      command: its help is what a usage error points to.
     """
     match error:
         case click.Abort():
@@ -29,7 +31,7 @@ def report_fault(error: Exception, called: str) -> int:
             return TERMINATED if isinstance(error.__cause__, Terminated) else INTERRUPTED
         case click.UsageError():
             _echo(error.format_message())
-            click.echo(f"see `{called} --help`", err=True)
+            click.echo(f"see `{command} --help`", err=True)
             return error.exit_code
         case click.ClickException():
             _echo(error.format_message())
@@ -40,9 +42,9 @@ def report_fault(error: Exception, called: str) -> int:
         case OSError() if error.filename is not None:
             _echo(f"{error.filename}: {(error.strerror or 'cannot be used').lower()}")
             return 1
-    for place, name in FAULTS_OF_RUNS.items():
-        module = sys.modules.get(place)  # if it hasn't been imported, it has raised nothing
-        if module is not None and isinstance(error, getattr(module, name)):
+    for module_name, class_name in FAULTS_OF_RUNS.items():
+        module = sys.modules.get(module_name)  # a module that isn't imported has raised nothing
+        if module is not None and isinstance(error, getattr(module, class_name)):
             _echo(str(error))
             return 1
     from sjdsl.compiler.diagnostics.diagnostic import CompileError
@@ -56,9 +58,12 @@ def report_fault(error: Exception, called: str) -> int:
 
 
 def _echo(message: str) -> None:
-    """Prints a message; of what it quotes from a file, a character that would control the terminal is shown by its code."""
-    shown = "".join(
+    """Prints a message with escape codes for unprintable characters.
+
+    In text that a message quotes from a file, such characters might control the terminal.
+    """
+    printable = "".join(
         character if character.isprintable() or character == "\n" else ascii(character)[1:-1]
         for character in message
     )
-    click.echo(f"error: {shown}", err=True)
+    click.echo(f"error: {printable}", err=True)

@@ -19,7 +19,10 @@ FILMS = (".gif", ".mp4", PAGE)
 
 
 def check_film(path: Path) -> None:
-    """Checks that a file is a film or a page. Raises UsageError, or MissingExtra if it needs packages that aren't installed."""
+    """Checks that a file is a film or a page, by its suffix.
+
+    Raises UsageError, or MissingExtra if it needs packages that aren't installed.
+    """
     if path.suffix not in FILMS:
         raise click.UsageError(
             f"`{path}` must end in .gif, .mp4 or .html (or .png, for a single picture)"
@@ -36,19 +39,26 @@ def save_film(
     path: Path,
     steps: int,
     seed: int,
+    say: Say,
     speed: float = SPEED,
-    say: Say = lambda _: None,
 ) -> str:
-    """Plays an episode and writes it as a film or a page; returns a line about the file. `say` announces the stages."""
+    """Plays an episode and writes it as a film or a page; returns a line about the file.
+
+    Args:
+      say: announces the stages.
+      speed: frames a second.
+    """
     from sjdsl.render import play_moments
 
-    return write_film(
-        env, announced(play_moments(env, policy, steps, seed), env, say), path, speed, say
-    )
+    moments = announced(play_moments(env, policy, steps, seed), env, say)
+    return write_film(env, moments, path, speed, say)
 
 
 def announced(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator[Moment]":
-    """Yields the moments of an episode and announces the stages: the first two moments wait for the compiler."""
+    """Yields the moments of an episode and announces the stages.
+
+    The first two moments wait for the compiler.
+    """
     say(f"compiling {env.name}")
     for number, moment in enumerate(moments):
         if number == 1:
@@ -60,23 +70,27 @@ def write_film(
     env: "Environment",
     moments: "Iterable[Moment]",
     path: Path,
-    speed: float = SPEED,
-    say: Say = lambda _: None,
+    speed: float,
+    say: Say,
 ) -> str:
-    """Writes moments as a film or a page; returns a line about the file."""
-    whole = list(moments)
+    """Writes moments as a film or a page of `speed` frames a second; returns a line about the
+    file.
+    """
+    episode = list(moments)
     if path.suffix == PAGE:
         from sjdsl.render import make_page
 
         say(f"writing {path}")
-        make_page(env.game, whole, speed).save(path)
-        return f"{path}  {len(whole)} moments to look at in a browser, {path.stat().st_size / 1000:.0f} kB"
-    from sjdsl.render import draw_film, save_gif, save_mp4
+        make_page(env.game, episode, speed).save(path)
+        contents = f"{len(episode)} moments to look at in a browser"
+    else:
+        from sjdsl.render import draw_film, save_gif, save_mp4
 
-    say("drawing the pictures")
-    frames = list(draw_film(env, whole))
-    say(f"writing {path}")
-    save = save_mp4 if path.suffix == ".mp4" else save_gif
-    save(frames, path, round(1000 / speed))
-    width, height = frames[0].size
-    return f"{path}  {len(frames)} frames of {width} x {height} pixels, {path.stat().st_size / 1000:.0f} kB"
+        say("drawing the pictures")
+        frames = list(draw_film(env, episode))
+        say(f"writing {path}")
+        save = save_mp4 if path.suffix == ".mp4" else save_gif
+        save(frames, path, round(1000 / speed))
+        width, height = frames[0].size
+        contents = f"{len(frames)} frames of {width} x {height} pixels"
+    return f"{path}  {contents}, {path.stat().st_size / 1000:.0f} kB"

@@ -15,6 +15,8 @@ from sjdsl.format import format_source
 
 STDIN = "-"
 STDIN_NAME = "standard input"
+UNCHANGED = "unchanged"
+WITH_ERRORS = "with errors"
 
 
 @click.command("fmt")
@@ -26,64 +28,66 @@ STDIN_NAME = "standard input"
     help="Write nothing; exit with 1 and name the files that would be reformatted.",
 )
 def command(paths: tuple[str, ...], only_check: bool) -> int:
-    """Formats `.sj` files: spaces, line breaks and columns. Comments stay, and so do line breaks between statements.
+    """Formats `.sj` files: spaces, line breaks and columns. Comments stay, and so do line breaks
+    between statements.
 
-    A FOLDER means all `.sj` files in and below it, except in hidden folders. `-` reads a game from standard input and writes it to
-    standard output. A file with syntax errors stays as it is; the errors are shown, and the exit status is 1.
+    A FOLDER means all `.sj` files in and below it, except in hidden folders. `-` reads a game from
+    standard input and writes it to standard output. A file with syntax errors stays as it is; the
+    errors are shown, and the exit status is 1.
     """
     if STDIN in paths:
         if len(paths) > 1:
             raise click.UsageError("`-` reads standard input: don't name other files")
         return _format_stdin(only_check)
-    changed, unchanged, problems = 0, 0, 0
+    changed = "to be reformatted" if only_check else "reformatted"
+    counts = dict.fromkeys((changed, UNCHANGED, WITH_ERRORS), 0)
     for path in files_of(paths):
         try:
             text = format_source(read_source(path))
         except CompileError as error:
             print_diagnostics(error.diagnostics, err=True)
-            problems += 1
+            counts[WITH_ERRORS] += 1
             continue
         if path.read_bytes() == text.encode():
-            unchanged += 1
+            counts[UNCHANGED] += 1
             continue
-        changed += 1
+        counts[changed] += 1
         if only_check:
             click.echo(f"{path} would be reformatted")
         else:
             write_whole(path.resolve(), text)  # a link to the file stays
             click.echo(f"{path} was reformatted")
-    counts = {
-        "to be reformatted" if only_check else "reformatted": changed,
-        "unchanged": unchanged,
-        "with errors": problems,
-    }
-    number = changed + unchanged + problems
-    click.echo(
-        f"{number} file{'s' * (number != 1)}: {', '.join(f'{count} {what}' for what, count in counts.items() if count)}"
-    )
-    return int(problems > 0 or (only_check and changed > 0))
+    number = sum(counts.values())
+    plural = "" if number == 1 else "s"
+    listed = ", ".join(f"{count} {state}" for state, count in counts.items() if count)
+    click.echo(f"{number} file{plural}: {listed}")
+    return int(counts[WITH_ERRORS] > 0 or (only_check and counts[changed] > 0))
 
 
 def files_of(paths: Iterable[str]) -> list[Path]:
-    """Returns the files that are named, and those in the folders that are named, each once. Raises ClickException if there are none."""
-    found: list[Path] = []
+    """Returns the files in `paths`, and the `.sj` files in the folders there, each once.
+
+    Raises ClickException for a missing path, and for a folder without such files.
+    """
+    files: list[Path] = []
     for name in paths:
         path = Path(name)
         if path.is_dir():
-            visible = (
-                p
-                for p in path.rglob("*.sj")
-                if not any(part.startswith(".") for part in p.relative_to(path).parts)
-            )
-            inside = sorted(p for p in visible if p.is_file())
+            inside = sorted(file for file in path.rglob("*.sj") if _is_visible(file, path))
             if not inside:
                 raise click.ClickException(f"there are no `.sj` files in the folder {name}")
-            found += inside
+            files += inside
         elif path.suffix == ".sj" or path.is_file():
-            found.append(path)
+            files.append(path)
         else:
             raise click.ClickException(f"there is no file or folder `{name}`")
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(files))
+
+
+def _is_visible(path: Path, folder: Path) -> bool:
+    """Whether a path is a file that is in no hidden folder below `folder`."""
+    parts = path.relative_to(folder).parts
+    return path.is_file() and not any(part.startswith(".") for part in parts)
 
 
 def _format_stdin(only_check: bool) -> int:
@@ -96,9 +100,7 @@ def _format_stdin(only_check: bool) -> int:
         print_diagnostics(error.diagnostics, {STDIN_NAME: source}, err=True)
         return 1
     if not only_check:
-        click.echo(
-            text.encode(), nl=False
-        )  # as a file has it, whatever the encoding of the terminal
+        click.echo(text.encode(), nl=False)  # UTF-8, whatever the encoding of the terminal
         return 0
     is_same = data == text.encode()
     click.echo(f"{STDIN_NAME} {'is formatted' if is_same else 'would be reformatted'}")

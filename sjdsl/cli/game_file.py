@@ -10,21 +10,20 @@ from sjdsl.library.games_folder import find_game
 
 
 def open_game(name: str) -> Source:
-    """Returns the text of a game. Raises ClickException for an unknown name, CompileError for an unreadable file."""
+    """Returns the text of a game.
+
+    Raises ClickException for an unknown name, CompileError for an unreadable file.
+    """
     return read_source(game_path(name))
 
 
 def game_path(name: str) -> Path:
-    """Returns the file of a game, relative to this folder if it is inside it."""
+    """Returns the file of a game, relative to the current folder if it is inside it."""
     try:
         path = find_game(name)
     except FileNotFoundError as error:
         raise click.ClickException(str(error)) from None
-    return (
-        path.relative_to(Path.cwd())
-        if path.is_absolute() and path.is_relative_to(Path.cwd())
-        else path
-    )
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 
 
 variant_option = click.option(

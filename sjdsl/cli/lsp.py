@@ -10,9 +10,8 @@ import click
 
 from sjdsl.extras import require
 
-MANY = (
-    50_000  # objects between two garbage collections: a server lives long, and each text makes some
-)
+# Objects between two garbage collections: a server lives long, and each text leaves some garbage.
+COLLECTION_THRESHOLD = 50_000
 
 
 @click.command("lsp")
@@ -23,20 +22,20 @@ MANY = (
     help="Read no files outside this folder; may be repeated.",
 )
 def command(inside: tuple[str, ...]) -> int:
-    """Starts the language server. Editors do this themselves: docs/editors.md says how. It needs the extra `sjdsl[editor]`.
+    """Starts the language server. Editors do this themselves: docs/editors.md says how. It needs
+    the extra `sjdsl[editor]`.
 
-    The exit status follows the protocol: 0, or 1 if the editor ends the session without a shutdown request.
+    The exit status follows the protocol: 0, or 1 if the editor ends the session without a shutdown
+    request.
     """
     require("editor", "pygls")
     from sjdsl.editor.server import make_server
 
-    gc.set_threshold(MANY, 20, 20)
-    signal.signal(
-        signal.SIGTERM, signal.SIG_DFL
-    )  # it has no work to keep, and pygls would wait for the editor's next message
+    gc.set_threshold(COLLECTION_THRESHOLD, 20, 20)
+    # The server has no work to keep, and pygls would wait for the editor's next message.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     server = make_server([*map(Path, inside)] or None)
-    with os.fdopen(
-        os.dup(sys.stdout.fileno()), "wb"
-    ) as answers:  # pygls closes what it writes to, and our own is still needed
+    # pygls closes the stream that it writes to, and standard output is needed after that.
+    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as answers:
         server.start_io(stdout=answers)
     return int(server.ended_early)

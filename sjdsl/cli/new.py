@@ -1,4 +1,6 @@
-"""`sjdsl new`: writes the files of a new game, a small playable game and its tests, or a copy of another."""
+"""`sjdsl new`: writes the files of a new game, a small playable game and its tests, or a copy of
+another.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,57 +29,66 @@ from sjdsl.library.starter import copied_files, starting_files
 def command(name: str | None, copied: str | None, folder: str) -> None:
     """Writes NAME.sj, a small commented game, with its map and tests that pass.
 
-    With --from, NAME.sj is a copy of another game, such as `--from clean_up`, for your own game to extend.
+    With --from, NAME.sj is a copy of another game, such as `--from clean_up`, for your own game to
+    extend.
     """
-    if name is None and copied is None:
-        raise click.UsageError("Missing argument 'NAME'.")
-    origin = None if copied is None else game_path(copied)
-    try:
-        texts = (
-            starting_files(str(name))
-            if origin is None
-            else copied_files(origin, name or origin.stem)
-        )
-    except ValueError as error:
-        raise click.ClickException(str(error)) from None
-    game, *_, last = _write(Path(folder), texts)
-    if origin is None and name in bundled():
-        click.echo(
-            f"note: there is a bundled game {name} as well. In commands, `{name}` means that one, and `{name}.sj` means yours; "
-            "another name would keep them apart"
-        )
-    if origin is None:
-        steps = [
-            (f"  sjdsl play {game}", "control an agent"),
-            (f"  sjdsl check {game}", "after each change: what is wrong with it"),
-            (f"  sjdsl test {game}", "test its checks"),
+    if copied is not None:
+        origin = game_path(copied)
+        try:
+            texts = copied_files(origin, name or origin.stem)
+        except ValueError as error:
+            raise click.ClickException(str(error)) from None
+        game, *_ = _write(Path(folder), texts)
+        _echo_steps(
+            (f"sjdsl check {game}", "after each change: what is wrong with it"),
+            (f"sjdsl play {game}", "control an agent"),
             (
-                f"  pytest {last}",
-                "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl",
-            ),
-            (
-                f"  sjdsl train {game} --preset two_cores",
-                "agents that learn in it; takes minutes on two cores",
-            ),
-            (
-                f"  sjdsl schelling {game} --cooperators cooperator --defectors defector -o schelling",
-                "is it a dilemma for the file's own policies?",
-            ),
-        ]
-    else:
-        steps = [
-            (f"  sjdsl check {game}", "after each change: what is wrong with it"),
-            (f"  sjdsl play {game}", "control an agent"),
-            (
-                f'  game mine extends "{game.name}" {{ … }}',
+                f'game mine extends "{game.name}" {{ … }}',
                 "or, in a file beside it: only what you change",
             ),
-        ]
-    click.echo("\n".join(align([("next:", ""), *steps])))
+        )
+        return
+    if name is None:
+        raise click.UsageError("Missing argument 'NAME'.")
+    try:
+        texts = starting_files(name)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    game, *_, tests = _write(Path(folder), texts)
+    if name in bundled():
+        click.echo(
+            f"note: there is a bundled game {name} as well. In commands, `{name}` means that one, "
+            f"and `{name}.sj` means yours; another name would keep them apart"
+        )
+    _echo_steps(
+        (f"sjdsl play {game}", "control an agent"),
+        (f"sjdsl check {game}", "after each change: what is wrong with it"),
+        (f"sjdsl test {game}", "test its checks"),
+        (
+            f"pytest {tests}",
+            "its tests; needs pytest (pip install pytest), in the same Python environment as sjdsl",
+        ),
+        (
+            f"sjdsl train {game} --preset two_cores",
+            "agents that learn in it; takes minutes on two cores",
+        ),
+        (
+            f"sjdsl schelling {game} --cooperators cooperator --defectors defector -o schelling",
+            "is it a dilemma for the file's own policies?",
+        ),
+    )
+
+
+def _echo_steps(*steps: tuple[str, str]) -> None:
+    """Prints what to do next: calls, each with its purpose."""
+    rows = [(f"  {call}", purpose) for call, purpose in steps]
+    click.echo("\n".join(align([("next:", ""), *rows])))
 
 
 def _write(folder: Path, texts: Mapping[str, str]) -> list[Path]:
-    """Writes files into a folder and prints their paths. Raises ClickException if one of them exists."""
+    """Writes files into a folder and prints their paths. Raises ClickException if one of them
+    exists.
+    """
     paths = {folder / file: text for file, text in texts.items()}
     for path in paths:
         if path.exists():

@@ -1,4 +1,6 @@
-"""`sjdsl play`: one episode in the terminal, with a line to read and a line to type for each step."""
+"""`sjdsl play`: one episode in the terminal, with a line to read and a line to type for each
+step.
+"""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
@@ -10,11 +12,11 @@ import click
 import numpy as np
 
 from sjdsl.cli.environment_options import (
-    SEED,
     EnvironmentOptions,
     environment_options,
     make_environment,
 )
+from sjdsl.cli.episode_options import seed_option
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import (
     FROM_FILE,
@@ -49,9 +51,8 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 QUIT = "quit"
-Steering = Iterable[
-    Mapping[int, int]
-]  # for each step, the actions of the agents that don't choose by themselves; its end ends the episode
+# For each step, the actions of the agents that a person controls. Where it ends, the episode ends.
+Steering = Iterable[Mapping[int, int]]
 
 
 @click.command("play")
@@ -73,9 +74,7 @@ Steering = Iterable[
     help=f"The other agents' policy: {NAMES} {SIDE_BY_SIDE}: {FROM_FILE}.",
 )
 @code_option
-@click.option(
-    "--seed", type=SEED, metavar="N", default=0, show_default=True, help="Seed of the episode."
-)
+@seed_option("Seed of the episode.")
 @click.option(
     "--steps",
     type=click.IntRange(min=1),
@@ -96,91 +95,102 @@ def command(
 ) -> None:
     """Plays one episode of GAME: shows the board, and reads what your agent does next.
 
-    Type an action's number, its name or the first letters of its name; an empty line is `stay`. Several actions with spaces between them
-    are taken one after the other. `quit` or Ctrl-D ends the episode.
+    Type an action's number, its name or the first letters of its name; an empty line is `stay`.
+    Several actions with spaces between them are taken one after the other. `quit` or Ctrl-D ends
+    the episode.
     """
-    environment = options.describe(game)
+    arguments = options.describe(game)
     if record is not None:
         require_folder_of(Path(record))
-    made, values = options.build(game)
-    rules, board, letters = made.game, board_of(made.game), make_letters(made.game)
+    built, values = options.build(game)
+    rules = built.game
+    board = board_of(rules)
     if agent >= rules.agents.number:
         raise click.ClickException(
             f"{rules.name} has no agent {agent}; its agents are 0 to {rules.agents.number - 1}"
         )
     check_policy(others, rules)
 
-    whole = int(evaluate(rules.episode, Instance(board, declared_world(board, values))))
+    length = int(evaluate(rules.episode, Instance(board, declared_world(board, values))))
     typed = ({agent: action} for action in typed_actions(rules.agents.actions))
-    steering: Steering = islice(repeat({}) if watch else typed, min(whole, steps or whole))
+    steering: Steering = islice(repeat({}) if watch else typed, min(length, steps or length))
     if others in (*UNTRAINED, *(policy.name for policy in rules.policies)):
         moments = interpreted(rules, values, seed, chooser(rules, others, seed), steering)
     else:
         with stages(f"compiling {rules.name}"):
-            env = make_environment(environment)
+            env = make_environment(arguments)
             moments = compiled(env, choose_policy(others, env), seed, steering)
 
     title = title_of(rules)
-    click.echo(
-        f"{title}, seed {seed}, {whole} steps" + ("" if watch else f": you play agent {agent}")
-    )
+    player = "" if watch else f": you play agent {agent}"
+    click.echo(f"{title}, seed {seed}, {length} steps{player}")
+    letters = make_letters(rules)
     click.echo(letters.legend_line())
     if not watch:
         click.echo(f"the actions are {_listed(rules.agents.actions)}; `{QUIT}` ends the episode")
-    taken, returns = list[list[int]](), [0.0] * rules.agents.number
+    actions: list[list[int]] = []
+    returns = [0.0] * rules.agents.number
     try:
         for moment in moments:
-            taken += [list(moment.actions)] if moment.actions else []
+            if moment.actions:
+                actions.append(list(moment.actions))
             returns = moment.snapshot.returns.tolist()
-            click.echo(
-                "\n" + "\n".join(moment_lines(moment, letters, board, None if watch else agent))
-            )
-    except LeavesFloat32 as left:
-        raise click.ClickException(Rules(made.sources).overflow(left)) from None
+            lines = moment_lines(moment, letters, board, None if watch else agent)
+            click.echo("\n" + "\n".join(lines))
+    except LeavesFloat32 as overflow:
+        raise click.ClickException(Rules(built.sources).overflow(overflow)) from None
     finally:  # also after Ctrl-C
         if record is not None:
-            kept = Recording(
-                environment=environment,
+            recording = Recording(
+                environment=arguments,
                 hash=game_hash(rules),
                 seed=seed,
-                actions=taken,
+                actions=actions,
                 returns=returns,
             )
-            save_recording(kept, Path(record))
-            click.echo(f"\n{record}  {len(taken)} steps of {title}")
+            save_recording(recording, Path(record))
+            click.echo(f"\n{record}  {len(actions)} steps of {title}")
 
 
 def moment_lines(
-    moment: Moment, letters: Letters, board: Board, own: int | None = None
+    moment: Moment, letters: Letters, board: Board, player: int | None = None
 ) -> Iterator[str]:
-    """Yields the lines that show a moment: the board, and after a step what each agent did and got. `own`: the agent that a person plays."""
-    snapshot, names = moment.snapshot, board.game.agents.actions
+    """Yields the lines that show a moment: the board, and after a step what each agent did and got.
+
+    `player` is the agent that a person controls, if any.
+    """
+    snapshot = moment.snapshot
     world = said_together(world_readings(board.game), snapshot)
     yield f"step {snapshot.step}" + (f"  {world}" if world else "")
-    rows = board_rows(letters, board, snapshot)
-    if own is not None and snapshot.row[own] >= 0:
-        row, col = int(snapshot.row[own]), int(snapshot.col[own])
-        rows[row] = (
-            rows[row][:col] + click.style(rows[row][col], reverse=True) + rows[row][col + 1 :]
-        )  # only in a terminal
-    yield from (f"  {row}" for row in rows)
+    board_lines = board_rows(letters, board, snapshot)
+    if player is not None and snapshot.row[player] >= 0:
+        line = board_lines[snapshot.row[player]]
+        col = int(snapshot.col[player])
+        marked = click.style(line[col], reverse=True)  # click prints the style only in a terminal
+        board_lines[snapshot.row[player]] = line[:col] + marked + line[col + 1 :]
+    yield from (f"  {line}" for line in board_lines)
     if not moment.actions:
         return
+    names = board.game.agents.actions
     width = max(map(len, names))
     readings = agent_readings(board.game)
     yield f"  agent   {'action':{width}}  reward  return"
     for agent, action in enumerate(moment.actions):
-        who = f"{agent} you" if agent == own else str(agent)
-        state = (
-            "  away"
-            if snapshot.row[agent] < 0
-            else "  can only stay"
-            if snapshot.held[agent]
-            else ""
-        )
-        shown = said_together(readings, snapshot, agent)
-        did = f"  {who:6}  {names[action]:{width}}  {moment.reward[agent]:6.4g}  {snapshot.returns[agent]:6.4g}{state}"
-        yield f"{did}  {shown}" if shown else did
+        label = f"{agent} you" if agent == player else str(agent)
+        cells = [
+            f"{label:6}",
+            f"{names[action]:{width}}",
+            f"{moment.reward[agent]:6.4g}",
+            f"{snapshot.returns[agent]:6.4g}",
+        ]
+        if snapshot.row[agent] < 0:
+            cells.append("away")
+        elif snapshot.held[agent]:
+            cells.append("can only stay")
+        text = said_together(readings, snapshot, agent)
+        if text:
+            cells.append(text)
+        yield "  " + "  ".join(cells)
     if moment.events:
         yield "  " + ", ".join(f"{name} {np.sum(count)}" for name, count in moment.events.items())
     if moment.done:
@@ -188,15 +198,19 @@ def moment_lines(
 
 
 def typed_actions(names: Sequence[str]) -> Iterator[int]:
-    """Yields the numbers of the actions that a person types, until `quit` or the end of standard input; mistakes are answered."""
+    """Yields the numbers of the actions that a person types, until `quit` or the end of standard
+    input.
+
+    A line with a mistake is answered with a message, and the next line is read.
+    """
     while True:
         try:
-            words = [word for word in split_actions(input("> "), r"\s+") if word]
-            numbers = [_read_action(word, names) for word in words or ["stay"]]
+            texts = [text for text in split_actions(input("> "), r"\s+") if text]
+            numbers = [_read_action(text, names) for text in texts or ["stay"]]
         except EOFError:
             return
-        except ValueError as mistake:
-            click.echo(mistake)
+        except ValueError as error:
+            click.echo(error)
             continue
         for number in numbers:
             if number == len(names):
@@ -204,20 +218,23 @@ def typed_actions(names: Sequence[str]) -> Iterator[int]:
             yield number
 
 
-def _read_action(word: str, names: Sequence[str]) -> int:
-    """Returns the number of an action; for `quit` the one after the last. Raises ValueError for a word that means none, or several."""
-    if word.isdecimal() and int(word) < len(names):
-        return int(word)
+def _read_action(text: str, names: Sequence[str]) -> int:
+    """Returns the number of an action; for `quit` the one after the last.
+
+    Raises ValueError for a text that is the beginning of no name, or of several.
+    """
+    if text.isdecimal() and int(text) < len(names):
+        return int(text)
     known = [*names, QUIT]
-    meant = [name for name in known if name == word] or [
-        name for name in known if name.startswith(word)
-    ]
-    if len(meant) != 1:
-        wrong = f"can be {' or '.join(meant)}" if meant else "is no action"
+    if text in known:
+        return known.index(text)
+    candidates = [name for name in known if name.startswith(text)]
+    if len(candidates) != 1:
+        fault = f"can be {' or '.join(candidates)}" if candidates else "is no action"
         raise ValueError(
-            f"`{word}` {wrong}; the actions are {_listed(names)}; `{QUIT}` ends the episode"
+            f"`{text}` {fault}; the actions are {_listed(names)}; `{QUIT}` ends the episode"
         )
-    return known.index(meant[0])
+    return known.index(candidates[0])
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -227,11 +244,13 @@ def _listed(names: Sequence[str]) -> str:
 def interpreted(
     game: ir.Game, params: Mapping[str, Value], seed: int, choose: Chosen, steering: Steering
 ) -> Iterator[Moment]:
-    """Yields the moments of an episode, from the start on, without JAX: for the same seed and actions what `EpisodePlayer` plays.
+    """Yields the moments of an episode, with the start, without JAX.
+
+    For the same seed and actions, they are those that `EpisodePlayer` plays.
 
     Args:
       params: every parameter of the game, reals as float32.
-      choose: what the agents do by themselves.
+      choose: the actions of the agents that `steering` doesn't control.
 
     Raises:
       LeavesFloat32.
@@ -240,33 +259,36 @@ def interpreted(
     world = copied(reset(game, params, Threefry(*keys.start())))
     moment = moment_of(game, world, [0.0] * game.agents.number)
     yield moment
-    for number, given in enumerate(steering):
-        actions = [given.get(agent, action) for agent, action in enumerate(choose(number, world))]
+    for number, controlled in enumerate(steering):
+        chosen = enumerate(choose(number, world))
+        actions = [controlled.get(agent, action) for agent, action in chosen]
         world, outcome = step(game, world, actions, params, Threefry(*keys.of_step(number)))
-        moment = moment_of(
-            game, world, moment.snapshot.returns + np.array(outcome.reward, float), actions, outcome
-        )
+        returns = moment.snapshot.returns + np.array(outcome.reward, float)
+        moment = moment_of(game, world, returns, actions, outcome)
         yield moment
         if moment.done:
             return
 
 
 def compiled(env: "Environment", policy: Any, seed: int, steering: Steering) -> Iterator[Moment]:
-    """Yields the moments of an episode of the compiled game. `policy`: what the agents do by themselves."""
+    """Yields the moments of an episode of the compiled game, with the start.
+
+    `policy` chooses the actions of the agents that `steering` doesn't control.
+    """
     import jax
 
     from sjdsl.replay import EpisodePlayer
     from sjdsl.runtime.policy import take_actions, with_memory
 
-    player, remembering = EpisodePlayer(env, seed), with_memory(policy)
-    memory, act = remembering.start, jax.jit(partial(take_actions, env, remembering))
+    player = EpisodePlayer(env, seed)
+    recurrent = with_memory(policy)
+    act = jax.jit(partial(take_actions, env, recurrent))
+    memory = recurrent.start
     yield player.now()
-    for number, given in enumerate(steering):
-        memory, chosen = act(
-            memory, player.keys.of_choices(number), player.observation, player.state
-        )
-        yield player.step(
-            [given.get(agent, action) for agent, action in enumerate(chosen.tolist())]
-        )
+    for number, controlled in enumerate(steering):
+        key = player.keys.of_choices(number)
+        memory, actions = act(memory, key, player.observation, player.state)
+        chosen = enumerate(actions.tolist())
+        yield player.step([controlled.get(agent, action) for agent, action in chosen])
         if player.done:
             return

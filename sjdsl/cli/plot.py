@@ -26,17 +26,17 @@ from sjdsl.short_paths import short_names
     help="A column of metrics.jsonl.",
 )
 def command(runs: tuple[str, ...], output: str, metric: str) -> None:
-    """Plots a metric of RUNs over environment steps: the mean over the seeds of each run, and their range.
+    """Plots a metric of RUNs over environment steps: the mean over the seeds of each run, and their
+    range.
 
-    RUN is a folder that `sjdsl train` wrote, named in the picture by the part of its path that tells it apart, or NAME=FOLDER to choose
-    its name.
+    RUN is a folder that `sjdsl train` wrote, named in the picture by the part of its path that
+    tells it apart, or NAME=FOLDER to choose its name.
     """
-    pairs = [text.partition("=") for text in runs]
-    short = short_names(folder for folder, equals, _ in pairs if not equals)
-    named = [
-        (name, Path(folder)) if equals else (short[name], Path(name))
-        for name, equals, folder in pairs
-    ]
+    short = short_names(text for text in runs if "=" not in text)
+    folders: list[tuple[str, Path]] = []  # with their names in the picture
+    for text in runs:
+        name, equals, folder = text.partition("=")
+        folders.append((name, Path(folder)) if equals else (short[text], Path(text)))
     path = Path(output)
     if path.suffix not in (".png", ".svg", ".pdf"):
         raise click.UsageError(f"`{path}` must end in .png, .svg or .pdf")
@@ -45,5 +45,5 @@ def command(runs: tuple[str, ...], output: str, metric: str) -> None:
 
     from sjdsl.trainers.runs.curves import draw_curves
 
-    draw_curves(named, metric, path)
-    click.echo(f"{path}  {metric} of {', '.join(name for name, _ in named)}")
+    draw_curves(folders, metric, path)
+    click.echo(f"{path}  {metric} of {', '.join(name for name, _ in folders)}")

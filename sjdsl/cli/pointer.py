@@ -1,4 +1,4 @@
-"""Prints a last line that points to `sjdsl explain` for the codes in a command's messages."""
+"""Prints a last line that points to `sjdsl explain` for the code of a command's first message."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -8,13 +8,13 @@ import click
 _printed: list[tuple[str, bool]] = []  # the code of each message, and whether it went to stderr
 
 
-def remember(codes: Iterable[str], err: bool) -> None:
-    """Notes that messages with these codes were printed."""
+def add_codes(codes: Iterable[str], err: bool) -> None:
+    """Notes that messages with these codes were printed, to standard error if `err`."""
     _printed.extend((code, err) for code in codes)
 
 
 @contextmanager
-def pointed() -> Iterator[None]:
+def pointing_to_explanations() -> Iterator[None]:
     """Prints, after everything else, which command explains the first message."""
     _printed.clear()
     try:
@@ -22,7 +22,5 @@ def pointed() -> Iterator[None]:
     finally:
         if _printed:
             code, err = _printed[0]
-            click.echo(
-                f"`sjdsl explain {code}` says more about {'this' if len(_printed) == 1 else 'the first'} message.",
-                err=err,
-            )
+            which = "this" if len(_printed) == 1 else "the first"
+            click.echo(f"`sjdsl explain {code}` says more about {which} message.", err=err)

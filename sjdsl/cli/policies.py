@@ -1,4 +1,5 @@
-"""Finds policies by the names that commands accept: `random`, `stay`, a run, a stored policy, a Python function."""
+"""Finds policies by the names that commands accept: `random`, `stay`, a run, a stored policy, a
+Python function."""
 
 import warnings
 from collections.abc import Iterator
@@ -14,9 +15,15 @@ if TYPE_CHECKING:
     from sjdsl.compiler import ir
     from sjdsl.runtime.env import Environment
 
-NAMES = "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or FILE.py:FUNCTION."
+NAMES = (
+    "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or "
+    "FILE.py:FUNCTION."
+)
 SIDE_BY_SIDE = "file"
-FROM_FILE = "agent 0 follows the first policy of the game's file, agent 1 the second, and so on; random agents if it has none"
+FROM_FILE = (
+    "agent 0 follows the first policy of the game's file, agent 1 the second, and so on; random "
+    "agents if it has none"
+)
 policy_option = click.option(
     "--policy",
     default=SIDE_BY_SIDE,
@@ -55,11 +62,14 @@ def choose_policy(name: str, env: "Environment") -> Any:
     from sjdsl.runtime.policy import UNTRAINED, mixed_policy
 
     if name == SIDE_BY_SIDE:
-        parts = [choose_policy(policy.name, env) for policy in env.game.policies]
-        turns = [
-            (range(first, env.num_agents, len(parts)), part) for first, part in enumerate(parts)
+        policies = [choose_policy(policy.name, env) for policy in env.game.policies]
+        if not policies:
+            return UNTRAINED["random"](env)
+        assignments = [
+            (range(first, env.num_agents, len(policies)), policy)
+            for first, policy in enumerate(policies)
         ]
-        return mixed_policy(env.num_agents, turns) if parts else UNTRAINED["random"](env)
+        return mixed_policy(env.num_agents, assignments)
     if name in UNTRAINED:  # they need no trainers, whose packages take a second to load
         return UNTRAINED[name](env)
     check_policy(name, env.game)

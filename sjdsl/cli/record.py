@@ -1,4 +1,6 @@
-"""`sjdsl record`: stores episodes under a policy as a file of arrays, for offline learning or replay."""
+"""`sjdsl record`: stores episodes under a policy as a file of arrays, for offline learning or
+replay.
+"""
 
 import hashlib
 from importlib.metadata import version
@@ -8,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment_options import (
-    SEED,
     EnvironmentOptions,
     environment_options,
     make_environment,
 )
+from sjdsl.cli.episode_options import SEED_OF_FIRST, episodes_option, seed_option
 from sjdsl.cli.folders import require_folder_of, require_unused
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
@@ -33,22 +35,8 @@ REPORTED = 100  # episodes between two lines of progress
 )
 @policy_option
 @code_option
-@click.option(
-    "--episodes",
-    type=click.IntRange(min=1),
-    metavar="N",
-    default=10,
-    show_default=True,
-    help="Episodes to play.",
-)
-@click.option(
-    "--seed",
-    type=SEED,
-    metavar="N",
-    default=0,
-    show_default=True,
-    help="Seed of the first episode; then N + 1, N + 2, ….",
-)
+@episodes_option(10, "Episodes to play.")
+@seed_option(SEED_OF_FIRST)
 @click.option(
     "--observation",
     type=click.Choice(["tokens", "onehot", "none"]),
@@ -77,42 +65,45 @@ def command(
     check_policy(policy, options.check(game))
     require_unused(path, "recorded episodes")
     require_folder_of(path)
-    environment = options.describe(game)
+    arguments = options.describe(game)
     with stages(LOADING) as say:
-        env = make_environment(environment)
-        chosen = choose_policy(policy, env)
-
+        env = make_environment(arguments)
+        act = choose_policy(policy, env)
+        planes = {
+            "onehot": list(env.channel_names),
+            "tokens": [plane.name for plane in env.token_planes],
+            "none": [],
+        }
         header = Header(
             game=env.name,
-            environment=environment,
+            environment=arguments,
             hash=env.hash,
             policy=policy,
             policy_digest=_digest(policy),
             seed=seed,
             episodes=episodes,
             observation=observation,  # type: ignore[arg-type]
-            planes={
-                "onehot": list(env.channel_names),
-                "tokens": [plane.name for plane in env.token_planes],
-            }.get(observation, []),
+            planes=planes[observation],
             action_names=list(env.action_names),
             versions={name: version(name) for name in PACKAGES},
         )
-        summary = write_episodes(env, chosen, header, path, say)
+        summary = write_episodes(env, act, header, path, say)
     click.echo(summary)
 
 
 def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path, say: Say) -> str:
-    """Plays and writes the episodes of a header; returns a summary, which is also printed if it is interrupted."""
+    """Plays and writes the episodes of a header; returns a summary.
+
+    If this is interrupted, the episodes so far are stored, and their summary is printed.
+    """
     from sjdsl.replay import play_episodes
 
     writer = DatasetWriter(path, header)
     try:
         with writer:
             say(f"playing {header.episodes} episodes of {env.title or env.name}")
-            for number, episode in enumerate(
-                play_episodes(env, policy, header.seed, header.episodes, header.observation), 1
-            ):
+            episodes = play_episodes(env, policy, header.seed, header.episodes, header.observation)
+            for number, episode in enumerate(episodes, 1):
                 writer.add(episode)
                 if number % REPORTED == 0 and number < header.episodes:
                     say(f"{number} of {header.episodes} episodes written")
@@ -129,21 +120,21 @@ def _summary(env: "Environment", path: Path, writer: "DatasetWriter") -> str:
     import numpy as np
 
     collective = np.array(writer.returns).sum(axis=1)
-    size = path.stat().st_size
-    shown = f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} kB"
+    num_bytes = path.stat().st_size
+    size = f"{num_bytes / 1e6:.1f} MB" if num_bytes >= 1e6 else f"{num_bytes / 1e3:.0f} kB"
+    episodes = f"{len(collective)} episodes of {env.title or env.name}"
     return (
-        f"{path}  {len(collective)} episodes of {env.title or env.name}, {writer.steps} steps, {shown}\n"
-        f"collective return: mean {collective.mean():g}, lowest {collective.min():g}, highest {collective.max():g}"
+        f"{path}  {episodes}, {writer.steps} steps, {size}\n"
+        f"collective return: mean {collective.mean():g}, lowest {collective.min():g}, "
+        f"highest {collective.max():g}"
     )
 
 
 def _digest(policy: str) -> str | None:
     """Returns the SHA-256 of the file that a policy is stored in; None if it isn't stored."""
-    if policy in (*UNTRAINED, SIDE_BY_SIDE):
+    path, which = split_name(policy)
+    if policy in (*UNTRAINED, SIDE_BY_SIDE) or not path.exists():
         return None
     from sjdsl.trainers.policies.policy_file import policy_path
 
-    path, which = split_name(policy)
-    return (
-        hashlib.sha256(policy_path(path, which).read_bytes()).hexdigest() if path.exists() else None
-    )
+    return hashlib.sha256(policy_path(path, which).read_bytes()).hexdigest()

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import click
 
-from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options
+from sjdsl.cli.environment_options import EnvironmentOptions, environment_options
+from sjdsl.cli.episode_options import SEED_OF_FIRST, seed_option
 from sjdsl.cli.film import announced, check_film, save_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
@@ -31,14 +32,7 @@ from sjdsl.extras import require
 )
 @policy_option
 @code_option
-@click.option(
-    "--seed",
-    type=SEED,
-    metavar="N",
-    default=0,
-    show_default=True,
-    help="Seed of the first episode; then N + 1, N + 2, ….",
-)
+@seed_option(SEED_OF_FIRST)
 @click.option(
     "--speed",
     type=click.FloatRange(min=0.5, max=50),
@@ -57,7 +51,8 @@ def command(
     speed: float,
     options: EnvironmentOptions,
 ) -> None:
-    """Plays GAME, a bundled one or a `.sj` file, and draws what happens: by default cooperators beside defectors."""
+    """Plays GAME, a bundled one or a `.sj` file, and draws what happens: by default cooperators
+    beside defectors."""
     path = Path(output or f"{Path(game).stem}.gif")
     if path.suffix == ".png":
         require("pictures", "PIL", "resvg_py")
@@ -69,17 +64,14 @@ def command(
         env = options.make(game)
         from sjdsl.render import make_painter, play_moments, save_png
 
-        chosen = choose_policy(policy, env)
+        act = choose_policy(policy, env)
         if path.suffix == ".png":
-            *before, last = deque(
-                announced(play_moments(env, chosen, steps, seed), env, say), maxlen=2
-            )
+            moments = announced(play_moments(env, act, steps, seed), env, say)
+            *before, last = deque(moments, maxlen=2)
             painter = make_painter(env, [last.snapshot])
-            save_png(
-                painter.draw(last.snapshot, last.actions, *(moment.snapshot for moment in before)),
-                path,
-            )
-            done = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
+            snapshots = [moment.snapshot for moment in before]
+            save_png(painter.draw(last.snapshot, last.actions, *snapshots), path)
+            summary = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
         else:
-            done = save_film(env, chosen, path, steps, seed, speed, say)
-    click.echo(done)
+            summary = save_film(env, act, path, steps, seed, say, speed)
+    click.echo(summary)

@@ -5,13 +5,13 @@ from pathlib import Path
 import click
 
 import sjdsl
-from sjdsl.cli.environment_options import named_in
+from sjdsl.cli.environment_options import hiding_game_text
 from sjdsl.cli.film import SPEED, announced, check_film, write_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.game_file import map_option
 from sjdsl.cli.play import moment_lines
 from sjdsl.cli.policies import warnings_as_notes
-from sjdsl.cli.provenance import located
+from sjdsl.cli.provenance import locate
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.interpreter.board import board_of
 from sjdsl.render.letters import make_letters
@@ -52,7 +52,8 @@ def command(
     map_file: str | None,
     speed: float,
 ) -> None:
-    """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if the rules are still the same."""
+    """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if the rules are still
+    the same."""
     if output is not None:
         check_film(Path(output))
         require_folder_of(Path(output))
@@ -62,27 +63,20 @@ def command(
         from sjdsl.replay import replayed
 
         with stages(LOADING) as say:
-            arguments = located(
-                recording.environment,
-                recording.hash,
-                Path(file),
-                f"sjdsl replay {file} --game GAME",
-                game,
-                map_file,
+            command = f"sjdsl replay {file} --game GAME"
+            arguments = locate(
+                recording.environment, recording.hash, Path(file), command, game, map_file
             )
-            with named_in(file):
+            with hiding_game_text(file):
                 env = sjdsl.make(**arguments)
             moments = announced(replayed(recording, env), env, say)
             if output is not None:
-                shown = write_film(env, moments, Path(output), speed, say)
+                text = write_film(env, moments, Path(output), speed, say)
             else:
-                letters, board = make_letters(env.game), board_of(env.game)
-                shown = "\n\n".join(
-                    [
-                        letters.legend_line(),
-                        *("\n".join(moment_lines(moment, letters, board)) for moment in moments),
-                    ]
-                )
+                letters = make_letters(env.game)
+                board = board_of(env.game)
+                boards = ["\n".join(moment_lines(moment, letters, board)) for moment in moments]
+                text = "\n\n".join([letters.legend_line(), *boards])
     except RecordingError as error:
         raise click.ClickException(str(error)) from None
-    click.echo(shown)
+    click.echo(text)

@@ -1,4 +1,5 @@
-"""`sjdsl report`: makes tables, pictures and a page from the results of runs, sweeps, diagrams and cross-play."""
+"""`sjdsl report`: makes tables, pictures and a page from the results of runs, sweeps, diagrams and
+cross-play."""
 
 import shlex
 from pathlib import Path
@@ -21,10 +22,12 @@ from sjdsl.extras import require
     help="The new folder to write to.",
 )
 def command(sources: tuple[str, ...], output: str) -> None:
-    """Makes a report of DIRs: a page, a CSV for each table, pictures as PNG and SVG, and the results as CSV.
+    """Makes a report of DIRs: a page, a CSV for each table, pictures as PNG and SVG, and the
+    results as CSV.
 
-    DIR is the folder of a run, a sweep, a Schelling diagram or a cross-play, a folder of such folders, or the `data` of an earlier report.
-    Of results found twice, the folder named later wins.
+    DIR is the folder of a run, a sweep, a Schelling diagram or a cross-play, a folder of such
+    folders, or the `data` of an earlier report. Of results found twice, the folder named later
+    wins.
     """
     require("results", "pandas", "rliable")
     require("plots", "matplotlib")
@@ -38,5 +41,6 @@ def command(sources: tuple[str, ...], output: str) -> None:
     for note in report.notes:
         click.echo(f"note: {note}", err=True)
     click.echo(
-        f"{folder / 'report.md'}  {report.runs} runs, {report.seeds} seeds, {report.tables} tables, {report.pictures} pictures"
+        f"{folder / 'report.md'}  {report.runs} runs, {report.seeds} seeds, "
+        f"{report.tables} tables, {report.pictures} pictures"
     )

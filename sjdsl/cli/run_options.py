@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sjdsl.cli.environment_options import SEED, read_texts
+from sjdsl.cli.environment_options import read_texts
+from sjdsl.cli.episode_options import SEED
 from sjdsl.cli.policies import check_policy, code_option
 
 if TYPE_CHECKING:
@@ -31,17 +32,20 @@ class RunOptions:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """The settings that were given, as they were written; the configuration interprets them."""
+        """The settings on the command line, as written there; the configuration interprets them."""
         return {**self.changes, **self.named}
 
 
 def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
-    """Adds the options of a run; the command gets them together as `run`. `seeds`: the default number."""
+    """Adds the options of a run; the command gets them together as `run`. `seeds`: the default
+    number.
+    """
     options = (
         click.option(
             "--preset",
             metavar="P",
-            help="Settings to start from: two_cores (minutes on a CPU), paper, released, overnight or FILE.toml.",
+            help="Settings to start from: two_cores (minutes on a CPU), paper, released, overnight "
+            "or FILE.toml.",
         ),
         click.option(
             "--algorithm", metavar="A", help=f"Learn by {', '.join(ALGORITHMS)} or FILE.py:NAME."
@@ -87,14 +91,19 @@ def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
     def add(command: Command) -> Command:
         @functools.wraps(command)
         def with_run(
-            *, preset: str | None, changes: tuple[str, ...], loggers: Any, **others: Any
+            *,
+            preset: str | None,
+            changes: tuple[str, ...],
+            loggers: Any,
+            partners: tuple[str, ...],
+            **others: Any,
         ) -> Any:
-            given = {
+            settings = {
                 name: others.pop(name)
-                for name in ("algorithm", "reward", "seed", "seeds", "init_from", "partners")
+                for name in ("algorithm", "reward", "seed", "seeds", "init_from")
             }
-            given["partners"] = ",".join(given["partners"]) or None
-            named = {name: value for name, value in given.items() if value is not None}
+            settings["partners"] = ",".join(partners) or None
+            named = {name: value for name, value in settings.items() if value is not None}
             return command(run=RunOptions(preset, read_texts(changes), named, loggers), **others)
 
         return functools.reduce(
@@ -105,6 +114,8 @@ def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
 
 
 def check_policies(config: "Config", game: "ir.Game") -> None:
-    """Raises ClickException if a configuration names a policy that can't be one."""
-    for named in filter(None, (config.init_from, *(policy for _, policy in config.partners))):
-        check_policy(named, game)
+    """Raises ClickException for a text in a configuration that can't name a policy of the game."""
+    if config.init_from:
+        check_policy(config.init_from, game)
+    for _, policy in config.partners:
+        check_policy(policy, game)

@@ -1,4 +1,5 @@
-"""`sjdsl evaluate RUN --scenario NAME`: what a policy earns as focal agents among the scripted policies of a game's scenarios."""
+"""`sjdsl evaluate RUN --scenario NAME`: what a policy earns as focal agents among the scripted
+policies of a game's scenarios."""
 
 import re
 from pathlib import Path
@@ -6,7 +7,7 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions
-from sjdsl.cli.experiment_options import echo_files, experiment, playing_in
+from sjdsl.cli.experiment_options import echo_files, experiment, writing_to
 from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.provenance import provenance_of
 from sjdsl.trainers.settings.policy_names import split_name
@@ -23,30 +24,30 @@ def evaluate_in_scenarios(
     output: str | None,
     options: EnvironmentOptions,
 ) -> None:
-    """Plays a policy in scenarios, prints its scores, and writes `scenarios.json`, or `scenarios_best.json` of the best policy."""
+    """Plays a policy in scenarios, prints its scores, and writes `scenarios.json`.
+
+    The file of the best policy of a run is `scenarios_best.json`.
+    """
     path, which = split_name(policy)
-    words = re.sub(r"\W+", "_", Path(policy).name).strip("_")
-    folder = (
-        Path(output)
-        if output
-        else path
-        if path.is_dir()
-        else Path(f"{Path(game or '').stem}_{words}_scenarios")
-    )
-    name = "scenarios" if which == "last" else f"scenarios_{which}"
-    playing = (
-        playing_in(provenance_of(path, OR_A_GAME), folder)
-        if game is None
-        else experiment(game, (policy,), folder, options)
-    )
+    if output:
+        folder = Path(output)
+    elif path.is_dir():
+        folder = path
+    else:
+        policy_words = re.sub(r"\W+", "_", Path(policy).name).strip("_")
+        folder = Path(f"{Path(game or '').stem}_{policy_words}_scenarios")
+    if game is None:
+        playing = writing_to(folder, provenance_of(path, OR_A_GAME))
+    else:
+        playing = experiment(game, (policy,), folder, options)
+    stem = "scenarios" if which == "last" else f"scenarios_{which}"
+    names = [name.strip() for name in scenario.split(",")]
     with playing as (env, say):
         from sjdsl.experiments.scenarios import plan_scenarios, play_planned
         from sjdsl.experiments.summaries import scenarios_text
 
         with warnings_as_notes():
-            planned = plan_scenarios(
-                env, policy, [part.strip() for part in scenario.split(",")], episodes, seed
-            )
-        found = play_planned(planned, folder, say, name)
-    click.echo(scenarios_text(found))
-    echo_files(folder, (f"{name}.json",))
+            plan = plan_scenarios(env, policy, names, episodes, seed)
+        results = play_planned(plan, folder, say, stem)
+    click.echo(scenarios_text(results))
+    echo_files(folder, (f"{stem}.json",))

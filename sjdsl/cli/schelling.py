@@ -1,4 +1,5 @@
-"""`sjdsl schelling`: what cooperators and defectors earn together, and whether the game is a dilemma for them."""
+"""`sjdsl schelling`: what cooperators and defectors earn together, and whether the game is a
+dilemma for them."""
 
 from pathlib import Path
 
@@ -26,9 +27,11 @@ def command(
     output: str | None,
     options: EnvironmentOptions,
 ) -> None:
-    """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a dilemma for them, at 95 %.
+    """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a
+    dilemma for them, at 95 %.
 
-    A RUN of several seeds is a pool: seed i of one plays with seed i of the other, and the intervals are over seeds.
+    A RUN of several seeds is a pool: seed i of one plays with seed i of the other, and the
+    intervals are over seeds.
     """
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_schelling")
@@ -37,7 +40,7 @@ def command(
         from sjdsl.experiments.summaries import diagram_text
 
         with warnings_as_notes():
-            planned = plan_diagram(env, cooperators, defectors, episodes, seed)
-        found = play_diagram(planned, folder, say)
-    click.echo(diagram_text(found))
+            plan = plan_diagram(env, cooperators, defectors, episodes, seed)
+        diagram = play_diagram(plan, folder, say)
+    click.echo(diagram_text(diagram))
     echo_files(folder, FILES)

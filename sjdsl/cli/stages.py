@@ -1,4 +1,6 @@
-"""Shows the current stage of a slow command: with elapsed seconds on a terminal, as plain lines elsewhere."""
+"""Shows the current stage of a slow command: with elapsed seconds on a terminal, as plain lines
+elsewhere.
+"""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -14,9 +16,10 @@ LOADING = "loading JAX and the game"
 
 @contextmanager
 def stages(first: str) -> Iterator[Say]:
-    """Shows the current stage on standard error until the block ends; yields a function that announces the next one.
+    """Shows the current stage on standard error until the block ends.
 
-    On a terminal, one line shows the stage and its time so far, and vanishes at the end. Elsewhere each stage is a line.
+    Yields a function that announces the next stage. On a terminal, one line shows the stage and its
+    time so far, and vanishes at the end. Elsewhere each stage is a line.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -31,19 +34,21 @@ def stages(first: str) -> Iterator[Say]:
     )
     with Progress(*columns, console=console, transient=True) as display:
         task = display.add_task(first, total=None)
-        yield lambda what: display.reset(task, description=what, total=None)
+        yield lambda stage: display.reset(task, description=stage, total=None)
 
 
 class StatusLine:
     """A line at the foot of a terminal that shows a command's progress; nothing elsewhere."""
 
     def __init__(self, display: Progress | None, task: TaskID, about: str):
-        self._display, self._task, self._about = display, task, about
+        self._display = display
+        self._task = task
+        self._about = about
 
-    def show(self, what: str) -> None:
+    def show(self, progress: str) -> None:
         """Shows the command's progress."""
         if self._display is not None:
-            self._display.update(self._task, description=f"{self._about}: {what}")
+            self._display.update(self._task, description=f"{self._about}: {progress}")
 
     @contextmanager
     def hidden(self) -> Iterator[None]:
@@ -58,9 +63,9 @@ class StatusLine:
 
 @contextmanager
 def status_line(about: str) -> Iterator[StatusLine]:
-    """Shows what a command is doing on standard error until the block ends; yields the line that shows its progress.
+    """Shows what a command is doing on standard error until the block ends.
 
-    If standard error isn't a terminal, there is no progress.
+    Yields the line that shows the progress. If standard error isn't a terminal, nothing does.
     """
     console = Console(stderr=True)
     if not console.is_terminal:

@@ -29,8 +29,9 @@ PORT = 8421
 def command(game: str | None, port: int | None, browser: bool) -> None:
     """Opens the games of this folder in the browser: text, board, rules on a page, generated code.
 
-    GAME is the `.sj` file to open first, or a bundled game as an example. The page is served to this machine only, needs no
-    internet, and writes a file only when you save it. It needs the extra `sjdsl[studio]`.
+    GAME is the `.sj` file to open first, or a bundled game as an example. The page is served to
+    this machine only, needs no internet, and writes a file only when you save it. It needs the
+    extra `sjdsl[studio]`.
     """
     require("studio", "starlette", "uvicorn", "websockets", "pygls")
     folder = Path.cwd().resolve()
@@ -63,23 +64,25 @@ def _inside(game: str, folder: Path) -> str:
         raise click.ClickException(f"there is no file `{game}`; `sjdsl new NAME` makes a game")
     if not path.is_relative_to(folder):
         raise click.ClickException(
-            f"`{game}` is outside this folder: start the studio in the game's own folder, {path.parent}"
+            f"`{game}` is outside this folder: start the studio in the game's own folder, "
+            f"{path.parent}"
         )
     inside = path.relative_to(folder).as_posix()
     if any("\ud800" <= character <= "\udfff" for character in inside):
         raise click.ClickException(
-            f"the name `{ascii(inside)[1:-1]}` is not UTF-8, so no page can show it: rename the file"
+            f"the name `{ascii(inside)[1:-1]}` is not UTF-8, so no page can show it: "
+            "rename the file"
         )
     return inside
 
 
 def _listen(port: int | None) -> socket.socket:
-    """Returns a socket at a port; without one, at the usual port or any that is free."""
-    for wanted in (port,) if port is not None else (PORT, 0):
+    """Returns a socket at a port; for None at the usual port, or any that is free."""
+    for candidate in (PORT, 0) if port is None else (port,):
         listening = socket.socket()
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            listening.bind((HOST, wanted))
+            listening.bind((HOST, candidate))
             listening.listen()  # requests wait until the server has started
             return listening
         except OSError as error:

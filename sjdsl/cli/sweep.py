@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions, environment_options
+from sjdsl.cli.episode_options import episodes_option
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler import ir
@@ -18,7 +19,6 @@ from sjdsl.sweeps.plan import plan_sweep
 from sjdsl.trainers.runs.run_errors import DiskError
 
 if TYPE_CHECKING:
-    from sjdsl.sweeps.cells import Describe
     from sjdsl.sweeps.running import Outcome
 
 
@@ -33,14 +33,7 @@ if TYPE_CHECKING:
 )
 @click.option("--run", "run_dir", required=True, metavar="DIR", help="Folder of the sweep.")
 @run_options(seeds=3)
-@click.option(
-    "--episodes",
-    type=click.IntRange(min=1),
-    metavar="N",
-    default=30,
-    show_default=True,
-    help="Episodes of each evaluation.",
-)
+@episodes_option(30, "Episodes of each evaluation.")
 @click.option(
     "--workers",
     type=click.IntRange(min=1),
@@ -63,30 +56,30 @@ def command(
     dry_run: bool,
     options: EnvironmentOptions,
 ) -> int:
-    """Trains every cell of a sweep in GAMEs. Each combination of the values of all axes is a cell, with K seeds.
+    """Trains every cell of a sweep in GAMEs. Each combination of the values of all axes is a cell,
+    with K seeds.
 
-    The folder gets sweep.json, a run in cells/NAME for each cell, and results.csv. The same command resumes a stopped sweep; a
-    new value or axis adds cells. Several processes can work on one folder: docs/sweeps.md.
+    The folder gets sweep.json, a run in cells/NAME for each cell, and results.csv. The same command
+    resumes a stopped sweep; a new value or axis adds cells. Several processes can work on one
+    folder: docs/sweeps.md.
     """
-    listed = [read_axis(text) for text in axes]
-    of_game = options.variant, options.params
     spec = SweepSpec(
         games,
-        listed,
+        [read_axis(text) for text in axes],
         run.settings,
         run.preset,
-        *of_game,
+        options.variant,
+        options.params,
         episodes,
         run.loggers,
         options.map,
         options.num_agents,
     )
-    read: dict[str, ir.Game] = {}
-    describe = _describer(read)
-    cells = plan_sweep(spec, describe)  # what doesn't fit is refused before JAX loads
+    describe = GameReader()
+    cells = plan_sweep(spec, describe)  # settings that don't fit are refused before JAX loads
     for cell in cells:
         for stage in cell.stages:
-            check_policies(stage.configuration(), read[stage.hash])
+            check_policies(stage.configuration(), describe.games[stage.hash])
     folder = Path(run_dir)
     with stages(LOADING):
         from sjdsl.sweeps.gpus import gpus_for_workers
@@ -94,7 +87,7 @@ def command(
         from sjdsl.sweeps.work import Watch
 
     if dry_run:
-        gpus_for_workers(workers)  # as in the sweep itself, a run is checked for one device
+        gpus_for_workers(workers)  # each run is checked for one device, as in the sweep itself
         check_sweep(spec, cells, folder.resolve())
         _list(cells, folder, episodes)
         return 0
@@ -107,60 +100,60 @@ def command(
     return _report(outcome, folder)
 
 
-def _describer(read: dict[str, ir.Game]) -> "Describe":
-    """Returns a function that describes a game: the arguments of its environment, its name and its hash. It needs no JAX.
+class GameReader:
+    """Describes the games of a sweep, as `plan_sweep` asks for; reads each once, without JAX.
 
-    Each game is read once, and added to `read` by its hash.
+    `games` has those read so far, by their hashes.
     """
-    known: dict[str, tuple[str, str]] = {}
 
-    def describe(
+    def __init__(self) -> None:
+        self.games: dict[str, ir.Game] = {}
+        self._hashes: dict[str, str] = {}  # by the arguments of the environment
+
+    def __call__(
+        self,
         game: str,
         variant: str | None,
         params: Mapping[str, Any],
         map: str | None = None,
         num_agents: int | None = None,
     ) -> tuple[dict[str, Any], str, str]:
-        asked = EnvironmentOptions(variant, map, num_agents, params)
-        provenance = asked.describe(game)
-        key = repr(sorted(provenance.items(), key=str))
-        if key not in known:
-            made, _ = asked.read(game)
-            known[key] = made.game.name, game_hash(made.game)
-            read[known[key][1]] = made.game
-        return provenance, *known[key]
-
-    return describe
+        """Returns the arguments of a game's environment, its name and its hash."""
+        options = EnvironmentOptions(variant, map, num_agents, params)
+        arguments = options.describe(game)
+        key = repr(sorted(arguments.items(), key=str))
+        if key not in self._hashes:
+            built, _ = options.read(game)
+            self._hashes[key] = game_hash(built.game)
+            self.games[self._hashes[key]] = built.game
+        game_id = self._hashes[key]
+        return arguments, self.games[game_id].name, game_id
 
 
 def _list(cells: Sequence[Cell], folder: Path, episodes: int) -> None:
     """Prints the cells of a plan and the progress of those in the folder."""
     from sjdsl.sweeps.folder import progress_of, steps_of
 
-    states = [progress_of(folder, cell, episodes) for cell in cells]
     width = max(len(cell.name) for cell in cells)
-    for cell, found in zip(cells, states, strict=True):
-        seeds = (
-            f"seeds {cell.seeds[0]} to {cell.seeds[-1]}"
-            if len(cell.seeds) > 1
-            else f"seed {cell.seeds[0]}"
-        )
-        click.echo(
-            f"{cell.name:{width}}  {seeds}  {steps_of(cell):>13,} steps each  {found.summary}"
-        )
-    steps = sum(
-        steps_of(cell) * len(cell.seeds)
-        for cell, found in zip(cells, states, strict=True)
-        if found.state != "done"
+    states: Counter[str] = Counter()
+    steps_left = 0
+    for cell in cells:
+        first, last = cell.seeds[0], cell.seeds[-1]
+        seeds = f"seed {first}" if first == last else f"seeds {first} to {last}"
+        progress = progress_of(folder, cell, episodes)
+        steps = steps_of(cell)
+        click.echo(f"{cell.name:{width}}  {seeds}  {steps:>13,} steps each  {progress.summary}")
+        states[progress.state] += 1
+        if progress.state != "done":
+            steps_left += steps * len(cell.seeds)
+    by_state = ", ".join(f"{number} {state}" for state, number in states.items())
+    click.echo(
+        f"\n{_counted(len(cells))}: {by_state}; at most {steps_left:,} environment steps left"
     )
-    by_state = ", ".join(
-        f"{number} {state}" for state, number in Counter(found.state for found in states).items()
-    )
-    click.echo(f"\n{_counted(len(cells))}: {by_state}; at most {steps:,} environment steps left")
 
 
 def _counted(cells: int) -> str:
-    return f"{cells} cell{'s' * (cells != 1)}"
+    return "1 cell" if cells == 1 else f"{cells} cells"
 
 
 def _report(outcome: "Outcome", folder: Path) -> int:
@@ -175,7 +168,8 @@ def _report(outcome: "Outcome", folder: Path) -> int:
         click.echo("the same command with --retry tries these again", err=True)
     for name in outcome.stopped:
         click.echo(
-            f"stopped: {name}: its process ended early, perhaps for lack of memory; the same command resumes it",
+            f"stopped: {name}: its process ended early, perhaps for lack of memory; "
+            "the same command resumes it",
             err=True,
         )
     return 1 if outcome.failed or outcome.stopped else 0

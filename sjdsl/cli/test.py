@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from sjdsl.cli.diagnostics import print_diagnostics
+from sjdsl.cli.episode_options import seed_option
 from sjdsl.cli.game_file import open_game, variant_option
 from sjdsl.cli.stages import StatusLine, status_line
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
@@ -31,22 +32,17 @@ INDENT = " " * 14
     default=200,
     show_default=True,
     metavar="N",
-    help="How much random play, in units of 655,360 cell updates (steps x cells of the map); without JAX, of 10 steps.",
+    help="How much random play, in units of 655,360 cell updates (steps x cells of the map); "
+    "without JAX, of 10 steps.",
 )
-@click.option(
-    "--seed",
-    type=click.IntRange(min=0, max=2**32 - 1),
-    metavar="N",
-    default=0,
-    show_default=True,
-    help="Seed of the random play.",
-)
+@seed_option("Seed of the random play.")
 @variant_option
 @click.option("--strict", is_flag=True, help="An untested check also makes the exit status 1.")
 @click.option(
     "--full",
     is_flag=True,
-    help="Tell every change of a counterexample's last step, not only a few of those that are alike.",
+    help="Print every change of a counterexample's last step, not only a few of those that are "
+    "alike.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as JSON.")
 def command(
@@ -60,98 +56,113 @@ def command(
 ) -> int:
     """Tests the checks of games: FILE is a `.sj` file or the name of a bundled game.
 
-    A check is proved if possible. Otherwise the game is played with random actions and parameters on its own map, in thousands of worlds at
-    once. A check that fails is shown with a counterexample. A check that depends on a line that never ran is untested, and the line is named. The
-    exit status is 1 if a check fails or cannot be tested; with --strict also if one is untested.
+    A check is proved if possible. Otherwise the game is played with random actions and parameters
+    on its own map, in thousands of worlds at once. A check that fails is shown with a
+    counterexample. A check that depends on a line that never ran is untested, and the line is
+    named. The exit status is 1 if a check fails or cannot be tested; with --strict also if one is
+    untested.
     """
-    effort, documents, failed = Effort(examples, seed, full=full), list[dict[str, Any]](), False
+    effort = Effort(examples, seed, full=full)
+    documents: list[dict[str, Any]] = []
+    failed = False
     for file in files:
-        tested = FileTest(file, variant, effort, (lambda _: None) if as_json else click.echo)
+        file_test = FileTest(file, variant, effort, (lambda _: None) if as_json else click.echo)
         try:
             with status_line(f"testing the checks of {file}") as status:
-                tested.run(status)
+                file_test.run(status)
         except CompileError as error:
             print_diagnostics(error.diagnostics, err=as_json)
             failed = True
             continue
         except KeyboardInterrupt:
             if as_json:
-                click.echo(json.dumps([*documents, tested.document()], indent=2))
+                click.echo(json.dumps([*documents, file_test.document()], indent=2))
             raise
-        documents.append(tested.document())
-        failed |= bool(tested.report.faults) or not all(
-            verdict.passed for verdict in tested.report.verdicts
-        )
-        failed |= strict and any(verdict.untested for verdict in tested.report.verdicts)
+        documents.append(file_test.document())
+        report = file_test.report
+        if report.faults or not all(verdict.passed for verdict in report.verdicts):
+            failed = True
+        if strict and any(verdict.untested for verdict in report.verdicts):
+            failed = True
     if as_json:
         click.echo(json.dumps(documents, indent=2))
     return int(failed)
 
 
 class FileTest:
-    """The test of the checks of one file. `say` is given the lines; `report` is there when all checks have a verdict."""
+    """The test of the checks of one file.
+
+    `say` prints lines. `report` is empty until all checks have a verdict.
+    """
 
     def __init__(self, file: str, variant: str | None, effort: Effort, say: Callable[[str], None]):
-        self.file, self.variant, self.effort, self.say = file, variant, effort, say
+        self.file = file
+        self.variant = variant
+        self.effort = effort
+        self.say = say
         self.report = Report(())
         self.verification: Verification | None = None
         self.decided: Mapping[int, Verdict] = {}
 
     def run(self, status: StatusLine) -> None:
-        """Says each verdict as soon as it is known, in the order of the checks; when interrupted, which are known and which are not.
+        """Prints each verdict as soon as it is known, in the order of the checks.
 
-        Raises CompileError for what is wrong with the game, and KeyboardInterrupt when interrupted.
+        When interrupted, prints which are known and which are not. Raises CompileError for mistakes
+        in the game, and KeyboardInterrupt when interrupted.
         """
         name = f"{self.file}, variant {self.variant}" if self.variant else self.file
         family = GameFamily(open_game(self.file), split_variants(self.variant))
         self.verification = Verification(family, self.effort, progress=status.show)
-        said: dict[int, Verdict] = {}
+        printed: dict[int, Verdict] = {}
         try:
             for number in self.verification.numbers:
                 verdict = self.verification.verdict(number)
                 with status.hidden():
-                    self.say("\n".join([*([] if said else [name]), *verdict_lines(verdict)]))
-                said[number] = verdict
+                    self.say("\n".join([*([] if printed else [name]), *verdict_lines(verdict)]))
+                printed[number] = verdict
             self.report = self.verification.report()
-            self.decided = said
+            self.decided = printed
         except KeyboardInterrupt:
-            self.decided = dict(sorted((self.verification.decided() | said).items()))
+            self.decided = dict(sorted((self.verification.decided() | printed).items()))
             with status.hidden():
-                self.say("\n".join([*([] if said else [name]), *self._interrupted(name, said)]))
+                lines = self._interrupted_lines(name, printed)
+                self.say("\n".join([*([] if printed else [name]), *lines]))
             raise
         with status.hidden():
             self.say("\n".join([*ending_lines(self.report), f"{name}: {summary(self.report)}"]))
 
-    def _interrupted(self, name: str, said: Mapping[int, Verdict]) -> Iterator[str]:
-        """Yields the verdicts that are known but have not been said, what is not decided, and how many."""
+    def _interrupted_lines(self, name: str, printed: Mapping[int, Verdict]) -> Iterator[str]:
+        """Yields the verdicts that are known but not printed, the undecided checks, and a
+        summary.
+        """
         for number, verdict in self.decided.items():
-            if number not in said:
+            if number not in printed:
                 yield from verdict_lines(verdict)
         undecided = self._undecided()
         for check in undecided:
             yield f"  not yet   {PurePath(check['file']).name}:{check['line']}  {check['check']}"
-        missed = sum(not verdict.passed for verdict in self.decided.values())
-        parts = [f"{len(self.decided)} of {len(self.decided) + len(undecided)} checks decided"] + [
-            f"{missed} not passed"
-        ] * bool(missed)
-        yield f"{name}: interrupted: {', '.join(parts)}"
+        total = len(self.decided) + len(undecided)
+        failed = sum(not verdict.passed for verdict in self.decided.values())
+        failures = f", {failed} not passed" if failed else ""
+        yield f"{name}: interrupted: {len(self.decided)} of {total} checks decided{failures}"
 
     def _undecided(self) -> list[dict[str, Any]]:
-        """Returns the checks without a verdict."""
+        """Returns the checks without a verdict, as values that JSON can hold."""
         if self.verification is None:
             return []
-        family, found = self.verification.family, []
+        family = self.verification.family
+        documents = []
         for number in self.verification.numbers:
             check = family.own.checks[number]
             if number not in self.decided and check.origin is not None:
-                found.append(
+                documents.append(
                     {
                         "check": family.text_of(check),
                         "file": check.origin.file,
                         "line": check.origin.line,
                     }
                 )
-        return found
+        return documents
 
     def document(self) -> dict[str, Any]:
         """Returns the verdicts as values that JSON can hold."""
@@ -167,45 +178,50 @@ class FileTest:
 
 
 def verdict_lines(verdict: Verdict) -> Iterator[str]:
-    """Yields a line for a check, and its counterexample if it failed, else the lines that never ran."""
-    yield f"  {STATUS[verdict.status]:8}  {PurePath(verdict.file).name}:{verdict.line}  {verdict.text}  [{how(verdict)}]"
+    """Yields a line for a check, and its counterexample if it failed, or the lines that never
+    ran.
+    """
+    place = f"{PurePath(verdict.file).name}:{verdict.line}"
+    yield f"  {STATUS[verdict.status]:8}  {place}  {verdict.text}  [{how(verdict)}]"
     yield from (INDENT + line for line in verdict.trace)
     if verdict.untested:
-        yield f"{INDENT}depends on {'lines that' if len(verdict.untested) > 1 else 'a line that'} never ran:"
+        lines = "lines" if len(verdict.untested) > 1 else "a line"
+        yield f"{INDENT}depends on {lines} that never ran:"
         yield from (f"{INDENT}  {line}" for line in verdict.untested)
 
 
 def ending_lines(report: Report) -> Iterator[str]:
-    """Yields what is wrong whatever the checks say, and which lines no check was tested on."""
+    """Yields the faults that don't depend on a check, and the lines that no check was tested on."""
     for verdict in report.faults:
         yield from verdict_lines(verdict)
     if report.idle:
-        lines = f"line{'s' * (len(report.idle) > 1)} {', '.join(map(str, report.idle))}"
-        yield f"  nothing that {lines} would change ever happened in random play: no check was tested on it"
+        plural = "s" if len(report.idle) > 1 else ""
+        yield (
+            f"  nothing that line{plural} {', '.join(map(str, report.idle))} would change ever "
+            "happened in random play: no check was tested on it"
+        )
 
 
 def summary(report: Report) -> str:
     """Returns how many checks there are, and how many of them did not pass or are untested."""
     verdicts = report.verdicts
-    count = f"{len(verdicts)} check{'s' * (len(verdicts) != 1)}"
-    missed, untested = (
-        sum(not v.passed for v in verdicts),
-        sum(v.status == "untested" for v in verdicts),
-    )
-    parts = [f"{missed} not passed"] * bool(missed) + [f"{untested} untested"] * bool(untested)
-    parts += ["a real number leaves float32"] * bool(report.faults)
+    count = "1 check" if len(verdicts) == 1 else f"{len(verdicts)} checks"
     if not verdicts and not report.faults:
         return f"{count} (write them in `checks {{ … }}`)"
-    return f"{count}, {', '.join(parts)}" if parts else f"{count} passed"
+    problems = []
+    if failed := sum(not verdict.passed for verdict in verdicts):
+        problems.append(f"{failed} not passed")
+    if untested := sum(verdict.status == "untested" for verdict in verdicts):
+        problems.append(f"{untested} untested")
+    if report.faults:
+        problems.append("a real number leaves float32")
+    return f"{count}, {', '.join(problems)}" if problems else f"{count} passed"
 
 
 def how(verdict: Verdict) -> str:
-    """Returns how a verdict was found."""
-    return (
-        f"{verdict.how}: {verdict.reason}"
-        if verdict.how in ("proved", "decided")
-        else verdict.reason
-    )
+    """Returns how a verdict was reached."""
+    is_certain = verdict.how in ("proved", "decided")
+    return f"{verdict.how}: {verdict.reason}" if is_certain else verdict.reason
 
 
 def as_document(verdict: Verdict) -> dict[str, Any]:

@@ -1,11 +1,13 @@
-"""`sjdsl trace`: prints what happens in a game step by step: every change, its rule and why it happened."""
+"""`sjdsl trace`: prints what happens in a game step by step: every change, its rule and why it
+happened.
+"""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from sjdsl.cli.environment_options import SEED, EnvironmentOptions, environment_options
+from sjdsl.cli.environment_options import EnvironmentOptions, environment_options
+from sjdsl.cli.episode_options import SEED_OF_FIRST, seed_option
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.near_names import meant
@@ -28,14 +30,7 @@ STEPS = 10
     metavar="N",
     help=f"Steps to play; by default {STEPS}, or as many as --actions has.",
 )
-@click.option(
-    "--seed",
-    type=SEED,
-    metavar="N",
-    default=0,
-    show_default=True,
-    help="Seed of the first episode; then N + 1, N + 2, ….",
-)
+@seed_option(SEED_OF_FIRST)
 @click.option(
     "--phase", "phases", multiple=True, metavar="P", help="Only this phase, `tick` or `start`."
 )
@@ -55,50 +50,42 @@ def command(
     policy: str | None,
     options: EnvironmentOptions,
 ) -> None:
-    """Plays GAME on the reference interpreter and prints what each rule did, in the order of the schedule.
+    """Plays GAME on the reference interpreter and prints what each rule did, in the order of the
+    schedule.
 
-    Below each rule (file and line) are the cells and agents it changed, rewards and events, and why: the conditions and draws behind a
-    change, and the values that they read. In --actions, each part up to `;` is a step, with an action for each agent or one for all.
+    Below each rule (file and line) are the cells and agents it changed, rewards and events, and
+    why: the conditions and draws behind a change, and the values that they read. In --actions, each
+    part up to `;` is a step, with an action for each agent or one for all.
     """
     if actions is not None and policy is not None:
         raise click.UsageError(
             "--actions and --policy both choose what the agents do: give only one of them"
         )
+    built, values = options.build(game)
+    rules = Rules(built.sources)
     try:
-        made, values = options.build(game)
-        moments = played(made.game, values, seed, steps, actions or RANDOM, policy)
+        if policy is not None:
+            choices = policy_actions(policy, built.game)
+        else:
+            choices, written_steps = read_actions(actions or RANDOM, built.game, steps)
+            steps = written_steps if steps is None else steps
     except ValueError as error:
         raise click.ClickException(str(error)) from None
-    teller = make_teller(board_of(made.game), Rules(made.sources), known_phases(phases, made.game))
+    check_phases(phases, built.game)
+    teller = make_teller(board_of(built.game), rules, phases)
+    moments = play(built.game, values, seed, STEPS if steps is None else steps, choices)
     try:
-        click.echo(f"{made.game.title or made.game.name}, seed {seed}")
+        click.echo(f"{built.game.title or built.game.name}, seed {seed}")
         click.echo(f"  {teller.looks.legend_line()}\n")
         for moment in moments:
             for line in moment_lines(moment, teller):
                 click.echo(line)
-    except LeavesFloat32 as left:
-        raise click.ClickException(Rules(made.sources).overflow(left)) from None
+    except LeavesFloat32 as overflow:
+        raise click.ClickException(rules.overflow(overflow)) from None
 
 
-def played(
-    game: "ir.Game",
-    values: dict[str, Any],
-    seed: int,
-    steps: int | None,
-    actions: str,
-    policy: str | None = None,
-) -> Iterator[Any]:
-    """Returns the start and the steps of a trace. Raises ValueError for actions or a policy that don't fit the game."""
-    if policy is not None:
-        return play(
-            game, values, seed, STEPS if steps is None else steps, policy_actions(policy, game)
-        )
-    choices, written = read_actions(actions, game, steps)
-    return play(game, values, seed, steps if steps is not None else written or STEPS, choices)
-
-
-def known_phases(phases: tuple[str, ...], game: "ir.Game") -> tuple[str, ...]:
-    """Returns the wanted phases. Raises ClickException for one that the schedule doesn't have."""
+def check_phases(phases: tuple[str, ...], game: "ir.Game") -> None:
+    """Raises ClickException for a phase that the schedule doesn't have."""
     labels = ["start", *(getattr(turn, "label", "tick") for turn in game.schedule)]
     names = list(dict.fromkeys([*labels, *(label.partition("(")[0] for label in labels)]))
     for phase in phases:
@@ -106,4 +93,3 @@ def known_phases(phases: tuple[str, ...], game: "ir.Game") -> tuple[str, ...]:
             raise click.ClickException(
                 f"the schedule has no phase `{phase}`{meant(phase, names, 'its phases are')}"
             )
-    return phases

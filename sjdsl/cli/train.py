@@ -11,12 +11,12 @@ import click
 from sjdsl.cli.environment_options import (
     EnvironmentOptions,
     environment_options,
+    hiding_game_text,
     make_environment,
-    named_in,
     written_options,
 )
 from sjdsl.cli.evaluate import evaluate_run, list_files
-from sjdsl.cli.provenance import located
+from sjdsl.cli.provenance import locate
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
@@ -59,7 +59,8 @@ BESIDE_RESUME = (
     "--resume",
     "resumed",
     metavar="DIR",
-    help="Continue a stopped run; --set total_timesteps=… extends it, GAME says where its game is now.",
+    help="Continue a stopped run; --set total_timesteps=… extends it, GAME says where its game is "
+    "now.",
 )
 @click.option(
     "--episodes",
@@ -88,97 +89,102 @@ def command(
 ) -> None:
     """Trains agents in GAME, a bundled game or a `.sj` file, and evaluates them.
 
-    The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the evaluation: docs/training.md.
+    The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the
+    evaluation: docs/training.md.
     """
     if distributed:
         join_processes()
     if resumed is not None:
-        only_longer = [*run.changes] == ["total_timesteps"]
-        wrong = written_options(*BESIDE_RESUME, *(["changes"] if only_longer else []))
-        if wrong:
+        total_timesteps = run.changes.get("total_timesteps")
+        allowed = BESIDE_RESUME
+        if total_timesteps is not None and len(run.changes) == 1:
+            allowed += ("changes",)
+        if refused := written_options(*allowed):
             raise click.UsageError(
-                f"a resumed run keeps its settings, except total_timesteps: leave out {', '.join(wrong)}"
+                "a resumed run keeps its settings, except total_timesteps: "
+                f"leave out {', '.join(refused)}"
             )
-        _resume(
-            Path(resumed),
-            game,
-            options.map,
-            episodes,
-            run.loggers or None,
-            callback,
-            run.changes.get("total_timesteps"),
-        )
+        loggers = run.loggers or None
+        _resume(Path(resumed), game, options.map, episodes, loggers, callback, total_timesteps)
         return
     preset = _choose(game, run, needed=not keys)
+    config = preset.config
     if keys:
-        _list_keys(preset.config)
+        _list_keys(config)
         return
-    game, config, parts = preset.game or "", preset.config, [*preset.earlier, preset]
+    game = preset.game or ""
     preset.refuse_of_stages(options.names)
-    chosen = [options.or_else(part.environment) for part in parts]
-    for number, (part, one) in enumerate(zip(parts, chosen, strict=True), 1):
+    stage_presets = [*preset.earlier, preset]
+    stage_options = [options.or_else(stage.environment) for stage in stage_presets]
+    for number, stage in enumerate(stage_presets):
         try:
-            check_policies(part.config, one.check(game))
+            check_policies(stage.config, stage_options[number].check(game))
         except (CompileError, click.ClickException):
             if preset.earlier:
-                click.echo(f"{preset.place}[{number}]:", err=True)
+                click.echo(f"{preset.place}[{number + 1}]:", err=True)
             raise
-    if (
-        run_dir and not distributed and not is_unused(Path(run_dir))
-    ):  # of several processes, another may have begun to write there
+    # The other processes of a distributed run may have begun to write to its folder.
+    if run_dir and not distributed and not is_unused(Path(run_dir)):
         raise click.ClickException(
-            f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, or resume the run in it: "
-            f"sjdsl train --resume {shlex.quote(run_dir)}"
+            f"{run_dir} is not empty; name a new folder, so that no earlier run is lost, "
+            f"or resume the run in it: sjdsl train --resume {shlex.quote(run_dir)}"
         )
-    episodes = EPISODES if episodes is None else episodes
-    for number, part in enumerate(parts, 1):
-        click.echo(f"stage {number}: " * (len(parts) > 1) + extent_of(part.config), err=True)
+    if episodes is None:
+        episodes = EPISODES
+    for number, stage in enumerate(stage_presets, 1):
+        prefix = f"stage {number}: " if preset.earlier else ""
+        click.echo(prefix + extent_of(stage.config), err=True)
     with stages(LOADING):
         from sjdsl.trainers import Stage, check_stages, train
         from sjdsl.trainers.runs.loggers import check_loggers
 
         check_loggers(run.loggers)
-        provenances = [one.describe(game) for one in chosen]
-        environments = [make_environment(described) for described in provenances]
-        configs = [part.config for part in parts]
+        provenances = [options_of_stage.describe(game) for options_of_stage in stage_options]
+        environments = [make_environment(provenance) for provenance in provenances]
+        configs = [stage.config for stage in stage_presets]
         *earlier, last = map(Stage, environments, configs, provenances)
         check_stages([*earlier, last], preset.place)
-        found, asked = find_callback(callback)
+        function, callback_name = find_callback(callback)
     env = environments[-1]
-    kind = (
+    run_name = (
         f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}"
     )
-    path = Path(run_dir) if run_dir else new_folder(kind)
-    asked_for = {"episodes": episodes, **asked}
+    path = Path(run_dir) if run_dir else new_folder(run_name)
+    asked = {"episodes": episodes, **callback_name}
     result = train(
-        env, config, path, "auto", last.provenance, run.loggers, asked_for, found, earlier
+        env, config, path, "auto", last.provenance, run.loggers, asked, function, earlier
     )
     _finish(result, env, config, episodes)
 
 
 def _list_keys(config: "Config") -> None:
-    """Prints the settings of a configuration with their values; of those that nothing reads, also when they would be read."""
+    """Prints the settings of a configuration with their values.
+
+    Of a setting that nothing reads, also says when it would be read.
+    """
     for name, value in config.model_dump(mode="json", exclude={"own"}).items():
         mark = config.unread.get(name)
-        click.echo(
-            f"{name} = {json.dumps(value)}"
-            + (f"  # read where {mark.setting} is {mark.values}" if mark else "")
-        )
-    given = dict(config.own)
+        condition = f"  # read where {mark.setting} is {mark.values}" if mark else ""
+        click.echo(f"{name} = {json.dumps(value)}{condition}")
+    settings = dict(config.own)
     for name, default, hook in taken_settings(config.hooks):
-        click.echo(
-            f"{OWN}{name} = {json.dumps(given.get(name, default), default=str)}  # of {hook}"
-        )
+        value = json.dumps(settings.get(name, default), default=str)
+        click.echo(f"{OWN}{name} = {value}  # of {hook}")
 
 
 def extent_of(config: "Config") -> str:
     """Returns how much the run trains: whole updates, which may be more than `total_timesteps`."""
-    steps, updates = config.num_updates * config.steps_per_update, config.num_updates
-    plan = f"{updates:,} update{'s' * (updates != 1)} of {config.num_envs} environments x {config.num_steps} steps"
-    what = f"{steps:,} environment steps{' of each seed' if config.seeds > 1 else ''}"
-    if steps == config.total_timesteps:
-        return f"training {what}: {plan}"
-    return f"training {what} (total_timesteps={config.total_timesteps:,} is rounded up to whole updates): {plan}"
+    steps = config.num_updates * config.steps_per_update
+    extent = f"{steps:,} environment steps"
+    if config.seeds > 1:
+        extent += " of each seed"
+    if steps != config.total_timesteps:
+        extent += f" (total_timesteps={config.total_timesteps:,} is rounded up to whole updates)"
+    plural = "" if config.num_updates == 1 else "s"
+    return (
+        f"training {extent}: {config.num_updates:,} update{plural} of "
+        f"{config.num_envs} environments x {config.num_steps} steps"
+    )
 
 
 def _resume(
@@ -188,49 +194,52 @@ def _resume(
     episodes: int | None,
     loggers: "tuple[LoggerName, ...] | None",
     callback: str | None,
-    longer: str | None,
+    total_timesteps: str | None,
 ) -> None:
     """Continues a run. `game`, `map_file`: where its game and map are now."""
     manifest = read_manifest(path)
+    asked = manifest.get("asked", {})
     from sjdsl.trainers import resume
     from sjdsl.trainers.runs.loggers import check_loggers
 
     check_loggers(manifest.get("loggers", ()) if loggers is None else loggers)
     if episodes is None:
-        episodes = manifest.get("asked", {}).get("episodes", EPISODES)
+        episodes = asked.get("episodes", EPISODES)
     if "game" not in manifest.get("provenance", {}):
         raise click.ClickException(
-            f"the manifest of {path} doesn't say which game was trained; resume the run from Python: sjdsl.trainers.resume(env, {str(path)!r})"
+            f"the manifest of {path} doesn't say which game was trained; "
+            f"resume the run from Python: sjdsl.trainers.resume(env, {str(path)!r})"
         )
-    if longer is None and manifest.get("status") == "finished":
+    if total_timesteps is None and manifest.get("status") == "finished":
         click.echo(
-            f"the run in {path} is finished, so it is only evaluated again; "
-            f"sjdsl train --resume {shlex.quote(str(path))} --set total_timesteps=… makes it longer",
+            f"the run in {path} is finished, so it is only evaluated again; sjdsl train "
+            f"--resume {shlex.quote(str(path))} --set total_timesteps=… makes it longer",
             err=True,
         )
-    kept = manifest.get("asked", {}).get("callback")
-    if callback is None and kept is not None:
-        require_allowed("callback", kept, str(path / "manifest.json"))
+    if callback is None and asked.get("callback") is not None:
+        callback = asked["callback"]
+        require_allowed("callback", callback, str(path / "manifest.json"))
     command = f"sjdsl train GAME --resume {shlex.quote(str(path))}"
-    provenance = located(
-        manifest["provenance"], manifest["game"].get("hash", ""), path, command, game, map_file
-    )
-    earlier = [
-        located(known["provenance"], known["game"].get("hash", ""), folder, command, game)
-        for folder in stage_folders(path)[:-1]
-        for known in [read_manifest(folder)]
-    ]
-    with stages(LOADING), named_in(path / "manifest.json"):
+    game_hash = manifest["game"].get("hash", "")
+    provenance = locate(manifest["provenance"], game_hash, path, command, game, map_file)
+    earlier = []  # arguments of `make_environment` for each earlier stage
+    for folder in stage_folders(path)[:-1]:
+        stage = read_manifest(folder)
+        stage_hash = stage["game"].get("hash", "")
+        earlier.append(locate(stage["provenance"], stage_hash, folder, command, game))
+    with stages(LOADING), hiding_game_text(path / "manifest.json"):
         env = make_environment(provenance)
-        environments = [make_environment(made) for made in earlier]
-    found, asked = find_callback(callback or kept)
-    total = None if longer is None else make_config(total_timesteps=longer).total_timesteps
+        environments = [make_environment(arguments) for arguments in earlier]
+    function, callback_name = find_callback(callback)
+    total = None
+    if total_timesteps is not None:
+        total = make_config(total_timesteps=total_timesteps).total_timesteps
     result = resume(
         env,
         path,
         loggers=loggers,
-        asked={"episodes": episodes, **asked},
-        callback=found,
+        asked={"episodes": episodes, **callback_name},
+        callback=function,
         total_timesteps=total,
         provenance=provenance,
         earlier=environments,
@@ -239,12 +248,10 @@ def _resume(
 
 
 def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
-    """Returns the callback of a name, and the name for the manifest."""
-    return (
-        (None, {})
-        if name is None
-        else (find("callback", name), {"callback": lasting("callback", name)})
-    )
+    """Returns the callback of a name, and the entry of the manifest that names it."""
+    if name is None:
+        return None, {}
+    return find("callback", name), {"callback": lasting("callback", name)}
 
 
 def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
@@ -260,35 +267,38 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
     if result.stage:
         path = shlex.quote(str(result.run_dir.parents[1]))
         click.echo(
-            f"\nthe callback ended the run in stage {result.stage}; sjdsl train --resume {path} continues it"
+            f"\nthe callback ended the run in stage {result.stage}; sjdsl train --resume {path} "
+            "continues it"
         )
         return
     for folder, seed in zip(result.folders, config.seed_numbers, strict=True):
         if episodes:
             evaluate_run(folder, env, episodes, seed)
-    went_on = next(
+    completed = [
         folder
         for folder, seed in zip(result.folders, config.seed_numbers, strict=True)
         if seed not in result.diverged
-    )
-    (last,) = deque(read_rows(went_on / METRICS_JSONL), maxlen=1)
-    steps = result.updates * config.steps_per_update * config.seeds
-    steps_before = last["env_steps"] - result.updates * config.steps_per_update
-    speed = rate(last, config.seeds, steps_before)
-    whose = "the last stage: " if "stage" in last else ""
+    ]
+    (last,) = deque(read_rows(completed[0] / METRICS_JSONL), maxlen=1)
+    steps_of_seed = result.updates * config.steps_per_update
+    speed = rate(last, config.seeds, last["env_steps"] - steps_of_seed)
+    stage = "the last stage: " if "stage" in last else ""
     click.echo(
-        f"\n{whose}{steps:,} environment steps in {last['seconds']:,.1f} s: {speed:,.0f} steps a second; "
-        f"compiling took {result.compile_seconds:.1f} s; at most {result.peak_megabytes:,.0f} MB of memory"
+        f"\n{stage}{steps_of_seed * config.seeds:,} environment steps in {last['seconds']:,.1f} s: "
+        f"{speed:,.0f} steps a second; compiling took {result.compile_seconds:.1f} s; "
+        f"at most {result.peak_megabytes:,.0f} MB of memory"
     )
     if not is_installed("matplotlib"):
         click.echo(f"no learning curve was drawn: {MissingExtra('matplotlib', 'plots')}")
     elif not any((folder / LEARNING_CURVE).exists() for folder in result.folders):
         click.echo(
-            f"no learning curve was drawn, as no episode ended within the {config.num_steps * result.updates:,} steps of each environment"
+            "no learning curve was drawn, as no episode ended within the "
+            f"{config.num_steps * result.updates:,} steps of each environment"
         )
     for update, seeds in seeds_of_each(result.diverged.items()).items():
         click.echo(
-            f"{seeds_in_words(seeds)} diverged (non-finite loss) in update {update}; the policy of update {update - 1} is kept"
+            f"{seeds_in_words(seeds)} diverged (non-finite loss) in update {update}; "
+            f"the policy of update {update - 1} is kept"
         )
     list_files(result.run_dir)
 
@@ -299,50 +309,48 @@ def join_processes() -> None:
 
     import jax
 
-    given = {
-        "coordinator_address": "JAX_COORDINATOR_ADDRESS",
-        "num_processes": "JAX_NUM_PROCESSES",
-        "process_id": "JAX_PROCESS_ID",
-    }
-    found = {
-        name: os.environ[variable] for name, variable in given.items() if variable in os.environ
-    }
-    numbers: dict[str, Any] = {
-        name: value if name == "coordinator_address" else int(value)
-        for name, value in found.items()
-    }
+    arguments: dict[str, Any] = {}
     try:
-        jax.distributed.initialize(**numbers)
+        if "JAX_COORDINATOR_ADDRESS" in os.environ:
+            arguments["coordinator_address"] = os.environ["JAX_COORDINATOR_ADDRESS"]
+        if "JAX_NUM_PROCESSES" in os.environ:
+            arguments["num_processes"] = int(os.environ["JAX_NUM_PROCESSES"])
+        if "JAX_PROCESS_ID" in os.environ:
+            arguments["process_id"] = int(os.environ["JAX_PROCESS_ID"])
+        jax.distributed.initialize(**arguments)
     except (ValueError, RuntimeError) as error:
-        wanted = ", ".join(given.values())
         raise click.ClickException(
-            f"can't join the other processes: {error}; outside a cluster, set {wanted}"
+            f"can't join the other processes: {error}; outside a cluster, set "
+            "JAX_COORDINATOR_ADDRESS, JAX_NUM_PROCESSES, JAX_PROCESS_ID"
         ) from None
 
 
 def _choose(game: str | None, run: RunOptions, needed: bool) -> Preset:
-    """Returns the preset with the changes of the command line; without a preset, the game and the configuration as one."""
+    """Returns the preset with the changes of the command line; without a preset, the game and the
+    configuration as one.
+    """
     if run.preset is None:
         if game is None and needed:
             raise click.UsageError(
-                "name the game to train in, as in `sjdsl train clean_up`, or a preset that names one"
+                "name the game to train in, as in `sjdsl train clean_up`, or a preset that names "
+                "one"
             )
         return Preset(game, {}, make_config(run.settings))
-    loaded = load_preset(run.preset, run.settings, game)
-    if loaded.game is None and needed:
+    preset = load_preset(run.preset, run.settings, game)
+    if preset.game is None and needed:
         raise click.UsageError(
-            f"the preset `{run.preset}` doesn't name a game: name one, as in `sjdsl train clean_up --preset {run.preset}`"
+            f"the preset `{run.preset}` doesn't name a game: name one, as in "
+            f"`sjdsl train clean_up --preset {run.preset}`"
         )
-    for name in loaded.left_out:
-        mark = loaded.config.unread.get(name)
-        setting = mark.setting if mark else "algorithm"
-        where = (
-            ": no hook takes it"
-            if name.startswith(OWN)
-            else f" while `{setting}` is {getattr(loaded.config, setting)}"
-        )
-        click.echo(f"the preset's `{name}` has no effect{where}", err=True)
-    return loaded
+    for name in preset.left_out:
+        if name.startswith(OWN):
+            reason = ": no hook takes it"
+        else:
+            mark = preset.config.unread.get(name)
+            setting = mark.setting if mark else "algorithm"
+            reason = f" while `{setting}` is {getattr(preset.config, setting)}"
+        click.echo(f"the preset's `{name}` has no effect{reason}", err=True)
+    return preset
 
 
 def new_folder(name: str) -> Path:

@@ -1,4 +1,5 @@
-"""Experiments with policies: cross-play, Schelling diagrams of cooperators and defectors, and scenarios with focal agents."""
+"""Experiments with policies: cross-play, Schelling diagrams of cooperators and defectors, and
+scenarios with focal agents."""
 
 from typing import TYPE_CHECKING
 

@@ -1,7 +1,9 @@
-"""The contrasts of a Schelling diagram, and whether they make a dilemma: pure statistics of returns.
+"""The contrasts of a Schelling diagram, and whether they make a dilemma: pure statistics of
+returns.
 
-With N agents, C(l) is the mean return of a cooperator when l of the other N - 1 agents cooperate, D(l) that of a defector. Source of the
-contrasts: Hughes et al. 2018, after Schelling 1973; the end points stand for "sufficiently small" and "sufficiently large".
+With N agents, C(l) is the mean return of a cooperator when l of the other N - 1 agents cooperate,
+D(l) that of a defector. Source of the contrasts: Hughes et al. 2018, after Schelling 1973; the end
+points stand for "sufficiently small" and "sufficiently large".
 """
 
 from collections.abc import Mapping
@@ -19,14 +21,16 @@ IN_WORDS = {
     "greed": "D(N-1) - C(N-1): defecting against cooperating where the others cooperate",
 }
 CONFIDENCE = 0.95
-JOINT_CONFIDENCE = 1 - (1 - CONFIDENCE) / len(
-    CONTRASTS
-)  # of each contrast, so that all four hold at 95 % together (Bonferroni)
+# Of each contrast, so that all four hold at 95 % together (Bonferroni).
+JOINT_CONFIDENCE = 1 - (1 - CONFIDENCE) / len(CONTRASTS)
 
 
 @dataclass(frozen=True)
 class Returns:
-    """Mean returns in K = N + 1 line-ups, R replicates and E episodes; the agents of a kind are averaged within an episode."""
+    """Mean returns in K = N + 1 line-ups, R replicates and E episodes.
+
+    The returns of all cooperators of an episode are averaged, and so are those of all defectors.
+    """
 
     cooperators: np.ndarray  # [K, R, E] float64 by the number k of cooperators; NaN where k = 0
     defectors: np.ndarray  # [K, R, E] float64; NaN where k = N
@@ -49,25 +53,30 @@ class Returns:
 
 
 def samples_of(returns: Returns, values: np.ndarray) -> np.ndarray:
-    """Returns the samples `[..., units]` of values `[..., R, E]`: the means of the replicates, or the episodes of a single replicate.
+    """Returns the samples `[..., units]` of values `[..., R, E]`.
 
-    Episodes of one replicate share its policies, so they say nothing about other training seeds.
+    They are the means of the replicates, or the episodes of a single replicate. Episodes of one
+    replicate share its policies, so they say nothing about other training seeds.
     """
-    return (
-        values[..., 0, :]
-        if returns.unit == "episode"
-        else np.stack([_mean(values[..., r, :]) for r in range(values.shape[-2])], -1)
-    )
+    if returns.unit == "episode":
+        return values[..., 0, :]
+    means = [_mean(values[..., replicate, :]) for replicate in range(values.shape[-2])]
+    return np.stack(means, -1)
 
 
 def _mean(values: np.ndarray) -> np.ndarray:
-    """Returns the mean over the last axis; of equal values exactly that value."""
-    return np.where((values == values[..., :1]).all(axis=-1), values[..., 0], values.mean(axis=-1))
+    """Returns the mean over the last axis; if all values are equal, exactly that value."""
+    are_equal = (values == values[..., :1]).all(axis=-1)
+    return np.where(are_equal, values[..., 0], values.mean(axis=-1))
 
 
 def contrast_samples(returns: Returns) -> dict[str, np.ndarray]:
-    """Returns the samples `[units]` of each contrast: differences within an episode, then averaged over the replicate."""
-    cooperating, defecting = returns.cooperating, returns.defecting
+    """Returns the samples `[units]` of each contrast.
+
+    They are differences within an episode, averaged over the replicate.
+    """
+    cooperating = returns.cooperating
+    defecting = returns.defecting
     differences = {
         "A": cooperating[-1] - defecting[0],
         "B": cooperating[-1] - cooperating[0],
@@ -88,12 +97,13 @@ def estimate_lines(returns: Returns, lines: np.ndarray) -> tuple[Estimate, ...]:
 
 
 def preferences(returns: Returns) -> tuple[tuple[Estimate, str], ...]:
-    """Returns D(l) - C(l) for each l with its own 95 % interval, and the preference: `defect`, `cooperate`, `equal` or `undecided`."""
-    found = estimate_lines(returns, returns.defecting - returns.cooperating)
-    return tuple((figure, _preferred(figure)) for figure in found)
+    """Returns D(l) - C(l) for each l with its own 95 % interval, and what an agent prefers."""
+    differences = estimate_lines(returns, returns.defecting - returns.cooperating)
+    return tuple((difference, _preferred(difference)) for difference in differences)
 
 
 def _preferred(difference: Estimate) -> str:
+    """Returns `defect`, `cooperate`, `equal` or `undecided`."""
     if difference.low > 0:
         return "defect"
     if difference.high < 0:

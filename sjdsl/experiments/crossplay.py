@@ -1,4 +1,6 @@
-"""Cross-play: plays line-ups or mixtures of policies, and writes what each policy earned in each of them."""
+"""Cross-play: plays line-ups or mixtures of policies, and writes what each policy earned in each of
+them.
+"""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -6,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.experiments.folder import CROSS_PLAY, record_experiment, require_same, write_compact_json
-from sjdsl.experiments.lineups import Lineup, all_mixtures, paired_mixtures
+from sjdsl.experiments.lineups import all_mixtures, paired_mixtures
 from sjdsl.experiments.mixtures import CrossPlay, Mix, report_of, table_of
 from sjdsl.experiments.pictures import draw_matrix, picture_bytes
 from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
@@ -28,46 +30,48 @@ def cross_play(
     folder: Path | str | None = None,
     tell: Tell = lambda _: None,
 ) -> CrossPlay:
-    """Plays policies with each other; a run of several seeds is a pool, whose seed i plays with seed i of the others.
+    """Plays policies with each other.
+
+    A run of several seeds is a pool, whose seed i plays with seed i of the other pools.
 
     Args:
       env: one environment of N agents.
       slots: N policies, one for each slot: a fixed line-up.
-      policies: instead of `slots`: one policy, or P policies, whose mixtures are played; each episode draws who has which slot.
-      mix: `all`: every mixture over N slots; `pairs`: one agent of a policy among N - 1 of another, and each with itself.
+      policies: instead of `slots`: one policy, or P policies, whose mixtures are played; each
+        episode draws who has which slot.
+      mix: `all`: every mixture over N slots; `pairs`: one agent of a policy among N - 1 of another,
+        and each with itself.
       episodes: E, of each mixture and replicate.
-      seed: the seed of the episodes. All mixtures have the same starts; a line-up plays those of `evaluate` with `evaluation_key(seed)`.
-      folder: where results are written: a new or empty folder, or one of the same experiment. None: nothing is written.
+      seed: the seed of the episodes. All mixtures have the same starts; those of a line-up are
+        those of `evaluate` with `evaluation_key(seed)`.
+      folder: where results are written: a new or empty folder, or one of the same experiment. None:
+        nothing is written.
       tell: called with a line before each line-up.
     Raises:
       ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
     """
     in_slots = None if slots is None else several(slots)
     mixed = None if policies is None else several(policies)
-    return play_mixtures(
-        plan_cross_play(env, in_slots, mixed, mix, episodes, seed),
-        mix if slots is None else None,
-        folder,
-        tell,
-    )
+    experiment = plan_cross_play(env, in_slots, mixed, mix, episodes, seed)
+    return play_mixtures(experiment, mix if slots is None else None, folder, tell)
 
 
 def play_mixtures(
     experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell
 ) -> CrossPlay:
-    """Plays a plan of `plan_cross_play`; see `cross_play`. `mix`: None for a given line-up."""
-    asked = {
+    """Plays a plan of `plan_cross_play`; see `cross_play`. `mix`: None for a fixed line-up."""
+    description = {
         "experiment": "crossplay",
         "mix": mix,
         "lineups": experiment.lineups,
         **experiment.describe(),
     }
     if folder is not None:
-        require_same(Path(folder), asked)
-    found = CrossPlay(experiment, tuple(play_experiment(experiment, tell)), mix)
+        require_same(Path(folder), description)
+    results = CrossPlay(experiment, tuple(play_experiment(experiment, tell)), mix)
     if folder is not None:
-        write_cross_play(found, Path(folder), asked)
-    return found
+        write_cross_play(results, Path(folder), description)
+    return results
 
 
 def plan_cross_play(
@@ -87,40 +91,42 @@ def plan_cross_play(
     number = env.num_agents
     if number < 2:
         raise ExperimentError(
-            f"cross-play needs at least two agents, and {env.name} has one here; ask for more with --agents, or see what one earns alone "
-            "with `sjdsl evaluate`"
+            f"cross-play needs at least two agents, and {env.name} has one here; ask for more with "
+            "--agents, or see what one earns alone with `sjdsl evaluate`"
         )
     if slots is not None:
         if len(slots) != number:
             raise ExperimentError(
-                f"{env.name} has {number} slots, but {len(slots)} policies are given; name one for each slot"
+                f"{env.name} has {number} slots, but {len(slots)} policies are given; "
+                "name one for each slot"
             )
-        found = find_pools(slots, env)
-        pools = tuple(dict.fromkeys(found))
-        lineups: tuple[Lineup, ...] = (tuple(pools.index(pool) for pool in found),)
-    else:
-        assert policies is not None
-        if not policies:
-            raise ExperimentError("name at least one policy")
-        lineups = (
-            all_mixtures(len(policies), number)
-            if mix == "all"
-            else paired_mixtures(len(policies), number)
-        )
-        pools = find_pools(policies, env)
-        if len(set(pools)) < len(pools):
-            twice = next(pool.name for pool, count in Counter(pools).items() if count > 1)
+        slot_pools = find_pools(slots, env)
+        pools = tuple(dict.fromkeys(slot_pools))
+        lineup = tuple(pools.index(pool) for pool in slot_pools)
+        return Experiment(env, pools, (lineup,), episodes, seed, permuted=False)
+    if not policies:
+        raise ExperimentError("name at least one policy")
+    mixtures = all_mixtures if mix == "all" else paired_mixtures
+    lineups = mixtures(len(policies), number)
+    pools = find_pools(policies, env)
+    for pool, count in Counter(pools).items():
+        if count > 1:
             raise ExperimentError(
-                f"`{twice}` is named twice; name it once, as its mixtures with itself are played anyway"
+                f"`{pool.name}` is named twice; name it once, as its mixtures with itself are "
+                "played anyway"
             )
-    return Experiment(env, pools, lineups, episodes, seed, permuted=slots is None)
+    return Experiment(env, pools, lineups, episodes, seed, permuted=True)
 
 
-def write_cross_play(found: CrossPlay, folder: Path, asked: Mapping[str, Any]) -> None:
-    """Writes what the results depend on, `crossplay.csv`, of pairs `matrix.png`, and `crossplay.json`, each atomically, the last one last."""
-    matrix = picture_bytes(draw_matrix(found), "png") if found.mix == "pairs" else None
-    record_experiment(folder, asked)
-    write_whole(folder / "crossplay.csv", table_of(found).encode())
+def write_cross_play(results: CrossPlay, folder: Path, description: Mapping[str, Any]) -> None:
+    """Writes the description of the experiment, `crossplay.csv`, `matrix.png` if it plays pairs,
+    and `crossplay.json`.
+
+    Each file is written atomically. The last one marks the experiment as complete.
+    """
+    matrix = picture_bytes(draw_matrix(results), "png") if results.mix == "pairs" else None
+    record_experiment(folder, description)
+    write_whole(folder / "crossplay.csv", table_of(results).encode())
     if matrix is not None:
         write_whole(folder / "matrix.png", matrix)
-    write_compact_json(folder / CROSS_PLAY, report_of(found))
+    write_compact_json(folder / CROSS_PLAY, report_of(results))

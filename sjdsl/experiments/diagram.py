@@ -1,4 +1,6 @@
-"""A Schelling diagram of N agents: both lines, the contrasts, the verdict, and all of it as JSON values."""
+"""A Schelling diagram of N agents: both lines, the contrasts, the verdict, and all of it as JSON
+values.
+"""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -26,7 +28,11 @@ ENOUGH = 300  # equal samples after which at most 1 % of further ones may differ
 
 @dataclass(frozen=True)
 class Diagram:
-    """A Schelling diagram of N agents. C(l), D(l): mean return of a cooperator, of a defector, when l of the other agents cooperate."""
+    """A Schelling diagram of N agents.
+
+    C(l) is the mean return of a cooperator when l of the other agents cooperate, D(l) that of a
+    defector.
+    """
 
     experiment: Experiment
     returns: Returns
@@ -48,7 +54,8 @@ class Diagram:
 
     @property
     def preferences(self) -> tuple[tuple[Estimate, str], ...]:
-        """D(l) - C(l) for each l, and which an agent prefers: `defect`, `cooperate`, `equal` or `undecided`."""
+        """D(l) - C(l) for each l, and the agent's preference: `defect`, `cooperate`, `equal` or
+        `undecided`."""
         return preferences(self.returns)
 
     @property
@@ -64,81 +71,83 @@ class Diagram:
     @property
     def units(self) -> int:
         """The number of samples of each interval."""
-        return (
-            self.experiment.replicates
-            if self.returns.unit == "training seed"
-            else self.experiment.episodes
-        )
+        is_episode = self.returns.unit == "episode"
+        return self.experiment.episodes if is_episode else self.experiment.replicates
 
     @property
     def population(self) -> str:
         """The samples of the intervals, in words."""
-        return (
-            f"{self.units} training seeds"
-            if self.returns.unit == "training seed"
-            else f"{self.units} episodes, of these policies only"
-        )
+        if self.returns.unit == "episode":
+            return f"{self.units} episodes, of these policies only"
+        return f"{self.units} training seeds"
 
     @property
     def caution(self) -> str | None:
-        """A warning about a verdict that rests on samples without spread, and how to check it; None for any other."""
-        equal, unit = self.verdict.without_spread, self.returns.unit
+        """A warning about a verdict that rests on samples without spread, and how to check it; None
+        for any other verdict."""
+        equal = self.verdict.without_spread
         if not equal:
             return None
+        unit = self.returns.unit
         share = f"{100 * share_that_may_differ(self.units):.2g} %"
-        each = equal[0] if len(equal) == 1 else f"each of {listed(equal)}"
+        contrasts = equal[0] if len(equal) == 1 else f"each of {listed(equal)}"
         if unit == "episode":
-            check = f"play more, with --episodes {max(ENOUGH, 10 * self.units)} and another folder"
+            episodes = max(ENOUGH, 10 * self.units)
+            check = f"play more, with --episodes {episodes} and another folder"
         else:
-            check = f"train more seeds of each pool, or play one seed of each, such as RUN/seed_0, with --episodes {ENOUGH}"
+            check = (
+                "train more seeds of each pool, or play one seed of each, such as RUN/seed_0, "
+                f"with --episodes {ENOUGH}"
+            )
         return (
-            f"This rests on samples without spread: {each} has the same value in all {self.units} {unit}s. "
-            f"The intervals have no width, but up to {share} of further {unit}s may differ (95 % upper bound). To check it, {check}."
+            f"This rests on samples without spread: {contrasts} has the same value in all "
+            f"{self.units} {unit}s. The intervals have no width, but up to {share} of further "
+            f"{unit}s may differ (95 % upper bound). To check it, {check}."
         )
 
 
 def returns_of(parts: Sequence[Part], slots: int, replicates: int) -> Returns:
     """Returns the mean returns of both kinds of agents in the line-ups k = 0 .. N."""
-    by_member = np.stack([part.returns for part in parts]).reshape(
-        slots + 1, replicates, -1, slots
-    )  # [K, R, E, N]
-
-    def mean(own: np.ndarray) -> np.ndarray:
-        return own.mean(axis=-1) if own.shape[-1] else np.full(own.shape[:-1], np.nan)
-
-    cooperators = np.stack([mean(by_member[k, ..., :k]) for k in range(slots + 1)])
-    defectors = np.stack([mean(by_member[k, ..., k:]) for k in range(slots + 1)])
+    stacked = np.stack([part.returns for part in parts])
+    by_member = stacked.reshape(slots + 1, replicates, -1, slots)  # [K, R, E, N]
+    cooperators = np.full(by_member.shape[:-1], np.nan)
+    defectors = np.full(by_member.shape[:-1], np.nan)
+    for k in range(1, slots + 1):
+        cooperators[k] = by_member[k, ..., :k].mean(axis=-1)
+    for k in range(slots):
+        defectors[k] = by_member[k, ..., k:].mean(axis=-1)
     return Returns(cooperators, defectors, by_member.mean(axis=-1))
 
 
-def report_of(found: Diagram) -> dict[str, Any]:
+def report_of(diagram: Diagram) -> dict[str, Any]:
     """Returns the results as JSON values."""
-    verdict = found.verdict
+    verdict = diagram.verdict
+    differences = tuple(difference for difference, _ in diagram.preferences)
+    preferred = [preference for _, preference in diagram.preferences]
     return {
         "format": FORMAT,
-        "cooperators": found.experiment.pools[0].name,
-        "defectors": found.experiment.pools[1].name,
-        **found.experiment.describe(),
-        "unit": found.returns.unit,
-        "units": found.units,
+        "cooperators": diagram.experiment.pools[0].name,
+        "defectors": diagram.experiment.pools[1].name,
+        **diagram.experiment.describe(),
+        "unit": diagram.returns.unit,
+        "units": diagram.units,
         "returns": {
             "axes": ["k", "replicate", "episode"],
-            "cooperators": found.returns.cooperators,
-            "defectors": found.returns.defectors,
-            "everybody": found.returns.everybody,
+            "cooperators": diagram.returns.cooperators,
+            "defectors": diagram.returns.defectors,
+            "everybody": diagram.returns.everybody,
         },
         "confidence": CONFIDENCE,
-        "C": _columns(found.cooperating),
-        "D": _columns(found.defecting),
-        "everybody": _columns(found.everybody),
-        "D-C": _columns(tuple(figure for figure, _ in found.preferences))
-        | {"preferred": [sign for _, sign in found.preferences]},
+        "C": _columns(diagram.cooperating),
+        "D": _columns(diagram.defecting),
+        "everybody": _columns(diagram.everybody),
+        "D-C": {**_columns(differences), "preferred": preferred},
         "joint_confidence": JOINT_CONFIDENCE,
         "contrasts": {
             contrast: {"what": IN_WORDS[contrast], **asdict(figure)}
-            for contrast, figure in found.contrasts.items()
+            for contrast, figure in diagram.contrasts.items()
         },
-        "verdict": {**asdict(verdict), "shape": verdict.shape, "caution": found.caution},
+        "verdict": {**asdict(verdict), "shape": verdict.shape, "caution": diagram.caution},
     }
 
 

@@ -1,6 +1,8 @@
-"""Line-ups: which policy plays in each slot, which mixtures there are, and in which order an episode assigns the slots.
+"""Line-ups: which policy plays in each slot, which mixtures there are, and in which order an
+episode assigns the slots.
 
-A line-up is a tuple of N indices of policies. The order within a mixture means nothing: it is sorted, and every episode draws its own.
+A line-up is a tuple of N indices of policies. The order within a mixture means nothing: it is
+sorted, and every episode draws its own.
 """
 
 from functools import partial
@@ -16,8 +18,9 @@ from sjdsl.trainers.policies.evaluation import evaluation_key
 
 Lineup = tuple[int, ...]
 
-MOST = 500  # mixtures in one experiment
-ORDERS = 0x6F726472  # "ordr": folded into the key, so that these draws are independent of those of the episodes
+MAX_MIXTURES = 500  # in one experiment
+# "ordr": folded into the key, so that these draws are independent of those of the episodes.
+ORDERS = 0x6F726472
 REPLICATES = 0x40000000  # above all numbers of updates, which a run folds into its evaluation keys
 
 
@@ -28,26 +31,28 @@ def all_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
       ExperimentError: there are more than 500.
     """
     number = comb(policies + slots - 1, slots)
-    if number > MOST:
+    if number > MAX_MIXTURES:
         raise ExperimentError(
-            f"{policies} policies fill {slots} slots in {number:,} mixtures, and at most {MOST} are played; name fewer policies, or "
-            "choose --mix pairs"
+            f"{policies} policies fill {slots} slots in {number:,} mixtures, and at most "
+            f"{MAX_MIXTURES} are played; name fewer policies, or choose --mix pairs"
         )
     return tuple(combinations_with_replacement(range(policies), slots))
 
 
 def paired_mixtures(policies: int, slots: int) -> tuple[Lineup, ...]:
-    """Returns the mixtures in which one policy has a single slot and another the rest, and of each policy with itself.
+    """Returns the mixtures in which one policy has a single slot and another the rest, and of each
+    policy with itself.
 
     Raises:
       ExperimentError: there are more than 500.
     """
-    found = {visiting(one, many, slots) for one in range(policies) for many in range(policies)}
-    if len(found) > MOST:
+    mixtures = {visiting(one, many, slots) for one in range(policies) for many in range(policies)}
+    if len(mixtures) > MAX_MIXTURES:
         raise ExperimentError(
-            f"{policies} policies make {len(found):,} pairs, and at most {MOST} are played; name fewer policies"
+            f"{policies} policies make {len(mixtures):,} pairs, and at most {MAX_MIXTURES} are "
+            "played; name fewer policies"
         )
-    return tuple(sorted(found))
+    return tuple(sorted(mixtures))
 
 
 def visiting(one: int, many: int, slots: int) -> Lineup:
@@ -61,27 +66,30 @@ def cooperating(number: int, slots: int) -> Lineup:
 
 
 def play_key(seed: int, replicate: int) -> Array:
-    """Returns the key of a replicate's episodes, the same in every line-up; replicate 0 has the key of `sjdsl evaluate`."""
-    return evaluation_key(seed, replicate and REPLICATES + replicate)
+    """Returns the key of a replicate's episodes, the same in every line-up.
+
+    Replicate 0 has the key of `sjdsl evaluate`.
+    """
+    return evaluation_key(seed, 0 if replicate == 0 else REPLICATES + replicate)
 
 
 def orders_of(seed: int, replicate: int, episodes: int, slots: int) -> np.ndarray:
-    """Returns the order `[E, N]` int32 in which each episode assigns its slots: entry j is the slot of member j.
+    """Returns the order `[E, N]` int32 in which each episode assigns its slots: entry j is the slot
+    of member j.
 
-    It is the same in every mixture, and the order of an episode does not depend on the number of episodes.
+    It is the same in every mixture, and the order of an episode does not depend on the number of
+    episodes.
     """
     key = jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), ORDERS), replicate)
-    permutations = jax.jit(jax.vmap(partial(jax.random.permutation, x=slots)))(
-        jax.random.split(key, episodes)
-    )
-    return np.asarray(permutations, np.int32)
+    permute = jax.jit(jax.vmap(partial(jax.random.permutation, x=slots)))
+    return np.asarray(permute(jax.random.split(key, episodes)), np.int32)
 
 
-def as_given(episodes: int, slots: int) -> np.ndarray:
-    """Returns the order `[E, N]` int32 that leaves a line-up as it is."""
+def fixed_orders(episodes: int, slots: int) -> np.ndarray:
+    """Returns the order `[E, N]` int32 in which member j always has slot j."""
     return np.broadcast_to(np.arange(slots, dtype=np.int32), (episodes, slots))
 
 
-def key_words(key: Array) -> list[int]:
-    """Returns the words of a key."""
-    return [int(word) for word in jax.random.key_data(key)]
+def key_bits(key: Array) -> list[int]:
+    """Returns the two uint32 numbers of a key."""
+    return [int(bits) for bits in jax.random.key_data(key)]

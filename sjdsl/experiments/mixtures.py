@@ -1,4 +1,6 @@
-"""Results of cross-play: returns by mixture and policy, as a matrix, as a table and as JSON values."""
+"""Results of cross-play: returns by mixture and policy, as a matrix, as a table and as JSON
+values.
+"""
 
 import csv
 import io
@@ -16,7 +18,9 @@ from sjdsl.short_paths import short_names
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 
 FORMAT = 1  # of crossplay.json
-SEED, EPISODE = "training seed", "episode"  # sampling units of intervals
+# Sampling units of intervals.
+SEED = "training seed"
+EPISODE = "episode"
 Mix = Literal["all", "pairs"]
 
 
@@ -26,7 +30,7 @@ class CrossPlay:
 
     experiment: Experiment
     parts: tuple[Part, ...]
-    mix: Mix | None  # None: one given line-up
+    mix: Mix | None  # None: one fixed line-up
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -41,106 +45,114 @@ class CrossPlay:
 
     @property
     def unit(self) -> str:
-        """The sampling unit of intervals: training seeds if there are at least two, else episodes of these policies."""
+        """The sampling unit of intervals: training seeds if there are at least two, else episodes
+        of these policies."""
         return SEED if self.experiment.replicates > 1 else EPISODE
 
     def unit_of(self, lineup: Lineup) -> str:
-        """Returns the sampling unit of one mixture: episodes if none of its policies was trained."""
-        return (
-            self.unit
-            if any(self.experiment.pools[number].is_trained for number in lineup)
-            else EPISODE
-        )
+        """Returns the sampling unit of one mixture: episodes if none of its policies was
+        trained.
+        """
+        is_trained = any(self.experiment.pools[index].is_trained for index in lineup)
+        return self.unit if is_trained else EPISODE
 
     def mixture(self, lineup: Lineup, names: Sequence[str] = ()) -> str:
-        """Returns a mixture in words, `1 x runs/a, 2 x random`; a given line-up slot by slot. names: other names of the policies."""
+        """Returns a mixture in words, `1 x runs/a, 2 x random`, or a fixed line-up slot by slot.
+
+        `names` are other names of the policies.
+        """
         names = names or self.names
         if self.mix is None:
-            return ", ".join(names[number] for number in lineup)
-        return ", ".join(
-            f"{count} x {names[number]}" for number, count in sorted(Counter(lineup).items())
-        )
+            return ", ".join(names[index] for index in lineup)
+        counts = sorted(Counter(lineup).items())
+        return ", ".join(f"{count} x {names[index]}" for index, count in counts)
 
     def estimates(self, lineup: Lineup) -> dict[int, Estimate]:
-        """Returns the mean return of an agent of each policy in a mixture, by the policy's index, with its 95 % interval."""
+        """Returns the mean return of an agent of each policy in a mixture, by the policy's index,
+        with its 95 % interval."""
         parts = [part for part in self.parts if part.lineup == lineup]
-        found = {}
-        for number in sorted(set(lineup)):
-            members = [place for place, other in enumerate(lineup) if other == number]
-            episodes = np.stack([part.returns[:, members].mean(axis=1) for part in parts])  # [R, E]
-            found[number] = estimate(
-                episodes.mean(axis=1) if self.unit_of(lineup) == SEED else episodes.ravel()
-            )
-        return found
+        estimates = {}
+        for index in sorted(set(lineup)):
+            members = [member for member, policy in enumerate(lineup) if policy == index]
+            returns = np.stack([part.returns[:, members].mean(axis=1) for part in parts])  # [R, E]
+            is_over_seeds = self.unit_of(lineup) == SEED
+            estimates[index] = estimate(returns.mean(axis=1) if is_over_seeds else returns.ravel())
+        return estimates
 
     def matrix(self) -> np.ndarray:
-        """Returns `[P, P]`: the mean return of an agent of the row's policy if all others have the column's."""
-        policies = range(len(self.names))
+        """Returns `[P, P]` float64: the mean return of an agent of the row's policy if all others
+        have the column's."""
         slots = self.experiment.env.num_agents
-        found = {lineup: self.estimates(lineup) for lineup in self.experiment.lineups}
-        return np.array(
-            [[found[visiting(one, many, slots)][one].mean for many in policies] for one in policies]
-        )
+        estimates = {lineup: self.estimates(lineup) for lineup in self.experiment.lineups}
+        policies = len(self.names)
+        matrix = np.empty((policies, policies))
+        for one, many in np.ndindex(matrix.shape):
+            matrix[one, many] = estimates[visiting(one, many, slots)][one].mean
+        return matrix
 
 
-def report_of(found: CrossPlay) -> dict[str, Any]:
+def report_of(results: CrossPlay) -> dict[str, Any]:
     """Returns the results as JSON values."""
-    mixtures = [
-        {
-            "mixture": found.mixture(lineup),
-            "slots": [found.names[number] for number in lineup],
-            "policies": {
-                found.names[number]: asdict(figure)
-                for number, figure in found.estimates(lineup).items()
-            },
-            "unit": found.unit_of(lineup),
-            "episodes": found.experiment.episodes * found.experiment.replicates,
-        }
-        for lineup in found.experiment.lineups
-    ]
+    experiment = results.experiment
+    mixtures = []
+    for lineup in experiment.lineups:
+        estimates = results.estimates(lineup)
+        mixtures.append(
+            {
+                "mixture": results.mixture(lineup),
+                "slots": [results.names[index] for index in lineup],
+                "policies": {
+                    results.names[index]: asdict(figure) for index, figure in estimates.items()
+                },
+                "unit": results.unit_of(lineup),
+                "episodes": experiment.episodes * experiment.replicates,
+            }
+        )
     return {
         "format": FORMAT,
-        **found.experiment.describe(),
-        "mix": found.mix,
-        "unit": found.unit,
+        **experiment.describe(),
+        "mix": results.mix,
+        "unit": results.unit,
         "mixtures": mixtures,
     }
 
 
-def table_of(found: CrossPlay) -> str:
-    """Returns a row for each episode and slot, as CSV; counts per episode are named `episode_event_NAME`."""
+def table_of(results: CrossPlay) -> str:
+    """Returns a table with a row for each episode and slot, as CSV.
+
+    Events of an agent are in columns `event_NAME`, those of an episode in `episode_event_NAME`.
+    """
     text = io.StringIO()
-    events = found.parts[0].played.events
+    events = results.parts[0].played.events
     titles = [
-        f"{'event' if counts.ndim == 2 else 'episode_event'}_{name}"
+        f"event_{name}" if counts.ndim == 2 else f"episode_event_{name}"
         for name, counts in events.items()
     ]
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(
         ["mixture", "replicate", "episode", "slot", "policy", "seed", "return", *titles]
     )
-    writer.writerows(row for part in found.parts for row in _rows(found, part))
+    for part in results.parts:
+        writer.writerows(_table_rows(results, part))
     return text.getvalue()
 
 
-def _rows(found: CrossPlay, part: Part) -> Iterator[list[Any]]:
-    mixture = found.mixture(part.lineup)
-    players = [player_of(found.experiment.pools[number], part.replicate) for number in part.lineup]
-    for episode, order in enumerate(part.order.tolist()):
-        for slot, member in sorted(zip(order, range(len(order)), strict=True)):
+def _table_rows(results: CrossPlay, part: Part) -> Iterator[list[Any]]:
+    mixture = results.mixture(part.lineup)
+    players = [player_of(results.experiment.pools[index], part.replicate) for index in part.lineup]
+    for episode, order in enumerate(part.order):
+        for slot, member in enumerate(np.argsort(order)):
             player = players[member]
-            counts = [
-                counts[(episode, slot)[: counts.ndim]].item()
-                for counts in part.played.events.values()
-            ]
-            seed = "" if player.seed is None else player.seed
             yield [
                 mixture,
                 part.replicate,
                 episode,
                 slot,
                 player.name,
-                seed,
+                "" if player.seed is None else player.seed,
                 part.played.returns[episode, slot].item(),
-                *counts,
+                *(
+                    counts[episode, slot].item() if counts.ndim == 2 else counts[episode].item()
+                    for counts in part.played.events.values()
+                ),
             ]

@@ -27,73 +27,76 @@ if TYPE_CHECKING:
 LEGIBLE = 24  # letters of a policy's name
 
 
-def draw_diagram(found: Diagram) -> "Figure":
-    """Returns both lines over the number of other cooperators, with 95 % bands, and dotted the mean of all agents over k."""
-    from matplotlib.figure import Figure  # here: importing it costs as much as a short test
+def draw_diagram(diagram: Diagram) -> "Figure":
+    """Returns both lines over the number of other cooperators, with 95 % bands, and the mean of all
+    agents over k as a dotted line."""
+    from matplotlib.figure import Figure  # importing it costs as much as a short test
     from matplotlib.ticker import MaxNLocator
 
-    everybody = [figure.mean for figure in found.everybody]
-    lines = (
-        ("cooperates", found.cooperating, COOPERATE, "o"),
-        ("defects", found.defecting, DEFECT, "s"),
-    )
+    everybody = [mean.mean for mean in diagram.everybody]
+    verdict = diagram.verdict
+    title = f"{diagram.experiment.title}: {verdict.outcome}"
+    if verdict.outcome == "dilemma":
+        title += f", {verdict.shape}"
+    title += f"\n{diagram.population}"
+    if verdict.without_spread:
+        title += "; the verdict rests on samples without spread"
     with plot_style():
         figure = Figure(figsize=(7.4, 4.6), layout="constrained")
         axes = figure.add_subplot()
-        for _, line, colour, marker in lines:
-            _draw_line(axes, line, colour, marker)
+        _draw_line(axes, diagram.cooperating, COOPERATE, "o")
+        _draw_line(axes, diagram.defecting, DEFECT, "s")
         axes.plot(range(len(everybody)), everybody, color=BLACK, linestyle=":", linewidth=1)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.set(xlabel="number of other agents that cooperate", ylabel="return of an agent")
-        ends = [
-            end
-            for _, line, _, _ in lines
-            for figure_ in line
-            for end in (figure_.mean, figure_.low, figure_.high)
+        estimates = [*diagram.cooperating, *diagram.defecting]
+        lows = [estimate.low for estimate in estimates]
+        means = [estimate.mean for estimate in estimates]
+        highs = [estimate.high for estimate in estimates]
+        begin_at_zero(axes, [*lows, *means, *highs, *everybody])
+        labels = [
+            Label("an agent that cooperates", diagram.cooperating[-1].mean, COOPERATE),
+            Label("an agent that defects", diagram.defecting[-1].mean, DEFECT),
+            Label("mean of all agents", everybody[-1], BLACK),
         ]
-        begin_at_zero(axes, [*ends, *everybody])
-        named = [
-            Label(f"an agent that {what}", line[-1].mean, colour) for what, line, colour, _ in lines
-        ]
-        name_lines(axes, [*named, Label("mean of all agents", everybody[-1], BLACK)])
-        verdict = found.verdict
-        title = f"{found.experiment.title}: {verdict.outcome}" + (
-            f", {verdict.shape}" if verdict.outcome == "dilemma" else ""
-        )
-        spread = "; the verdict rests on samples without spread" if verdict.without_spread else ""
-        axes.set_title(f"{title}\n{found.population}{spread}")
+        name_lines(axes, labels)
+        axes.set_title(title)
         note_below(
             figure,
-            "Bands: 95 % intervals. The dotted line is over the number of all agents that cooperate.",
+            "Bands: 95 % intervals. "
+            "The dotted line is over the number of all agents that cooperate.",
         )
     return figure
 
 
 def _draw_line(axes: "Axes", line: Sequence[Estimate], colour: str, marker: str) -> None:
-    places = range(len(line))
-    axes.plot(places, [figure.mean for figure in line], color=colour, marker=marker)
-    low, high = (np.array([getattr(figure, key) for figure in line]) for key in ("low", "high"))
-    bounded = np.isfinite(low)
+    """Draws estimates for l = 0 .. N-1 with a band for their intervals, where these are finite."""
+    numbers = range(len(line))
+    axes.plot(numbers, [estimate.mean for estimate in line], color=colour, marker=marker)
+    low = np.array([estimate.low for estimate in line])
+    high = np.array([estimate.high for estimate in line])
     axes.fill_between(
-        places,
-        np.where(bounded, low, np.nan),
-        np.where(bounded, high, np.nan),
+        numbers,
+        np.where(np.isfinite(low), low, np.nan),
+        np.where(np.isfinite(low), high, np.nan),
         color=colour,
         alpha=0.2,
         linewidth=0,
     )
 
 
-def draw_matrix(found: CrossPlay) -> "Figure":
-    """Returns the mean return of an agent of each row's policy where all others have the column's, as a table of colours."""
+def draw_matrix(results: CrossPlay) -> "Figure":
+    """Returns the mean return of an agent of each row's policy where all others have the column's,
+    as a table of colours."""
     from matplotlib.figure import Figure
 
-    values, names = found.matrix(), [_short(name) for name in found.short_names]
+    values = results.matrix()
+    names = [_short(name) for name in results.short_names]
     size = 2.5 + 0.9 * len(names)
     with plot_style():
         figure = Figure(figsize=(size + 1, size), layout="constrained")
         axes = figure.add_subplot()
-        shown = axes.imshow(values, cmap="viridis")
+        image = axes.imshow(values, cmap="viridis")
         middle = (values.max() + values.min()) / 2
         for (row, column), value in np.ndenumerate(values):
             axes.text(
@@ -110,9 +113,9 @@ def draw_matrix(found: CrossPlay) -> "Figure":
         axes.set(
             xlabel="policy of all others",
             ylabel="policy of one agent",
-            title=found.experiment.title,
+            title=results.experiment.title,
         )
-        figure.colorbar(shown, shrink=0.7, label="return of the one agent")
+        figure.colorbar(image, shrink=0.7, label="return of the one agent")
     return figure
 
 

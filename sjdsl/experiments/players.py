@@ -1,8 +1,9 @@
-"""Pools of policies by name: a single policy, or the seeds of one run; and which seeds of two pools play together."""
+"""Pools of policies by name: a single policy, or the seeds of one run; and which seeds of two pools
+play together."""
 
 import json
 import warnings
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from hashlib import sha256
@@ -27,15 +28,17 @@ from sjdsl.trainers.settings.config import Config
 from sjdsl.trainers.settings.extensions import file_of, name_of
 from sjdsl.trainers.settings.policy_names import split_name
 
-# Settings that only affect learning and what is written: policies that differ in nothing else are computed together.
+# Settings that only affect learning and the files of a run: policies that differ in nothing else
+# are computed together.
 _LEARNING = """
 seed seeds total_timesteps num_envs num_steps gamma learning_rate anneal_learning_rate max_gradient_norm
 init_from loss reward common_reward reward_smoothing svo_angle svo_weight svo_at_rest svo_quadrant
 exchange_ratio inequity_envy inequity_guilt inequity_smoothing match_socialjax
-checkpoint_minutes checkpoint_share checkpoint_updates policy_every keep_policies evaluate_every evaluation_episodes
-num_epochs num_minibatches gae_lambda clip_epsilon scale_clip_epsilon clip_value_loss entropy_coefficient value_coefficient
-joint_optimiser spread_starts advantage_floor adam_epsilon replay q_lambda
-buffer_size batch_size gradient_steps learning_starts double_q target_update_every target_rate epsilon_start epsilon_fraction
+checkpoint_minutes checkpoint_share checkpoint_updates policy_every keep_policies evaluate_every
+evaluation_episodes num_epochs num_minibatches gae_lambda clip_epsilon scale_clip_epsilon
+clip_value_loss entropy_coefficient value_coefficient joint_optimiser spread_starts advantage_floor
+adam_epsilon replay q_lambda buffer_size batch_size gradient_steps learning_starts double_q
+target_update_every target_rate epsilon_start epsilon_fraction
 """
 LEARNING = frozenset(_LEARNING.split())
 
@@ -82,13 +85,18 @@ class Pool:
 def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     """Returns the pool of a name, or of a policy.
 
-    Stored policies are read here, so that those of one network are computed together; `find_policy` resolves all other names.
+    Stored policies are read by this function, so that those of one network are computed together;
+    `find_policy` resolves all other names.
 
     Args:
-      policy: what `find_policy` takes; or the folder of a run of several seeds, `RUN`, `RUN@best` or `RUN@UPDATE`, for all of them.
+      policy: what `find_policy` takes; or the folder of a run of several seeds, `RUN`, `RUN@best`
+        or
+        `RUN@UPDATE`, for all of them.
     Raises:
-      PolicyError: there is no such policy, or it or its run's manifest can't be read, or it doesn't fit `env`.
-      ExperimentError: it was trained on another game, or its training diverged, or no seed of the run is left.
+      PolicyError: there is no such policy, or it or its run's manifest can't be read, or it doesn't
+        fit `env`.
+      ExperimentError: it was trained on another game, or its training diverged, or no seed of the
+        run is left.
     """
     if not isinstance(policy, str | Path):
         return _untrained(name_of("policy", policy), policy, program_digest(policy, env))
@@ -98,47 +106,32 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
         return _untrained(name, find_policy(name, env), policy_hash(declared[name]))
     path, which = split_name(name)
     if path.suffix != SUFFIX and not path.is_dir():
-        found, file = find_policy(name, env), file_of(name)
-        return _untrained(
-            name,
-            found,
-            sha256(file.read_bytes()).hexdigest() if file is not None and file.is_file() else None,
-        )
+        file = file_of(name)
+        digest = _file_digest(file) if file is not None and file.is_file() else None
+        return _untrained(name, find_policy(name, env), digest)
     folders, diverged, notes = _seed_folders(path, which)
     for update, seeds in seeds_of_each(diverged.items()).items():
         notes.append(
-            f"left out of {path}: {seeds_in_words(seeds)}, which diverged (non-finite loss) in update {update}"
+            f"left out of {path}: {seeds_in_words(seeds)}, which diverged (non-finite loss) in "
+            f"update {update}"
         )
     players = []
-    warned: list[tuple[int, str]] = []  # seed, and a warning about its policy
+    seed_warnings: list[tuple[int, str]] = []  # a seed, and a warning about its policy
     for file in (policy_path(folder, which) for folder in folders):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            parameters, described = read_parameters(file, env)
-        warned += [
-            (described.seed, str(warning.message).replace(str(file), str(path)))
-            for warning in caught
-        ]
-        here = describe_game(env)
-        for key, what in (
-            ("name", "another game"),
-            ("action_names", "other actions"),
-            ("observation_shape", "other observations"),
-        ):
-            there, now = (
-                ", ".join(map(str, value)) if isinstance(value, list) else value
-                for value in (described.game.get(key), here[key])
-            )
-            if there != now:
-                raise ExperimentError(f"{file} was trained on {what}: {there} there, {now} here")
-        digest, acting = (
-            sha256(file.read_bytes()).hexdigest(),
-            partial(trained_policy, env, described.config),
-        )
+            parameters, description = read_parameters(file, env)
+        _require_same_game(file, description.game, env)
+        for warning in caught:
+            text = str(warning.message).replace(str(file), str(path))
+            seed_warnings.append((description.seed, text))
+        config = description.config
+        policy_of = partial(trained_policy, env, config)
+        kind = acting_kind(config)
         players.append(
-            Player(name, described.seed, digest, acting_kind(described.config), acting, parameters)
+            Player(name, description.seed, _file_digest(file), kind, policy_of, parameters)
         )
-    for text, seeds in seeds_of_each(warned).items():
+    for text, seeds in seeds_of_each(seed_warnings).items():
         notes.append(f"{seeds_in_words(seeds)}: {text}" if len(folders) > 1 else text)
     for note in notes:
         warnings.warn(note, stacklevel=2)
@@ -146,55 +139,75 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
 
 
 def _untrained(name: str, policy: Policy, digest: str | None) -> Pool:
-    return Pool(name, (Player(name, None, digest, ("one of its own", name), lambda _: policy),))
+    player = Player(name, None, digest, ("a kind of its own", name), lambda _: policy)
+    return Pool(name, (player,))
+
+
+def _file_digest(file: Path) -> str:
+    return sha256(file.read_bytes()).hexdigest()
+
+
+def _require_same_game(file: Path, trained_on: Mapping[str, Any], env: Environment) -> None:
+    """Raises ExperimentError if the policy in `file` was trained on another game than `env`."""
+    game = describe_game(env)
+    for key, difference in (
+        ("name", "another game"),
+        ("action_names", "other actions"),
+        ("observation_shape", "other observations"),
+    ):
+        if trained_on.get(key) != game[key]:
+            there, now = _in_words(trained_on.get(key)), _in_words(game[key])
+            raise ExperimentError(f"{file} was trained on {difference}: {there} there, {now} here")
+
+
+def _in_words(value: Any) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def program_digest(policy: Policy, env: Environment) -> str:
-    """Returns the SHA-256 of the program that JAX compiles a policy to, with its constants, and of its initial memory.
+    """Returns the SHA-256 of the program that JAX compiles a policy to, with its constants, and of
+    its initial memory.
 
-    By it a folder knows whether a Python function is the one it was started with. A policy that calls back into Python has a different
-    digest in every process.
+    It tells whether a Python function is the one that a folder was started with. A policy that
+    calls back into Python has a different digest in every process.
     """
-    remembering = with_memory(policy)
+    recurrent = with_memory(policy)
 
     def act(memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
-        return take_actions(env, remembering, memory, key, observation, state)
+        return take_actions(env, recurrent, memory, key, observation, state)
 
-    program = jax.jit(act).lower(remembering.start, abstract_key(), *reset_shapes(env)).as_text()
-    start = digest_of(
-        {str(number): leaf for number, leaf in enumerate(jax.tree.leaves(remembering.start))}
-    )
+    program = jax.jit(act).lower(recurrent.start, abstract_key(), *reset_shapes(env)).as_text()
+    leaves = enumerate(jax.tree.leaves(recurrent.start))
+    start = digest_of({str(number): leaf for number, leaf in leaves})
     return sha256(f"{start}\n{program}".encode()).hexdigest()
 
 
 def _seed_folders(path: Path, which: str | int) -> tuple[list[Path], dict[int, int], list[str]]:
-    """Returns the folders of the seeds that did not diverge (or just `path`), the updates in which the others diverged, and notes."""
-    state = run_state(path) if path.is_dir() else None
+    """Returns the folders of the seeds that did not diverge (or just `path`), the updates in which
+    the others diverged, and notes."""
+    if not path.is_dir():
+        return [path], {}, []
+    state = run_state(path)
     diverged = {} if state is None else dict(state.diverged)
-    named = isinstance(which, int)  # that policy may be from before the divergence
-    notes = (
-        []
-        if named or state is None or not state.unfinished
-        else [f"{path} may not have finished its training: {state.unfinished}"]
-    )
-    folders = (
-        sorted((folder for folder in path.glob("seed_*") if folder.is_dir()), key=_number)
-        if path.is_dir()
-        else []
-    )
+    is_update = isinstance(which, int)  # the policy of an update may be from before the divergence
+    notes = []
+    if not is_update and state is not None and state.unfinished:
+        notes.append(f"{path} may not have finished its training: {state.unfinished}")
+    folders = sorted((folder for folder in path.glob("seed_*") if folder.is_dir()), key=_number)
     if not folders or (path / POLICIES).is_dir():
-        if diverged and not named:
+        if diverged and not is_update:
             (update,) = diverged.values()
             raise ExperimentError(
-                f"{path} diverged (non-finite loss) in update {update}; name an earlier policy as {path}@UPDATE"
+                f"{path} diverged (non-finite loss) in update {update}; "
+                f"name an earlier policy as {path}@UPDATE"
             )
         return [path], {}, notes
-    left = [folder for folder in folders if _number(folder) not in diverged]
-    if not left:
+    remaining = [folder for folder in folders if _number(folder) not in diverged]
+    if not remaining:
         raise ExperimentError(
             f"every seed of {path} diverged (non-finite loss), so there is no policy to play"
         )
-    return left, diverged, notes
+    return remaining, diverged, notes
 
 
 def _number(folder: Path) -> int:
@@ -205,16 +218,14 @@ def _number(folder: Path) -> int:
 
 def acting_kind(config: Config) -> str:
     """Returns a key that is equal for policies that differ only in their parameters."""
-    acting = {
-        key: value for key, value in config.model_dump(mode="json").items() if key not in LEARNING
-    }
+    acting = config.model_dump(mode="json", exclude=set(LEARNING))
     return json.dumps(acting, sort_keys=True)
 
 
 def replicates_of(pools: Sequence[Pool]) -> int:
-    """Returns R, the number of training seeds of pools that `pair_pools` made equal; replicate i plays player i of each.
+    """Returns R, the number of training seeds of pools that `pair_pools` paired.
 
-    A policy that was not trained plays with every seed.
+    Replicate i plays player i of each pool; a policy that was not trained plays with every seed.
     """
     return max(len(pool.players) for pool in pools)
 
@@ -225,7 +236,8 @@ def player_of(pool: Pool, replicate: int) -> Player:
 
 
 def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
-    """Returns pools whose players at the same index play together: seeds with the same number, or the only ones.
+    """Returns pools whose players at the same index play together: seeds with the same number, or
+    the only ones.
 
     If a seed of one pool has diverged, that of the others is left out, with a note.
 
@@ -234,39 +246,38 @@ def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
     """
     trained = [pool for pool in pools if pool.is_trained]
     seeds = {pool: sorted({*pool.seeds, *pool.diverged}) for pool in trained}
-    if len(trained) < 2 or all(len(own) == 1 for own in seeds.values()):
+    if len(trained) < 2 or all(len(numbers) == 1 for numbers in seeds.values()):
         return tuple(pools)
     if len(set(map(tuple, seeds.values()))) > 1:
-        listed = "; ".join(
-            f"{pool.name} has {', '.join(map(str, own))}" for pool, own in seeds.items()
-        )
         raise ExperimentError(
-            f"pools must have the same seeds, as seed i of one plays with seed i of the others: {listed}; name single seeds, such as "
-            "RUN/seed_0, or train the same"
+            "pools must have the same seeds, as seed i of one plays with seed i of the others: "
+            f"{_listed(seeds)}; name single seeds, such as RUN/seed_0, or train the same"
         )
     common = set.intersection(*(set(pool.seeds) for pool in trained))
-    if len(common) < min(
-        2, *(len(pool.players) for pool in trained)
-    ):  # with one pair of several, seeds would not be the samples any more
-        listed = "; ".join(f"{pool.name} has {', '.join(map(str, pool.seeds))}" for pool in trained)
+    # If a single pair of several is left, the seeds are not the samples any more.
+    if len(common) < min(2, *(len(pool.players) for pool in trained)):
+        number = "only one is" if common else "none is"
         raise ExperimentError(
-            f"seeds with the same number play together, and {'only one is' if common else 'none is'} left in all pools: {listed}; "
+            f"seeds with the same number play together, and {number} left in all pools: "
+            f"{_listed({pool: pool.seeds for pool in trained})}; "
             "name single seeds, such as RUN/seed_0, or train more"
         )
+    return tuple(_only_seeds(pool, common) if pool.is_trained else pool for pool in pools)
 
-    def paired(pool: Pool) -> Pool:
-        left_out = [seed for seed in pool.seeds if seed not in common]
-        notes = (
-            [f"left out of {pool.name}: {seeds_in_words(left_out)}, which another pool lacks"]
-            if left_out
-            else []
-        )
-        for note in notes:
-            warnings.warn(note, stacklevel=3)
-        return replace(
-            pool,
-            players=tuple(p for p in pool.players if p.seed in common),
-            notes=(*pool.notes, *notes),
-        )
 
-    return tuple(paired(pool) if pool.is_trained else pool for pool in pools)
+def _listed(seeds: Mapping[Pool, Sequence[int]]) -> str:
+    """Returns the seeds of each pool, in words."""
+    return "; ".join(
+        f"{pool.name} has {', '.join(map(str, numbers))}" for pool, numbers in seeds.items()
+    )
+
+
+def _only_seeds(pool: Pool, seeds: set[int]) -> Pool:
+    """Returns a pool with some of its seeds; a note and a warning name those left out."""
+    left_out = [seed for seed in pool.seeds if seed not in seeds]
+    if not left_out:
+        return pool
+    note = f"left out of {pool.name}: {seeds_in_words(left_out)}, which another pool lacks"
+    warnings.warn(note, stacklevel=3)
+    players = tuple(player for player in pool.players if player.seed in seeds)
+    return replace(pool, players=players, notes=(*pool.notes, note))

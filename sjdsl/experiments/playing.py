@@ -7,8 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from sjdsl.experiments.lineups import Lineup, as_given, key_words, orders_of, play_key
-from sjdsl.experiments.players import Pool, find_pool, pair_pools, player_of, replicates_of
+from sjdsl.experiments.lineups import Lineup, fixed_orders, key_bits, orders_of, play_key
+from sjdsl.experiments.players import (
+    Player,
+    Pool,
+    find_pool,
+    pair_pools,
+    player_of,
+    replicates_of,
+)
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.stacks import make_player_of_lineups
 from sjdsl.runtime.policy import Policy
@@ -47,18 +54,27 @@ class Experiment:
 
     def describe(self) -> dict[str, Any]:
         """Returns everything that the results depend on, as JSON values."""
+        keys = [play_key(self.seed, replicate) for replicate in range(self.replicates)]
         return {
             "game": describe_game(self.env),
             "versions": versions(),
             "policies": [pool.describe() for pool in self.pools],
             "episodes": self.episodes,
             "seed": self.seed,
-            "keys": [
-                key_words(play_key(self.seed, replicate)) for replicate in range(self.replicates)
-            ],
+            "keys": [key_bits(key) for key in keys],
             "permuted": self.permuted,
             "notes": self.notes,
         }
+
+    def orders(self, replicate: int) -> np.ndarray:
+        """Returns the slot `[E, N]` int32 of each member of a line-up, in each episode."""
+        if self.permuted:
+            return orders_of(self.seed, replicate, self.episodes, self.env.num_agents)
+        return fixed_orders(self.episodes, self.env.num_agents)
+
+    def players(self, lineup: Lineup, replicate: int) -> tuple[Player, ...]:
+        """Returns the players of a line-up, member by member."""
+        return tuple(player_of(self.pools[index], replicate) for index in lineup)
 
 
 @dataclass(frozen=True)
@@ -81,25 +97,22 @@ class Part:
 
 
 def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tuple[Pool, ...]:
-    """Returns the pool of each policy, paired seed by seed; a policy that is named twice gets the same pool.
+    """Returns the pool of each policy, paired seed by seed; a policy that is named twice gets the
+    same pool.
 
     Raises:
       ExperimentError, PolicyError: as `find_pool` and `pair_pools`.
     """
-    found: list[tuple[Any, Pool]] = []
+    by_policy: dict[Any, Pool] = {}
+    pools = []  # the pool of each policy
     for policy in policies:
-        same = next(
-            (
-                pool
-                for other, pool in found
-                if policy is other or (isinstance(policy, str) and policy == other)
-            ),
-            None,
-        )
-        found.append((policy, same or find_pool(policy, env)))
-    pools = tuple(dict.fromkeys(pool for _, pool in found))
-    paired = dict(zip(pools, pair_pools(pools), strict=True))
-    return tuple(paired[pool] for _, pool in found)
+        key = policy if isinstance(policy, str) else id(policy)
+        if key not in by_policy:
+            by_policy[key] = find_pool(policy, env)
+        pools.append(by_policy[key])
+    distinct = tuple(by_policy.values())
+    paired = dict(zip(distinct, pair_pools(distinct), strict=True))
+    return tuple(paired[pool] for pool in pools)
 
 
 def play_experiment(experiment: Experiment, tell: Tell) -> list[Part]:
@@ -110,37 +123,30 @@ def play_experiment(experiment: Experiment, tell: Tell) -> list[Part]:
     Raises:
       ExperimentError: a return is not finite.
     """
-    env, slots = experiment.env, experiment.env.num_agents
+    episodes = experiment.episodes
     replicates = range(experiment.replicates)
-    orders = [
-        orders_of(experiment.seed, replicate, experiment.episodes, slots)
-        if experiment.permuted
-        else as_given(experiment.episodes, slots)
+    orders = [experiment.orders(replicate) for replicate in replicates]
+    lineups = [
+        experiment.players(lineup, replicate)
+        for lineup in experiment.lineups
         for replicate in replicates
     ]
-
-    def players(lineup: Lineup, replicate: int) -> tuple[Any, ...]:
-        return tuple(player_of(experiment.pools[number], replicate) for number in lineup)
-
-    everyone = [
-        players(lineup, replicate) for lineup in experiment.lineups for replicate in replicates
-    ]
-    play = make_player_of_lineups(env, everyone, experiment.episodes)
+    play = make_player_of_lineups(experiment.env, lineups, episodes)
     parts = []
     for number, lineup in enumerate(experiment.lineups, start=1):
         for replicate in replicates:
-            which = f", seed {replicate + 1} of {len(replicates)}" if len(replicates) > 1 else ""
+            seed = f", seed {replicate + 1} of {len(replicates)}" if len(replicates) > 1 else ""
             tell(
-                f"playing {experiment.episodes} episodes of line-up {number} of {len(experiment.lineups)}{which}"
+                f"playing {episodes} episodes of line-up {number} of "
+                f"{len(experiment.lineups)}{seed}"
             )
-            played = play(
-                play_key(experiment.seed, replicate), players(lineup, replicate), orders[replicate]
-            )
-            wrong = np.argwhere(~np.isfinite(played.returns))
-            if len(wrong):
-                episode, agent = wrong[0]
+            key = play_key(experiment.seed, replicate)
+            players = experiment.players(lineup, replicate)
+            played = play(key, players, orders[replicate])
+            for episode, agent in np.argwhere(~np.isfinite(played.returns)):
                 raise ExperimentError(
-                    f"the return of agent {agent} in episode {episode} of line-up {number}{which} is not finite, so there is no mean"
+                    f"the return of agent {agent} in episode {episode} of line-up {number}{seed} "
+                    "is not finite, so there is no mean"
                 )
             parts.append(Part(lineup, replicate, played, orders[replicate]))
     return parts

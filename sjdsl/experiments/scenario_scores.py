@@ -1,4 +1,5 @@
-"""Returns of the focal agents in the scenarios of a game, and their score between random and the best scripted policy."""
+"""Returns of the focal agents in the scenarios of a game, and their score between random and the
+best scripted policy."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -20,17 +21,17 @@ class ScenarioScore:
     """The per-capita returns in one scenario, of R replicates with E episodes each."""
 
     scenario: ir.Scenario
-    focal_returns: np.ndarray  # [R, E] float64: the mean return of a focal agent
-    background_returns: (
-        np.ndarray | None
-    )  # [R, E]: that of the other agents; None if there are none
-    baselines: Mapping[
-        str, np.ndarray
-    ]  # [R, E]: that of focal agents who play `random`, the file's policies or `stay`
+    # [R, E] float64: the mean return of a focal agent.
+    focal_returns: np.ndarray
+    # [R, E] float64: that of the other agents; None if there are none.
+    background_returns: np.ndarray | None
+    # [R, E] float64: that of focal agents who play `random`, a policy of the file, or `stay`.
+    baselines: Mapping[str, np.ndarray]
 
     @property
     def focal(self) -> Estimate:
-        """The focal per-capita return, over training seeds if there are at least two, else over episodes."""
+        """The focal per-capita return, over training seeds if there are at least two, else over
+        episodes."""
         return _over_units(self.focal_returns)
 
     @property
@@ -44,41 +45,51 @@ class ScenarioScore:
 
     @property
     def best(self) -> str:
-        """The scripted policy with the highest focal per-capita return; on a tie, the first in the file."""
-        return max(
-            (name for name in self.baselines if name != RANDOM),
-            key=lambda name: self.baseline(name).mean,
-        )
+        """The scripted policy with the highest focal per-capita return; on a tie, the first in the
+        file."""
+        scripted = [name for name in self.baselines if name != RANDOM]
+        return max(scripted, key=lambda name: self.baseline(name).mean)
 
     @property
     def score(self) -> float | None:
         """`(focal - random) / (best - random)`; None if `best` is not above `random`."""
-        random, best = self.baseline(RANDOM).mean, self.baseline(self.best).mean
+        random = self.baseline(RANDOM).mean
+        best = self.baseline(self.best).mean
         return None if best <= random else (self.focal.mean - random) / (best - random)
 
     @property
     def caution(self) -> str:
-        """A warning that the score is undefined, or that its denominator may be 0; empty otherwise."""
-        random, best = self.baseline(RANDOM).mean, self.baseline(self.best).mean
+        """A warning that the score is undefined, or that its denominator may be 0; empty
+        otherwise.
+        """
+        random = self.baseline(RANDOM).mean
+        best = self.baseline(self.best).mean
         if best <= random:
-            return f"the score is undefined: the best scripted focal policy, {self.best}, earns {best:.4g}, no more than random with {random:.4g}"
-        apart = estimate((self.baselines[self.best] - self.baselines[RANDOM]).ravel())
-        if apart.low > 0:
+            return (
+                f"the score is undefined: the best scripted focal policy, {self.best}, earns "
+                f"{best:.4g}, no more than random with {random:.4g}"
+            )
+        margin = estimate((self.baselines[self.best] - self.baselines[RANDOM]).ravel())
+        if margin.low > 0:
             return ""
-        interval = (
-            f"[{apart.low:.4g}, {apart.high:.4g}]" if np.isfinite(apart.low) else "of unknown width"
+        interval = "of unknown width"
+        if np.isfinite(margin.low):
+            interval = f"[{margin.low:.4g}, {margin.high:.4g}]"
+        return (
+            f"the score is uncertain: {self.best} minus random is {margin.mean:.4g}, with the "
+            f"interval {interval}; play more episodes"
         )
-        return f"the score is uncertain: {self.best} minus random is {apart.mean:.4g}, with the interval {interval}; play more episodes"
 
     @property
     def number_focal(self) -> int:
         """The number of focal agents."""
-        return sum(part.number for part in self.scenario.slots if not part.policy)
+        return sum(slots.number for slots in self.scenario.slots if not slots.policy)
 
 
 @dataclass(frozen=True)
 class ScenarioScores:
-    """The scores of the scenarios that were played, by name; iterating gives the names, as of a dict."""
+    """The scores of the scenarios that were played, by name; iterating gives the names, as for a
+    dict."""
 
     experiment: Experiment
     scenarios: Mapping[str, ScenarioScore]
@@ -94,11 +105,17 @@ class ScenarioScores:
         return "training seed" if self.experiment.replicates > 1 else "episode"
 
     @property
+    def units(self) -> int:
+        """The number of samples of these intervals."""
+        replicates = self.experiment.replicates
+        return replicates if replicates > 1 else self.experiment.episodes
+
+    @property
     def population(self) -> str:
         """The samples of these intervals, in words."""
         if self.experiment.replicates > 1:
-            return f"{self.experiment.replicates} training seeds"
-        return f"{self.experiment.episodes} episodes, of this policy only"
+            return f"{self.units} training seeds"
+        return f"{self.units} episodes, of this policy only"
 
     def __getitem__(self, name: str) -> ScenarioScore:
         """Returns a scenario by name."""
@@ -109,57 +126,61 @@ class ScenarioScores:
 
 
 def _over_units(returns: np.ndarray) -> Estimate:
-    """Returns the mean of `[R, E]` returns with its interval over replicates if there are at least two, else over episodes."""
+    """Returns the mean of `[R, E]` returns with its interval over replicates if there are at least
+    two, else over episodes."""
     return estimate(returns.mean(axis=1) if len(returns) > 1 else returns[0])
 
 
 def line_up(scenario: ir.Scenario, focal: int, scripted: Mapping[str, int]) -> Lineup:
-    """Returns the pools that play a scenario, slot by slot, with pool `focal` in the focal slots. `scripted`: pools by name."""
-    return tuple(
-        scripted[part.policy] if part.policy else focal
-        for part in scenario.slots
-        for _ in range(part.number)
-    )
+    """Returns the pools that play a scenario, slot by slot, with pool `focal` in the focal slots.
+
+    `scripted` has the pools of the scripted policies by name.
+    """
+    lineup: Lineup = ()
+    for slots in scenario.slots:
+        pool = scripted[slots.policy] if slots.policy else focal
+        lineup += (pool,) * slots.number
+    return lineup
 
 
 def score_of(
     scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part]
 ) -> ScenarioScore:
     """Returns the scores of a scenario with pool 0 and each scripted pool as focal agents."""
-    is_focal = np.array([not part.policy for part in scenario.slots for _ in range(part.number)])
+    is_focal = np.repeat(
+        [not slots.policy for slots in scenario.slots], [slots.number for slots in scenario.slots]
+    )
 
     def per_capita(pool: int, members: np.ndarray) -> np.ndarray:
         lineup = line_up(scenario, pool, scripted)
-        return np.stack(
-            [part.returns[:, members].mean(axis=1) for part in parts if part.lineup == lineup]
-        )
+        returns = [part.returns for part in parts if part.lineup == lineup]
+        return np.stack([values[:, members].mean(axis=1) for values in returns])
 
-    background = None if is_focal.all() else per_capita(0, ~is_focal)
     return ScenarioScore(
         scenario,
-        per_capita(0, is_focal),
-        background,
-        {name: per_capita(pool, is_focal) for name, pool in scripted.items()},
+        focal_returns=per_capita(0, is_focal),
+        background_returns=None if is_focal.all() else per_capita(0, ~is_focal),
+        baselines={name: per_capita(pool, is_focal) for name, pool in scripted.items()},
     )
 
 
 def slots_of(scenario: ir.Scenario) -> list[list[Any]]:
-    """Returns the slots of a scenario as JSON values: their number and policy, null for focal ones."""
-    return [[part.number, part.policy or None] for part in scenario.slots]
+    """Returns the slots of a scenario as JSON values: their number and policy, null for focal
+    ones.
+    """
+    return [[slots.number, slots.policy or None] for slots in scenario.slots]
 
 
-def report_of(found: ScenarioScores) -> dict[str, Any]:
+def report_of(scores: ScenarioScores) -> dict[str, Any]:
     """Returns the results as JSON values."""
     return {
         "format": FORMAT,
-        **found.experiment.describe(),
-        "focal_policy": found.policy,
-        "training_seeds": list(found.experiment.pools[0].seeds),
-        "unit": found.unit,
-        "units": found.experiment.replicates
-        if found.experiment.replicates > 1
-        else found.experiment.episodes,
-        "scenarios": {name: _entry(score) for name, score in found.scenarios.items()},
+        **scores.experiment.describe(),
+        "focal_policy": scores.policy,
+        "training_seeds": list(scores.experiment.pools[0].seeds),
+        "unit": scores.unit,
+        "units": scores.units,
+        "scenarios": {name: _entry(score) for name, score in scores.scenarios.items()},
     }
 
 

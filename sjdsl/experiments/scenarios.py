@@ -1,4 +1,5 @@
-"""Scenarios of a game: plays a policy as the focal agents among scripted ones, and scores it between random and the best scripted policy."""
+"""Scenarios of a game: plays a policy as the focal agents among scripted ones, and scores it
+between random and the best scripted policy."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -40,16 +41,18 @@ class Plan:
     scripted: dict[str, int]  # indices of the pools of `random`, the file's policies and `stay`
 
     def describe(self) -> dict[str, Any]:
-        """Returns everything that the results depend on; a policy with a digest is identified by it, wherever its file is."""
-        described = self.experiment.describe()
-        focal = self.experiment.pools[0].describe()
+        """Returns everything that the results depend on, as JSON values.
+
+        A policy with a digest is identified by it, wherever its file is.
+        """
+        description = self.experiment.describe()
+        focal = description["policies"][0]
         if all(player["digest"] for player in focal["players"]):
             focal["name"] = None
-        described["policies"] = [focal, *described["policies"][1:]]
         return {
             "experiment": NAME,
-            "scenarios": {each.name: slots_of(each) for each in self.fitting},
-            **described,
+            "scenarios": {scenario.name: slots_of(scenario) for scenario in self.fitting},
+            **description,
         }
 
 
@@ -62,18 +65,20 @@ def play_scenarios(
     folder: Path | str | None = None,
     tell: Tell = lambda _: None,
 ) -> ScenarioScores:
-    """Plays a policy as the focal agents of scenarios, whose other slots have the policies that the game's file gives them.
+    """Plays a policy as the focal agents of scenarios; the game's file says what the others play.
 
-    Each episode draws who has which slot. For the score, `random`, each policy of the file and `stay` are also played as focal agents, in
-    episodes with the same start. Each seed of a run is played, in episodes of its own.
+    Each episode draws who has which slot. For the score, `random`, each policy of the file and
+    `stay` are also played as focal agents, in episodes with the same start. Each seed of a run is
+    played, in episodes of its own.
 
     Args:
       env: one environment of N agents, two at least, whose game has scenarios.
-      policy: what the focal agents play, as `find_pool` takes it.
+      policy: the policy of the focal agents, as `find_pool` takes it.
       names: the scenarios: `all`, one name or several.
       episodes: E, of each line-up and training seed.
-      seed: of the episodes.
-      folder: where `scenarios.json` is written; scenarios that are in it already, played in the same way, stay. None: nothing is written.
+      seed: the seed of the episodes.
+      folder: where `scenarios.json` is written; scenarios that are in it already, played in the
+        same way, stay. None: nothing is written.
       tell: called with a line before each line-up.
     Raises:
       ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
@@ -90,49 +95,56 @@ def plan_scenarios(
 ) -> Plan:
     """Plans `play_scenarios`, and raises the same errors."""
     check_episodes(episodes)
-    chosen = choose_scenarios(env, names)
-    fitting = tuple(
-        scenario for scenario in scenarios_of(env) if not unfilled(scenario, env.num_agents)
-    )
-    names_of_scripted = (RANDOM, *declared_policies(env), "stay")
-    found = find_pools((policy, *names_of_scripted), env)
-    pools = tuple(dict.fromkeys(found))
+    scenarios = choose_scenarios(env, names)
+    fitting = fitting_scenarios(env)
+    scripted_names = (RANDOM, *declared_policies(env), "stay")
+    focal, *scripted_pools = find_pools((policy, *scripted_names), env)
+    pools = tuple(dict.fromkeys([focal, *scripted_pools]))
     scripted = {
-        name: pools.index(pool) for name, pool in zip(names_of_scripted, found[1:], strict=True)
+        name: pools.index(pool) for name, pool in zip(scripted_names, scripted_pools, strict=True)
     }
     lineups = dict.fromkeys(
-        line_up(scenario, pool, scripted) for scenario in chosen for pool in (0, *scripted.values())
+        line_up(scenario, pool, scripted)
+        for scenario in scenarios
+        for pool in (0, *scripted.values())
     )
     experiment = Experiment(env, pools, tuple(lineups), episodes, seed, permuted=True)
-    return Plan(experiment, chosen, fitting, scripted)
+    return Plan(experiment, scenarios, fitting, scripted)
 
 
 def play_planned(
     plan: Plan, folder: Path | str | None, tell: Tell, name: str = NAME
 ) -> ScenarioScores:
-    """Plays a plan of `plan_scenarios`; see `play_scenarios`. `name`: the name of the results in the folder."""
+    """Plays a plan of `plan_scenarios`; see `play_scenarios`.
+
+    `name` is the name of the results in the folder.
+    """
     if folder is not None:
         require_same(Path(folder) / name, plan.describe())
     parts = play_experiment(plan.experiment, tell)
-    found = ScenarioScores(
+    results = ScenarioScores(
         plan.experiment,
         {scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios},
     )
     if folder is not None:
-        file = Path(folder) / f"{name}.json"
-        known = (
-            (read_json(file) or {}).get("scenarios", {}) if (Path(folder) / name).is_dir() else {}
-        )
-        record_experiment(Path(folder) / name, plan.describe())
-        report = report_of(found)
-        scores = {**known, **report["scenarios"]}
-        ordered = {
-            scenario.name: scores[scenario.name]
-            for scenario in plan.fitting
-            if scenario.name in scores
-        }
-        write_compact_json(file, {**report, "scenarios": ordered})
-    return found
+        write_scenarios(results, plan, Path(folder), name)
+    return results
+
+
+def write_scenarios(results: ScenarioScores, plan: Plan, folder: Path, name: str) -> None:
+    """Writes the description of the experiment and `NAME.json`, which keeps the scenarios that it
+    has.
+    """
+    file = folder / f"{name}.json"
+    entries: dict[str, Any] = {}
+    if (folder / name).is_dir():
+        entries.update((read_json(file) or {}).get("scenarios", {}))
+    record_experiment(folder / name, plan.describe())
+    report = report_of(results)
+    entries.update(report["scenarios"])
+    names = [scenario.name for scenario in plan.fitting]
+    ordered = {scenario: entries[scenario] for scenario in names if scenario in entries}
+    write_compact_json(file, {**report, "scenarios": ordered})
 
 
 def scenarios_of(env: Environment) -> tuple[ir.Scenario, ...]:
@@ -141,60 +153,58 @@ def scenarios_of(env: Environment) -> tuple[ir.Scenario, ...]:
     return () if game is None else game.scenarios
 
 
+def fitting_scenarios(env: Environment) -> tuple[ir.Scenario, ...]:
+    """Returns the scenarios that fit the number of agents."""
+    agents = env.num_agents
+    return tuple(scenario for scenario in scenarios_of(env) if not misfit(scenario, agents))
+
+
 def choose_scenarios(env: Environment, names: str | Sequence[str]) -> tuple[ir.Scenario, ...]:
     """Returns the named scenarios, each once, in the file's order.
 
     Args:
       names: `all`, a name, or several.
     Raises:
-      ExperimentError: the game has one agent or no scenarios, or none is named, or one is unknown or doesn't fit the number of agents.
+      ExperimentError: the game has one agent or no scenarios, or none is named, or one is unknown
+        or doesn't fit the number of agents.
     """
     declared = {scenario.name: scenario for scenario in scenarios_of(env)}
     if env.num_agents < 2:
         raise ExperimentError(
-            f"a scenario needs at least two agents, and {env.name} has one here; ask for more with --agents"
+            f"a scenario needs at least two agents, and {env.name} has one here; "
+            "ask for more with --agents"
         )
     if not declared:
         raise ExperimentError(
             f"{env.name} has no scenarios; write one into the game's file, such as `{EXAMPLE}`"
         )
-    given = several(names)
-    wanted = list(declared) if ALL in given else list(given)
-    if not wanted:
+    chosen = several(names)
+    if not chosen:
         raise ExperimentError("name at least one scenario, or `all`")
-    for name in wanted:
+    if ALL in chosen:
+        chosen = tuple(declared)
+    for name in chosen:
         if name not in declared:
             raise ExperimentError(
                 f"there is no scenario `{name}`{meant(name, declared, f'those of {env.name} are')}"
             )
-        reason = unfilled(declared[name], env.num_agents)
-        if reason:
-            fitting = [
-                scenario.name
-                for scenario in declared.values()
-                if not unfilled(scenario, env.num_agents)
-            ]
-            instead = (
-                f"name another, such as {fitting[0]}"
-                if fitting
-                else "choose another number of agents"
-            )
+        if reason := misfit(declared[name], env.num_agents):
+            remedy = "choose another number of agents"
+            if fitting := fitting_scenarios(env):
+                remedy = f"name another, such as {fitting[0].name}"
             raise ExperimentError(
-                f"the scenario `{name}` doesn't fit {env.num_agents} agents: {reason}; {instead}"
+                f"the scenario `{name}` doesn't fit {env.num_agents} agents: {reason}; {remedy}"
             )
-    return tuple(scenario for scenario in declared.values() if scenario.name in wanted)
+    return tuple(scenario for scenario in declared.values() if scenario.name in chosen)
 
 
-def unfilled(scenario: ir.Scenario, agents: int) -> str:
+def misfit(scenario: ir.Scenario, agents: int) -> str:
     """Returns why a scenario can't be played by this many agents; empty if it can."""
-    numbers = [part.number for part in scenario.slots]
-    least = min(scenario.slots, key=lambda part: part.number)
-    if least.number < 0:
-        return f"it would have {least.number} slots of {least.policy or 'focal agents'}"
-    if sum(numbers) != agents:
-        return f"it has {sum(numbers)} slots"
-    return (
-        ""
-        if any(part.number for part in scenario.slots if not part.policy)
-        else "it has no focal slot"
-    )
+    for slots in scenario.slots:
+        if slots.number < 0:
+            return f"it would have {slots.number} slots of {slots.policy or 'focal agents'}"
+    number = sum(slots.number for slots in scenario.slots)
+    if number != agents:
+        return f"it has {number} slots"
+    has_focal = any(slots.number for slots in scenario.slots if not slots.policy)
+    return "" if has_focal else "it has no focal slot"

@@ -1,4 +1,6 @@
-"""Schelling diagrams: plays k = 0 .. N cooperators among defectors, and writes whether the game is a dilemma."""
+"""Schelling diagrams: plays k = 0 .. N cooperators among defectors, and writes whether the game is
+a dilemma.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -29,16 +31,16 @@ def schelling_diagram(
 ) -> Diagram:
     """Plays k cooperators with N - k defectors for k = 0 .. N.
 
-    Episode e has the same start and the same order of slots for every k; the first k of them cooperate. Seed i of one pool plays with
-    seed i of the other: see `pair_pools`.
+    Episode e has the same start and the same order of slots for every k; the agents in the first k
+    of them cooperate. Seed i of one pool plays with seed i of the other: see `pair_pools`.
 
     Args:
       env: one environment of N agents, at least two.
       cooperators, defectors: policies as `find_pool` takes them.
       episodes: the number for each k and replicate.
       seed: the seed of the episodes.
-      folder: where `schelling.json`, `.png` and `.svg` are written: a new or empty folder, or one of the same experiment. None: nothing is
-        written.
+      folder: where `schelling.json`, `.png` and `.svg` are written: a new or empty folder, or one
+        of the same experiment. None: nothing is written.
       tell: called with a line before each line-up.
     Raises:
       ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
@@ -48,14 +50,15 @@ def schelling_diagram(
 
 def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) -> Diagram:
     """Plays a plan of `plan_diagram`; see `schelling_diagram`."""
-    asked = {"experiment": "schelling", **experiment.describe()}
+    description = {"experiment": "schelling", **experiment.describe()}
     if folder is not None:
-        require_same(Path(folder), asked)
+        require_same(Path(folder), description)
     parts = play_experiment(experiment, tell)
-    found = Diagram(experiment, returns_of(parts, experiment.env.num_agents, experiment.replicates))
+    returns = returns_of(parts, experiment.env.num_agents, experiment.replicates)
+    diagram = Diagram(experiment, returns)
     if folder is not None:
-        write_diagram(found, Path(folder), asked)
-    return found
+        write_diagram(diagram, Path(folder), description)
+    return diagram
 
 
 def plan_diagram(
@@ -70,23 +73,22 @@ def plan_diagram(
     slots = env.num_agents
     if slots < 2:
         raise ExperimentError(
-            f"a Schelling diagram needs at least two agents, and {env.name} has one here; ask for more with --agents"
+            f"a Schelling diagram needs at least two agents, and {env.name} has one here; "
+            "ask for more with --agents"
         )
     pools = find_pools((cooperators, defectors), env)
-    return Experiment(
-        env,
-        pools,
-        tuple(cooperating(k, slots) for k in range(slots + 1)),
-        episodes,
-        seed,
-        permuted=True,
-    )
+    lineups = tuple(cooperating(k, slots) for k in range(slots + 1))
+    return Experiment(env, pools, lineups, episodes, seed, permuted=True)
 
 
-def write_diagram(found: Diagram, folder: Path, asked: Mapping[str, Any]) -> None:
-    """Writes what the results depend on, `schelling.png`, `schelling.svg` and `schelling.json`, each atomically, the last one last."""
-    pictures = {ending: picture_bytes(draw_diagram(found), ending) for ending in FORMATS}
-    record_experiment(folder, asked)
+def write_diagram(diagram: Diagram, folder: Path, description: Mapping[str, Any]) -> None:
+    """Writes the description of the experiment, `schelling.png`, `schelling.svg` and
+    `schelling.json`.
+
+    Each file is written atomically. The last one marks the experiment as complete.
+    """
+    pictures = {ending: picture_bytes(draw_diagram(diagram), ending) for ending in FORMATS}
+    record_experiment(folder, description)
     for ending, picture in pictures.items():
         write_whole(folder / f"schelling.{ending}", picture)
-    write_compact_json(folder / DIAGRAM, report_of(found))
+    write_compact_json(folder / DIAGRAM, report_of(diagram))

@@ -1,7 +1,12 @@
-"""Many policies as one program: networks of one shape are stacked, and each slot acts by its own parameters."""
+"""Many policies as one program: networks of one shape are stacked, and each slot acts by its own
+parameters.
+"""
 
-from collections.abc import Callable, Sequence
+import operator
+from collections import Counter
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import jax
@@ -26,57 +31,70 @@ class Stack:
 
     @property
     def parameters(self) -> Any:
-        """Leaves `[G, ...]`."""
-        return jax.tree.map(
-            lambda *leaves: jnp.stack(leaves), *(player.parameters for player in self.players)
-        )
+        """The parameters of all players, stacked: leaves `[G, ...]`."""
+        parameters = [player.parameters for player in self.players]
+        return jax.tree.map(lambda *leaves: jnp.stack(leaves), *parameters)
 
     def example(self) -> MemoryPolicy:
-        """Returns the policy of its first player: all have the same initial memory and read the same inputs."""
+        """Returns the policy of its first player.
+
+        All its players have the same initial memory and read the same inputs.
+        """
         return with_memory(self.players[0].policy_of(self.players[0].parameters))
 
 
 @dataclass(frozen=True)
 class Seats:
-    """Who plays: the players `[M]` int32 of each stack that are computed, and the column `[N]` of each member among all of them."""
+    """Where the members of a line-up are computed.
 
-    chosen: tuple[np.ndarray, ...]
-    columns: np.ndarray
+    The players that are computed, those of all stacks one after the other, are columns.
+    """
+
+    chosen: tuple[np.ndarray, ...]  # [M] int32 of each stack: the players that are computed
+    columns: np.ndarray  # [N] int32: the column of each member
 
     @property
-    def alone(self) -> np.int32:
-        """The column of the only player of a line-up; -1 if there are several."""
+    def only_column(self) -> np.int32:
+        """The column of the only player of a line-up; -1 if there are several players."""
         return self.columns[0] if (self.columns == self.columns[0]).all() else np.int32(-1)
 
 
 def make_stacks(lineups: Sequence[Sequence[Player]]) -> tuple[Stack, ...]:
     """Returns the players of all line-ups, those of one kind together."""
-    kinds: dict[Any, dict[Player, None]] = {}
-    for player in (player for lineup in lineups for player in lineup):
-        kinds.setdefault(player.kind, {})[player] = None
-    most = {
-        kind: max(len({player for player in lineup if player.kind == kind}) for lineup in lineups)
-        for kind in kinds
-    }
-    return tuple(Stack(tuple(players), most[kind]) for kind, players in kinds.items())
+    kinds: dict[Hashable, dict[Player, None]] = {}
+    at_once: Counter[Hashable] = Counter()
+    for lineup in lineups:
+        distinct = dict.fromkeys(lineup)
+        for player in distinct:
+            kinds.setdefault(player.kind, {})[player] = None
+        at_once |= Counter(player.kind for player in distinct)  # keeps the larger count
+    return tuple(Stack(tuple(players), at_once[kind]) for kind, players in kinds.items())
 
 
 def find_seats(stacks: Sequence[Stack], lineup: Sequence[Player]) -> Seats:
-    """Returns where the members of a line-up are computed; a stack with fewer than M of them also computes its first player."""
+    """Returns where the members of a line-up are computed.
+
+    A stack with fewer than M of them computes its first player in the columns that are left.
+    """
     column_of: dict[Player, int] = {}
-    chosen, first = [], 0
+    chosen = []
+    first_column = 0
     for stack in stacks:
-        present = [number for number, player in enumerate(stack.players) if player in lineup]
-        column_of |= {stack.players[number]: first + place for place, number in enumerate(present)}
-        chosen.append(np.array(present + [0] * (stack.at_once - len(present)), np.int32))
-        first += stack.at_once
+        players = np.zeros(stack.at_once, np.int32)
+        in_lineup = [index for index, player in enumerate(stack.players) if player in lineup]
+        players[: len(in_lineup)] = in_lineup
+        chosen.append(players)
+        for column, index in enumerate(in_lineup, first_column):
+            column_of[stack.players[index]] = column
+        first_column += stack.at_once
     return Seats(tuple(chosen), np.array([column_of[player] for player in lineup], np.int32))
 
 
 def make_player_of_lineups(
     env: Environment, lineups: Sequence[Sequence[Player]], episodes: int
 ) -> PlayLineup:
-    """Returns a function that plays E episodes of one of the line-ups, compiled once for all of them.
+    """Returns a function that plays E episodes of one of the line-ups, compiled once for all of
+    them.
 
     Args:
       env: one environment of N agents.
@@ -87,93 +105,117 @@ def make_player_of_lineups(
     stacks = make_stacks(lineups)
     parameters = [stack.parameters for stack in stacks]
 
-    def start(given: Any) -> Any:
-        """Returns the memory of all episodes before their first step: `[E, N]` columns, and the memory `[E, M, ...]` of each stack."""
-        column_of_slot = given[3]
+    def initial_memory(arguments: Any) -> Any:
+        """Returns the memory of all episodes before their first step.
 
-        def of(stack: Stack) -> Any:
-            return jax.tree.map(
-                lambda leaf: jnp.broadcast_to(leaf, (episodes, stack.at_once, *jnp.shape(leaf))),
-                stack.example().start,
-            )
-
-        return column_of_slot, tuple(of(stack) for stack in stacks)
+        It is the column `[E, N]` of each slot, and the memory `[E, M, ...]` of each stack.
+        """
+        *_, column_of_slot = arguments
+        memories = []
+        for stack in stacks:
+            shape = (episodes, stack.at_once)
+            repeat = partial(_repeat, shape)
+            memories.append(jax.tree.map(repeat, stack.example().start))
+        return column_of_slot, tuple(memories)
 
     evaluator = make_evaluator(
-        env, lambda given: _seated(stacks, *given[:3]), episodes, memory_of=start
+        env,
+        lambda arguments: _lineup_policy(stacks, *arguments[:3]),
+        episodes,
+        memory_of=initial_memory,
     )
 
     def play(key: Array, lineup: Sequence[Player], order: np.ndarray) -> Evaluation:
         seats = find_seats(stacks, lineup)
         column_of_slot = np.empty_like(order)
-        np.put_along_axis(
-            column_of_slot, order, np.broadcast_to(seats.columns, order.shape), axis=1
-        )
-        return evaluator(key, (parameters, seats.chosen, seats.alone, column_of_slot))
+        columns = np.broadcast_to(seats.columns, order.shape)
+        np.put_along_axis(column_of_slot, order, columns, axis=1)
+        return evaluator(key, (parameters, seats.chosen, seats.only_column, column_of_slot))
 
     return play
 
 
-def _seated(
-    stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence[Array], alone: Array
-) -> MemoryPolicy:
-    """Returns the policy in which each slot acts by the column in its memory; every player computes actions for all N agents.
+def _repeat(shape: tuple[int, ...], leaf: Any) -> Array:
+    return jnp.broadcast_to(leaf, (*shape, *jnp.shape(leaf)))
 
-    A player that is `alone` draws with the key itself, so that a policy mixed with itself acts as it does in an evaluation.
+
+def _lineup_policy(
+    stacks: Sequence[Stack], parameters: Sequence[Any], chosen: Sequence[Array], only_column: Array
+) -> MemoryPolicy:
+    """Returns the policy of a line-up: each slot takes the action of the column in its memory.
+
+    Every column computes actions for all N agents. The only player of a line-up draws with the key
+    itself, so that a policy mixed with itself acts as it does in an evaluation.
+
+    Args:
+      parameters: of all players of each stack.
+      chosen, only_column: those of `Seats`.
     """
     examples = [stack.example() for stack in stacks]
-    playing = [
-        jax.tree.map(lambda leaf, own=own: leaf[own], leaves)
-        for leaves, own in zip(parameters, chosen, strict=True)
+    chosen_parameters = [
+        jax.tree.map(operator.itemgetter(players), leaves)
+        for leaves, players in zip(parameters, chosen, strict=True)
     ]
-    number = sum(stack.at_once for stack in stacks)
+    num_columns = sum(stack.at_once for stack in stacks)
 
-    def act(memory: Any, key: Array, observation: Array, *given: Any) -> tuple[Any, Array]:
-        allowed, state = seated.given(given)
+    def act(memory: Any, key: Array, observation: Array, *needed: Any) -> tuple[Any, Array]:
+        allowed, state = policy.given(needed)
         column_of_slot, memories = memory
-        keys = _keys(key, number, alone)
-        after, actions, first = [], [], 0
-        for stack, example, own, before in zip(stacks, examples, playing, memories, strict=True):
-            seen = (observation, *example.needs(allowed, state))
-            own_keys = keys[first : first + stack.at_once]
-            remembered, taken = _act_together(stack, own, before, own_keys, seen)
-            after.append(remembered)
-            actions.append(taken)
+        keys = _keys(key, num_columns, only_column)
+        next_memories = []
+        actions = []
+        first = 0
+        for index, stack in enumerate(stacks):
+            inputs = (observation, *examples[index].needs(allowed, state))
+            stack_keys = keys[first : first + stack.at_once]
+            next_memory, stack_actions = _act_together(
+                stack, chosen_parameters[index], memories[index], stack_keys, inputs
+            )
+            next_memories.append(next_memory)
+            actions.append(stack_actions)
             first += stack.at_once
         by_column = jnp.concatenate(actions)
-        return (column_of_slot, tuple(after)), jnp.take_along_axis(
-            by_column, column_of_slot[None], axis=0
-        )[0]
+        by_slot = jnp.take_along_axis(by_column, column_of_slot[None], axis=0)[0]
+        return (column_of_slot, tuple(next_memories)), by_slot
 
-    seated = MemoryPolicy(
-        (), act, any(e.reads_allowed for e in examples), any(e.reads_state for e in examples)
+    policy = MemoryPolicy(
+        (),
+        act,
+        reads_allowed=any(example.reads_allowed for example in examples),
+        reads_state=any(example.reads_state for example in examples),
     )
-    return seated
+    return policy
 
 
-def _keys(key: Array, number: int, alone: Array) -> Array:
-    """Returns a key for each column; for the column `alone` it is the key itself, and the draws of the others are not used."""
-    if number == 1:
+def _keys(key: Array, num_columns: int, only_column: Array) -> Array:
+    """Returns a key for each column; `only_column` has the key itself, and then the others aren't
+    used.
+    """
+    if num_columns == 1:
         return key[None]
-    words = jax.random.key_data(jax.random.split(key, number))
-    mine = (jnp.arange(number) == alone)[:, None]
-    chosen = jnp.where(mine, jax.random.key_data(key)[None], words)
-    keys: Array = jax.random.wrap_key_data(chosen, impl=jax.random.key_impl(key))
+    split_bits = jax.random.key_data(jax.random.split(key, num_columns))
+    is_only = (jnp.arange(num_columns) == only_column)[:, None]
+    bits = jnp.where(is_only, jax.random.key_data(key)[None], split_bits)
+    keys: Array = jax.random.wrap_key_data(bits, impl=jax.random.key_impl(key))
     return keys
 
 
 def _act_together(
-    stack: Stack, parameters: Any, memory: Any, keys: Array, seen: tuple[Array, ...]
+    stack: Stack, parameters: Any, memory: Any, keys: Array, inputs: tuple[Array, ...]
 ) -> tuple[Any, Array]:
-    """Returns the next memory `[M, ...]` and the actions `[M, N]` of the M computed players of a stack."""
+    """Returns the next memory `[M, ...]` and the actions `[M, N]` of the M computed players of a
+    stack.
+    """
 
-    def one(parameters: Any, memory: Any, key: Array) -> tuple[Any, Array]:
-        after, actions = with_memory(stack.players[0].policy_of(parameters)).act(memory, key, *seen)
-        return after, jnp.asarray(actions, jnp.int32)
+    def act_alone(parameters: Any, memory: Any, key: Array) -> tuple[Any, Array]:
+        policy = with_memory(stack.players[0].policy_of(parameters))
+        next_memory, actions = policy.act(memory, key, *inputs)
+        return next_memory, jnp.asarray(actions, jnp.int32)
 
-    if stack.at_once == 1:  # vmap over a single network would turn its convolutions into a loop
-        own, before = jax.tree.map(lambda leaf: leaf[0], (parameters, memory))
-        after, actions = one(own, before, keys[0])
-        return jax.tree.map(lambda leaf: leaf[None], after), actions[None]
-    after, actions = jax.vmap(one)(parameters, memory, keys)
-    return after, actions
+    if stack.at_once > 1:
+        next_memory, actions = jax.vmap(act_alone)(parameters, memory, keys)
+        return next_memory, actions
+    # vmap over a single network would turn its convolutions into a loop.
+    only_parameters, only_memory = jax.tree.map(operator.itemgetter(0), (parameters, memory))
+    next_memory, actions = act_alone(only_parameters, only_memory, keys[0])
+    return jax.tree.map(lambda leaf: leaf[None], next_memory), actions[None]

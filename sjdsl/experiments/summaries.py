@@ -10,67 +10,70 @@ from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores
 from sjdsl.trainers.policies.estimates import Estimate
 
 
-def diagram_text(found: Diagram) -> str:
+def diagram_text(diagram: Diagram) -> str:
     """Returns the diagram as text: both lines, the contrasts and the verdict."""
-    cooperators, defectors = found.experiment.pools
+    cooperators, defectors = diagram.experiment.pools
     lines = [("others who cooperate", "C: cooperating", "D: defecting", "D - C", "preferred")]
-    for others, (c, d, (difference, preferred)) in enumerate(
-        zip(found.cooperating, found.defecting, found.preferences, strict=True)
-    ):
-        lines.append(
-            (str(others), _with_bounds(c), _with_bounds(d), _with_bounds(difference), preferred)
-        )
+    cooperating = diagram.cooperating
+    defecting = diagram.defecting
+    for others, (difference, preferred) in enumerate(diagram.preferences):
+        figures = (cooperating[others], defecting[others], difference)
+        lines.append((str(others), *map(_with_bounds, figures), preferred))
     contrasts = [
-        (name, _with_bounds(figure), IN_WORDS[name]) for name, figure in found.contrasts.items()
+        (name, _with_bounds(figure), IN_WORDS[name]) for name, figure in diagram.contrasts.items()
     ]
     parts = [
-        f"\n{found.experiment.title}: cooperators {cooperators.name}, defectors {defectors.name}; {found.population}",
+        f"\n{diagram.experiment.title}: cooperators {cooperators.name}, "
+        f"defectors {defectors.name}; {diagram.population}",
         f"mean return of an agent, with 95 % intervals\n{_in_columns(lines)}",
         f"contrasts, with intervals that hold at 95 % together\n{_in_columns(contrasts)}",
-        "\n".join(filter(None, (f"verdict: {_verdict(found)}", found.caution))),
+        f"verdict: {_verdict(diagram)}",
     ]
-    return "\n\n".join(parts)
+    text = "\n\n".join(parts)
+    return f"{text}\n{diagram.caution}" if diagram.caution else text
 
 
-def _verdict(found: Diagram) -> str:
-    verdict, unit = found.verdict, found.returns.unit
+def _verdict(diagram: Diagram) -> str:
+    verdict = diagram.verdict
+    unit = diagram.returns.unit
     match verdict.outcome:
         case "dilemma":
             return f"dilemma, {verdict.shape}: {verdict.reason}"
         case "no dilemma":
             return f"no dilemma: {verdict.reason}"
-    if found.units < 2:
+    if diagram.units < 2:
         return f"undecided: one {unit} has no spread; play at least two"
-    wanted = (
-        f"about {verdict.wanted:,} {unit}s" if verdict.wanted else f"no feasible number of {unit}s"
+    number = f"about {verdict.wanted:,}" if verdict.wanted else "no feasible number of"
+    return (
+        f"undecided: {verdict.reason}; {number} {unit}s would probably settle it, "
+        f"and there are {diagram.units:,}"
     )
-    return f"undecided: {verdict.reason}; {wanted} would probably settle it, and there are {found.units:,}"
 
 
-def crossplay_text(found: CrossPlay) -> str:
-    """Returns the return of each policy in each mixture, as text, and which policies the short names in it stand for."""
-    experiment, names = found.experiment, found.short_names
+def crossplay_text(results: CrossPlay) -> str:
+    """Returns the return of each policy in each mixture, as text, and the full names of the
+    policies whose names are shortened in it."""
+    experiment = results.experiment
+    names = results.short_names
     rows = [("mixture", "policy", "return of an agent")]
     for lineup in experiment.lineups:
-        for number, figure in found.estimates(lineup).items():
-            rows.append((found.mixture(lineup, names), names[number], _with_bounds(figure)))
-    over = (
-        f"{experiment.replicates} training seeds"
-        if experiment.replicates > 1
-        else f"{experiment.episodes} episodes, of these policies only"
-    )
-    if len({found.unit_of(lineup) for lineup in experiment.lineups}) > 1:
-        over += f"; of mixtures without a trained policy over {experiment.episodes * experiment.replicates} episodes"
-    table = f"\n{experiment.title}: means with 95 % intervals over {over}\n{_in_columns(rows)}"
+        for index, figure in results.estimates(lineup).items():
+            rows.append((results.mixture(lineup, names), names[index], _with_bounds(figure)))
+    samples = f"{experiment.episodes} episodes, of these policies only"
+    if experiment.replicates > 1:
+        samples = f"{experiment.replicates} training seeds"
+    if len({results.unit_of(lineup) for lineup in experiment.lineups}) > 1:
+        episodes = experiment.episodes * experiment.replicates
+        samples += f"; of mixtures without a trained policy over {episodes} episodes"
+    table = f"\n{experiment.title}: means with 95 % intervals over {samples}\n{_in_columns(rows)}"
     shortened = [
-        (short, name) for short, name in zip(names, found.names, strict=True) if short != name
+        (short, name) for short, name in zip(names, results.names, strict=True) if short != name
     ]
     return f"{table}\n\nthe policies\n{_in_columns(shortened)}" if shortened else table
 
 
-def scenarios_text(found: ScenarioScores) -> str:
+def scenarios_text(scores: ScenarioScores) -> str:
     """Returns the returns and scores of the focal policy in each requested scenario, as text."""
-    agents = found.experiment.env.num_agents
     rows = [
         (
             "scenario",
@@ -83,37 +86,40 @@ def scenarios_text(found: ScenarioScores) -> str:
         )
     ]
     cautions = []
-    for name in found.scenarios:
-        score = found[name]
-        background = "none" if score.background is None else _with_bounds(score.background)
-        best = f"{score.baseline(score.best).mean:.4g}, {score.best}"
-        shown = "undefined" if score.score is None else f"{score.score:.3g}"
-        random = f"{score.baseline(RANDOM).mean:.4g}"
+    for name, score in scores.scenarios.items():
         rows.append(
             (
                 name,
-                f"{score.number_focal} of {agents}",
+                f"{score.number_focal} of {scores.experiment.env.num_agents}",
                 _with_bounds(score.focal),
-                background,
-                random,
-                best,
-                shown,
+                "none" if score.background is None else _with_bounds(score.background),
+                f"{score.baseline(RANDOM).mean:.4g}",
+                f"{score.baseline(score.best).mean:.4g}, {score.best}",
+                "undefined" if score.score is None else f"{score.score:.3g}",
             )
         )
-        cautions += [f"{name}: {score.caution}"] if score.caution else []
-    head = f"\n{found.experiment.title}: focal agents play {found.policy}; mean returns of an agent, with 95 % intervals over {found.population}"
-    said = "score: (focal - random) / (best scripted - random), where random and best scripted play the focal agents of the same scenario"
-    return "\n".join([head, _in_columns(rows), said, *cautions])
+        if score.caution:
+            cautions.append(f"{name}: {score.caution}")
+    title = (
+        f"\n{scores.experiment.title}: focal agents play {scores.policy}; mean returns of an "
+        "agent, "
+        f"with 95 % intervals over {scores.population}"
+    )
+    definition = (
+        "score: (focal - random) / (best scripted - random), where random and best scripted play "
+        "the focal agents of the same scenario"
+    )
+    return "\n".join([title, _in_columns(rows), definition, *cautions])
 
 
 def _in_columns(rows: Sequence[Sequence[str]]) -> str:
     """Returns rows of cells as lines, each column as wide as its widest cell."""
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return "\n".join(
-        "  "
-        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    )
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = []
+    for row in rows:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        lines.append(f"  {'  '.join(cells)}".rstrip())
+    return "\n".join(lines)
 
 
 def _with_bounds(figure: Estimate) -> str:

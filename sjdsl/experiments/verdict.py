@@ -1,4 +1,5 @@
-"""Whether a Schelling diagram shows a dilemma, by the intervals of its four contrasts; and how many samples would settle it."""
+"""Whether a Schelling diagram shows a dilemma, by the intervals of its four contrasts; and how many
+samples would settle it."""
 
 import math
 from bisect import bisect_left
@@ -13,8 +14,10 @@ from sjdsl.experiments.contrasts import CONFIDENCE, JOINT_CONFIDENCE, estimate_c
 from sjdsl.trainers.policies.estimates import Estimate
 
 Outcome = Literal["dilemma", "no dilemma", "undecided"]
-POWER = 0.9  # probability of settling each deciding contrast, if the means and deviations found were the true ones
-MOST = 10**4  # samples; more are out of reach in practice
+# Probability of settling each deciding contrast if the means and deviations of the samples were the
+# true ones.
+POWER = 0.9
+MAX_SAMPLES = 10**4  # more are out of reach in practice
 
 
 @dataclass(frozen=True)
@@ -25,43 +28,39 @@ class Verdict:
     fear: bool  # by its lower bound
     greed: bool  # by its lower bound
     reason: str  # which bounds decide, in a sentence
-    wanted: int | None = (
-        None  # total samples that would probably settle it; None if it is settled, or no number would
-    )
-    without_spread: tuple[
-        str, ...
-    ] = ()  # contrasts it rests on whose samples are all equal, so their intervals have no width
+    # Total samples that would probably settle it; None if it is settled, or if no number would.
+    wanted: int | None = None
+    # Contrasts it rests on whose samples are all equal, so that their intervals have no width.
+    without_spread: tuple[str, ...] = ()
 
     @property
     def shape(self) -> str:
-        """Which of fear and greed are present by their lower bounds: `fear and greed`, `fear`, `greed` or `neither`."""
-        return (
-            " and ".join(
-                name for name, there in (("fear", self.fear), ("greed", self.greed)) if there
-            )
-            or "neither"
-        )
+        """Which of fear and greed are present by their lower bounds: `fear and greed`, `fear`,
+        `greed` or `neither`."""
+        if self.fear:
+            return "fear and greed" if self.greed else "fear"
+        return "greed" if self.greed else "neither"
 
 
 def judge(samples: Mapping[str, np.ndarray]) -> Verdict:
-    """Returns the verdict, at 95 % confidence, on the samples `[units]` of the contrasts A, B, fear and greed."""
-    found = estimate_contrasts(samples)
-    outcome = outcome_of(found)
-    fear, greed = found["fear"].low > 0, found["greed"].low > 0
-    wanted = samples_wanted(samples) if outcome == "undecided" else None
+    """Returns the verdict, at 95 % confidence, on the samples `[units]` of the contrasts A, B, fear
+    and greed."""
+    contrasts = estimate_contrasts(samples)
+    outcome = outcome_of(contrasts)
     return Verdict(
         outcome,
-        fear,
-        greed,
-        _reason(outcome, found),
-        wanted,
-        _without_spread(outcome, found, samples),
+        fear=contrasts["fear"].low > 0,
+        greed=contrasts["greed"].low > 0,
+        reason=_reason(outcome, contrasts),
+        wanted=samples_wanted(samples) if outcome == "undecided" else None,
+        without_spread=_without_spread(outcome, contrasts, samples),
     )
 
 
-def outcome_of(found: Mapping[str, Estimate]) -> Outcome:
-    """Returns the verdict on intervals: a dilemma by lower bounds, none by upper bounds, else undecided."""
-    a, b, fear, greed = (found[name] for name in ("A", "B", "fear", "greed"))
+def outcome_of(contrasts: Mapping[str, Estimate]) -> Outcome:
+    """Returns the verdict on intervals: a dilemma by lower bounds, none by upper bounds, else
+    undecided."""
+    a, b, fear, greed = (contrasts[name] for name in ("A", "B", "fear", "greed"))
     if a.low > 0 and b.low > 0 and (fear.low > 0 or greed.low > 0):
         return "dilemma"
     if a.high <= 0 or b.high <= 0 or (fear.high <= 0 and greed.high <= 0):
@@ -70,45 +69,47 @@ def outcome_of(found: Mapping[str, Estimate]) -> Outcome:
 
 
 def _without_spread(
-    outcome: Outcome, found: Mapping[str, Estimate], samples: Mapping[str, np.ndarray]
+    outcome: Outcome, contrasts: Mapping[str, Estimate], samples: Mapping[str, np.ndarray]
 ) -> tuple[str, ...]:
-    """Returns the contrasts with all-equal samples that a verdict rests on; none if it would be the same whatever they are."""
+    """Returns the contrasts with all-equal samples that a verdict rests on.
+
+    There are none if the verdict would be the same whatever these contrasts are.
+    """
     equal = {name for name, values in samples.items() if len(values) > 1 and not _deviation(values)}
-    unknown = {
-        name: Estimate(figure.mean, -math.inf, math.inf) if name in equal else figure
-        for name, figure in found.items()
-    }
-    if outcome == "undecided" or outcome_of(unknown) == outcome:
+    unknown = Estimate(math.nan, -math.inf, math.inf)
+    others = {name: unknown if name in equal else figure for name, figure in contrasts.items()}
+    if outcome == "undecided" or outcome_of(others) == outcome:
         return ()
-    decide = [
-        name
-        for name in found
-        if (found[name].low > 0 if outcome == "dilemma" else found[name].high <= 0)
-    ]
-    return tuple(name for name in decide if name in equal)
+    above, below = _decided(contrasts)
+    return tuple(name for name in (above if outcome == "dilemma" else below) if name in equal)
+
+
+def _decided(contrasts: Mapping[str, Estimate]) -> tuple[list[str], list[str]]:
+    """Returns the contrasts whose lower bounds are above 0, and those whose upper bounds aren't."""
+    above = [name for name, figure in contrasts.items() if figure.low > 0]
+    below = [name for name, figure in contrasts.items() if figure.high <= 0]
+    return above, below
 
 
 def share_that_may_differ(number: int) -> float:
-    """Returns the 95 % upper bound of the share of further samples that may differ, after `number` equal ones.
+    """Returns the 95 % upper bound of the share of further samples that may differ, after `number`
+    equal ones.
 
     Source: the exact binomial bound after no events, Clopper and Pearson 1934.
     """
     return float(1 - (1 - CONFIDENCE) ** (1 / number))
 
 
-def _reason(outcome: Outcome, found: Mapping[str, Estimate]) -> str:
-    above = [name for name, figure in found.items() if figure.low > 0]
-    below = [name for name, figure in found.items() if figure.high <= 0]
-    match outcome:
-        case "dilemma":
-            return f"the lower bounds of {listed(above)} are above 0"
-        case "no dilemma":
-            return (
-                f"the upper bound of {listed(below)} is not above 0"
-                if len(below) == 1
-                else f"{listed(below)} are not above 0 by upper bounds"
-            )
-    return f"0 is inside the interval of {listed([name for name in found if name not in (*above, *below)])}"
+def _reason(outcome: Outcome, contrasts: Mapping[str, Estimate]) -> str:
+    above, below = _decided(contrasts)
+    if outcome == "dilemma":
+        return f"the lower bounds of {listed(above)} are above 0"
+    if outcome == "no dilemma":
+        if len(below) == 1:
+            return f"the upper bound of {below[0]} is not above 0"
+        return f"{listed(below)} are not above 0 by upper bounds"
+    undecided = [name for name in contrasts if name not in (*above, *below)]
+    return f"0 is inside the interval of {listed(undecided)}"
 
 
 def listed(names: Sequence[str]) -> str:
@@ -117,42 +118,39 @@ def listed(names: Sequence[str]) -> str:
 
 
 def samples_wanted(samples: Mapping[str, np.ndarray]) -> int | None:
-    """Returns how many samples in total would probably settle the verdict; None if their spread is unknown, or no number would.
+    """Returns how many samples in total would probably settle the verdict; None if their spread is
+    unknown, or if no number would.
 
-    With that many samples, each deciding contrast would be settled with probability 0.9 if the means and standard deviations found were the
-    true ones.
+    With that many samples, each deciding contrast would be settled with probability 0.9 if the
+    means and standard deviations of the samples were the true ones.
     """
     number = len(samples["A"])
     if number < 2:
         return None
-    figures = {name: (float(values.mean()), _deviation(values)) for name, values in samples.items()}
 
-    def settled(count: int) -> bool:
-        narrow = {
-            name: Estimate(mean, *_probable_bounds(mean, spread, count))
-            for name, (mean, spread) in figures.items()
-        }
-        return outcome_of(narrow) != "undecided"
+    def is_settled(count: int) -> bool:
+        estimates = {name: _probable_estimate(values, count) for name, values in samples.items()}
+        return outcome_of(estimates) != "undecided"
 
-    low, high = number, number + 1  # bisection: once settled, more samples leave it settled
-    while not settled(high):
+    # Bisection: if some number of samples settles the verdict, so does any larger number.
+    low, high = number, number + 1
+    while not is_settled(high):
         low, high = high, 2 * high
-        if low > MOST:
+        if low > MAX_SAMPLES:
             return None
-    return low + 1 + bisect_left(range(low + 1, high), True, key=settled)
+    return low + 1 + bisect_left(range(low + 1, high), True, key=is_settled)
 
 
 def _deviation(values: np.ndarray) -> float:
     return 0.0 if (values == values[0]).all() else float(values.std(ddof=1))
 
 
-def _probable_bounds(mean: float, deviation: float, count: int) -> tuple[float, float]:
-    """Returns bounds that `count` samples would probably reach or improve on."""
-    margin = (
-        float(stats.t.ppf(0.5 + JOINT_CONFIDENCE / 2, count - 1) + stats.norm.ppf(POWER))
-        * deviation
-        / math.sqrt(count)
-        if deviation
-        else 0.0
-    )
-    return mean - margin, mean + margin
+def _probable_estimate(samples: np.ndarray, count: int) -> Estimate:
+    """Returns the estimate whose bounds `count` samples would probably reach or improve on.
+
+    It has the mean and the standard deviation of `samples`.
+    """
+    mean = float(samples.mean())
+    deviations = stats.t.ppf(0.5 + JOINT_CONFIDENCE / 2, count - 1) + stats.norm.ppf(POWER)
+    margin = float(deviations) * _deviation(samples) / math.sqrt(count)
+    return Estimate(mean, mean - margin, mean + margin)

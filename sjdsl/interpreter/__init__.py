@@ -1,1 +1,2 @@
-"""The reference interpreter: the semantics of a game in plain Python, slow and simple, written from the manual alone."""
+"""The reference interpreter: the semantics of a game in plain Python, slow and simple, written from
+the manual alone."""

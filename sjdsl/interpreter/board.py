@@ -1,4 +1,6 @@
-"""The constant parts of a game: the kind of every cell, the cells of every kind, declarations by name."""
+"""The constant parts of a game: the kind of every cell, the cells of every kind, declarations by
+name.
+"""
 
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -18,25 +20,22 @@ from sjdsl.interpreter.state import Cell, Herd, Pool, Value, World, field_value
 
 @dataclass(frozen=True, eq=False)
 class Board:
-    """A game with its map read.
-
-    kind_of: every cell of the map. cells: those of a kind, in reading order. number: of a cell among its own kind's.
-    pools: a `send` of each pool of sends, the first one with `after` if there is one; start first, then in the order of the schedule.
-    fields: those declared, by whose they are (a kind, a sort of movers, `agent` or `world`) and their names.
-    moving: the phases in which agents move, by their identity.
-    closed: whether an expression names nothing around it, as far as asked, by its identity.
-    read: what an observable reads, as far as asked, by its identity.
-    """
+    """A game with its map as a table of cells."""
 
     game: ir.Game
-    kind_of: dict[Cell, str]
-    cells: dict[str, tuple[Cell, ...]]
-    number: dict[Cell, int]
+    kind_of: dict[Cell, str]  # of every cell of the map
+    cells: dict[str, tuple[Cell, ...]]  # those of a kind, in reading order
+    number: dict[Cell, int]  # of a cell among those of its kind
     kinds: dict[str, ir.Kind]
     shapes: dict[str, ir.Shape]
+    # By their owners (a kind, an entity type of movers, `agent` or `world`) and their names.
     fields: dict[tuple[str, str], ir.VarField]
+    # A `send` of each pool, the first one with `after` if there is one; those of the phase `start`
+    # first, then in the order of the schedule.
     pools: dict[Pool, ir.Send]
-    moving: frozenset[int]
+    moving: frozenset[int]  # the identities of the phases in which agents move
+    # Caches by identity: whether an expression has no free variables, and the expression that an
+    # observable shows.
     closed: dict[int, tuple[ir.Expr, bool]] = field(default_factory=dict)
     read: dict[int, tuple[ir.Observable, ir.Expr]] = field(default_factory=dict)
 
@@ -46,12 +45,12 @@ class Board:
 
     @cached_property
     def planes(self) -> tuple[planes.Plane, ...]:
-        """What an observation shows."""
+        """The planes of an observation."""
         return planes.planes(self.game)
 
     @cached_property
     def content_codes(self) -> dict[str, int]:
-        """The number that stands for each look of a cell."""
+        """The token of each label of the content plane."""
         return {label: code for code, label in enumerate(planes.content_labels(self.game))}
 
     @cached_property
@@ -60,24 +59,34 @@ class Board:
         return marking_phases(self.game)
 
     def at(self, row: int, col: int) -> Cell | None:
-        """Returns the cell of the map at a place, which may lie beyond the edges; None if there is none."""
+        """Returns the cell at a place, which may lie beyond the edges of the map; None if there is
+        none.
+        """
         if self.game.wraps:
             row, col = row % len(self.game.rows), col % len(self.game.rows[0])
         cell = Cell(row, col)
         return cell if cell in self.kind_of else None
 
     def apart(self, a: Cell, b: Cell) -> tuple[int, int]:
-        """Returns how many rows down and columns to the right b is from a: the shorter way round, the positive one of two equal ways."""
+        """Returns how many rows down and columns to the right b is from a.
+
+        On a map that wraps, that is the shorter way round; the positive one of two equal ways.
+        """
         rows, cols = b.row - a.row, b.col - a.col
         if not self.game.wraps:
             return rows, cols
         height, width = len(self.game.rows), len(self.game.rows[0])
-        rows, cols = rows % height, cols % width
-        return rows - height * (2 * rows > height), cols - width * (2 * cols > width)
+        return _shorter_way(rows, height), _shorter_way(cols, width)
 
     def steps(self, a: Cell, b: Cell) -> int:
         """Returns the steps between two cells along rows and columns."""
         return sum(map(abs, self.apart(a, b)))
+
+
+def _shorter_way(distance: int, size: int) -> int:
+    """Returns the shorter of the two ways round a circle of `size` cells."""
+    distance %= size
+    return distance - size if 2 * distance > size else distance
 
 
 @lru_cache(maxsize=256)
@@ -87,32 +96,37 @@ def cells_of(board: Board, kinds: tuple[str, ...]) -> tuple[Cell, ...]:
 
 
 _latest: list[Board] = []
-KEPT = 8  # two games may be played step by step side by side
+CACHE_SIZE = 8  # boards: several games may be played side by side
 
 
 def board_of(game: ir.Game) -> Board:
-    """Returns the board of a game; those asked for last are kept."""
+    """Returns the board of a game; those of the games asked for last are cached."""
     for board in _latest:
         if board.game is game:
             return board
-    _latest[:] = [_build(game), *_latest[: KEPT - 1]]
+    _latest[:] = [_build(game), *_latest[: CACHE_SIZE - 1]]
     return _latest[0]
 
 
 def _build(game: ir.Game) -> Board:
-    meaning = kinds_by_glyph(game)
-    kind_of = {
-        Cell(r, c): meaning[glyph] for r, row in enumerate(game.rows) for c, glyph in enumerate(row)
-    }
-    cells = {k.name: tuple(cell for cell in kind_of if kind_of[cell] == k.name) for k in game.kinds}
+    kind_of_glyph = kinds_by_glyph(game)
+    kind_of: dict[Cell, str] = {}
+    number: dict[Cell, int] = {}
+    cells: dict[str, list[Cell]] = {kind.name: [] for kind in game.kinds}
+    for row, glyphs in enumerate(game.rows):
+        for col, glyph in enumerate(glyphs):
+            cell = Cell(row, col)
+            kind_of[cell] = kind_of_glyph[glyph]
+            number[cell] = len(cells[kind_of[cell]])
+            cells[kind_of[cell]].append(cell)
     return Board(
         game=game,
         kind_of=kind_of,
-        cells=cells,
-        number={cell: number for members in cells.values() for number, cell in enumerate(members)},
-        kinds={k.name: k for k in game.kinds},
-        shapes={s.name: s for s in (*game.shapes, *game.policy_shapes)},
-        fields={(f.held_by.name, f.name): f for f in all_fields(game)},
+        cells={kind: tuple(members) for kind, members in cells.items()},
+        number=number,
+        kinds={kind.name: kind for kind in game.kinds},
+        shapes={shape.name: shape for shape in (*game.shapes, *game.policy_shapes)},
+        fields={(declared.held_by.name, declared.name): declared for declared in all_fields(game)},
         pools=_pools(game),
         moving=frozenset(id(phase) for phase in phases_of(game) if contains(phase, ir.Move)),
     )
@@ -125,30 +139,29 @@ def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
             if isinstance(node, ir.Send):
                 pool = Pool(phase.name, node.pool)
                 first = pools.setdefault(pool, node)
-                if (
-                    first.after is None and node.after is not None
-                ):  # the one that those who come back were sent by
-                    pools[pool] = node
-                destinations = [
-                    (printer.domain(s.domain), s.cell_stream, s.heading_stream)
-                    for s in (first, node)
-                ]
-                assert destinations[0] == destinations[1], f"{pool} is split"
+                if first.after is None and node.after is not None:
+                    pools[pool] = node  # the statement that those who come back were sent by
+                assert _destination(first) == _destination(node), f"{pool} is split"
     return pools
 
 
+def _destination(send: ir.Send) -> tuple[str, int, int]:
+    return printer.domain(send.domain), send.cell_stream, send.heading_stream
+
+
 def declared_world(board: Board, params: dict[str, Value]) -> World:
-    """Returns the state before the phase `start`: declared values, the map's own, nobody placed yet."""
+    """Returns the state before the phase `start`: fields as declared or as the map says, nobody
+    placed."""
     game = board.game
-    starts = {g.glyph: dict(g.starts) for g in game.glyphs}
-    cells = {
-        (kind, name): [
-            field_value(f, starts.get(game.rows[r][c], {}).get(name, f.start))
-            for r, c in board.cells[kind]
-        ]
-        for (kind, name), f in board.fields.items()
-        if f.held_by.what == "cell"
-    }
+    starts = {glyph.glyph: dict(glyph.starts) for glyph in game.glyphs}
+    cells: dict[tuple[str, str], list[Value]] = {}
+    for (kind, name), declared in board.fields.items():
+        if declared.held_by.what == "cell":
+            glyphs = [game.rows[row][col] for row, col in board.cells[kind]]
+            cells[kind, name] = [
+                field_value(declared, starts.get(glyph, {}).get(name, declared.start))
+                for glyph in glyphs
+            ]
     return World(
         step=0,
         cells=cells,

@@ -10,22 +10,22 @@ Body: TypeAlias = int | Mover  # an agent's number, or a mover
 
 
 def herd_of(body: Body, world: World) -> World | Herd:
-    """Returns what holds the places of all bodies of this one's sort."""
+    """Returns the object with the places of all bodies of the same entity type."""
     return world.movers[body.sort] if isinstance(body, Mover) else world
 
 
 def herds(world: World) -> dict[Sort, World | Herd]:
-    """Returns what holds the places of the agents, and of each sort of movers."""
+    """Returns the objects with the places of the agents, and of each entity type of movers."""
     return {AGENTS: world, **{Sort("mover", (name,)): herd for name, herd in world.movers.items()}}
 
 
 def sort_of_body(body: Body) -> Sort:
-    """Returns the sort of a body."""
+    """Returns the entity type of a body."""
     return Sort("mover", (body.sort,)) if isinstance(body, Mover) else AGENTS
 
 
 def number_of(body: Body) -> int:
-    """Returns the number of a body among those of its sort."""
+    """Returns the number of a body among those of its entity type."""
     return body.number if isinstance(body, Mover) else body
 
 
@@ -40,14 +40,14 @@ def away_of(body: Body, world: World) -> Away | None:
 
 
 def heading_of(body: Body, world: World) -> int:
-    """Returns where a body looks: 0 north, 1 east, 2 south, 3 west."""
+    """Returns the heading of a body: 0 north, 1 east, 2 south, 3 west."""
     if isinstance(body, Mover):
         return HEADINGS.index(world.movers[body.sort].fields["heading"][body.number])
     return world.heading[body]
 
 
 def turn(body: Body, heading: int, world: World) -> None:
-    """Has a body look in a direction, numbered as by `heading_of`."""
+    """Turns a body to a heading, numbered as by `heading_of`."""
     if isinstance(body, Mover):
         world.movers[body.sort].fields["heading"][body.number] = HEADINGS[heading]
     else:
@@ -55,14 +55,14 @@ def turn(body: Body, heading: int, world: World) -> None:
 
 
 def bodies(world: World) -> Iterator[Body]:
-    """Yields all agents, then all movers, sort by sort."""
+    """Yields all agents, then all movers of each entity type."""
     yield from range(len(world.position))
     for sort, herd in world.movers.items():
         yield from (Mover(sort, number) for number in range(len(herd.position)))
 
 
 def occupied(world: World, without: Collection[Body] = ()) -> set[Cell]:
-    """Returns the cells on which somebody stands. `without`: who does not count."""
+    """Returns the cells on which a body stands, not counting those in `without`."""
     return {
         cell
         for body in bodies(world)
@@ -71,7 +71,7 @@ def occupied(world: World, without: Collection[Body] = ()) -> set[Cell]:
 
 
 def is_free(cell: Cell, world: World) -> bool:
-    """Returns whether nobody stands on a cell."""
+    """Whether no body stands on a cell."""
     return cell not in world.position and all(
         cell not in herd.position for herd in world.movers.values()
     )

@@ -1,4 +1,5 @@
-"""One instance of a statement: the snapshot it reads, its variable bindings, and its number among all instances."""
+"""One instance of a statement: the snapshot it reads, its variable bindings, and its number among
+all instances."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,24 +16,21 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Instance:
-    """Where reading and writing happens.
-
-    world: the snapshot. actions: one for each agent, after `forbid`. draws: None where nothing may be drawn.
-    totals: for checks, (event, word or None) -> how often it was counted so far. known: values that are the same in
-      every instance on this state, by the identity of their expression. causes: draws that led here, outermost first.
-    earlier: for checks, one on the state before the step that led here.
-    """
+    """The context in which expressions are evaluated and statements are performed."""
 
     board: Board
-    world: World
-    actions: tuple[int, ...] = ()
-    draws: Draws | None = None
-    names: Mapping[str, Value] = field(default_factory=dict)
+    world: World  # the snapshot
+    actions: tuple[int, ...] = ()  # one for each agent, after `forbid`
+    draws: Draws | None = None  # None where nothing may be drawn
+    names: Mapping[str, Value] = field(default_factory=dict)  # variables
     number: int = 0
+    # For checks: (event, its enum value or None) -> its count so far.
     totals: Mapping[tuple[str, str | None], int] = field(default_factory=dict)
+    # Cache of values that are the same in every instance on this state, by identity of the
+    # expression.
     known: dict[int, tuple[ir.Expr, Value]] = field(default_factory=dict)
-    causes: tuple[Drawn, ...] = ()
-    earlier: "Instance | None" = None
+    causes: tuple[Drawn, ...] = ()  # the draws that led to this instance, outermost first
+    earlier: "Instance | None" = None  # for checks: one on the state before the step
 
     def binding(self, names: Mapping[str, Value]) -> "Instance":
         """Returns this instance with more variables and the same number."""
@@ -48,7 +46,7 @@ class Instance:
         return self._with(names, 0)
 
     def because(self, drawn: Drawn) -> "Instance":
-        """Returns this instance, which a draw has led to."""
+        """Returns this instance with one more draw among its causes."""
         return self._with(self.names, self.number, (*self.causes, drawn))
 
     def _with(
@@ -68,12 +66,12 @@ class Instance:
             self.earlier,
         )
 
-    def word(self, stream: int, number: int) -> int:
-        """Returns word `number` of a stream of this step."""
+    def bits(self, stream: int, number: int) -> int:
+        """Returns the 32 random bits `number` of a stream of this step."""
         assert self.draws is not None, "a draw where nothing may be drawn"
-        return self.draws.word(stream, number)
+        return self.draws.bits(stream, number)
 
     def take(self, stream: int, number: int, left: list[T]) -> tuple[T, int]:
-        """Takes one out of those that are left by word `number` of a stream, and returns it and the word."""
+        """Removes one element of a list by the random bits `number` of a stream; returns both."""
         assert self.draws is not None, "a draw where nothing may be drawn"
         return take(self.draws, stream, number, left)

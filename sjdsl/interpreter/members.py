@@ -1,4 +1,6 @@
-"""Members of domains, agents, movers and cells, and the number of each among all possible members."""
+"""Members of domains, agents, movers and cells, and the number of each among all possible
+members.
+"""
 
 from dataclasses import dataclass
 
@@ -11,8 +13,8 @@ from sjdsl.interpreter.state import Cell, Mover, Value, World
 
 
 @dataclass(frozen=True)
-class Found:
-    """One member: an agent, a mover or a cell, its number, and the variables it binds."""
+class Bound:
+    """A member of a domain: an agent, a mover or a cell, its number, and the variables it binds."""
 
     member: Body | Cell
     number: int
@@ -27,7 +29,9 @@ def radix(domain: ir.Domain, board: Board) -> int:
 
 
 def everybody(domain: ir.Domain, board: Board) -> int:
-    """Returns how many agents, movers of the domain's sort, or cells of its kinds there are."""
+    """Returns how many agents, movers of the domain's entity type, or cells of its kinds there
+    are.
+    """
     match domain.var.sort.what:
         case "agent":
             return board.agents
@@ -39,20 +43,22 @@ def everybody(domain: ir.Domain, board: Board) -> int:
             raise AssertionError(domain)
 
 
-def own_number(domain: ir.Domain, member: Found, board: Board) -> int:
-    """Returns the number of an agent, a mover, or a cell among the cells of the domain's kinds, wherever it was looked for."""
+def own_number(domain: ir.Domain, member: Bound, board: Board) -> int:
+    """Returns the number of an agent or a mover, or of a cell among all cells of the domain's
+    kinds.
+    """
     if isinstance(member.member, Cell):
         return cells_of(board, domain.var.kinds).index(member.member)
     return number_of(member.member)
 
 
 def is_here(body: Body, world: World) -> bool:
-    """Returns whether an agent or a mover is not away."""
+    """Whether an agent or a mover is on the map."""
     return away_of(body, world) is None
 
 
 def body_on(cell: Cell, domain: ir.Domain, world: World) -> Body | None:
-    """Returns the agent, or the mover of the domain's sort, that stands on a cell."""
+    """Returns the agent, or the mover of the domain's entity type, that stands on a cell."""
     if domain.var.sort.what == "agent":
         return agent_on(cell, world)
     sort = domain.var.sort.name

@@ -1,4 +1,5 @@
-"""Interprets `move`: all members step at once, a collision on a cell is settled at random, and swaps are blocked."""
+"""Interprets `move`: all members step at once, a collision on a cell is settled at random, and
+swaps are blocked."""
 
 from collections.abc import Mapping
 
@@ -27,118 +28,137 @@ def move(
     sort: ir.Sort,
     ranks: dict[Body, int],
     courses: dict[Body, int | None],
-    here: Instance,
+    instance: Instance,
     world: World,
 ) -> None:
-    """Changes places and headings of `world`, which holds the snapshot's.
+    """Changes places and headings of `world`, which holds those of the snapshot.
 
-    sort: of those who move. ranks: of those who move, the largest wins a cell. courses: of movers, which way each goes; agents go where they chose.
+    Args:
+      sort: the entity type of those who move.
+      ranks: of all who move; the largest wins a cell.
+      courses: the direction of each mover; agents move as their actions say.
     """
-    ways = {
-        body: courses[body] if isinstance(body, Mover) else _chosen_way(body, here)
+    directions = {
+        body: courses[body] if isinstance(body, Mover) else _chosen_direction(body, instance)
         for body in ranks
     }
-    targets = {
-        body: target
-        for body, way in ways.items()
-        if (target := _target(body, way, here)) is not None
-    }
-    place = {body: where_is(body, here.world) for body in targets}
-    for a in [
-        a
-        for a in targets
-        if any(targets[a] == place[b] and targets[b] == place[a] for b in targets)
-    ]:  # nobody swaps
-        del targets[a]
+    targets: dict[Body, Cell] = {}
+    for body, direction in directions.items():
+        target = _target(body, direction, instance)
+        if target is not None:
+            targets[body] = target
+    _stay_if_swapping(targets, instance.world)
     stay_if_outranked(targets, ranks)
-    stay_if_taken(targets, here.world)
-    for body in ranks:
+    stay_if_taken(targets, instance.world)
+    for body, direction in directions.items():
         if not isinstance(body, Mover):
-            turn(
-                body, (heading_of(body, here.world) + TURNS.get(_action(body, here), 0)) % 4, world
-            )
-        elif (way := ways[body]) is not None:
-            turn(body, way, world)
+            turns = TURNS.get(_action(body, instance), 0)
+            turn(body, (heading_of(body, instance.world) + turns) % 4, world)
+        elif direction is not None:
+            turn(body, direction, world)
     herd = herds(world)[sort]
     herd.moved = [False for _ in herd.moved]
     for body, target in targets.items():
-        herd.position[number_of(body)], herd.moved[number_of(body)] = target, True
+        herd.position[number_of(body)] = target
+        herd.moved[number_of(body)] = True
 
 
-def course_of(course: ir.Course, mover: Mover, here: Instance) -> int | None:
-    """Returns the direction in which a mover goes; None if there is no way that it wants to go."""
+def course_of(course: ir.Course, mover: Mover, instance: Instance) -> int | None:
+    """Returns the direction in which a mover goes; None if it stays."""
     if isinstance(course, ir.Along):
-        return HEADINGS.index(evaluate(course.heading, here))
-    open_ = [way for way in range(4) if _is_open(mover, way, course, here)]
-    goals = (
-        []
-        if course.goal is None
-        else [cell for cell in _cells_of(course.goal, here) if cell is not None]
-    )
-    if course.goal is not None:
-        place = where_is(mover, here.world)
-        assert place is not None
-        now = min((here.board.steps(place, cell) for cell in goals), default=0)
-        there = {way: _target(mover, way, here) or place for way in open_}
-        gained = {
-            way: min((here.board.steps(there[way], cell) for cell in goals), default=0) - now
-            for way in open_
-        }
-        open_ = [way for way in open_ if (gained[way] > 0 if course.away else gained[way] < 0)]
-    return here.take(course.stream, mover.number, open_)[0] if open_ else None
-
-
-def _cells_of(domain: ir.Domain, here: Instance) -> list[Cell | None]:
-    """Returns the cells of a domain, or those on which its members stand."""
-    return [
-        m.member if isinstance(m.member, Cell) else where_is(m.member, here.world)
-        for m in members_of(domain, here)
+        return HEADINGS.index(evaluate(course.heading, instance))
+    directions = [
+        direction for direction in range(4) if _is_open(mover, direction, course, instance)
     ]
-
-
-def _is_open(mover: Mover, way: int, course: ir.Wander, here: Instance) -> bool:
-    """Returns whether a neighbouring cell lets the mover in, is free, and is none that it avoids."""
-    target = _target(mover, way, here)
-    if target is None or not is_free(target, here.world):
-        return False
-    return course.avoided is None or target not in _cells_of(course.avoided, here)
-
-
-def _action(agent: int, here: Instance) -> str:
-    return here.board.game.agents.actions[here.actions[agent]]
-
-
-def _chosen_way(agent: int, here: Instance) -> int | None:
-    """Returns the direction in which an agent has chosen to go, None if it has not."""
-    direction = STEPS.get(_action(agent, here))
-    if direction is not None and here.board.game.agents.relative:
-        direction = (here.world.heading[agent] + direction) % 4
+    if course.goal is not None:
+        goals = [cell for cell in _cells_of(course.goal, instance) if cell is not None]
+        place = where_is(mover, instance.world)
+        assert place is not None
+        current = _distance(place, goals, instance)
+        distances = {
+            direction: _distance(_target(mover, direction, instance) or place, goals, instance)
+            for direction in directions
+        }
+        if course.away:
+            directions = [d for d in directions if distances[d] > current]
+        else:
+            directions = [d for d in directions if distances[d] < current]
+    if not directions:
+        return None
+    direction, _ = instance.take(course.stream, mover.number, directions)
     return direction
 
 
-def _target(body: Body, way: int | None, here: Instance) -> Cell | None:
-    """Returns the cell that an agent or a mover wants to enter, None if it does not want to or can not."""
-    place = where_is(body, here.world)
-    if place is None or way is None:
+def _distance(place: Cell, goals: list[Cell], instance: Instance) -> int:
+    """Returns the steps to the nearest goal, 0 without goals."""
+    return min((instance.board.steps(place, goal) for goal in goals), default=0)
+
+
+def _cells_of(domain: ir.Domain, instance: Instance) -> list[Cell | None]:
+    """Returns the cells of a domain, or those on which its members stand."""
+    return [
+        m.member if isinstance(m.member, Cell) else where_is(m.member, instance.world)
+        for m in members_of(domain, instance)
+    ]
+
+
+def _is_open(mover: Mover, direction: int, course: ir.Wander, instance: Instance) -> bool:
+    """Whether a neighbouring cell lets the mover in, is free, and isn't one that it avoids."""
+    target = _target(mover, direction, instance)
+    if target is None or not is_free(target, instance.world):
+        return False
+    return course.avoided is None or target not in _cells_of(course.avoided, instance)
+
+
+def _action(agent: int, instance: Instance) -> str:
+    return instance.board.game.agents.actions[instance.actions[agent]]
+
+
+def _chosen_direction(agent: int, instance: Instance) -> int | None:
+    """Returns the direction of an agent's step; None if its action isn't a step."""
+    direction = STEPS.get(_action(agent, instance))
+    if direction is not None and instance.board.game.agents.relative:
+        direction = (instance.world.heading[agent] + direction) % 4
+    return direction
+
+
+def _target(body: Body, direction: int | None, instance: Instance) -> Cell | None:
+    """Returns the next cell in a direction; None without one, or if a body can't enter it."""
+    place = where_is(body, instance.world)
+    if place is None or direction is None:
         return None
-    target = here.board.at(place.row + FORWARD[way][0], place.col + FORWARD[way][1])
-    return (
-        None
-        if target is None or is_blocked(target, sort_of_body(body).plural, body, here)
-        else target
-    )
+    rows, cols = FORWARD[direction]
+    target = instance.board.at(place.row + rows, place.col + cols)
+    if target is None or is_blocked(target, sort_of_body(body).plural, body, instance):
+        return None
+    return target
+
+
+def _stay_if_swapping(targets: dict[Body, Cell], world: World) -> None:
+    """Two bodies may not enter each other's cells."""
+    places = {body: where_is(body, world) for body in targets}
+    swapping = [
+        body
+        for body in targets
+        if any(targets[body] == places[b] and targets[b] == places[body] for b in targets)
+    ]
+    for body in swapping:
+        del targets[body]
 
 
 def stay_if_outranked(targets: dict[Body, Cell], ranks: Mapping[Body, int]) -> None:
-    """Of several who want one cell, the one with the largest rank may enter."""
-    for body in [
-        a for a in targets if any(targets[b] == targets[a] and ranks[b] > ranks[a] for b in targets)
-    ]:
+    """Of several bodies with the same target, only the one with the largest rank may enter."""
+    outranked = [
+        body
+        for body in targets
+        if any(targets[b] == targets[body] and ranks[b] > ranks[body] for b in targets)
+    ]
+    for body in outranked:
         del targets[body]
 
 
 def stay_if_taken(targets: dict[Body, Cell], world: World) -> None:
-    """Nobody may enter a cell where somebody stays, which may be one who has just been kept from moving."""
+    """Nobody may enter a cell on which a body stays, even if that body has just been stopped."""
     while True:
         staying = occupied(world, without=targets)
         stopped = [body for body, target in targets.items() if target in staying]

@@ -1,4 +1,6 @@
-"""Arithmetic of the language: 32-bit integers, float32 reals, and tables computed entry by entry."""
+"""Arithmetic of the language: 32-bit integers, float32 reals, and tables computed entry by
+entry.
+"""
 
 import math
 import operator
@@ -20,29 +22,31 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 }
 
 
-LEAST = 2.0**-126  # of the positive reals: what is nearer to 0 counts as 0
+LEAST = 2.0**-126  # the least positive real: a smaller one counts as 0
 
 
 def real(value: Any) -> Any:
-    """Returns a number, or every entry of a row or table, as float32."""
+    """Returns a number, or every entry of nested tuples, as float32."""
     if isinstance(value, tuple):
         return tuple(real(entry) for entry in value)
     return np.float32(0) if abs(value) < LEAST else np.float32(value)
 
 
 def entrywise(fn: Callable[..., Any], *values: Any) -> Any:
-    """Returns `fn` of the values; of rows entry by entry, a single number beside a row counting for each entry."""
-    lengths = {len(v) for v in values if isinstance(v, tuple)}
+    """Returns `fn` of the values, entry by entry if there are tuples; a number counts for every
+    entry.
+    """
+    lengths = {len(value) for value in values if isinstance(value, tuple)}
     if not lengths:
         return fn(*values)
     assert len(lengths) == 1, "rows of different lengths"
-    length = lengths.pop()
-    columns = [v if isinstance(v, tuple) else (v,) * length for v in values]
+    (length,) = lengths
+    columns = [value if isinstance(value, tuple) else (value,) * length for value in values]
     return tuple(entrywise(fn, *entries) for entries in zip(*columns, strict=True))
 
 
 def arithmetic(fn: str, values: list[Any], is_real: bool) -> Any:
-    """Returns `fn` of the values, all of them turned into float32 first if the result is a real."""
+    """Returns `fn` of the values, which are converted to float32 first if the result is a real."""
     return entrywise(_OPERATIONS[fn], *([real(v) for v in values] if is_real else values))
 
 
@@ -59,7 +63,7 @@ def compare(fn: str, left: Any, right: Any) -> bool:
 
 
 def total(values: list[Any], is_real: bool) -> Any:
-    """Returns the sum: of reals as `added_up`, of integers exactly. Rows are summed entry by entry."""
+    """Returns the sum: of reals as `added_up`, of integers exactly, of tuples entry by entry."""
     if any(isinstance(value, tuple) for value in values):
         return tuple(total(list(entries), is_real) for entries in zip(*values, strict=True))
     return added_up(values) if is_real else sum(values)
@@ -70,27 +74,26 @@ def added_up(values: Iterable[Any]) -> np.float32:
     terms = [float(np.float32(value)) for value in values]
     try:
         total = math.fsum(terms)
-        left = math.fsum((*terms, -total))
-    except ValueError:  # infinities of both signs, where nobody watches for them
+        remainder = math.fsum((*terms, -total))
+    except ValueError:  # infinities of both signs, outside `watched`
         return np.float32(np.nan)
-    if left and not _is_odd(
-        total
-    ):  # it has been rounded: to an odd one, so that rounding it again does what rounding once does
-        total = math.nextafter(total, math.copysign(math.inf, left))
+    # A rounded total becomes odd: then rounding it to float32 gives the same as rounding once.
+    if remainder and not _is_odd(total):
+        total = math.nextafter(total, math.copysign(math.inf, remainder))
     return np.float32(total)
 
 
 def _is_odd(number: float) -> bool:
-    """Returns whether the last bit of a float64 is 1."""
+    """Whether the last bit of a float64 is 1."""
     (bits,) = struct.unpack("<Q", struct.pack("<d", number))
     return bool(bits & 1)
 
 
 def shares(row: tuple[Any, ...]) -> tuple[np.float32, ...]:
-    """Returns entry / sum for every entry of a row."""
-    whole = np.float32(sum(row))
-    assert whole > 0, "shares of an empty row"
-    return tuple(np.float32(np.float32(entry) / whole) for entry in row)
+    """Returns the share of each count in their sum."""
+    total = np.float32(sum(row))
+    assert total > 0, "shares of an empty row"
+    return tuple(np.float32(np.float32(entry) / total) for entry in row)
 
 
 def ramp(value: Any, zero_at: Any, one_at: Any) -> np.float32:
@@ -99,7 +102,7 @@ def ramp(value: Any, zero_at: Any, one_at: Any) -> np.float32:
     return min(max(_quotient(x - zero, one - zero), np.float32(0)), np.float32(1))
 
 
-# What each operation on numbers means; `round` alone makes a whole number of a real.
+# All return a real for reals, but `round` returns an int.
 _OPERATIONS: dict[str, Callable[..., Any]] = {
     "+": operator.add,
     "-": operator.sub,
@@ -116,20 +119,24 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
 }
 
 
-def check_int32(value: int, what: object) -> None:
-    """Asserts that a whole number is one of int32, as the compiler proved."""
-    assert isinstance(value, int), (value, what)
-    assert -(2**31) <= value < 2**31, (value, what)
+def check_int32(value: int, source: object) -> None:
+    """Asserts that a whole number fits into int32, as the compiler proved. `source`: for the
+    message.
+    """
+    assert isinstance(value, int), (value, source)
+    assert -(2**31) <= value < 2**31, (value, source)
 
 
-def check_interval(value: Any, type_: ir.Type, what: object) -> None:
-    """Asserts that a number lies in the interval the compiler proved for it; reals up to rounding."""
+def check_interval(value: Any, type_: ir.Type, source: object) -> None:
+    """Asserts that a number lies in the interval that the compiler proved for it; reals up to
+    rounding.
+    """
     if isinstance(value, tuple):
         for entry in value:
-            check_interval(entry, type_, what)
+            check_interval(entry, type_, source)
     elif type_.kind == "int":
-        check_int32(value, what)
-        assert type_.low <= value <= type_.high, (value, type_, what)
+        check_int32(value, source)
+        assert type_.low <= value <= type_.high, (value, type_, source)
     else:
         slack = 1e-5 * max(1.0, abs(float(value)))
-        assert type_.low - slack <= value <= type_.high + slack, (value, type_, what)
+        assert type_.low - slack <= value <= type_.high + slack, (value, type_, source)

@@ -1,4 +1,6 @@
-"""Interprets `observe`: the egocentric window of each agent, rotated so that its heading points up."""
+"""Interprets `observe`: the egocentric window of each agent, rotated so that its heading points
+up.
+"""
 
 from typing import assert_never
 
@@ -17,175 +19,186 @@ from sjdsl.interpreter.state import Cell, Mover, World
 
 
 def observe(game: ir.Game, world: World) -> np.ndarray:
-    """Returns uint8 `[agents, planes, rows, columns]`; who is away sees zeros."""
-    board, window = board_of(game), game.window
-    all_planes = board.planes
-    rows, columns = window.ahead + 1 + window.behind, window.left + 1 + window.right
-    picture = np.zeros((board.agents, len(all_planes), rows, columns), np.uint8)
+    """Returns uint8 `[agents, planes, rows, columns]`, zeros for an agent that is away."""
+    board = board_of(game)
+    window = game.window
+    rows, cols = window.ahead + 1 + window.behind, window.left + 1 + window.right
+    observation = np.zeros((board.agents, len(board.planes), rows, cols), np.uint8)
     for agent, place in enumerate(world.position):
         if place is None:
             continue
-        here = Instance(board, world, names={"agent": agent})
-        seen = _seen_cells(window, agent, place, here)
-        for number, plane in enumerate(all_planes):
+        instance = Instance(board, world, names={"agent": agent})
+        visible = _visible_cells(window, agent, place, instance)
+        for index, plane in enumerate(board.planes):
             if plane.what in ("everyone", "own", "world"):  # the same in the whole window
-                inside = here if plane.agent is None else here.binding({"everyone": plane.agent})
-                picture[agent, number] = _shown(_observable(plane), inside, 0)
+                inside = (
+                    instance if plane.agent is None else instance.binding({"everyone": plane.agent})
+                )
+                observation[agent, index] = _token(_observable(plane), inside, 0)
                 continue
-            for row, column, cell in seen:
-                picture[agent, number, row, column] = _value(plane, cell, agent, here)
-    return picture
+            for row, col, cell in visible:
+                observation[agent, index, row, col] = _token_at(plane, cell, agent, instance)
+    return observation
 
 
-def _seen_cells(
-    window: ir.Window, agent: int, place: Cell, here: Instance
+def _visible_cells(
+    window: ir.Window, agent: int, place: Cell, instance: Instance
 ) -> list[tuple[int, int, Cell]]:
-    """Returns the rows and columns of the window in which an observer sees a cell of the map, with these cells; the others show zeros."""
+    """Returns the cells of the map that an observer sees, with their rows and columns in the
+    window.
+    """
     views = (
-        view for view in window.views if view.condition is None or evaluate(view.condition, here)
+        view
+        for view in window.views
+        if view.condition is None or evaluate(view.condition, instance)
     )
-    view, heading = next(views, window), here.world.heading[agent]
-    found = []
-    for row in range(window.ahead + 1 + window.behind):
-        for column in range(window.left + 1 + window.right):
-            ahead, right = window.ahead - row, column - window.left
-            if -view.behind <= ahead <= view.ahead and -view.left <= right <= view.right:
-                cell = here.board.at(*place_at(place, heading, ahead, right))
-                found += [] if cell is None else [(row, column, cell)]
-    return found
+    view = next(views, window)
+    heading = instance.world.heading[agent]
+    visible = []
+    for ahead in range(view.ahead, -view.behind - 1, -1):
+        for right in range(-view.left, view.right + 1):
+            cell = instance.board.at(*place_at(place, heading, ahead, right))
+            if cell is not None:
+                visible.append((window.ahead - ahead, window.left + right, cell))
+    return visible
 
 
-def _value(plane: planes.Plane, cell: Cell, agent: int, here: Instance) -> int:
-    """Returns what one plane shows at one cell of the map."""
+def _token_at(plane: planes.Plane, cell: Cell, agent: int, instance: Instance) -> int:
+    """Returns the token of one plane at one cell of the map."""
     match plane.what:
         case "content":
-            return _content(cell, here)
+            return _content(cell, instance)
         case "agent":
-            return _agent(cell, agent, here)
+            return _agent(cell, agent, instance)
         case "marks":
-            if _hides_marks(cell, here):
+            if _hides_marks(cell, instance):
                 return 0
             return sum(
                 1 << bit
-                for bit, phase in enumerate(here.board.marking)
-                if (phase.name, *cell) in here.world.marks
+                for bit, phase in enumerate(instance.board.marking)
+                if (phase.name, *cell) in instance.world.marks
             )
         case "other":
-            other = _somebody(cell, here)
-            return (
-                0
-                if other in (None, agent)
-                else _shown(_observable(plane), here.binding({"other": other}), bool(plane.labels))
-            )
+            other = _visible_agent(cell, instance)
+            if other in (None, agent):
+                return 0
+            inside = instance.binding({"other": other})
+            return _token(_observable(plane), inside, first=1 if plane.labels else 0)
         case "mover":
-            return _mover(_observable(plane), cell, agent, here)
+            return _mover(_observable(plane), cell, agent, instance)
         case "everyone" | "own" | "world":
             raise AssertionError(plane)
         case _:
             assert_never(plane.what)
 
 
-def _content(cell: Cell, here: Instance) -> int:
-    kind = here.board.kind_of[cell]
-    if _somebody(cell, here) is not None and any(
-        hidden.what == "content" for hidden in here.board.game.hidden
-    ):
-        return here.board.content_codes[planes.COVERED]
-    whole = planes.look_of(here.board.game, kind)
-    if whole is not None:
-        return here.board.content_codes[_word(whole, here.binding({kind: cell}))]
-    label = kind
-    for observable in planes.content_observables(here.board.game, kind):
-        inside = here.binding({kind: cell})
-        word = planes.HIDDEN if _is_hidden(observable, inside) else _word(observable, inside)
-        label += f" {planes.field_name(observable)}={word}"
-    return here.board.content_codes[label]
+def _content(cell: Cell, instance: Instance) -> int:
+    game = instance.board.game
+    kind = instance.board.kind_of[cell]
+    covers_content = any(hidden.what == "content" for hidden in game.hidden)
+    if covers_content and _visible_agent(cell, instance) is not None:
+        return instance.board.content_codes[planes.COVERED]
+    inside = instance.binding({kind: cell})
+    look = planes.look_of(game, kind)
+    if look is not None:
+        return instance.board.content_codes[_label(look, inside)]
+    content = kind
+    for observable in planes.content_observables(game, kind):
+        is_hidden = _is_hidden(observable, inside)
+        label = planes.HIDDEN if is_hidden else _label(observable, inside)
+        content += f" {planes.field_name(observable)}={label}"
+    return instance.board.content_codes[content]
 
 
-def _somebody(cell: Cell, here: Instance) -> int | None:
+def _visible_agent(cell: Cell, instance: Instance) -> int | None:
     """Returns the agent that is seen on a cell."""
-    agent = agent_on(cell, here.world)
-    return agent if agent is not None and is_here(agent, here.world) else None
+    agent = agent_on(cell, instance.world)
+    return agent if agent is not None and is_here(agent, instance.world) else None
 
 
-def _hides_marks(cell: Cell, here: Instance) -> bool:
-    """Returns whether no marks are seen of a cell."""
-    for hidden in here.board.game.hidden:
-        if hidden.what == "marks" and hidden.on == "agents" and _somebody(cell, here) is not None:
-            return True
-        if hidden.on == "cells" and here.board.kind_of.get(cell) in hidden.kinds:
-            if hidden.when is None or evaluate(hidden.when, here.binding({hidden.name: cell})):
+def _hides_marks(cell: Cell, instance: Instance) -> bool:
+    """Whether marks on a cell are invisible."""
+    for hidden in instance.board.game.hidden:
+        if hidden.what == "marks" and hidden.on == "agents":
+            if _visible_agent(cell, instance) is not None:
+                return True
+        if hidden.on == "cells" and instance.board.kind_of.get(cell) in hidden.kinds:
+            if hidden.when is None or evaluate(hidden.when, instance.binding({hidden.name: cell})):
                 return True
     return False
 
 
-def _agent(cell: Cell, agent: int, here: Instance) -> int:
-    other = _somebody(cell, here)
+def _agent(cell: Cell, agent: int, instance: Instance) -> int:
+    other = _visible_agent(cell, instance)
     if other is None:
         return 0
     if other == agent:
         return 1
-    return 2 + (here.world.heading[other] - here.world.heading[agent]) % 4
+    return 2 + (instance.world.heading[other] - instance.world.heading[agent]) % 4
 
 
-def _mover(observable: ir.Observable, cell: Cell, agent: int, here: Instance) -> int:
-    """Returns what is seen of a mover on a cell, 0 where none is."""
+def _mover(observable: ir.Observable, cell: Cell, agent: int, instance: Instance) -> int:
+    """Returns the token of a mover on a cell, 0 where there is none."""
     sort = observable.kind
-    places = here.world.movers[sort].position
+    places = instance.world.movers[sort].position
     if cell not in places:
         return 0
     mover = Mover(sort, places.index(cell))
-    inside = here.binding({sort: mover})
-    hidden = _is_hidden(observable, inside)
+    inside = instance.binding({sort: mover})
+    is_hidden = _is_hidden(observable, inside)
     if not observable.field:
-        return int(not hidden)
-    if observable.field == "heading" and not observable.labels and not hidden:
-        return 1 + (heading_of(mover, here.world) - here.world.heading[agent]) % 4
-    return _shown(observable, inside, bool(planes.observable_words(observable)))
+        return int(not is_hidden)
+    if observable.field == "heading" and not observable.labels and not is_hidden:
+        return 1 + (heading_of(mover, instance.world) - instance.world.heading[agent]) % 4
+    has_labels = bool(planes.observable_words(observable))
+    return _token(observable, inside, first=1 if has_labels else 0)
 
 
-def _shown(observable: ir.Observable, here: Instance, first: int) -> int:
-    """Returns the index of the observable's word, counted from `first`, or its number; 0 if it is hidden, or not there."""
-    words = planes.observable_words(observable)
-    if _is_hidden(observable, here):
-        return (
-            first + words.index(planes.HIDDEN) if words and observable.shown_when is not None else 0
-        )
-    if words:
-        return first + words.index(_word(observable, here))
-    if (
-        observable.what == "everyone"
-        and observable.field in ("row", "col")
-        and not is_here(here.names["everyone"], here.world)
-    ):
+def _token(observable: ir.Observable, instance: Instance, first: int) -> int:
+    """Returns the index of the observable's label, counted from `first`, or its number.
+
+    It is 0 if the observable is hidden and has no label for that, or if its owner is off the map.
+    """
+    labels = planes.observable_words(observable)
+    if _is_hidden(observable, instance):
+        has_label = labels and observable.shown_when is not None
+        return first + labels.index(planes.HIDDEN) if has_label else 0
+    if labels:
+        return first + labels.index(_label(observable, instance))
+    is_place = observable.what == "everyone" and observable.field in ("row", "col")
+    if is_place and not is_here(instance.names["everyone"], instance.world):
         return 0
-    return min(max(int(evaluate(_expression_of(observable, here.board), here)), 0), 255)
+    return min(max(int(evaluate(_expression_of(observable, instance.board), instance)), 0), 255)
 
 
-def _word(observable: ir.Observable, here: Instance) -> str:
+def _label(observable: ir.Observable, instance: Instance) -> str:
     for label in observable.labels:
-        if label.condition is None or evaluate(label.condition, here):
+        if label.condition is None or evaluate(label.condition, instance):
             return label.name
-    value = evaluate(_expression_of(observable, here.board), here)
+    value = evaluate(_expression_of(observable, instance.board), instance)
     if isinstance(value, bool):
         return "yes" if value else "no"
     return str(value)
 
 
-def _is_hidden(observable: ir.Observable, here: Instance) -> bool:
-    if observable.shown_when is not None and not evaluate(observable.shown_when, here):
+def _is_hidden(observable: ir.Observable, instance: Instance) -> bool:
+    if observable.shown_when is not None and not evaluate(observable.shown_when, instance):
         return True
-    return observable.hidden_when is not None and evaluate(observable.hidden_when, here)
+    return observable.hidden_when is not None and evaluate(observable.hidden_when, instance)
 
 
 def _expression_of(observable: ir.Observable, board: Board) -> ir.Expr:
-    """Returns the expression an observable shows. The board keeps it: making one takes longer than reading a cell."""
+    """Returns the expression that an observable shows.
+
+    The board caches it: to build an expression takes longer than to evaluate it.
+    """
     if id(observable) not in board.read:
-        board.read[id(observable)] = (observable, _make_read(observable, board))
-    return board.read[id(observable)][1]
+        board.read[id(observable)] = (observable, _build_expression(observable, board))
+    _, expression = board.read[id(observable)]
+    return expression
 
 
-def _make_read(observable: ir.Observable, board: Board) -> ir.Expr:
+def _build_expression(observable: ir.Observable, board: Board) -> ir.Expr:
     if observable.value is not None:
         return observable.value
     owner = observable.owner

@@ -17,102 +17,94 @@ from sjdsl.interpreter.state import Cell, Mover
 from sjdsl.interpreter.writes import Counted, Lot, Sending, Shifting, Writes, slots
 
 
-def perform(body: tuple[ir.Stmt, ...], here: Instance, writes: Writes) -> None:
-    """Collects the writes of a block; a name bound by `let` or `draw` holds to the end of it. Raises LeavesFloat32."""
+def perform(body: tuple[ir.Stmt, ...], instance: Instance, writes: Writes) -> None:
+    """Collects the writes of a block. Raises LeavesFloat32.
+
+    A name bound by `let` or `draw` is valid to the end of the block.
+    """
     for statement in body:
         try:
             match statement:
                 case ir.Let():
-                    here = here.binding({statement.name: evaluate(statement.value, here)})
+                    instance = instance.binding(
+                        {statement.name: evaluate(statement.value, instance)}
+                    )
                 case ir.Draw():
-                    drawn = _noted(chances.draw(statement, here), writes)
-                    here = here.binding({statement.name: drawn.result}).because(drawn)
+                    drawn = _recorded(chances.draw(statement, instance), writes)
+                    instance = instance.binding({statement.name: drawn.result}).because(drawn)
                 case _:
-                    before = writes.sizes()
-                    _statement(statement, here, writes)
-                    writes.tell(statement, here, before)
+                    sizes = writes.sizes()
+                    _statement(statement, instance, writes)
+                    writes.record(statement, instance, sizes)
         except FloatingPointError:
-            raise LeavesFloat32(statement, here.world.step) from None
+            raise LeavesFloat32(statement, instance.world.step) from None
 
 
-def _statement(statement: ir.Stmt, here: Instance, writes: Writes) -> None:
+def _statement(statement: ir.Stmt, instance: Instance, writes: Writes) -> None:
     match statement:
         case ir.Each():
-            for member in members_of(statement.domain, here):
-                _inside(statement.body, statement.domain, member, here, writes)
+            for member in members_of(statement.domain, instance):
+                _inside(statement.body, statement.domain, member, instance, writes)
         case ir.Pick():
-            candidates = members_of(statement.domain, here)
+            candidates = members_of(statement.domain, instance)
             if not candidates:
-                perform(statement.otherwise, here, writes)
-            for member, drawn in chances.picked(statement, candidates, here):
-                _inside(
-                    statement.body,
-                    statement.domain,
-                    member,
-                    here.because(_noted(drawn, writes)),
-                    writes,
-                )
+                perform(statement.otherwise, instance, writes)
+            for member, drawn in chances.picked(statement, candidates, instance):
+                outer = instance.because(_recorded(drawn, writes))
+                _inside(statement.body, statement.domain, member, outer, writes)
         case ir.First():
-            by_lane = nearest_members(statement.domain, here)
+            by_lane = nearest_members(statement.domain, instance)
             for lane, nearest in enumerate(by_lane):
                 if nearest is not None:
-                    perform(statement.body, here.inside(nearest.names, lane, len(by_lane)), writes)
-        case ir.Match():
-            for left, right, drawn in chances.matched(statement, here):
-                if _noted(drawn, writes).result:
-                    _inside(
-                        statement.body,
-                        statement.left,
-                        left,
-                        here.binding(right.names).because(drawn),
-                        writes,
+                    perform(
+                        statement.body, instance.inside(nearest.names, lane, len(by_lane)), writes
                     )
+        case ir.Match():
+            for left, right, drawn in chances.matched(statement, instance):
+                if _recorded(drawn, writes).result:
+                    outer = instance.binding(right.names).because(drawn)
+                    _inside(statement.body, statement.left, left, outer, writes)
         case ir.When():
-            holding = next(
-                (b.body for b in statement.branches if evaluate(b.test, here)), statement.otherwise
+            bodies = (
+                branch.body for branch in statement.branches if evaluate(branch.test, instance)
             )
-            perform(holding, here, writes)
+            perform(next(bodies, statement.otherwise), instance, writes)
         case ir.Chance():
-            drawn = _noted(chances.chance(statement, here), writes)
-            body = (
-                statement.otherwise
-                if drawn.result is None
-                else statement.branches[drawn.result].body
-            )
-            perform(body, here.because(drawn), writes)
+            drawn = _recorded(chances.chance(statement, instance), writes)
+            body = statement.otherwise
+            if drawn.result is not None:
+                body = statement.branches[drawn.result].body
+            perform(body, instance.because(drawn), writes)
         case ir.Set(lot=int(stream)):
-            rank, place = (
-                here.word(stream, here.number) >> 1,
-                (statement.origin.start if statement.origin else 0, here.number),
-            )
-            writes.lots += [
-                Lot(*pair, rank, place)
-                for pair in slots(statement.target, evaluate(statement.value, here), here)
-            ]
+            rank = instance.bits(stream, instance.number) >> 1
+            source_position = statement.origin.start if statement.origin else 0
+            place = (source_position, instance.number)
+            for slot, value in slots(
+                statement.target, evaluate(statement.value, instance), instance
+            ):
+                writes.lots.append(Lot(slot, value, rank, place))
         case ir.Set():
-            writes.sets += slots(statement.target, evaluate(statement.value, here), here)
+            writes.sets += slots(statement.target, evaluate(statement.value, instance), instance)
         case ir.Add():
-            writes.adds += slots(statement.target, evaluate(statement.value, here), here)
+            writes.adds += slots(statement.target, evaluate(statement.value, instance), instance)
         case ir.Give():
-            _give(statement, here, writes)
+            _give(statement, instance, writes)
         case ir.Tally():
-            word = None if statement.word is None else evaluate(statement.word, here)
-            amount = 1 if statement.amount is None else evaluate(statement.amount, here)
-            receivers = (
-                [None]
-                if statement.receiver is None
-                else sorted(agents_in(evaluate(statement.receiver, here)))
-            )
-            writes.tallies += [Counted(statement.event, word, agent, amount) for agent in receivers]
+            key = None if statement.word is None else evaluate(statement.word, instance)
+            amount = 1 if statement.amount is None else evaluate(statement.amount, instance)
+            agents: list[int | None] = [None]
+            if statement.receiver is not None:
+                agents = sorted(agents_in(evaluate(statement.receiver, instance)))
+            writes.tallies += [Counted(statement.event, key, agent, amount) for agent in agents]
         case ir.Send() | ir.Shift():
-            _send(statement, here, writes)
+            _send(statement, instance, writes)
         case ir.Remove():
-            writes.removes |= set(agents_in(evaluate(statement.who, here)))
+            writes.removes |= set(agents_in(evaluate(statement.who, instance)))
         case ir.Move():
-            _move(statement, here, writes)
+            _move(statement, instance, writes)
         case ir.Mark():
             near = ir.Near(shape=statement.shape, anchor=statement.anchor)
-            writes.marks |= set(cells_in(near, here))
+            writes.marks |= set(cells_in(near, instance))
         case ir.End():
             writes.end = True
         case ir.Let() | ir.Draw():
@@ -121,7 +113,8 @@ def _statement(statement: ir.Stmt, here: Instance, writes: Writes) -> None:
             assert_never(statement)
 
 
-def _noted(drawn: Drawn, writes: Writes) -> Drawn:
+def _recorded(drawn: Drawn, writes: Writes) -> Drawn:
+    """Adds a draw to the account of the phase, if there is one, and returns it."""
     if writes.drawn is not None:
         writes.drawn.append(drawn)
     return drawn
@@ -130,71 +123,68 @@ def _noted(drawn: Drawn, writes: Writes) -> Drawn:
 def _inside(
     body: tuple[ir.Stmt, ...],
     domain: ir.Domain,
-    member: members.Found,
-    here: Instance,
+    member: members.Bound,
+    instance: Instance,
     writes: Writes,
 ) -> None:
-    perform(
-        body, here.inside(member.names, member.number, members.radix(domain, here.board)), writes
+    """Performs a block for one member of a domain."""
+    radix = members.radix(domain, instance.board)
+    perform(body, instance.inside(member.names, member.number, radix), writes)
+
+
+def _give(statement: ir.Give, instance: Instance, writes: Writes) -> None:
+    value = np.float32(evaluate(statement.value, instance))
+    receivers = set(range(instance.board.agents))
+    if statement.receiver is not None:
+        receivers = set(agents_in(evaluate(statement.receiver, instance)))
+    if statement.but is not None:
+        receivers.discard(instance.names[statement.but.name])
+    writes.gives += [(agent, value) for agent in sorted(receivers)]
+
+
+def _send(statement: ir.Send | ir.Shift, instance: Instance, writes: Writes) -> None:
+    """Collects where agents or movers are sent; several statements may only send one to the same
+    place.
+    """
+    agents = agents_in(evaluate(statement.who, instance))
+    if isinstance(statement, ir.Shift):
+        for agent in agents:
+            _add_sent(shifting(agent, statement, instance), writes.shifts)
+        return
+    ticks = 0 if statement.after is None else evaluate(statement.after, instance)
+    for agent in agents:
+        _add_sent(Sending(agent, statement, ticks, instance.names), writes.sends)
+
+
+def _add_sent(sent: Any, collected: list[Any]) -> None:
+    """Adds a `Sending` or `Shifting` to a list of the same class, unless it is there already."""
+    others = [other for other in collected if other.agent == sent.agent]
+    assert all(_destination(other) == _destination(sent) for other in others), (
+        f"agent {sent.agent} is sent to two places"
     )
-
-
-def _give(statement: ir.Give, here: Instance, writes: Writes) -> None:
-    value = np.float32(evaluate(statement.value, here))
-    everybody = range(here.board.agents)
-    receivers = set(
-        everybody if statement.receiver is None else agents_in(evaluate(statement.receiver, here))
-    )
-    but = set() if statement.but is None else {here.names[statement.but.name]}
-    writes.gives += [(agent, value) for agent in sorted(receivers - but)]
-
-
-def _send(statement: ir.Send | ir.Shift, here: Instance, writes: Writes) -> None:
-    """Notes where those are sent whom the statement names; of several who send one, all say the same."""
-    ticks = (
-        evaluate(statement.after, here)
-        if isinstance(statement, ir.Send) and statement.after is not None
-        else 0
-    )
-    for agent in agents_in(evaluate(statement.who, here)):
-        sends: list[Any] = writes.sends if isinstance(statement, ir.Send) else writes.shifts
-        sent: Sending | Shifting
-        sent = (
-            Sending(agent, statement, ticks, here.names)
-            if isinstance(statement, ir.Send)
-            else shifting(agent, statement, here)
-        )
-        others = [s for s in sends if s.agent == agent]
-        assert all(_destination(s) == _destination(sent) for s in others), (
-            f"agent {agent} is sent to two places"
-        )
-        if not others:
-            sends.append(sent)
+    if not others:
+        collected.append(sent)
 
 
 def _destination(sent: Sending | Shifting) -> tuple[object, ...]:
-    """Returns all that is said of where, when and how somebody is sent."""
+    """Returns where, when and how a body is sent, as far as statements can differ in it."""
     if isinstance(sent, Shifting):
         return sent.target, sent.statement.facing
-    s = sent.send
-    return (
-        sent.ticks,
-        s.pool,
-        s.facing,
-        s.stay,
-        [sent.names[v.name] for v in variables_around(s.domain)],
-    )
+    send = sent.send
+    values = [sent.names[variable.name] for variable in variables_around(send.domain)]
+    return sent.ticks, send.pool, send.facing, send.stay, values
 
 
-def _move(statement: ir.Move, here: Instance, writes: Writes) -> None:
+def _move(statement: ir.Move, instance: Instance, writes: Writes) -> None:
     assert writes.movers is None, "two `move` in one phase"
-    writes.movers, writes.sort = {}, statement.domain.var.sort
-    radix = members.radix(statement.domain, here.board)
-    for found in members_of(statement.domain, here):
-        word = here.word(statement.stream, here.number * radix + found.number)
-        assert not isinstance(found.member, Cell)
-        writes.movers[found.member] = (word & ~0xFF) | found.number
-        if statement.course is not None and isinstance(found.member, Mover):
-            writes.courses[found.member] = course_of(
-                statement.course, found.member, here.binding(found.names)
-            )
+    writes.movers = {}
+    writes.sort = statement.domain.var.sort
+    radix = members.radix(statement.domain, instance.board)
+    for bound in members_of(statement.domain, instance):
+        body = bound.member
+        assert not isinstance(body, Cell)
+        bits = instance.bits(statement.stream, instance.number * radix + bound.number)
+        writes.movers[body] = (bits & ~0xFF) | bound.number
+        if statement.course is not None and isinstance(body, Mover):
+            inside = instance.binding(bound.names)
+            writes.courses[body] = course_of(statement.course, body, inside)

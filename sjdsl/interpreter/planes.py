@@ -21,19 +21,15 @@ AGENT_WORDS = (
 
 @dataclass(frozen=True)
 class Plane:
-    """One value for each cell of a window.
-
-    encoding: `word`: an index into `labels`; `bits`: bit k stands for label k; `number`.
-    what: `content`, `agent`, `marks`, or what the observable is of. observable: what is shown, for planes of one field. agent: of whom, for
-    planes of every agent.
-    """
+    """One value for each cell of a window."""
 
     name: str
+    # `word`: an index into `labels`; `bits`: bit k stands for label k; `number`.
     encoding: Literal["word", "bits", "number"]
     labels: tuple[str, ...]
     what: Literal["content", "agent", "marks", "other", "mover", "everyone", "own", "world"]
-    observable: ir.Observable | None = None
-    agent: int | None = None
+    observable: ir.Observable | None = None  # for planes of one field
+    agent: int | None = None  # for planes of every agent: whose field it is
 
 
 def planes(game: ir.Game) -> tuple[Plane, ...]:
@@ -42,106 +38,87 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
         Plane("content", "word", content_labels(game), "content"),
         Plane("agent", "word", AGENT_WORDS, "agent"),
     ]
-    if marking_phases(game) and not any(
-        hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden
-    ):
-        result.append(
-            Plane("marks", "bits", tuple(phase.label for phase in marking_phases(game)), "marks")
-        )
+    marking = marking_phases(game)
+    are_hidden = any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden)
+    if marking and not are_hidden:
+        labels = tuple(phase.label for phase in marking)
+        result.append(Plane("marks", "bits", labels, "marks"))
     for what in ("other", "mover", "everyone", "own", "world"):
         agents = range(game.agents.number) if what == "everyone" else (None,)
-        result += [
-            _field_plane(observable, agent)
-            for observable in game.observables
-            if observable.what == what
-            for agent in agents
-        ]
+        for observable in game.observables:
+            if observable.what == what:
+                result += [_field_plane(observable, agent) for agent in agents]
     return tuple(result)
 
 
 def observable_words(observable: ir.Observable) -> tuple[str, ...]:
-    """Returns the words an observable can show: its labels if it has some, else the field's; none for a number."""
-    words = tuple(dict.fromkeys(label.name for label in observable.labels)) or observable.type.words
+    """Returns the labels of an observable, or the enum values of its field; none for a number."""
+    labels = dict.fromkeys(label.name for label in observable.labels)
+    words = tuple(labels) or observable.type.words
     return (*words, HIDDEN) if words and observable.shown_when is not None else words
 
 
 def content_observables(game: ir.Game, kind: str) -> tuple[ir.Observable, ...]:
-    """Returns the word fields that are seen of a kind's cells."""
+    """Returns the observables that are part of the content of a kind's cells."""
     return tuple(s for s in game.observables if s.what == "cell" and s.kind == kind)
 
 
 def content_words(observable: ir.Observable) -> tuple[str, ...]:
-    """Returns the words of a cell's field as they are seen: one more if it can be hidden."""
-    return (
-        (*observable_words(observable), HIDDEN)
-        if observable.hidden_when is not None
-        else observable_words(observable)
-    )
+    """Returns the labels of an observable of cells, with `hidden` if it can be hidden."""
+    words = observable_words(observable)
+    return words if observable.hidden_when is None else (*words, HIDDEN)
 
 
 def content_labels(game: ir.Game) -> tuple[str, ...]:
-    """Returns the labels of the content plane.
+    """Returns the labels of the content plane, each once.
 
-    Outside the map, then every visible state of every kind, first field slowest; then what kinds that are shown as a whole look like beside,
-    and how a cell looks that an agent covers.
+    First `outside`, then every visible state of every kind, first field slowest; then the labels of
+    kinds that have one look, and `covered`, for a cell that an agent covers.
     """
     labels = [OUTSIDE]
-    others: list[str] = []
+    look_labels: list[str] = []
     for kind in game.kinds:
-        whole = look_of(game, kind.name)
-        if whole is not None:
-            others += observable_words(whole)
+        look = look_of(game, kind.name)
+        if look is not None:
+            look_labels += observable_words(look)
             continue
         states = [kind.name]
         for observable in content_observables(game, kind.name):
-            states = [
-                f"{state} {field_name(observable)}={word}"
-                for state in states
-                for word in content_words(observable)
-            ]
+            name = field_name(observable)
+            words = content_words(observable)
+            states = [f"{state} {name}={word}" for state in states for word in words]
         labels += states
     if any(hidden.what == "content" for hidden in game.hidden):
-        others.append(COVERED)
-    return tuple(
-        labels + [label for n, label in enumerate(others) if label not in labels + others[:n]]
-    )
+        look_labels.append(COVERED)
+    return (*labels, *(label for label in dict.fromkeys(look_labels) if label not in labels))
 
 
 def look_of(game: ir.Game, kind: str) -> ir.Observable | None:
-    """Returns the observable that says how a kind looks as a whole, if there is one."""
-    wholes = [observable for observable in content_observables(game, kind) if not observable.field]
-    return wholes[0] if wholes else None
+    """Returns the observable with the look of a kind, which shows no field, if there is one."""
+    looks = [observable for observable in content_observables(game, kind) if not observable.field]
+    return looks[0] if looks else None
 
 
 def field_name(observable: ir.Observable) -> str:
     """Returns the field as an author writes it after its owner."""
-    return (
-        observable.field
-        if observable.word is None
-        else f"{observable.field}[{observable.word.key}]"
-    )
+    if observable.word is None:
+        return observable.field
+    return f"{observable.field}[{observable.word.key}]"
 
 
 def _field_plane(observable: ir.Observable, agent: int | None) -> Plane:
-    assert observable.what != "cell"
-    assert observable.what != "heading"
-    words = observable_words(observable)
-    if observable.what == "mover":
-        name = (
-            f"{observable.kind}.{field_name(observable)}" if observable.field else observable.kind
-        )
-        words = ("none", *words) if words else ()
-        return Plane(name, "word" if words else "number", words, "mover", observable)
-    owner = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}[
-        observable.what
-    ]
-    if observable.what == "other" and words:
-        words = ("nobody", *words)
-    return Plane(
-        owner + field_name(observable),
-        "word" if words else "number",
-        words,
-        observable.what,
-        observable,
-        agent,
-    )
+    what = observable.what
+    assert what != "cell"
+    assert what != "heading"
+    labels = observable_words(observable)
+    if what == "mover":
+        name = observable.kind
+        if observable.field:
+            name += f".{field_name(observable)}"
+        labels = ("none", *labels) if labels else ()
+        return Plane(name, "word" if labels else "number", labels, "mover", observable)
+    prefixes = {"other": "other.", "everyone": f"everyone[{agent}].", "own": "agent.", "world": ""}
+    name = prefixes[what] + field_name(observable)
+    if what == "other" and labels:
+        labels = ("nobody", *labels)
+    return Plane(name, "word" if labels else "number", labels, what, observable, agent)

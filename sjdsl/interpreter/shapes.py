@@ -1,4 +1,5 @@
-"""Cells of a shape around an anchor, such as a beam: each lane ends at the first cell that blocks its line of sight."""
+"""Cells of a shape around an anchor, such as a beam: each lane ends at the first cell that blocks
+its line of sight."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -17,11 +18,13 @@ class Seen(NamedTuple):
 
 
 def place_at(anchor: Cell, heading: int, ahead: int, right: int) -> tuple[int, int]:
-    """Returns the row and column so far ahead and to the right of the anchor for somebody who faces `heading`; perhaps off the map."""
-    forward, beside = FORWARD[heading], FORWARD[(heading + 1) % 4]
-    return anchor.row + ahead * forward[0] + right * beside[0], anchor.col + ahead * forward[
-        1
-    ] + right * beside[1]
+    """Returns the row and column so many cells ahead and to the right of an anchor with this
+    heading; they may be off the map."""
+    ahead_rows, ahead_cols = FORWARD[heading]
+    right_rows, right_cols = FORWARD[(heading + 1) % 4]
+    row = anchor.row + ahead * ahead_rows + right * right_rows
+    col = anchor.col + ahead * ahead_cols + right * right_cols
+    return row, col
 
 
 def lanes_from(
@@ -31,27 +34,33 @@ def lanes_from(
     at: Callable[[int, int], Cell | None],
     stops: Callable[[Cell], bool],
 ) -> list[list[Seen]]:
-    """Returns the shape's lanes as far as they go, nearest cell first; the cell that `stops` a lane is its last. Nothing from nowhere.
+    """Returns the lanes of a shape, nearest cell first; the first cell that `stops` a lane is its
+    last.
 
-    at: the cell of the map at a row and column, `Board.at`. Places of the shape that are one cell of a map that wraps count once, as the
-    first of them; the anchor's own cell counts only where the shape has its middle.
+    Lanes of an anchor that is off the map are empty. On a map that wraps, several places of the
+    shape
+    may be one cell: the first of them counts. The anchor's own cell counts only in the middle of
+    the shape.
+
+    Args:
+      at: the cell of the map at a row and column, `Board.at`.
     """
-    result: list[list[Seen]] = []
-    met = {anchor}
+    lanes: list[list[Seen]] = []
+    visited = {anchor}
     number = 0
     for offsets in shape.lanes:
         lane: list[Seen] = []
-        open_ = True
+        is_open = True
         for ahead, right in offsets:
             cell = None if anchor is None else at(*place_at(anchor, heading, ahead, right))
-            if cell is not None and (cell not in met or (ahead, right) == (0, 0)):
-                met.add(cell)
-                if open_:
+            if cell is not None and (cell not in visited or (ahead, right) == (0, 0)):
+                visited.add(cell)
+                if is_open:
                     lane.append(Seen(cell, number))
-                    open_ = shape.see_through or not stops(cell)
+                    is_open = shape.see_through or not stops(cell)
             number += 1
-        result.append(lane)
-    return result
+        lanes.append(lane)
+    return lanes
 
 
 def size(shape: ir.Shape) -> int:

@@ -1,7 +1,8 @@
 """The whole state of a game as plain Python values, and the outcome of a step.
 
-A word is its text, an agent its number, nobody None, a set of agents a frozenset, an integer an int, a real a numpy
-float32, a cell a (row, col); a `by` field has a tuple with one value for each word, in the order of the declaration.
+An enum value is its text, an agent its number, nobody None, a set of agents a frozenset, an integer
+an int, a real a NumPy float32, a cell a (row, col). A `by` field has a tuple with a value for each
+of its keys, in the order of the declaration.
 """
 
 from dataclasses import dataclass, field, replace
@@ -25,40 +26,42 @@ class Cell(NamedTuple):
 
 
 class Mover(NamedTuple):
-    """A mover, by its sort and its number among those of the sort."""
+    """A mover, by its entity type and its number among those of the type."""
 
     sort: str
     number: int
 
 
 class Pool(NamedTuple):
-    """All sends of one phase use to one destination as written; `number` counts them within the phase."""
+    """All `send` statements of one phase to one destination as written; `number` counts the
+    destinations of the phase."""
 
     phase: str
     number: int
 
 
 class Away(NamedTuple):
-    """Where an agent without a place waits. `ticks` to go (0: it never returns), the destination's pool, how it will face."""
+    """How an agent or a mover is off the map."""
 
-    ticks: int
-    pool: Pool | None
-    facing: Facing | None
+    ticks: int  # until it returns; 0: it never does
+    pool: Pool | None  # its destination
+    facing: Facing | None  # then
 
 
 @dataclass
 class Herd:
-    """All movers of one sort, each list in the order of their numbers."""
+    """All movers of one entity type, each list in the order of their numbers."""
 
     position: list[Cell | None]
     moved: list[bool]
-    away: list[Away | None]  # None: here
-    fields: dict[str, list[Value]]  # `heading` among them
+    away: list[Away | None]  # None: on the map
+    fields: dict[str, list[Value]]  # with `heading`
 
 
 @dataclass
 class World:
-    """One state between two steps or two phases. Lists over agents are in id order, over cells in reading order."""
+    """One state between two steps or two phases. Lists over agents are in the order of their
+    numbers, lists over cells in reading order."""
 
     step: int
     cells: dict[tuple[str, str], list[Value]]  # (kind, field) -> a value for each cell of the kind
@@ -67,23 +70,21 @@ class World:
     position: list[Cell | None]
     heading: list[int]  # 0 north, 1 east, 2 south, 3 west
     moved: list[bool]
-    away: list[Away | None]  # None: here
+    away: list[Away | None]  # None: on the map
     marks: list[tuple[str, int, int]]  # (name of the phase, row, col)
     params: dict[str, Value]
-    movers: dict[str, Herd] = field(default_factory=dict)  # by sort
+    movers: dict[str, Herd] = field(default_factory=dict)  # by entity type
 
 
 @dataclass
 class Outcome:
-    """What a step gives beside the next state.
-
-    events: for each event a count; a list over agents if it is counted per agent; each count a list over words if it
-      has words (agents outside, words inside).
-    measures: the values of `mean` and `final`, read after the last phase.
-    """
+    """The results of a step beside the next state."""
 
     reward: list[np.float32]
+    # A count for each event; a list over agents if it is counted per agent. Each count is a list
+    # over keys if the event has keys.
     events: dict[str, Any] = field(default_factory=dict)
+    # The values of `mean` and `final`, read after the last phase.
     measures: dict[str, Value] = field(default_factory=dict)
     truncated: bool = False
     terminated: bool = False
@@ -93,8 +94,8 @@ def copied(world: World) -> World:
     """Returns a copy whose lists can be changed without changing `world`."""
     return replace(
         world,
-        cells={k: list(v) for k, v in world.cells.items()},
-        agents={k: list(v) for k, v in world.agents.items()},
+        cells={key: list(values) for key, values in world.cells.items()},
+        agents={name: list(values) for name, values in world.agents.items()},
         fields=dict(world.fields),
         position=list(world.position),
         heading=list(world.heading),
@@ -110,7 +111,7 @@ def _copied(herd: Herd) -> Herd:
         list(herd.position),
         list(herd.moved),
         list(herd.away),
-        {k: list(v) for k, v in herd.fields.items()},
+        {name: list(values) for name, values in herd.fields.items()},
     )
 
 
@@ -120,7 +121,9 @@ def default_params(game: ir.Game) -> dict[str, Value]:
 
 
 def field_value(declared: ir.VarField, value: int | float | str | None) -> Value:
-    """Returns a starting value as the state holds it, one for each word of a `by` field."""
+    """Returns a start value in the form of the state: for a `by` field, a tuple of it for all
+    keys.
+    """
     result: Value
     match declared.type.kind:
         case "real":
@@ -131,6 +134,6 @@ def field_value(declared: ir.VarField, value: int | float | str | None) -> Value
             result = frozenset()
         case _:
             result = value
-    for words in reversed(declared.type.by):
-        result = (result,) * len(words)
+    for level in reversed(declared.type.by):
+        result = (result,) * len(level)
     return result

@@ -1,4 +1,5 @@
-"""Interprets one reset and one step: forbidden actions, the turns of the schedule, rewards, events, metrics, the end."""
+"""Interprets one reset and one step: forbidden actions, the turns of the schedule, rewards, events,
+metrics, the end."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -24,9 +25,8 @@ from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.threefry import Draws
 from sjdsl.interpreter.writes import Counted, Writes, write_fields
 
-Totals = Mapping[
-    tuple[str, str | None], int
-]  # (event, its word or None) -> its count so far, over all agents
+# (event, its enum value or None) -> its count so far, over all agents
+Totals = Mapping[tuple[str, str | None], int]
 
 
 def reset(
@@ -36,21 +36,20 @@ def reset(
     tell: Tell | None = None,
     sends: bool = True,
 ) -> World:
-    """Returns the state an episode starts from; without the `sends` of the phase `start` nobody has a place in it.
+    """Returns the state that an episode starts from.
 
-    `tell` is given the account of that phase.
+    Args:
+      tell: called with the account of the phase `start`.
+      sends: whether its `send` statements are performed; without them, nobody has a place.
     """
     board = board_of(game)
-    world = declared_world(board, dict(params))
-    stays = (game.agents.actions.index("stay"),) * board.agents
-    world = _phase(
-        game.start, Instance(board, world, stays, draws), _nothing_yet(board), tell, sends
-    )
-    placed = all(
-        where_is(body, world) is not None or away_of(body, world) is not None
-        for body in bodies(world)
-    )
-    assert placed or not sends, "somebody has no place"
+    stay = game.agents.actions.index("stay")
+    before = declared_world(board, dict(params))
+    instance = Instance(board, before, (stay,) * board.agents, draws)
+    world = _phase(game.start, instance, _empty_outcome(board), tell, sends)
+    for body in bodies(world):
+        has_place = where_is(body, world) is not None or away_of(body, world) is not None
+        assert has_place or not sends, f"{body} has no place"
     return world
 
 
@@ -62,43 +61,42 @@ def step(
     draws: Draws,
     tell: Tell | None = None,
 ) -> tuple[World, Outcome]:
-    """Returns the next state and what happened on the way. `world` is left as it was. `tell` is given an account of every turn.
+    """Returns the next state and the other results of the step. `world` isn't changed.
 
-    Raises LeavesFloat32.
+    `tell` is called with an account of every turn. Raises LeavesFloat32.
     """
     board = board_of(game)
     world = copied(world)
     world.params = dict(params)
     allowed = _allowed(board, world, actions)
     world.marks = []
-    outcome = _nothing_yet(board)
+    outcome = _empty_outcome(board)
     for turn in game.schedule:
-        here = Instance(board, world, allowed, draws)
+        instance = Instance(board, world, allowed, draws)
         match turn:
             case ir.Phase():
-                world = _phase(turn, here, outcome, tell)
+                world = _phase(turn, instance, outcome, tell)
             case ir.Tick():
-                world = _tick(here)
+                world = _tick(instance)
                 if tell is not None:
-                    tell(Account(turn, here.world, world, actions=allowed))
+                    tell(Account(turn, instance.world, world, actions=allowed))
             case _:
                 assert_never(turn)
-    outcome.measures = {
-        m.name: _measured(m, Instance(board, world, allowed)) for m in game.measures
-    }
+    for measure in game.measures:
+        outcome.measures[measure.name] = _measured(measure, Instance(board, world, allowed))
     world.step += 1
     outcome.truncated = world.step >= evaluate(game.episode, Instance(board, world))
     return world, outcome
 
 
 def action_mask(game: ir.Game, world: World) -> list[list[bool]]:
-    """Returns for each agent which actions would not be forbidden now."""
+    """Returns which actions of each agent aren't forbidden in a state."""
     board = board_of(game)
-    numbers = range(len(game.agents.actions))
-    return [
-        [number not in _forbidden(board, world, agent) for number in numbers]
-        for agent in range(board.agents)
-    ]
+    mask = []
+    for agent in range(board.agents):
+        forbidden = _forbidden(board, world, agent)
+        mask.append([number not in forbidden for number in range(len(game.agents.actions))])
+    return mask
 
 
 def read(
@@ -108,142 +106,152 @@ def read(
     totals: Totals | None = None,
     before: tuple[World, Totals] | None = None,
 ) -> Value:
-    """Returns the value of an expression of `checks`. `before`: the state before the step, and the totals then; None: the same ones."""
+    """Returns the value of an expression of `checks`.
+
+    `before` is the state before the step, and the totals then; by default the current ones.
+    """
     board = board_of(game)
-    here = Instance(board, world, totals=totals or {})
-    earlier = here if before is None else Instance(board, before[0], totals=before[1])
+    instance = Instance(board, world, totals=totals or {})
+    earlier = instance
+    if before is not None:
+        world_before, totals_before = before
+        earlier = Instance(board, world_before, totals=totals_before)
     with watched(lambda: e, world.step):
-        return evaluate(e, replace(here, earlier=earlier))
+        return evaluate(e, replace(instance, earlier=earlier))
 
 
-def _measured(measure: ir.Measure, here: Instance) -> Value:
-    with watched(lambda: measure, here.world.step):
-        return evaluate(measure.value, here)
+def _measured(measure: ir.Measure, instance: Instance) -> Value:
+    with watched(lambda: measure, instance.world.step):
+        return evaluate(measure.value, instance)
 
 
 def _forbidden(board: Board, world: World, agent: int) -> set[int]:
-    here, agents = Instance(board, world, names={"agent": agent}), board.game.agents
-    return {action for forbid in agents.forbids for action in _closed(forbid, here)} - {
-        agents.actions.index("stay")
-    }
+    instance = Instance(board, world, names={"agent": agent})
+    forbidden: set[int] = set()
+    for forbid in board.game.agents.forbids:
+        forbidden.update(_forbidden_by(forbid, instance))
+    return forbidden - {board.game.agents.actions.index("stay")}
 
 
-def _closed(forbid: ir.Forbid, here: Instance) -> Iterator[int]:
-    """Yields the actions that one `forbid` closes; the arguments that it names have their values while it looks at an action."""
+def _forbidden_by(forbid: ir.Forbid, instance: Instance) -> Iterator[int]:
+    """Yields the actions that one `forbid` forbids; it may name the arguments of an action."""
     if not forbid.names:
-        yield from forbid.actions if evaluate(forbid.condition, here) else ()
+        if evaluate(forbid.condition, instance):
+            yield from forbid.actions
         return
     for action in forbid.actions:
-        values = arguments_of(action_named(here.board.game, forbid.action), action)
+        values = arguments_of(action_named(instance.board.game, forbid.action), action)
         assert values is not None, (forbid, action)
-        named = {name: value for name, value in zip(forbid.names, values, strict=True) if name}
-        if evaluate(forbid.condition, here.binding(named)):
+        arguments = {name: value for name, value in zip(forbid.names, values, strict=True) if name}
+        if evaluate(forbid.condition, instance.binding(arguments)):
             yield action
 
 
 def _allowed(board: Board, world: World, actions: Sequence[int]) -> tuple[int, ...]:
-    """Returns the actions taken; unknown and forbidden ones have become `stay`."""
+    """Returns the actions with `stay` in place of unknown and forbidden ones."""
     names = board.game.agents.actions
     stay = names.index("stay")
-    return tuple(
-        int(action)
-        if 0 <= action < len(names) and action not in _forbidden(board, world, agent)
-        else stay
-        for agent, action in enumerate(actions)
-    )
+    allowed = []
+    for agent, action in enumerate(actions):
+        is_allowed = 0 <= action < len(names) and action not in _forbidden(board, world, agent)
+        allowed.append(int(action) if is_allowed else stay)
+    return tuple(allowed)
 
 
 def _phase(
-    phase: ir.Phase, here: Instance, outcome: Outcome, tell: Tell | None, sends: bool = True
+    phase: ir.Phase, instance: Instance, outcome: Outcome, tell: Tell | None, sends: bool = True
 ) -> World:
-    """Returns the state after a phase: everything is read from `here.world`, all writes appear together."""
+    """Returns the state after a phase: all reads are of the state before it, all writes appear
+    together."""
     writes = Writes() if tell is None else Writes(done=[], drawn=[])
-    with watched(lambda: phase, here.world.step):
-        perform(phase.body, here, writes)
-    world = copied(here.world)
-    with watched(lambda: _adding(phase, ir.Add), here.world.step):
-        write_fields(writes, here.board, world)
-    if id(phase) in here.board.moving:
+    with watched(lambda: phase, instance.world.step):
+        perform(phase.body, instance, writes)
+    world = copied(instance.world)
+    with watched(lambda: _adding(phase, ir.Add), instance.world.step):
+        write_fields(writes, instance.board, world)
+    if id(phase) in instance.board.moving:
         assert not writes.sends, f"`{phase.label}` moves and sends"
-        move(writes.sort, writes.movers or {}, writes.courses, here, world)
-    send(phase.name, writes.sends if sends else [], here, world)
+        move(writes.sort, writes.movers or {}, writes.courses, instance, world)
+    send(phase.name, writes.sends if sends else [], instance, world)
     for agent in writes.removes:
         assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"
         remove(agent, world)
-    shift(writes.shifts, here, world)
+    shift(writes.shifts, instance, world)
     world.marks += [(phase.name, *cell) for cell in sorted(writes.marks)]
-    with watched(lambda: _adding(phase, ir.Give), here.world.step):
-        given: dict[int, list[np.float32]] = {}
+    with watched(lambda: _adding(phase, ir.Give), instance.world.step):
+        rewards: dict[int, list[np.float32]] = {}
         for agent, value in writes.gives:
-            given.setdefault(agent, []).append(value)
-        for agent, values in given.items():
+            rewards.setdefault(agent, []).append(value)
+        for agent, values in rewards.items():
             outcome.reward[agent] = added_up([outcome.reward[agent], *values])
     for counted in writes.tallies:
-        _count(counted, here.board, outcome)
+        _count(counted, instance.board, outcome)
     outcome.terminated = outcome.terminated or writes.end
-    _check_places(here.board, world)
+    _check_places(instance.board, world)
     if tell is not None:
-        tell(
-            Account(
-                phase,
-                here.world,
-                world,
-                tuple(writes.done or ()),
-                tuple(writes.drawn or ()),
-                here.actions,
-            )
-        )
+        done = tuple(writes.done or ())
+        drawn = tuple(writes.drawn or ())
+        tell(Account(phase, instance.world, world, done, drawn, instance.actions))
     return world
 
 
-def _adding(phase: ir.Phase, sort: type[ir.Add | ir.Give]) -> ir.Node:
-    """Returns the statement of a phase in which reals are added up, the last one written; the phase if it has none."""
-    found = [n for n in ir.walk(phase) if isinstance(n, sort) and n.value.type.kind == "real"]
-    return found[-1] if found else phase
+def _adding(phase: ir.Phase, class_: type[ir.Add | ir.Give]) -> ir.Node:
+    """Returns the last statement of a class that adds reals; the phase if there is none."""
+    statements = [
+        node
+        for node in ir.walk(phase)
+        if isinstance(node, class_) and node.value.type.kind == "real"
+    ]
+    return statements[-1] if statements else phase
 
 
-def _tick(here: Instance) -> World:
-    """Returns the state after `tick`: timers first, then the agents that come back see the new ones."""
-    world = copied(here.world)
-    board = here.board
+def _tick(instance: Instance) -> World:
+    """Returns the state after `tick`: timers first, then the agents that come back see the new
+    ones.
+    """
+    world = copied(instance.world)
+    board = instance.board
     for declared in board.fields.values():
         if declared.timer and declared.held_by.what == "world":
-            world.fields[declared.name] = _fallen(world.fields[declared.name])
+            world.fields[declared.name] = _counted_down(world.fields[declared.name])
         elif declared.timer:
             values = held_values(declared, world)
-            values[:] = map(_fallen, values)
-    bring_back(Instance(board, copied(world), here.actions, here.draws), world)
+            values[:] = map(_counted_down, values)
+    bring_back(Instance(board, copied(world), instance.actions, instance.draws), world)
     _check_places(board, world)
     return world
 
 
-def _fallen(value: Value) -> Value:
-    return tuple(_fallen(v) for v in value) if isinstance(value, tuple) else max(0, value - 1)
+def _counted_down(timer: Value) -> Value:
+    if isinstance(timer, tuple):
+        return tuple(_counted_down(entry) for entry in timer)
+    return max(0, timer - 1)
 
 
-def _nothing_yet(board: Board) -> Outcome:
+def _empty_outcome(board: Board) -> Outcome:
+    """Returns an outcome in which nothing has happened."""
     events: dict[str, Any] = {}
     for event in board.game.events:
-        agents = range(board.agents)
-        count = [0] * len(event.by or ())
-        events[event.name] = (
-            [list(count) if event.by else 0 for _ in agents] if event.per_agent else (count or 0)
-        )
-    return Outcome(reward=[np.float32(0) for _ in range(board.agents)], events=events)
+        counts = [[0] * len(event.by) if event.by else 0 for _ in range(board.agents)]
+        events[event.name] = counts if event.per_agent else counts[0]
+    return Outcome(reward=[np.float32(0)] * board.agents, events=events)
 
 
 def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
+    """Adds one tally to the counts of its event."""
     event = event_named(board.game, counted.event)
-    holder: Any = outcome.events
-    place: Any = event.name
+    counts: Any = outcome.events
+    index: Any = event.name
     if event.per_agent:
         assert counted.agent is not None, event.name
-        holder, place = holder[place], counted.agent
+        counts = counts[index]
+        index = counted.agent
     if event.by:
         assert counted.word is not None, event.name
-        holder, place = holder[place], entry_place(event.by, counted.word)
-    holder[place] += counted.amount
-    check_int32(holder[place], counted.event)
+        counts = counts[index]
+        index = entry_place(event.by, counted.word)
+    counts[index] += counted.amount
+    check_int32(counts[index], counted.event)
 
 
 def _check_places(board: Board, world: World) -> None:

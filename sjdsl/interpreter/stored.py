@@ -10,7 +10,8 @@ BITS = 32  # agents that one number of a set holds
 
 
 def held_values(declared: ir.VarField, world: World) -> Any:
-    """Returns the values of a field in a state: a list over cells, agents or movers, or the world's one value."""
+    """Returns the values of a field in a state: a list over cells, agents or movers, or the world's
+    one value."""
     match declared.held_by.what:
         case "cell":
             return world.cells[declared.held_by.name, declared.name]
@@ -24,16 +25,18 @@ def held_values(declared: ir.VarField, world: World) -> Any:
 
 def stored_values(declared: ir.VarField, world: World) -> Any:
     """Returns the values of a field as the compiled state stores them, in nested lists."""
-    values, agents = held_values(declared, world), len(world.position)
+    values = held_values(declared, world)
+    agents = len(world.position)
     if declared.held_by.what == "world":
         return stored(values, declared.type, agents)
     return [stored(value, declared.type, agents) for value in values]
 
 
 def stored(value: Any, type_: ir.Type, agents: int) -> Any:
-    """Returns a value as the compiled state stores it: words and agents as numbers, sets as bits, rows as lists.
+    """Returns a value as the compiled state stores it: enum values and agents as numbers, sets of
+    agents as bits, tuples as lists.
 
-    `agents`: how many there are. A set of more than 32 is a list of numbers of 32 bits.
+    `agents` is their number. With more than 32, a set is a list of numbers of 32 bits.
     """
     if isinstance(value, tuple) and type_.by:
         inner = type_.model_copy(update={"by": type_.by[1:]})
@@ -47,10 +50,8 @@ def stored(value: Any, type_: ir.Type, agents: int) -> Any:
             return -1 if value is None else CELLS * value.row + value.col
         case "agents":
             bits = sum(1 << agent for agent in value)
-            return (
-                bits
-                if agents <= BITS
-                else [bits >> first & 0xFFFF_FFFF for first in range(0, agents, BITS)]
-            )
+            if agents <= BITS:
+                return bits
+            return [bits >> first & 0xFFFF_FFFF for first in range(0, agents, BITS)]
         case _:
             return value

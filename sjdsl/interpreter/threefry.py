@@ -1,4 +1,6 @@
-"""The random number generator threefry-2x32 in plain integers, and a recorder of the numbers drawn."""
+"""The random number generator threefry-2x32 in plain integers, and a recorder of the numbers
+drawn.
+"""
 
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol, TypeVar
@@ -12,10 +14,10 @@ T = TypeVar("T")
 
 
 class Draws(Protocol):
-    """An endless table of 32-bit words, one row for each stream."""
+    """Streams of random bits, 32 for each number of a stream."""
 
-    def word(self, stream: int, number: int) -> int:
-        """Returns word `number` of `stream`."""
+    def bits(self, stream: int, number: int) -> int:
+        """Returns the 32 bits `number` of `stream`."""
         ...
 
 
@@ -27,7 +29,8 @@ def threefry(
     Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
     """
     schedule = (*key, key[0] ^ key[1] ^ _PARITY)
-    x0, x1 = (counter[0] + key[0]) & WORD, (counter[1] + key[1]) & WORD
+    x0 = (counter[0] + key[0]) & WORD
+    x1 = (counter[1] + key[1]) & WORD
     for turn in range(rounds):
         distance = _ROTATIONS[turn % 8]
         x0 = (x0 + x1) & WORD
@@ -41,57 +44,59 @@ def threefry(
 
 @dataclass(frozen=True)
 class Threefry:
-    """The words of one step's key."""
+    """The random bits of a key."""
 
     k0: int
     k1: int
 
-    def word(self, stream: int, number: int) -> int:
+    def bits(self, stream: int, number: int) -> int:
         assert 0 <= stream <= WORD, stream
         assert 0 <= number <= WORD, number
         return threefry((self.k0, self.k1), (stream, number // 2))[number % 2]
 
 
 class Used(NamedTuple):
-    """One word that was looked at."""
+    """Random bits that were read."""
 
     stream: int
     number: int
-    word: int
+    bits: int
 
 
 class Chosen(NamedTuple):
-    """A word that chose one of several. `left`: what there was to choose from, in order; `taken`: the number of the one chosen."""
+    """A choice by random bits."""
 
     stream: int
     number: int
-    left: tuple[Any, ...]
-    taken: int
+    left: tuple[Any, ...]  # the candidates, in order
+    taken: int  # the index of the chosen one
 
 
 @dataclass
 class Recorded:
-    """Another source of words, with a record of what was used."""
+    """Random bits of another source, with a record of those that were read."""
 
     source: Draws
     used: list[Used] = field(default_factory=list)
     chosen: list[Chosen] = field(default_factory=list)
 
-    def word(self, stream: int, number: int) -> int:
-        word = self.source.word(stream, number)
-        self.used.append(Used(stream, number, word))
-        return word
+    def bits(self, stream: int, number: int) -> int:
+        bits = self.source.bits(stream, number)
+        self.used.append(Used(stream, number, bits))
+        return bits
 
 
 def take(draws: Draws, stream: int, number: int, left: list[T]) -> tuple[T, int]:
-    """Takes one out of those that are left, all equally likely, and returns it and the word that chose it."""
-    word = draws.word(stream, number)
-    index = word * len(left) >> 32
+    """Removes one element of a list, all equally likely; returns it and the random bits."""
+    bits = draws.bits(stream, number)
+    index = bits * len(left) >> 32
     if isinstance(draws, Recorded):
         draws.chosen.append(Chosen(stream, number, tuple(left), index))
-    return left.pop(index), word
+    return left.pop(index), bits
 
 
 def return_stream(stream: int) -> int:
-    """Returns the stream that agents coming back at a `tick` use in place of the statement's own."""
+    """Returns the stream for agents that come back at a `tick`, in place of the statement's
+    stream.
+    """
     return (stream ^ _RETURN) & WORD

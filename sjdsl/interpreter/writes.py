@@ -1,4 +1,5 @@
-"""The writes of a phase: collected while it runs, applied together at its end, with write conflicts asserted to be absent."""
+"""The writes of a phase: collected while it runs, and applied together at its end, which asserts
+that there is no write conflict."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -22,60 +23,58 @@ from sjdsl.interpreter.stored import held_values
 
 
 class Slot(NamedTuple):
-    """One entry of one field. `owner`: (kind or sort, number of the cell or mover), ("agent", id) or None; `entries`: one index a `by` level."""
+    """One entry of one field."""
 
     name: str
+    # (kind or entity type, number of the cell or mover), ("agent", number), or None for the world.
     owner: tuple[str, int] | None
-    entries: tuple[int, ...]
+    entries: tuple[int, ...]  # the indices of an entry of a `by` field
 
 
 class Sending(NamedTuple):
-    """An agent or a mover on its way by this statement, `ticks` from now (0: at once).
-
-    names: the variables around, which its destination may name.
-    """
+    """An agent or a mover that a `send` sends."""
 
     agent: Body
     send: ir.Send
-    ticks: int
-    names: Mapping[str, Value]
+    ticks: int  # until it arrives; 0: at once
+    names: Mapping[str, Value]  # the variables around, which the destination may read
 
 
 class Shifting(NamedTuple):
-    """An agent sent some cells by this statement. `target`: its own cell if the way is not free; None of who has no cell."""
+    """An agent or a mover that a `send … by` or `send … to CELL` sends."""
 
     agent: Body
     statement: ir.Shift
-    target: Cell | None
+    target: Cell | None  # its own cell if the way is blocked; None if it is off the map
 
 
 class Counted(NamedTuple):
-    """One tally. `word`: the key (a word, a number, an agent) of an event with entries; `agent` None for the game."""
+    """One tally."""
 
     event: str
-    word: str | int | None
-    agent: int | None
+    word: str | int | None  # the key of an event with keys: an enum value, a number or an agent
+    agent: int | None  # None: counted for the whole game
     amount: int
 
 
 class Lot(NamedTuple):
-    """Who would write an entry of a field `by lot`: the greatest rank does; of equal ones the statement written first, then by number.
-
-    place: where the statement is written, and the number of the instance.
-    """
+    """A write `by lot`. Of several to one entry, that with the largest rank is applied; of equal
+    ranks that of the first statement in the file, then of the smallest instance number."""
 
     slot: Slot
     value: Value
     rank: int
-    place: tuple[int, int]
+    place: tuple[int, int]  # the position of the statement, and the number of the instance
 
 
 def winners(lots: Iterable[Lot]) -> dict[Slot, Lot]:
-    """Returns for each entry of a field who of those that would write it does."""
-    return {
-        lot.slot: lot
-        for lot in sorted(lots, key=lambda lot: (lot.rank, *(-part for part in lot.place)))
-    }
+    """Returns the write `by lot` that is applied to each entry."""
+
+    def order(lot: Lot) -> tuple[int, int, int]:
+        position, number = lot.place
+        return lot.rank, -position, -number
+
+    return {lot.slot: lot for lot in sorted(lots, key=order)}
 
 
 _LISTS = ("sets", "adds", "lots", "gives", "tallies", "sends", "shifts")
@@ -95,13 +94,7 @@ _WRITING = (
 
 @dataclass
 class Writes:
-    """Everything the statements of one phase wrote. `movers`: rank of each agent or mover of a `move`, None without one.
-
-    sort: of those who `move`. courses: the direction in which each mover of a `move` goes, None if it stays. lots: those who would write
-    a target `by lot`.
-
-    done, drawn: an account of it, statement by statement, where one is wanted; else None.
-    """
+    """The writes of the statements of one phase."""
 
     sets: list[tuple[Slot, Value]] = field(default_factory=list)
     adds: list[tuple[Slot, Value]] = field(default_factory=list)
@@ -111,38 +104,44 @@ class Writes:
     sends: list[Sending] = field(default_factory=list)
     shifts: list[Shifting] = field(default_factory=list)
     removes: set[Body] = field(default_factory=set)
-    movers: dict[Body, int] | None = None
-    sort: ir.Sort = AGENTS
-    courses: dict[Body, int | None] = field(default_factory=dict)
+    movers: dict[Body, int] | None = None  # the rank of each agent or mover of a `move`
+    sort: ir.Sort = AGENTS  # the entity type of those who `move`
+    courses: dict[Body, int | None] = field(default_factory=dict)  # of movers; None: it stays
     marks: set[Cell] = field(default_factory=set)
     end: bool = False
+    # The account of the phase, or None if none is wanted.
     done: list[Done] | None = None
     drawn: list[Drawn] | None = None
 
     def sizes(self) -> dict[str, int]:
-        """Returns how much was written so far, of what comes in lists; nothing where no account is wanted."""
+        """Returns the current lengths of the lists; empty if no account is wanted."""
         return {} if self.done is None else {name: len(getattr(self, name)) for name in _LISTS}
 
-    def tell(self, statement: ir.Stmt, here: Instance, before: dict[str, int]) -> None:
-        """Keeps what a statement that writes (not one that has others in it) has written since `before`."""
-        if self.done is not None and isinstance(statement, _WRITING):
-            written = {
-                name: tuple(getattr(self, name)[size:])
-                for name, size in before.items()
-                if len(getattr(self, name)) > size
-            }
-            self.done.append(Done(statement, here.names, here.causes, written))
+    def record(self, statement: ir.Stmt, instance: Instance, sizes: dict[str, int]) -> None:
+        """Adds a statement to the account, with the entries of lists beyond their former sizes.
+
+        Statements that contain others aren't recorded.
+        """
+        if self.done is None or not isinstance(statement, _WRITING):
+            return
+        written = {name: tuple(getattr(self, name)[size:]) for name, size in sizes.items()}
+        written = {name: entries for name, entries in written.items() if entries}
+        self.done.append(Done(statement, instance.names, instance.causes, written))
 
 
-def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Value]]:
-    """Returns the entries a target names, each with its value: a row gets a row entry by entry, or one value everywhere."""
+def slots(target: ir.Expr, value: Value, instance: Instance) -> list[tuple[Slot, Value]]:
+    """Returns the entries of a target, each with its value.
+
+    A target with several entries gets a tuple entry by entry, or one value for all.
+    """
     field = written_field(target)
     keys = written_keys(target)
     levels = field.type.by
     entries = [
-        entry_place(level, evaluate(key, here)) for level, key in zip(levels, keys, strict=False)
+        entry_place(level, evaluate(key, instance))
+        for level, key in zip(levels, keys, strict=False)
     ]
-    slot = Slot(field.name, _owner(field, here), tuple(entries))
+    slot = Slot(field.name, _owner(field, instance), tuple(entries))
     return _spread(slot, value, levels[len(keys) :])
 
 
@@ -151,46 +150,45 @@ def declaration(slot: Slot, board: Board) -> ir.VarField:
     return board.fields["world" if slot.owner is None else slot.owner[0], slot.name]
 
 
-def _owner(target: ir.FieldRead, here: Instance) -> tuple[str, int] | None:
+def _owner(target: ir.FieldRead, instance: Instance) -> tuple[str, int] | None:
     if target.owner is None:
         return None
-    owner = evaluate(target.owner, here)
+    owner = evaluate(target.owner, instance)
     assert owner is not None, f"`{target.name}` of nobody is written"
     if target.held_by.what == "agent":
         return "agent", owner
     if isinstance(owner, Mover):
         return owner.sort, owner.number
-    return here.board.kind_of[owner], here.board.number[owner]
+    return instance.board.kind_of[owner], instance.board.number[owner]
 
 
 def _spread(slot: Slot, value: Value, levels: tuple[ir.Level, ...]) -> list[tuple[Slot, Value]]:
     if not levels:
         return [(slot, value)]
-    values = (
-        value
-        if isinstance(value, tuple) and not isinstance(value, Cell)
-        else (value,) * len(levels[0])
-    )
-    assert len(values) == len(levels[0]), slot
-    inner = [
-        _spread(slot._replace(entries=(*slot.entries, i)), v, levels[1:])
-        for i, v in enumerate(values)
-    ]
-    return [pair for pairs in inner for pair in pairs]
+    first, *inner = levels
+    if not isinstance(value, tuple) or isinstance(value, Cell):
+        value = (value,) * len(first)
+    assert len(value) == len(first), slot
+    pairs: list[tuple[Slot, Value]] = []
+    for index, entry in enumerate(value):
+        pairs += _spread(slot._replace(entries=(*slot.entries, index)), entry, tuple(inner))
+    return pairs
 
 
 def write_fields(writes: Writes, board: Board, world: World) -> None:
-    """Changes the fields of `world`, which holds the snapshot's values: what is set, then all that is added, summed."""
+    """Changes the fields of `world`, which holds the values of the snapshot: sets them, then
+    adds.
+    """
+    by_lot = [(slot, lot.value) for slot, lot in winners(writes.lots).items()]
     sets: dict[Slot, Value] = {}
-    drawn = [(slot, lot.value) for slot, lot in winners(writes.lots).items()]
-    for slot, value in (*writes.sets, *drawn):
-        value = _as_held(declaration(slot, board), value)
+    for slot, value in (*writes.sets, *by_lot):
+        value = _converted(declaration(slot, board), value)
         assert sets.setdefault(slot, value) == value, (
             f"{slot} is set to {sets[slot]} and to {value}"
         )
     adds: dict[Slot, list[Value]] = {}
     for slot, value in writes.adds:
-        adds.setdefault(slot, []).append(_as_held(declaration(slot, board), value))
+        adds.setdefault(slot, []).append(_converted(declaration(slot, board), value))
     for slot, value in sets.items():
         _put(slot, value, board, world)
     for slot, values in adds.items():
@@ -201,26 +199,28 @@ def write_fields(writes: Writes, board: Board, world: World) -> None:
         _check(declaration(slot, board), _get(slot, board, world), board)
 
 
-def _as_held(declared: ir.VarField, value: Value) -> Value:
-    """Returns a value as a field of this type holds it."""
-    kind = declared.type.kind
-    return (
-        frozenset(agents_in(value))
-        if kind == "agents"
-        else np.float32(value)
-        if kind == "real"
-        else value
-    )
+def _converted(declared: ir.VarField, value: Value) -> Value:
+    """Returns a value of the type of a field."""
+    match declared.type.kind:
+        case "agents":
+            return frozenset(agents_in(value))
+        case "real":
+            return np.float32(value)
+        case _:
+            return value
 
 
-def _added(declared: ir.VarField, before: Value, values: list[Value]) -> Value:
+def _added(declared: ir.VarField, current: Value, values: list[Value]) -> Value:
+    """Returns the current value of a field with others added to it."""
     if declared.type.kind == "agents":
-        return before.union(*values)
+        return current.union(*values)
     if declared.type.kind == "real":
-        return added_up([before, *values])
-    after = before + sum(values)
-    check_int32(after, declared.name)
-    return int(min(max(after, declared.type.low), declared.type.high)) if declared.capped else after
+        return added_up([current, *values])
+    total = current + sum(values)
+    check_int32(total, declared.name)
+    if declared.capped:
+        return int(min(max(total, declared.type.low), declared.type.high))
+    return total
 
 
 def _check(declared: ir.VarField, value: Value, board: Board) -> None:
@@ -244,26 +244,28 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
 
 
 def _get(slot: Slot, board: Board, world: World) -> Value:
-    values, place = _holder(slot, board, world)
-    return reduce(getitem, slot.entries, values[place])
+    values, key = _holder(slot, board, world)
+    return reduce(getitem, slot.entries, values[key])
 
 
 def _put(slot: Slot, value: Value, board: Board, world: World) -> None:
-    values, place = _holder(slot, board, world)
-    values[place] = _replaced(values[place], slot.entries, value)
+    values, key = _holder(slot, board, world)
+    values[key] = _replaced(values[key], slot.entries, value)
 
 
 def _holder(slot: Slot, board: Board, world: World) -> tuple[Any, Any]:
-    """Returns the list or dictionary that the field's value is kept in, and its place there."""
-    return (
-        (world.fields, slot.name)
-        if slot.owner is None
-        else (held_values(declaration(slot, board), world), slot.owner[1])
-    )
+    """Returns the list or dictionary with the values of a field, and the index or key of the
+    slot's.
+    """
+    if slot.owner is None:
+        return world.fields, slot.name
+    _, number = slot.owner
+    return held_values(declaration(slot, board), world), number
 
 
-def _replaced(whole: Value, entries: tuple[int, ...], value: Value) -> Value:
+def _replaced(value: Value, entries: tuple[int, ...], entry: Value) -> Value:
+    """Returns nested tuples with one entry replaced."""
     if not entries:
-        return value
-    first = entries[0]
-    return (*whole[:first], _replaced(whole[first], entries[1:], value), *whole[first + 1 :])
+        return entry
+    first, *rest = entries
+    return (*value[:first], _replaced(value[first], tuple(rest), entry), *value[first + 1 :])

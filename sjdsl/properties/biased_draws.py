@@ -24,18 +24,18 @@ def episode_key(seed: int, episode: int) -> Threefry:
 
 def reset_key(key: Threefry) -> Threefry:
     """Returns the key of the phase `start`."""
-    return Threefry(key.word(RESET, 0), key.word(RESET, 1))
+    return Threefry(key.bits(RESET, 0), key.bits(RESET, 1))
 
 
 def step_key(key: Threefry, step: int) -> Threefry:
     """Returns the key of a step."""
-    return Threefry(key.word(STEP, 2 * step), key.word(STEP, 2 * step + 1))
+    return Threefry(key.bits(STEP, 2 * step), key.bits(STEP, 2 * step + 1))
 
 
 def policy_bits(key: Threefry, step: int, agents: int) -> list[tuple[int, int]]:
     """Returns the two 32-bit random numbers that each agent's policy gets in a step."""
-    own = Threefry(key.word(POLICY, 2 * step), key.word(POLICY, 2 * step + 1))
-    return [(own.word(0, 2 * agent), own.word(0, 2 * agent + 1)) for agent in range(agents)]
+    own = Threefry(key.bits(POLICY, 2 * step), key.bits(POLICY, 2 * step + 1))
+    return [(own.bits(0, 2 * agent), own.bits(0, 2 * agent + 1)) for agent in range(agents)]
 
 
 @dataclass(frozen=True)
@@ -49,17 +49,17 @@ class BiasedDraws:
     source: Draws
     bias: Bias
 
-    def word(self, stream: int, number: int) -> int:
-        word = self.source.word(stream, number)
+    def bits(self, stream: int, number: int) -> int:
+        bits = self.source.bits(stream, number)
         match self.bias:
             case "good":
-                return word >> 24
+                return bits >> 24
             case "mixed":
-                return word >> (word & 31) if word & 32 else word
+                return bits >> (bits & 31) if bits & 32 else bits
             case "bad":
-                return word | 0xFF000000
+                return bits | 0xFF000000
             case _:
-                return word
+                return bits
 
 
 def biased(draw: "Callable[..., Array]") -> "Callable[..., Array]":

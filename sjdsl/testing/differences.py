@@ -1,9 +1,11 @@
-"""Compares the compiled game with the reference interpreter after the same step: every field and every result."""
+"""Compares the compiled game with the reference interpreter after the same step: every field and
+every result."""
 
 from typing import Any
 
 import numpy as np
 
+from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import all_fields, counts_of, marking_phases
 from sjdsl.interpreter import observe as interpreter_view
@@ -13,15 +15,23 @@ from sjdsl.interpreter.step import action_mask
 from sjdsl.interpreter.stored import stored_values
 from sjdsl.runtime.env import Environment
 
-CLOSE = 1e-6  # relative and absolute
-MANY = 12  # of longer lists only the entries that differ are shown
+CLOSE = 1e-6  # relative and absolute tolerance of reals
+LONG = 12  # of longer lists only the entries that differ are shown
 
 
 def state_differences(
     env: Environment, state: Any, world: World, seen: Any, allowed: Any = None, close: float = CLOSE
 ) -> list[str]:
-    """Returns where two states differ: places, fields, timers, marks, who is away, what is seen and, if given, allowed."""
-    game, (_, cols), pad = env.game, env.module.FRAME, env.module.PAD
+    """Returns where the compiled state and the interpreter's world differ.
+
+    Compares places, fields, timers, marks and who is away.
+
+    Args:
+      seen: the observations of the compiled game, `[N, rows, cols, planes]`, compared too.
+      allowed: its mask of allowed actions, `[N, actions]`, compared unless it is None.
+    """
+    game = env.game
+    places: list[tuple[str, Any, Any]] = []  # a name, and both values
     pairs: list[tuple[str, Any, Any]] = [
         ("headings", np.asarray(state.heading).tolist(), world.heading),
         ("step", int(state.step), world.step),
@@ -29,72 +39,65 @@ def state_differences(
     if allowed is not None:
         pairs.append(("allowed actions", np.asarray(allowed).tolist(), action_mask(game, world)))
     for sort, herd in herds(world).items():
-        of, at = (
-            f" of {sort.name}" if sort.what == "mover" else "",
-            np.asarray(getattr(state, attribute_of("position", sort))).tolist(),
-        )
-        places = [(p // cols - pad, p % cols - pad) if p else None for p in at]
-        pairs.insert(
-            0, (f"places{of}", places, [None if p is None else tuple(p) for p in herd.position])
-        )
-        for name, theirs in (
-            ("moved", herd.moved),
-            ("away", [a.ticks if a else 0 for a in herd.away]),
-        ):
+        suffix = f" of {sort.name}" if sort.what == "mover" else ""
+        cells = np.asarray(getattr(state, attribute_of("position", sort))).tolist()
+        compiled = [_row_and_col(env, cell) for cell in cells]
+        interpreted = [None if place is None else tuple(place) for place in herd.position]
+        places.insert(0, (f"places{suffix}", compiled, interpreted))
+        ticks = [away.ticks if away else 0 for away in herd.away]
+        for name, values in (("moved", herd.moved), ("away", ticks)):
             if hasattr(state, attribute_of(name, sort)):
-                pairs.append(
-                    (
-                        f"{name}{of}",
-                        np.asarray(getattr(state, attribute_of(name, sort))).tolist(),
-                        theirs,
-                    )
-                )
+                compiled = np.asarray(getattr(state, attribute_of(name, sort))).tolist()
+                pairs.append((f"{name}{suffix}", compiled, values))
     for phase in marking_phases(game):
         cells = np.asarray(getattr(state, f"mark_{phase.name}", ())).tolist()
-        marked = sorted({(cell // cols - pad, cell % cols - pad) for cell in cells if cell})
-        pairs.append(
-            (
-                f"marks of {phase.label}",
-                marked,
-                sorted({(r, c) for name, r, c in world.marks if name == phase.name}),
-            )
-        )
-    found = [shown(name, mine, theirs) for name, mine, theirs in pairs if mine != theirs]
+        compiled_marks = sorted({_row_and_col(env, cell) for cell in cells if cell})
+        marks = sorted({(row, col) for name, row, col in world.marks if name == phase.name})
+        pairs.append((f"marks of {phase.label}", compiled_marks, marks))
+    differences = [
+        shown(name, compiled, interpreted)
+        for name, compiled, interpreted in [*places, *pairs]
+        if compiled != interpreted
+    ]
     for declared in all_fields(game):
-        stored, wanted = (
-            np.asarray(getattr(state, attribute_name(declared))),
-            np.asarray(stored_values(declared, world)),
-        )
-        wanted = (
-            wanted if wanted.size else wanted.reshape(stored.shape)
-        )  # of no cells, a list does not tell the length of rows
-        same = (
-            np.allclose(stored, wanted, rtol=close, atol=close)
-            if declared.type.kind == "real"
-            else stored.tolist() == wanted.tolist()
-        )
-        if not same:
-            found.append(shown(attribute_name(declared), stored.tolist(), wanted.tolist()))
-    seen, expected = np.asarray(seen), interpreter_view.observe(game, world)
+        values = np.asarray(getattr(state, attribute_name(declared)))
+        expected = np.asarray(stored_values(declared, world))
+        if not expected.size:  # an empty list of rows doesn't have the length of the rows
+            expected = expected.reshape(values.shape)
+        if declared.type.kind == "real":
+            is_same = np.allclose(values, expected, rtol=close, atol=close)
+        else:
+            is_same = values.tolist() == expected.tolist()
+        if not is_same:
+            differences.append(shown(attribute_name(declared), values.tolist(), expected.tolist()))
+    seen = np.asarray(seen)
+    expected = interpreter_view.observe(game, world)
     if seen.shape != expected.shape:
-        found.append(f"observations: {seen.shape} / {expected.shape}")
+        differences.append(f"observations: {seen.shape} / {expected.shape}")
     elif not np.array_equal(seen, expected):
-        where = [tuple(index) for index in np.argwhere(seen != expected)[:5].tolist()]
-        found.append(
-            "observations at "
-            + ", ".join(f"{index}: {seen[index]} / {expected[index]}" for index in where)
-        )
-    return found
+        entries = map(tuple, np.argwhere(seen != expected)[:5].tolist())
+        listed = [f"{entry}: {seen[entry]} / {expected[entry]}" for entry in entries]
+        differences.append(f"observations at {', '.join(listed)}")
+    return differences
 
 
-def shown(name: str, mine: Any, theirs: Any) -> str:
+def _row_and_col(env: Environment, cell: int) -> tuple[int, int] | None:
+    """Returns the row and column of a compiled state's cell number; None for 0, which is no
+    cell.
+    """
+    _, cols = env.module.FRAME
+    row, col = divmod(cell, cols)
+    return (row - env.module.PAD, col - env.module.PAD) if cell else None
+
+
+def shown(name: str, compiled: Any, interpreted: Any) -> str:
     """Returns both values; of long lists the first entries that differ."""
-    if isinstance(mine, list) and isinstance(theirs, list) and len(mine) == len(theirs) > MANY:
-        differing = [
-            f"{i}: {a} / {b}" for i, (a, b) in enumerate(zip(mine, theirs, strict=True)) if a != b
-        ]
+    are_lists = isinstance(compiled, list) and isinstance(interpreted, list)
+    if are_lists and len(compiled) == len(interpreted) > LONG:
+        entries = enumerate(zip(compiled, interpreted, strict=True))
+        differing = [f"{index}: {a} / {b}" for index, (a, b) in entries if a != b]
         return f"{name} at {', '.join(differing[:5])}"
-    return f"{name}: {mine} / {theirs}"
+    return f"{name}: {compiled} / {interpreted}"
 
 
 def outcome_differences(
@@ -103,23 +106,27 @@ def outcome_differences(
     """Returns where rewards, events, metrics and endings of two steps differ."""
     pairs: list[tuple[str, Any, Any]] = [("reward", reward, outcome.reward)]
     for event in env.game.events:
-        counts = np.asarray(outcome.events[event.name])
-        names = counts_of(event)
-        pairs += [
-            (f"event {n}", info["events"][n], counts if word is None else counts[..., i])
-            for i, (word, n) in enumerate(names)
-        ]
-    pairs += [
-        (f"metric {name}", info["metrics"][name], value) for name, value in outcome.measures.items()
-    ]
+        for name, counts in named_counts(event, outcome).items():
+            pairs.append((f"event {name}", info["events"][name], counts))
+    for name, value in outcome.measures.items():
+        pairs.append((f"metric {name}", info["metrics"][name], value))
     pairs.append(("terminated", info["terminated"], outcome.terminated))
     pairs.append(("truncated", info["truncated"], outcome.truncated and not outcome.terminated))
-    found = [
-        (name, np.asarray(mine, np.float64), np.asarray(theirs, np.float64))
-        for name, mine, theirs in pairs
-    ]
-    return [
-        f"{n}: {mine.tolist()} / {theirs.tolist()}"
-        for n, mine, theirs in found
-        if not np.allclose(mine, theirs, rtol=close, atol=close)
-    ]
+    differences = []
+    for name, compiled, interpreted in pairs:
+        compiled = np.asarray(compiled, np.float64)
+        interpreted = np.asarray(interpreted, np.float64)
+        if not np.allclose(compiled, interpreted, rtol=close, atol=close):
+            differences.append(f"{name}: {compiled.tolist()} / {interpreted.tolist()}")
+    return differences
+
+
+def named_counts(event: ir.Event, outcome: Outcome) -> dict[str, np.ndarray]:
+    """Returns the counts of an event as `info["events"]` has them: one, or one for each enum
+    value.
+    """
+    counts = np.asarray(outcome.events[event.name])
+    return {
+        name: counts if enum_value is None else counts[..., index]
+        for index, (enum_value, name) in enumerate(counts_of(event))
+    }

@@ -9,31 +9,30 @@ import jax
 import numpy as np
 
 from sjdsl.compiler.ir.names import param_attribute
-from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome, World
 from sjdsl.interpreter.step import action_mask, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.differences import outcome_differences, state_differences
+from sjdsl.testing.differences import named_counts, outcome_differences, state_differences
 from sjdsl.testing.values import loaded
 
+# XLA spends less on optimising: it would cost more than it saves in a few steps.
 QUICK = {
     "xla_backend_optimization_level": 0,
     "xla_llvm_disable_expensive_passes": True,
-}  # compiling costs more than a few steps
+}
 
 
 @dataclass(frozen=True)
 class Compiled:
-    """A compiled game. look: state, params -> observation, allowed actions; step: as of the environment, and the allowed actions.
-
-    blank: the state before the phase `start`, as NumPy arrays.
-    """
+    """A compiled game."""
 
     env: Environment
-    blank: Any
+    blank: Any  # the state before the phase `start`, as NumPy arrays
+    # state, params -> observation, allowed actions
     look: Callable[[Any, Any], Any]
+    # key, state, actions, params -> (observation, allowed actions), state, reward, done, info
     step: Callable[[Any, Any, Any, Any], Any]
 
 
@@ -53,10 +52,9 @@ def compile_quickly(env: Environment) -> Compiled:
 
     def whole_step(key: Any, state: Any, actions: Any, params: Any) -> Any:
         observation, state, reward, done, info = env.step_env(key, state, actions, params)
-        told = {
-            name: info[name] for name in ("truncated", "terminated", "events", "metrics")
-        }  # the rest is the state and observation again
-        return (observation, env.allowed_actions(state, params)), state, reward, done, told
+        # The other entries of `info` are the state and the observation again.
+        info = {name: info[name] for name in ("truncated", "terminated", "events", "metrics")}
+        return (observation, env.allowed_actions(state, params)), state, reward, done, info
 
     return Compiled(
         env,
@@ -67,27 +65,27 @@ def compile_quickly(env: Environment) -> Compiled:
 
 
 @lru_cache(maxsize=1024)
-def key_words(seed: int) -> tuple[int, int]:
-    """Returns the two words of `jax.random.key(seed)`."""
-    words = np.asarray(jax.random.key_data(jax.random.key(seed)))
-    return int(words[0]), int(words[1])
+def key_bits(seed: int) -> tuple[int, int]:
+    """Returns the two uint32 numbers of `jax.random.key(seed)`."""
+    high, low = np.asarray(jax.random.key_data(jax.random.key(seed)))
+    return int(high), int(low)
 
 
 def interpreter_params(env: Environment, params: Any) -> dict[str, Any]:
-    """Returns the parameters of the compiled step as the interpreter has them, the same numbers bit for bit."""
+    """Returns the parameters of the compiled step for the interpreter, the same bit for bit."""
     return {
-        p.name: loaded(np.asarray(getattr(params, param_attribute(p.name))), p.type)
-        for p in env.game.params
+        param.name: loaded(np.asarray(getattr(params, param_attribute(param.name))), param.type)
+        for param in env.game.params
     }
 
 
 @dataclass
 class Stepped:
-    """What a step came to, as plain numbers; seen: observation, allowed actions."""
+    """The result of a step, as plain numbers."""
 
     state: Any
     world: World
-    seen: tuple[np.ndarray, np.ndarray]
+    seen: tuple[np.ndarray, np.ndarray]  # observation, allowed actions
     reward: list[float]
     events: dict[str, Any]
     metrics: dict[str, float]
@@ -103,41 +101,50 @@ def take_step(
     numbers: Numbers,
     seed: int,
 ) -> Stepped:
-    """Takes a step on both engines with the same draws. Raises AssertionError if they come out differently."""
+    """Takes a step on both engines with the same draws. Raises AssertionError if the results
+    differ.
+    """
     env = compiled.env
-    world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_words(seed)))
+    world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_bits(seed)))
     seen, state, reward, _, info = compiled.step(
         jax.random.key(seed), state, np.asarray(actions, np.int32), numbers.compiled
     )
+    observation, allowed = map(np.asarray, seen)
     differences = [
-        *state_differences(env, state, world, *seen),
+        *state_differences(env, state, world, observation, allowed),
         *outcome_differences(env, reward, info, outcome),
     ]
     if differences:
         raise AssertionError(
             "the compiled step and the interpreter differ:\n  " + "\n  ".join(differences)
         )
-    return _stepped(env, state, world, (np.asarray(seen[0]), np.asarray(seen[1])), outcome)
+    return _stepped(env, state, world, (observation, allowed), outcome)
 
 
 def look_at(
     compiled: Compiled, state: Any, world: World, params: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the observation of a state and the allowed actions. Raises AssertionError if the state is not the world."""
-    seen = compiled.look(state, params)
-    differences = state_differences(compiled.env, state, world, *seen)
+    """Returns the observation of a state and the allowed actions.
+
+    Raises AssertionError if the state and the world differ.
+    """
+    observation, allowed = map(np.asarray, compiled.look(state, params))
+    differences = state_differences(compiled.env, state, world, observation, allowed)
     if differences:
         raise AssertionError(
             "the compiled game and the interpreter differ:\n  " + "\n  ".join(differences)
         )
-    return np.asarray(seen[0]), np.asarray(seen[1])
+    return observation, allowed
 
 
 def interpret_step(
     env: Environment, world: World, actions: Sequence[int], numbers: Numbers, seed: int
 ) -> Stepped:
-    """Takes a step on the interpreter alone, with the draws that `take_step` would have; there is no compiled state."""
-    world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_words(seed)))
+    """Takes a step on the interpreter alone, with the draws that `take_step` would have.
+
+    There is no compiled state.
+    """
+    world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_bits(seed)))
     return _stepped(env, None, world, interpret_look(env, world), outcome)
 
 
@@ -150,11 +157,8 @@ def _stepped(
 ) -> Stepped:
     events: dict[str, Any] = {}
     for event in env.game.events:
-        counts = np.asarray(outcome.events[event.name])
-        events |= {
-            n: (counts if word is None else counts[..., i]).tolist()
-            for i, (word, n) in enumerate(counts_of(event))
-        }
+        for name, counts in named_counts(event, outcome).items():
+            events[name] = counts.tolist()
     return Stepped(
         state,
         world,
@@ -168,5 +172,5 @@ def _stepped(
 
 
 def interpret_look(env: Environment, world: World) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the observation of a state and the allowed actions, as the interpreter has them."""
+    """Returns the observation of a state and the allowed actions, by the interpreter."""
     return observe(env.game, world), np.asarray(action_mask(env.game, world))

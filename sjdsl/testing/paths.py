@@ -1,4 +1,4 @@
-"""Reads values of a scene by name: `agent.bag[raw]`, `rock.ore`, `reward`, `event eaten`, as the manual writes results."""
+"""Reads and sets the fields of a scene by name: `agent.bag[raw]`, `rock.ore`."""
 
 import re
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ _PATH = re.compile(r"(?:(\w+)\.)?(\w+)((?:\[-?\w+\])*)")
 
 @dataclass(frozen=True)
 class FieldPath:
-    """A field, or one entry of it: `keys` are places in the levels of a `by` field."""
+    """A field, or one entry of it: `keys` are the indices of the entry in a `by` field."""
 
     text: str
     declared: ir.VarField
@@ -29,34 +29,33 @@ class FieldPath:
 
 
 def find_field(game: ir.Game, text: str) -> FieldPath:
-    """Returns the field of a path `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of the world), perhaps with `[word]`.
+    """Returns the field of a path `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of
+    the world), perhaps with `[KEY]`.
 
     Raises ValueError naming the nearest field.
     """
     match = _PATH.fullmatch(text.strip())
     owner, name, brackets = match.groups() if match else (None, text, "")
-    kinds = {kind.name: kind.fields for kind in game.kinds} | {
-        sort.name: sort.fields for sort in game.movers
-    }
-    owners = {"agent": game.agents.fields, **kinds}
+    owners = {"agent": game.agents.fields}
+    owners |= {kind.name: kind.fields for kind in game.kinds}
+    owners |= {sort.name: sort.fields for sort in game.movers}
     if owner is not None and owner not in owners:
         raise ValueError(f"`{text}`: the game has no `{owner}`{meant(owner, owners)}")
-    declared = next((f for f in (owners[owner] if owner else game.fields) if f.name == name), None)
+    fields = owners[owner] if owner else game.fields
+    declared = next((field for field in fields if field.name == name), None)
     if declared is None:
         raise ValueError(f"`{text}`: {_no_field(owner, name, owners, game.fields)}")
-    keys, by = re.findall(r"-?\w+", brackets), declared.type.by
-    if len(keys) > len(by):
-        raise ValueError(
-            f"`{text}`: `{name}` has {len(by)} indices"
-            if by
-            else f"`{text}`: `{name}` is one value, without an index"
-        )
-    places = []
-    for key, level in zip(keys, by, strict=False):
+    keys = re.findall(r"-?\w+", brackets)
+    levels = declared.type.by
+    if len(keys) > len(levels):
+        indices = f"has {len(levels)} indices" if levels else "is one value, without an index"
+        raise ValueError(f"`{text}`: `{name}` {indices}")
+    indices_of_keys = []
+    for key, level in zip(keys, levels, strict=False):
         if key not in level.keys:
             raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, level.keys)}")
-        places.append(level.keys.index(key))
-    return FieldPath(text, declared, tuple(places))
+        indices_of_keys.append(level.keys.index(key))
+    return FieldPath(text, declared, tuple(indices_of_keys))
 
 
 def _no_field(
@@ -66,13 +65,12 @@ def _no_field(
     world: tuple[ir.VarField, ...],
 ) -> str:
     if owner:
-        names = [f.name for f in owners[owner]]
+        names = [field.name for field in owners[owner]]
         return f"`{owner}` has no field `{name}`{meant(name, names)}"
-    whole = [
-        *(f.name for f in world),
-        *(f"{o}.{f.name}" for o, fields in owners.items() for f in fields),
-    ]
-    return f"the game has no field `{name}`{meant(name, whole)}"
+    paths = [field.name for field in world]
+    for other, fields in owners.items():
+        paths += [f"{other}.{field.name}" for field in fields]
+    return f"the game has no field `{name}`{meant(name, paths)}"
 
 
 def _entry(value: Any, keys: tuple[int, ...]) -> Any:
@@ -82,7 +80,7 @@ def _entry(value: Any, keys: tuple[int, ...]) -> Any:
 
 
 def _replaced(value: Any, keys: tuple[int, ...], entry: Any) -> Any:
-    """Returns a row, or a row of rows, with one entry replaced."""
+    """Returns nested tuples with one entry replaced."""
     if not keys:
         return entry
     first, *rest = keys
@@ -90,71 +88,73 @@ def _replaced(value: Any, keys: tuple[int, ...], entry: Any) -> Any:
 
 
 def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
-    """Returns what the values of a field belong to: numbers of agents or movers, (row, column) of cells; None for the world."""
-    match path.declared.held_by.what:
+    """Returns the owners of the values of a field: numbers of agents or movers, (row, column) of
+    cells; None for the world."""
+    owner = path.declared.held_by
+    match owner.what:
         case "agent":
             return list(range(board.agents))
         case "mover":
-            return list(
-                range(
-                    next(
-                        sort.number
-                        for sort in board.game.movers
-                        if sort.name == path.declared.held_by.name
-                    )
-                )
-            )
+            numbers = {sort.name: sort.number for sort in board.game.movers}
+            return list(range(numbers[owner.name]))
         case "cell":
-            return [tuple(cell) for cell in board.cells[path.declared.held_by.name]]
+            return [tuple(cell) for cell in board.cells[owner.name]]
         case _:
             return None
 
 
 def read_field(path: FieldPath, world: World) -> Any:
-    """Returns the values of a field as written: a list over agents or cells, or the world's one value."""
+    """Returns the values of a field as authors write them: a list over agents, movers or cells, or
+    the world's one value."""
     values = held_values(path.declared, world)
     if path.declared.held_by.what == "world":
         return written(_entry(values, path.keys), path.entry_type)
     return [written(_entry(value, path.keys), path.entry_type) for value in values]
 
 
-def write_field(path: FieldPath, given: Any, board: Board, world: World) -> None:
-    """Sets a field. `given`: a list over agents or cells, a mapping of some of them, or one value for all; the world's value.
+def write_field(path: FieldPath, values: Any, board: Board, world: World) -> None:
+    """Sets a field.
 
-    Raises ValueError: an agent or cell that is not there, a value that does not fit.
+    Args:
+      values: the world's value; else a list over agents, movers or cells, a mapping of some of
+        them,
+        or one value for all.
+    Raises:
+      ValueError: an agent, mover or cell that doesn't exist, or a value that doesn't fit.
     """
-    values, owners = held_values(path.declared, world), owners_of(path, board)
+    current = held_values(path.declared, world)
+    owners = owners_of(path, board)
     if owners is None:
-        world.fields[path.declared.name] = _with_given(path, path.text, given, values, board)
+        world.fields[path.declared.name] = _updated(path, path.text, values, current, board)
         return
-    for owner, value in by_owner(path.text, given, owners).items():
+    for owner, value in by_owner(path.text, values, owners).items():
         number = owners.index(owner)
-        values[number] = _with_given(path, f"{path.text} of {owner}", value, values[number], board)
+        name = f"{path.text} of {owner}"
+        current[number] = _updated(path, name, value, current[number], board)
 
 
-def _with_given(path: FieldPath, name: str, given: Any, before: Any, board: Board) -> Any:
-    return _replaced(
-        before,
-        path.keys,
-        held(name, given, path.entry_type, board.agents, _entry(before, path.keys)),
-    )
+def _updated(path: FieldPath, name: str, value: Any, current: Any, board: Board) -> Any:
+    """Returns the current value of a field with the entry of `path` set to a written value."""
+    entry = held(name, value, path.entry_type, board.agents, _entry(current, path.keys))
+    return _replaced(current, path.keys, entry)
 
 
-def by_owner(name: str, given: Any, owners: list[Any]) -> dict[Any, Any]:
-    """Returns what is given for each agent or cell: of a list in order, of a mapping as it says, else the same for all."""
-    if isinstance(given, list | tuple):
-        if len(given) != len(owners):
+def by_owner(name: str, values: Any, owners: list[Any]) -> dict[Any, Any]:
+    """Returns the value for each owner: those of a list in order, those of a mapping by owner, or
+    one value for all."""
+    if isinstance(values, list | tuple):
+        if len(values) != len(owners):
             raise ValueError(
-                f"`{name}`: {len(given)} values are given, there are {len(owners)}; give some as a mapping"
+                f"`{name}`: {len(values)} values are given, there are {len(owners)}; "
+                "give some as a mapping"
             )
-        return dict(zip(owners, given, strict=True))
-    if isinstance(given, Mapping) and not (given and all(isinstance(key, str) for key in given)):
-        for owner in given:
+        return dict(zip(owners, values, strict=True))
+    is_entry = isinstance(values, Mapping) and values and all(isinstance(k, str) for k in values)
+    if isinstance(values, Mapping) and not is_entry:
+        for owner in values:
             if owner not in owners:
-                raise ValueError(f"`{name}`: {owner} is none of {_some(owners)}")
-        return dict(given)
-    return dict.fromkeys(owners, given)
-
-
-def _some(owners: list[Any]) -> str:
-    return ", ".join(map(str, owners[:6])) + (", …" if len(owners) > 6 else "")
+                listed = ", ".join(map(str, owners[:6]))
+                more = ", …" if len(owners) > 6 else ""
+                raise ValueError(f"`{name}`: {owner} is none of {listed}{more}")
+        return dict(values)
+    return dict.fromkeys(owners, values)

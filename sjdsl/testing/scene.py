@@ -1,4 +1,5 @@
-"""`Scene`: one state of a game on a stage, stepped by both engines together, and the questions a test can ask of it."""
+"""`Scene`: one state of a game on a stage, in which both engines take each step, and the questions
+that a test can ask about it."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
@@ -26,6 +27,7 @@ from sjdsl.testing.signs import Signs
 from sjdsl.testing.states import compiled_state
 from sjdsl.testing.values import merged, same
 
+SHORT = 8  # a longer list is not shown in full in a message
 _ATTRIBUTES: dict[str, Callable[[World | Herd], list[Any]]] = {
     "row": lambda herd: [None if place is None else place.row for place in herd.position],
     "col": lambda herd: [None if place is None else place.col for place in herd.position],
@@ -36,7 +38,7 @@ _ATTRIBUTES: dict[str, Callable[[World | Herd], list[Any]]] = {
 
 
 class Setting(Protocol):
-    """What a scene needs of the `Stage` that it is put on."""
+    """The attributes of a `Stage` that a scene on it uses."""
 
     @property
     def env(self) -> Environment: ...
@@ -52,39 +54,48 @@ class Setting(Protocol):
 
 
 class Scene:
-    """A state of a game. Every step is taken twice and must come out alike in every field, reward, event, metric and observation.
+    """A state of a game. Both engines take every step, and must agree in every field, reward,
+    event, metric and observation.
 
-    On a stage that is `interpreted` the interpreter takes it alone.
+    On a stage that is `interpreted`, only the interpreter takes the steps.
 
     Attributes:
-      reward: `[N]` of the last step; events, metrics: by name, of the last step, as `info` has them; terminated, truncated: bool.
-      state, params: of the compiled game (no state on a stage that is `interpreted`); world: of the interpreter.
+      reward: `[N]` of the last step; events, metrics: by name, of the last step, as in `info`;
+        terminated, truncated: bool.
+      state, params: of the compiled game (no state on a stage that is `interpreted`); world: of the
+        interpreter.
     """
 
     def __init__(self, stage: Setting, world: World, params: Mapping[str, Any], seed: int):
-        self.stage, self.env, self.world = stage, stage.env, world
-        self.seed, self._past = seed, ""
+        self.stage = stage
+        self.env = stage.env
+        self.world = world
+        self.seed = seed
+        self._past: list[str] = []  # the actions of each step so far
         self._seen: tuple[np.ndarray, np.ndarray] | None = None
         self._set_params(params)
-        self.state = (
-            None if stage.interpreted else compiled_state(stage.env, stage.compiled.blank, world)
-        )
+        self.state: Any = None
+        if not stage.interpreted:
+            self.state = compiled_state(stage.env, stage.compiled.blank, world)
         self.reward: list[float] = []
         self.events: dict[str, Any] = {}
         self.metrics: dict[str, float] = {}
-        self.terminated = self.truncated = False
+        self.terminated = False
+        self.truncated = False
 
     @property
     def observation(self) -> np.ndarray:
-        """What the agents see: `[N, rows, cols, planes]` uint8 tokens."""
-        return self._looked()[0]
+        """The observations of the agents: `[N, rows, cols, planes]` uint8 tokens."""
+        observation, _ = self._look()
+        return observation
 
     @property
     def allowed(self) -> np.ndarray:
         """Which actions each agent may take: `[N, actions]` bool."""
-        return self._looked()[1]
+        _, allowed = self._look()
+        return allowed
 
-    def _looked(self) -> tuple[np.ndarray, np.ndarray]:
+    def _look(self) -> tuple[np.ndarray, np.ndarray]:
         if self._seen is None and self.stage.interpreted:
             self._seen = interpret_look(self.env, self.world)
         if self._seen is None:
@@ -93,21 +104,24 @@ class Scene:
 
     def change(self, **params: Any) -> "Scene":
         """Sets run-time numbers for the steps that follow."""
-        self._set_params(merged(self._changed, params))
+        self._set_params(merged(self._changed_params, params))
         return self
 
     def _set_params(self, changed: Mapping[str, Any]) -> None:
         self._seen = None
-        self._changed, self._numbers = dict(changed), self.stage.numbers(changed)
+        self._changed_params = dict(changed)
+        self._numbers = self.stage.numbers(changed)
         self.params = self._numbers.compiled
 
     def step(self, actions: str = "", times: int = 1) -> "Scene":
-        """Takes a step, or several with the same actions: the names of what agent 0, 1, … do, parted by commas; who is not named stays.
+        """Takes a step, or several with the same actions.
 
-        Raises ValueError for an unknown action, AssertionError if the two engines differ.
+        `actions` has the names of the actions of agent 0, 1, …, separated by commas; the other
+        agents stay. Raises ValueError for an unknown action, AssertionError if the two engines
+        differ.
         """
         __tracebackhide__ = True
-        chosen = self._chosen(actions)
+        chosen = self._read_actions(actions)
         for _ in range(times):
             if self.stage.interpreted:
                 stepped = interpret_step(self.env, self.world, chosen, self._numbers, self.seed)
@@ -115,28 +129,40 @@ class Scene:
                 stepped = take_step(
                     self.stage.compiled, self.state, self.world, chosen, self._numbers, self.seed
                 )
-            self.state, self.world, self._seen = stepped.state, stepped.world, stepped.seen
-            self.reward, self.events, self.metrics = stepped.reward, stepped.events, stepped.metrics
-            self.terminated, self.truncated = stepped.terminated, stepped.truncated
+            self.state = stepped.state
+            self.world = stepped.world
+            self._seen = stepped.seen
+            self.reward = stepped.reward
+            self.events = stepped.events
+            self.metrics = stepped.metrics
+            self.terminated = stepped.terminated
+            self.truncated = stepped.truncated
             self.seed += 1
-            self._past += f"; {actions or 'all stay'}"
+            self._past.append(actions or "all stay")
         return self
 
-    def _chosen(self, actions: str) -> list[int]:
-        names, agents = self.env.action_names, self.env.num_agents
-        wanted = split_actions(actions) if actions.strip() else []
-        if len(wanted) > agents:
-            raise ValueError(f"{len(wanted)} actions for {agents} agents: {actions}")
-        for name in wanted:
-            if name not in names:
-                raise ValueError(f"`{name}` isn't an action of this game{meant(name, names)}")
-        return [names.index(name) for name in [*wanted, *["stay"] * agents][:agents]]
+    def _read_actions(self, actions: str) -> list[int]:
+        """Returns the action of each agent; those that have none in the text stay."""
+        known = self.env.action_names
+        agents = self.env.num_agents
+        names = list(split_actions(actions)) if actions.strip() else []
+        if len(names) > agents:
+            raise ValueError(f"{len(names)} actions for {agents} agents: {actions}")
+        for name in names:
+            if name not in known:
+                raise ValueError(f"`{name}` isn't an action of this game{meant(name, known)}")
+        names += ["stay"] * (agents - len(names))
+        return [known.index(name) for name in names]
 
     def shows(self, *picture: str, under: Mapping[int, str] | None = None) -> "Scene":
-        """Asserts what the map looks like now. Numbers of agents are compared in rows that tell them. `under`: signs agents stand on."""
+        """Asserts what the map looks like now.
+
+        Numbers of agents are compared in rows of the picture that have them. `under` has the signs
+        of the cells under agents.
+        """
         __tracebackhide__ = True
-        wanted = read_picture(picture, self.stage.signs)
-        difference = compare_pictures(wanted, self._rows())
+        expected = read_picture(picture, self.stage.signs)
+        difference = compare_pictures(expected, self._rows())
         if difference is not None:
             raise AssertionError(f"{self._when()}the map differs\n{difference}")
         for agent, sign in (under or {}).items():
@@ -147,28 +173,38 @@ class Scene:
         return self
 
     def has(self, expected: Mapping[str, Any]) -> "Scene":
-        """Asserts values: what `value` reads -> a list over agents or cells, a mapping of some of them, or one value for all."""
+        """Asserts values by the names that `value` reads.
+
+        An expected value is a list over agents or cells, a mapping of some of them, or one value
+        for all.
+        """
         __tracebackhide__ = True
-        wrong = [line for name, value in expected.items() for line in self._wrong(name, value)]
-        if wrong:
-            lines = "\n".join(f"  {line}" for line in [*wrong, "the map:", *map(str, self._rows())])
-            raise AssertionError(f"{self._when()}some values differ\n{lines}")
+        lines: list[str] = []
+        for name, value in expected.items():
+            lines += self._differences(name, value)
+        if lines:
+            text = "\n".join(f"  {line}" for line in [*lines, "the map:", *self._rows()])
+            raise AssertionError(f"{self._when()}some values differ\n{text}")
         return self
 
     def value(self, name: str) -> Any:
-        """Returns what a name stands for; of movers as of agents, `deer.FIELD` and `deer.row`.
+        """Returns the value of a name. Names of movers are like those of agents: `deer.FIELD`,
+        `deer.row`.
 
-        `agent.FIELD`, `KIND.FIELD`: a list over agents or cells; `FIELD`: of the world; `…[word]`: one entry of a `by` field. `agent.row`,
-        `agent.col`, `agent.heading`, `agent.moved`, `agent.away` (condition), `agent.ticks` (until it returns); `allowed ACTION`: may each
-        agent take it; `marks PHASE`: (row, column) of the marked cells; `steps`. Of the last step: `reward`, `event NAME`, `metric NAME`,
-        `terminated`, `truncated`. Raises ValueError for another name.
+        `agent.FIELD`, `KIND.FIELD`: a list over agents or cells; `FIELD`: of the world; `…[word]`:
+        one entry of a `by` field. `agent.row`, `agent.col`, `agent.heading`, `agent.moved`,
+        `agent.away` (condition), `agent.ticks` (until it returns); `allowed ACTION`: may each agent
+        take it; `marks PHASE`: (row, column) of the marked cells; `steps`. Of the last step:
+        `reward`, `event NAME`, `metric NAME`, `terminated`, `truncated`. Raises ValueError for
+        another name.
         """
-        return self._read(name)[0]
+        value, _ = self._read(name)
+        return value
 
     def under(self, agent: int) -> str:
-        """Returns the sign of what an agent stands on."""
-        row, column = self._place(agent)
-        return draw_cells(self.stage.signs, self.stage.board, self.world)[row][column]
+        """Returns the sign of the cell that an agent stands on."""
+        row, col = self._place(agent)
+        return draw_cells(self.stage.signs, self.stage.board, self.world)[row][col]
 
     def places(self) -> list[tuple[int, int] | None]:
         """Returns the (row, column) of each agent, None for one that is away."""
@@ -179,29 +215,31 @@ class Scene:
         return [HEADINGS[heading] for heading in self.world.heading]
 
     def picture(self) -> list[str]:
-        """Returns the map now, with the numbers of the agents of each row beside it."""
+        """Returns the current map, with the numbers of the agents of each row beside it."""
         return [str(row) for row in self._rows()]
 
     def seen(self, agent: int, plane: str, ahead: int = 0, right: int = 0) -> Any:
-        """Returns what an agent sees in a plane so many cells ahead and to its right: a label, a number, or labels joined by `+`."""
-        planes, window = self.env.token_planes, self.env.game.window
-        names = [p.name for p in planes]
+        """Returns what an agent sees in a plane so many cells ahead and to its right.
+
+        It is a label, a number, or labels joined by `+`.
+        """
+        window = self.env.game.window
+        names = [token_plane.name for token_plane in self.env.token_planes]
         if plane not in names:
             raise ValueError(f"there is no plane `{plane}`{meant(plane, names)}")
         self._place(agent)
         if not (-window.behind <= ahead <= window.ahead and -window.left <= right <= window.right):
             raise ValueError(f"{ahead} ahead, {right} to the right is outside the window")
-        shown = planes[names.index(plane)]
-        value = int(
-            self.observation[agent, names.index(plane), window.ahead - ahead, window.left + right]
-        )
-        match shown.encoding:
+        index = names.index(plane)
+        token = int(self.observation[agent, index, window.ahead - ahead, window.left + right])
+        labels = self.env.token_planes[index].labels
+        match self.env.token_planes[index].encoding:
             case "bits":
-                return "+".join(label for bit, label in enumerate(shown.labels) if value >> bit & 1)
+                return "+".join(label for bit, label in enumerate(labels) if token >> bit & 1)
             case "word":
-                return shown.labels[value]
+                return labels[token]
             case _:
-                return value
+                return token
 
     def compare_start(self, seed: int) -> None:
         """Asserts that the compiled reset of a seed gives this scene."""
@@ -218,51 +256,47 @@ class Scene:
         return place
 
     def _when(self) -> str:
-        return f"after {self._past[2:]}: " if self._past else ""
+        return f"after {'; '.join(self._past)}: " if self._past else ""
 
-    def _wrong(self, name: str, wanted: Any) -> list[str]:
-        found, owners = self._read(name)
+    def _differences(self, name: str, expected: Any) -> list[str]:
+        """Returns lines about where the value of a name isn't the expected one."""
+        actual, owners = self._read(name)
         if owners is None:
-            return [] if same(found, wanted) else [f"{name} is {found}, not {wanted}"]
-        values = dict(zip(owners, found, strict=True))
+            return [] if same(actual, expected) else [f"{name} is {actual}, not {expected}"]
+        values = dict(zip(owners, actual, strict=True))
         differing = [
             owner
-            for owner, value in by_owner(name, wanted, owners).items()
+            for owner, value in by_owner(name, expected, owners).items()
             if not same(values[owner], value)
         ]
-        if not differing:
-            return []
-        return [
-            f"{name} is {found}, not {wanted}"
-            if len(found) <= 8
-            else f"{name} of {o} is {values[o]}"
-            for o in differing[: 1 if len(found) <= 8 else 5]
-        ]
+        if differing and len(actual) <= SHORT:
+            return [f"{name} is {actual}, not {expected}"]
+        return [f"{name} of {owner} is {values[owner]}" for owner in differing[:5]]
 
     def _read(self, name: str) -> tuple[Any, list[Any] | None]:
-        """Returns what a name stands for, and what the entries of a list belong to."""
+        """Returns the value of a name; if it is a list, also the owners of its entries."""
         agents = list(range(self.env.num_agents))
-        word, _, rest = name.strip().partition(" ")
+        first, _, rest = name.strip().partition(" ")
         readers: dict[str, Callable[[str], Any]] = {
             "event": self._event,
             "metric": self._metric,
             "allowed": self._allowed,
             "marks": self._marks,
         }
-        if rest and word in readers:
-            value = readers[word](rest)
+        if rest and first in readers:
+            value = readers[first](rest)
             return value, agents if isinstance(value, list) else None
-        whole = {
-            "steps": self.world.step,
-            "terminated": self.terminated,
-            "truncated": self.truncated,
-        }
-        if name in whole:
-            return whole[name], None
-        if name == "reward":
-            return self._of_last_step(self.reward), agents
-        if name == "agent.heading":
-            return self.headings(), agents
+        match name:
+            case "steps":
+                return self.world.step, None
+            case "terminated":
+                return self.terminated, None
+            case "truncated":
+                return self.truncated, None
+            case "reward":
+                return self._of_last_step(self.reward), agents
+            case "agent.heading":
+                return self.headings(), agents
         sort, _, attribute = name.partition(".")
         if attribute in _ATTRIBUTES and sort in {"agent", *self.world.movers}:
             values = _ATTRIBUTES[attribute](self.world.movers.get(sort, self.world))
@@ -281,16 +315,17 @@ class Scene:
     def _metric(self, name: str) -> Any:
         return self._named(name, self._of_last_step(self.metrics), "metric")
 
-    def _named(self, name: str, values: Mapping[str, Any], what: str) -> Any:
+    def _named(self, name: str, values: Mapping[str, Any], label: str) -> Any:
         if name not in values:
-            raise ValueError(f"the game has no {what} `{name}`{meant(name, values)}")
+            raise ValueError(f"the game has no {label} `{name}`{meant(name, values)}")
         return values[name]
 
     def _allowed(self, action: str) -> list[bool]:
-        return list(self.allowed[:, self._chosen(action)[0]].tolist())
+        number = self._read_actions(action)[0]
+        return list(self.allowed[:, number].tolist())
 
-    def _marks(self, phase: str) -> set[tuple[int, int]]:
-        names = {p.label: p.name for p in marking_phases(self.env.game)}
-        if phase not in names:
-            raise ValueError(f"no phase `{phase}` marks cells{meant(phase, names)}")
-        return {(row, column) for name, row, column in self.world.marks if name == names[phase]}
+    def _marks(self, label: str) -> set[tuple[int, int]]:
+        names = {phase.label: phase.name for phase in marking_phases(self.env.game)}
+        if label not in names:
+            raise ValueError(f"no phase `{label}` marks cells{meant(label, names)}")
+        return {(row, col) for name, row, col in self.world.marks if name == names[label]}

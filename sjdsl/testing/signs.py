@@ -1,4 +1,5 @@
-"""The characters of a test's picture: glyphs of the map and of movers, characters of the author's own, arrows for agents."""
+"""The characters of a test's picture: glyphs of the map and of movers, `looks` of the test's
+author, arrows for agents."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -9,12 +10,14 @@ from sjdsl.compiler.ir.queries import kind_named
 from sjdsl.near_names import meant
 from sjdsl.testing.values import held
 
-UNKNOWN = "?!*%$"  # the first that is no sign is drawn where a cell is in a state without a sign
+# The first that isn't a sign is drawn for a cell whose state has no sign.
+UNKNOWN = "?!*%$"
 
 
 @dataclass(frozen=True)
 class Sign:
-    """A kind, and the fields and values a character speaks of (as the interpreter holds them)."""
+    """A character that stands for a kind of cell whose fields have certain values, in the
+    interpreter's form."""
 
     character: str
     kind: str
@@ -26,98 +29,105 @@ class Sign:
 
 @dataclass(frozen=True)
 class Signs:
-    """All signs of a stage by character, the author's before the glyphs; `arrows`: agents facing north, east, south, west.
-
-    movers: character -> sort of movers.
-    """
+    """All signs of a stage."""
 
     game: ir.Game
-    by_character: Mapping[str, Sign]
-    arrows: str
-    movers: Mapping[str, str] = field(default_factory=dict)
+    by_character: Mapping[str, Sign]  # the author's looks before the glyphs
+    arrows: str  # agents facing north, east, south, west
+    movers: Mapping[str, str] = field(default_factory=dict)  # character -> entity type
 
-    def stands(self, character: str) -> bool:
-        """Returns whether an agent or a mover is drawn so; what it stands on is not seen."""
+    def is_body(self, character: str) -> bool:
+        """Whether a character is an agent or a mover, which hides the cell that it stands on."""
         return character in self.arrows or character in self.movers
 
-    def draw(self, kind: str, here: Mapping[str, Any]) -> str:
-        """Returns the sign of a cell: of those that fit, the one that speaks of most fields."""
-        fitting = [
-            s
-            for s in self.by_character.values()
-            if s.kind == kind and all(here[n] == v for n, v in s.values.items())
-        ]
+    def draw(self, kind: str, values: Mapping[str, Any]) -> str:
+        """Returns the sign of a cell with these values: of those that fit, the one with most
+        fields.
+        """
+        fitting = [sign for sign in self._of_kind(kind) if sign.values.items() <= values.items()]
         if not fitting:
             return next(c for c in UNKNOWN if c not in self.by_character)
         return max(fitting, key=lambda sign: len(sign.values)).character
 
-    def told(self, kind: str) -> set[str]:
-        """Returns the fields that some sign of a kind speaks of."""
-        return {
-            name for sign in self.by_character.values() if sign.kind == kind for name in sign.values
-        }
+    def fields_of(self, kind: str) -> set[str]:
+        """Returns the fields for which some sign of a kind has a value."""
+        return {name for sign in self._of_kind(kind) for name in sign.values}
+
+    def _of_kind(self, kind: str) -> list[Sign]:
+        return [sign for sign in self.by_character.values() if sign.kind == kind]
 
     def meaning(self, character: str, glyph: str) -> dict[str, Any]:
-        """Returns the values to give to a cell shown so. What a look does not speak of is as on the map, where `glyph` stands."""
+        """Returns the values of a cell that has a sign in a picture, and a glyph on the map.
+
+        Fields without a value in the sign are as the glyph says.
+        """
         return {**self.by_character[glyph].values, **self.by_character[character].values}
 
 
 def make_signs(game: ir.Game, looks: Mapping[str, str], arrows: str) -> Signs:
-    """Returns the signs of a game. `looks`: character -> what it stands for, as `"tree fruit=none"`.
+    """Returns the signs of a game. `looks`: character -> what it stands for, as `"tree
+    fruit=none"`.
 
-    Raises ValueError: a character twice or not usable, a kind, field or value the game does not have.
+    Raises ValueError: a character twice or not usable, a kind, field or value the game does not
+      have.
     """
     if len(set(arrows)) != 4:
         raise ValueError(
-            f"`arrows` are four different characters, for north, east, south and west, not {arrows!r}"
+            "`arrows` are four different characters, for north, east, south and west, "
+            f"not {arrows!r}"
         )
-    mine = {character: _look(game, character, text) for character, text in looks.items()}
-    glyphs = {g.glyph: g for g in game.glyphs}
+    signs = {character: _look(game, character, text) for character, text in looks.items()}
+    glyphs = {glyph.glyph: glyph for glyph in game.glyphs}
     movers = {sort.glyph: sort.name for sort in game.movers}
-    for character in (*mine, *glyphs, *movers):
+    for character in (*signs, *glyphs, *movers):
         if character in arrows:
-            what = f"a `{movers[character]}`" if character in movers else "a cell"
+            meaning = f"a `{movers[character]}`" if character in movers else "a cell"
             raise ValueError(
-                f"`{character}` is an arrow of an agent and stands for {what}: give the stage other `arrows`, four characters"
+                f"`{character}` is an arrow of an agent and stands for {meaning}: "
+                "give the stage other `arrows`, four characters"
             )
-    for character, sign in mine.items():
+    for character, sign in signs.items():
         if character in movers:
             raise ValueError(
-                f"`{character}` stands for the movers `{movers[character]}` already: take another sign for `{sign}`"
+                f"`{character}` stands for the movers `{movers[character]}` already: "
+                f"take another sign for `{sign}`"
             )
         if character in glyphs:
             raise ValueError(
-                f"`{character}` is a glyph of the game already, of `{glyphs[character].kind}`: take another sign for `{sign}`"
+                f"`{character}` is a glyph of the game already, of `{glyphs[character].kind}`: "
+                f"take another sign for `{sign}`"
             )
-    own = {character: _glyph(game, glyph, mine.values()) for character, glyph in glyphs.items()}
-    return Signs(game, mine | own, arrows, movers)
+    look_signs = tuple(signs.values())
+    for character, glyph in glyphs.items():
+        signs[character] = _glyph(game, glyph, look_signs)
+    return Signs(game, signs, arrows, movers)
 
 
 def _look(game: ir.Game, character: str, text: str) -> Sign:
     if len(character) != 1 or character.isspace():
         raise ValueError(f"a sign is one character, not {character!r}")
     name, *pairs = text.split() or [""]
-    kind = next((k for k in game.kinds if k.name == name), None)
-    if kind is None:
+    kinds = {kind.name: kind for kind in game.kinds}
+    if name not in kinds:
         raise ValueError(
-            f"look `{character}`: the game has no kind `{name}`{meant(name, [k.name for k in game.kinds])}"
+            f"look `{character}`: the game has no kind `{name}`{meant(name, list(kinds))}"
         )
+    fields = {field.name: field for field in kinds[name].fields}
     values = {}
     for pair in pairs:
-        field_name, equals, value = pair.partition("=")
-        declared = next((f for f in kind.fields if f.name == field_name), None)
-        if declared is None or not equals:
-            names = [f.name for f in kind.fields]
-            raise ValueError(
-                f'look `{character}`: write "{name} field=value"; {f"`{name}` has no field `{field_name}`{meant(field_name, names)}" if names else f"`{name}` has no fields"}'
-            )
-        if declared.type.by or declared.type.kind == "agents":
+        field_name, equals, text = pair.partition("=")
+        if field_name not in fields or not equals:
+            reason = f"`{name}` has no fields"
+            if fields:
+                reason = f"`{name}` has no field `{field_name}`{meant(field_name, fields)}"
+            raise ValueError(f'look `{character}`: write "{name} field=value"; {reason}')
+        type_ = fields[field_name].type
+        if type_.by or type_.kind == "agents":
             raise ValueError(
                 f"look `{character}`: `{name}.{field_name}` has many values; put it with `fields`"
             )
-        values[field_name] = held(
-            f"{name}.{field_name}", _read(value, declared.type), declared.type, game.agents.number
-        )
+        value = _read(text, type_)
+        values[field_name] = held(f"{name}.{field_name}", value, type_, game.agents.number)
     if not values:
         raise ValueError(
             f'look `{character}`: say which state it stands for, as "{name} field=value"'
@@ -126,7 +136,10 @@ def _look(game: ir.Game, character: str, text: str) -> Sign:
 
 
 def _read(text: str, type_: ir.Type) -> Any:
-    """Returns a value written in a look; what is no number stays a text and is refused later if one is wanted."""
+    """Returns a value written in a look.
+
+    A text that should be a number and isn't one is returned unchanged; `held` refuses it.
+    """
     if type_.kind == "word":
         return text
     if text == "nobody" and type_.kind == "agent":
@@ -138,16 +151,18 @@ def _read(text: str, type_: ir.Type) -> Any:
 
 
 def _glyph(game: ir.Game, glyph: ir.GlyphMeaning, looks: Iterable[Sign]) -> Sign:
-    """Returns a glyph of the map as a sign: it speaks of all fields by which signs of its kind differ."""
+    """Returns a glyph of the map as a sign with values of all fields by which signs of its kind
+    differ."""
     kind = kind_named(game, glyph.kind)
-    told = {name for g in game.glyphs if g.kind == kind.name for name, _ in g.starts}
-    told |= {name for look in looks if look.kind == kind.name for name in look.values}
-    starts = dict(glyph.starts)
-    return Sign(
-        glyph.glyph,
-        kind.name,
-        {f.name: starts.get(f.name, _start(f)) for f in kind.fields if f.name in told},
-    )
+    names: set[str] = set()
+    for other in game.glyphs:
+        if other.kind == kind.name:
+            names.update(name for name, _ in other.starts)
+    for look in looks:
+        if look.kind == kind.name:
+            names.update(look.values)
+    values = {field.name: _start(field) for field in kind.fields if field.name in names}
+    return Sign(glyph.glyph, kind.name, {**values, **dict(glyph.starts)})
 
 
 def _start(declared: ir.VarField) -> Any:

@@ -17,7 +17,7 @@ from sjdsl.library.factory import environment_of
 from sjdsl.library.parameters import build_params
 from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
-from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_words
+from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_bits
 from sjdsl.testing.paths import find_field, write_field
 from sjdsl.testing.pictures import numbered, placed, put_picture, read_picture
 from sjdsl.testing.scene import Scene
@@ -28,20 +28,24 @@ from sjdsl.testing.values import merged
 
 @dataclass(frozen=True)
 class Stage:
-    """A game, as a rule on a small map.
+    """A game, usually on a small map.
 
     Attributes:
       game: a path to any `.sj` file, or the name of a bundled game.
-      map: rows of the map's glyphs, or a file of them; None: the game's own. It needs no cells to start on.
+      map: rows of the map's glyphs, or a file of them; None: the game's own. It needs no cells to
+        start on.
       agents: how many; None: as the game says.
       variant: a variant of the file, several as `"a+b"`.
-      params: numbers of the game for all scenes, sizes among them.
-      looks: further signs for pictures: character -> the state of a cell it stands for, as `{"t": "tree fruit=none"}`. Glyphs that the
-        game declares `with` a state are signs already.
-      arrows: the signs of agents facing north, east, south, west; others where the map has a `v`, say.
-      interpreted: the interpreter takes the steps alone. A scene then costs milliseconds, and says nothing of the compiled game.
+      params: numbers of the game for all scenes, with its sizes.
+      looks: further signs for pictures: character -> the state of a cell it stands for, as
+        `{"t": "tree fruit=none"}`. Glyphs that the game declares `with` a state are signs already.
+      arrows: the signs of agents facing north, east, south, west; others where the map has a `v`,
+        say.
+      interpreted: only the interpreter takes the steps. A scene then costs milliseconds, and
+        doesn't
+        test the compiled game.
 
-    Making the environment raises what `sjdsl.make` raises, and ValueError for signs that cannot be.
+    Creating the environment raises the errors of `sjdsl.make`, and ValueError for impossible signs.
     """
 
     game: str | Path
@@ -56,10 +60,14 @@ class Stage:
 
     @cached_property
     def env(self) -> Environment:
-        """The environment, compiled once. Its map may lack cells to send agents to: `put` places them, and `start` refuses."""
-        return environment_of(*self._built(placed_by_hand=True))
+        """The environment, compiled once.
 
-    def _built(self, placed_by_hand: bool) -> tuple[Build, dict[str, Any]]:
+        Its map may lack cells to send agents to: `put` places the agents, and `start` raises
+        CompileError.
+        """
+        return environment_of(*self._build(placed_by_hand=True))
+
+    def _build(self, placed_by_hand: bool) -> tuple[Build, dict[str, Any]]:
         return build_game(
             self.game, self.variant, self.agents, self.params, self.map, placed_by_hand
         )
@@ -75,22 +83,25 @@ class Stage:
     @cached_property
     def _with_places(self) -> Build:
         """The game on a map that has the cells it sends agents to."""
-        return self._built(placed_by_hand=False)[0]
+        build, _ = self._build(placed_by_hand=False)
+        return build
 
     @property
     def board(self) -> Board:
         return board_of(self.env.game)
 
     def numbers(self, params: Mapping[str, Any]) -> Numbers:
-        """Returns the run-time numbers with some replaced; their limits hold, but not what the game `require`s."""
+        """Returns the run-time numbers with some replaced; their limits hold, but not what the game
+        `require`s.
+        """
         key = repr(sorted(params.items()))
         if key not in self._numbers:
-            run_time = {p.name for p in self.env.game.params}
+            run_time = {param.name for param in self.env.game.params}
             fixed = {name: value for name, value in self.params.items() if name in run_time}
-            made = build_params(
+            compiled = build_params(
                 self.env.game, self.env.module, merged(fixed, params), check_requires=False
             )
-            self._numbers[key] = Numbers(made, interpreter_params(self.env, made))
+            self._numbers[key] = Numbers(compiled, interpreter_params(self.env, compiled))
         return self._numbers[key]
 
     @cached_property
@@ -109,71 +120,80 @@ class Stage:
         seed: int = 0,
         params: Mapping[str, Any] | None = None,
     ) -> Scene:
-        """Returns the scene of a picture; what it does not tell is as at the start of an episode.
+        """Returns the scene of a picture; everything else is as at the start of an episode.
 
         Args:
-          picture: the rows of the map in signs, agents as arrows. Numbers of a row's agents may stand beside it, left to right; the
-            other agents count in reading order: `"..>.<  10"`. Movers are the character of their sort, all of them, numbered in
-            reading order; they face north unless `fields` says another `deer.heading`.
-          under: agent -> the sign of what it stands on; else that is as on the map.
-          fields: `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of the world), perhaps one entry `NAME[word]` -> a list
-            over agents, movers or cells (in reading order), a mapping of some of them (cells by (row, column)), or one value for all.
-            Timers are fields.
-          away: agents that are not on the map -> ticks until they return, with the phase that has sent them if several can; 0: never.
-          movers_away: sort -> which of its movers are not on the map, as `away`.
-          numbers: sort -> numbers of its movers in the picture, in reading order.
+          picture: the rows of the map in signs, agents as arrows. The numbers of the agents of a
+            row
+            may stand beside it, left to right; the other agents are numbered in reading order:
+            `"..>.<  10"`. Movers are the glyph of their entity type, all of them, numbered in
+            reading order; they face north unless `fields` has another `deer.heading`.
+          under: agent -> the sign of the cell that it stands on; by default that is as on the map.
+          fields: `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of the world),
+            perhaps
+            one entry `NAME[word]` -> a list over agents, movers or cells (in reading order), a
+            mapping of some of them (cells by (row, column)), or one value for all. Timers are
+            fields.
+          away: agents that are not on the map -> ticks until they return, with the phase that has
+            sent them if several can; 0: never.
+          movers_away: entity type -> which of its movers are not on the map, as `away`.
+          numbers: entity type -> numbers of its movers in the picture, in reading order.
           step: finished steps of the episode.
           seed: of the first step; each further step has the next.
           params: run-time numbers by name.
         Raises ValueError: what does not fit the game.
         """
-        game, board = self.env.game, self.board
-        world = reset(
-            game, self.numbers(params or {}).interpreted, Threefry(*key_words(0)), sends=False
-        )
-        rows, gone = read_picture(picture, self.signs), away or {}
-        poses = numbered(rows, self.signs, board.agents, gone)
-        put_picture(rows, poses, under or {}, self.signs, board, world)
-        world.position = [
-            Cell(*poses[agent][:2]) if agent in poses else None for agent in range(board.agents)
-        ]
-        world.heading = [poses[agent][2] if agent in poses else 0 for agent in range(board.agents)]
-        for agent, told in gone.items():
-            world.away[agent] = make_away(game, agent, *_ticks_and_phase(told))
-        gone_movers = movers_away or {}
-        for sort in {*gone_movers, *(numbers or {})} - {*world.movers}:
+        under = under or {}
+        away = away or {}
+        movers_away = movers_away or {}
+        numbers = numbers or {}
+        params = params or {}
+        game = self.env.game
+        board = self.board
+        interpreted = self.numbers(params).interpreted
+        world = reset(game, interpreted, Threefry(*key_bits(0)), sends=False)
+        rows = read_picture(picture, self.signs)
+        poses = numbered(rows, self.signs, board.agents, away)
+        put_picture(rows, poses, under, self.signs, board, world)
+        world.position = [None] * board.agents
+        world.heading = [0] * board.agents
+        for agent, (row, col, heading) in poses.items():
+            world.position[agent] = Cell(row, col)
+            world.heading[agent] = heading
+        for agent, absence in away.items():
+            world.away[agent] = make_away(game, agent, *_ticks_and_phase(absence))
+        for sort in {*movers_away, *numbers} - {*world.movers}:
             raise ValueError(f"the game has no movers `{sort}`{meant(sort, world.movers)}")
-        for sort, cells in placed(rows, self.signs, numbers or {}, gone_movers).items():
-            herd, away_here = world.movers[sort], gone_movers.get(sort, {})
-            herd.position, herd.moved, herd.fields["heading"] = (
-                cells,
-                [False] * len(cells),
-                ["north"] * len(cells),
-            )
+        for sort, cells in placed(rows, self.signs, numbers, movers_away).items():
+            herd = world.movers[sort]
+            herd.position = cells
+            herd.moved = [False] * len(cells)
+            herd.fields["heading"] = ["north"] * len(cells)
             herd.away = [None] * len(cells)
-            for number, told in away_here.items():
-                herd.away[number] = make_away(
-                    game, number, *_ticks_and_phase(told), Sort("mover", (sort,))
-                )
-        for path, given in (fields or {}).items():
-            write_field(find_field(game, path), given, board, world)
-        world.step, world.marks = step, []
-        return Scene(self, world, params or {}, seed)
+            for number, absence in movers_away.get(sort, {}).items():
+                ticks, phase = _ticks_and_phase(absence)
+                herd.away[number] = make_away(game, number, ticks, phase, Sort("mover", (sort,)))
+        for path, values in (fields or {}).items():
+            write_field(find_field(game, path), values, board, world)
+        world.step = step
+        world.marks = []
+        return Scene(self, world, params, seed)
 
     def start(self, seed: int = 0, params: Mapping[str, Any] | None = None) -> Scene:
-        """Returns the scene an episode starts with: the phase `start`, on both engines (unless `interpreted`) with the same draws.
+        """Returns the scene that an episode starts with.
 
-        Raises CompileError where the map lacks cells that the game sends agents or movers to.
+        The phase `start` runs on both engines (unless the stage is `interpreted`) with the same
+        draws. Raises CompileError if the map lacks cells that the game sends agents or movers to.
         """
         _ = self._with_places
-        given = self.numbers(params or {}).interpreted
-        scene = Scene(
-            self, reset(self.env.game, given, Threefry(*key_words(seed))), params or {}, seed
-        )
+        params = params or {}
+        interpreted = self.numbers(params).interpreted
+        world = reset(self.env.game, interpreted, Threefry(*key_bits(seed)))
+        scene = Scene(self, world, params, seed)
         if not self.interpreted:
             scene.compare_start(seed)
         return scene
 
 
-def _ticks_and_phase(told: int | tuple[int, str]) -> tuple[int, str | None]:
-    return told if isinstance(told, tuple) else (told, None)
+def _ticks_and_phase(absence: int | tuple[int, str]) -> tuple[int, str | None]:
+    return absence if isinstance(absence, tuple) else (absence, None)

@@ -1,4 +1,4 @@
-"""Converts a state of the interpreter to the compiled game's, with agents that are away."""
+"""Converts a state of the interpreter, with agents that are away, to one of the compiled game."""
 
 from typing import Any
 
@@ -19,66 +19,70 @@ FACINGS: tuple[Facing | None, ...] = ("north", "east", "south", "west", None, "s
 
 
 def compiled_state(env: Environment, blank: Any, world: World) -> Any:
-    """Returns the compiled state that equals a world without marks, as NumPy arrays. `blank`: any state of the game without marks.
+    """Returns the compiled state that equals a world without marks, as NumPy arrays.
 
-    Raises ValueError for a timer longer than any that the game sets can be.
+    `blank` is any state of the game without marks. Raises ValueError for a timer that doesn't fit
+    its dtype, which is wide enough for every value that the game sets.
     """
-    state, (_, cols), pad = blank, env.module.FRAME, env.module.PAD
-    changed: dict[str, Any] = {"step": world.step, "heading": world.heading}
+    _, cols = env.module.FRAME
+    pad = env.module.PAD
+    values: dict[str, Any] = {"step": world.step, "heading": world.heading}  # by attribute
     numbers = pool_numbers(env.game)
     for sort, herd in herds(world).items():
-        poses = {
+        bodies = {
             "position": [
-                0 if p is None else (p.row + pad) * cols + p.col + pad for p in herd.position
+                0 if place is None else (place.row + pad) * cols + place.col + pad
+                for place in herd.position
             ],
             "moved": herd.moved,
-            "away": [a.ticks if a else 0 for a in herd.away],
-            "away_pool": [numbers[a.pool] if a and a.pool else 0 for a in herd.away],
-            "away_facing": [FACINGS.index(a.facing) if a else 0 for a in herd.away],
+            "away": [away.ticks if away else 0 for away in herd.away],
+            "away_pool": [numbers[away.pool] if away and away.pool else 0 for away in herd.away],
+            "away_facing": [FACINGS.index(away.facing) if away else 0 for away in herd.away],
         }
-        named = {attribute_of(name, sort): values for name, values in poses.items()}
-        changed |= {name: values for name, values in named.items() if hasattr(state, name)}
+        for name, column in bodies.items():
+            if hasattr(blank, attribute_of(name, sort)):
+                values[attribute_of(name, sort)] = column
     for declared in all_fields(env.game):
-        values, dtype = (
-            np.asarray(stored_values(declared, world)),
-            getattr(state, attribute_name(declared)).dtype,
-        )
-        if declared.timer and values.max(initial=0) > np.iinfo(dtype).max:
+        stored = np.asarray(stored_values(declared, world))
+        dtype = getattr(blank, attribute_name(declared)).dtype
+        if declared.timer and stored.max(initial=0) > np.iinfo(dtype).max:
             raise ValueError(
-                f"the timer `{declared.name}` holds up to {np.iinfo(dtype).max} steps in this game, not {values.max()}"
+                f"the timer `{declared.name}` holds up to {np.iinfo(dtype).max} steps in this "
+                f"game, not {stored.max()}"
             )
-        changed[attribute_name(declared)] = values
-    like = {
-        name: getattr(state, name) for name in changed
-    }  # of no cells, a list does not tell the length of rows
-    return state.replace(
-        **{
-            name: np.asarray(v, like[name].dtype).reshape(like[name].shape)
-            for name, v in changed.items()
-        }
-    )
+        values[attribute_name(declared)] = stored
+    arrays = {}
+    for name, value in values.items():
+        blank_value = getattr(blank, name)
+        # An empty list of rows doesn't have the length of the rows.
+        arrays[name] = np.asarray(value, blank_value.dtype).reshape(blank_value.shape)
+    return blank.replace(**arrays)
 
 
-_numbered: list[tuple[ir.Game, dict[Pool, int]]] = []
-KEPT = 8  # games whose numbers are kept: to find them takes a walk over the game
+_pool_numbers: list[tuple[ir.Game, dict[Pool, int]]] = []  # of the games asked for last
+CACHE_SIZE = 8  # games: computing the numbers takes a walk over the game
 
 
 def pool_numbers(game: ir.Game) -> dict[Pool, int]:
-    """Returns the numbers by which the compiled state names the destinations of those who are away; those asked for last are kept."""
-    for known, numbers in _numbered:
-        if known is game:
+    """Returns the numbers of the destinations of those who are away, in the compiled state.
+
+    They are cached for the games asked for last.
+    """
+    for cached, numbers in _pool_numbers:
+        if cached is game:
             return numbers
     numbers = {
         Pool(phase, pool.send.pool): pool.number
         for phase, pools in all_pools(game).items()
         for pool in pools
     }
-    _numbered[:] = [(game, numbers), *_numbered[: KEPT - 1]]
+    _pool_numbers[:] = [(game, numbers), *_pool_numbers[: CACHE_SIZE - 1]]
     return numbers
 
 
 def away_pools(game: ir.Game, sort: ir.Sort) -> dict[Pool, ir.Send]:
-    """Returns the destinations that agents, or movers of a sort, can be away before, each with a statement that sends there."""
+    """Returns the destinations for which agents, or movers of an entity type, can be away, each
+    with a statement that sends to it."""
     sends = board_of(game).pools.items()
     return {
         pool: send for pool, send in sends if send.after is not None and body_sort(send.who) == sort
@@ -88,15 +92,24 @@ def away_pools(game: ir.Game, sort: ir.Sort) -> dict[Pool, ir.Send]:
 def make_away(
     game: ir.Game, number: int, ticks: int, phase: str | None, sort: ir.Sort = AGENTS
 ) -> Away:
-    """Returns how an agent, or a mover of a sort, is away: for good (0 ticks), or sent by the phase of that name, or by the only one."""
+    """Returns how an agent, or a mover of an entity type, is away.
+
+    Args:
+      ticks: until it returns; 0: for good.
+      phase: the label of the phase that sent it away; None if only one can.
+    Raises:
+      ValueError: the game never sends it away so.
+    """
     who = f"{sort.name} {number}"
     if ticks == 0:
         if not contains(game, ir.Remove):
             raise ValueError(
-                f"{who}: nobody is removed for good in this game, so give the ticks until it returns"
+                f"{who}: nobody is removed for good in this game, "
+                "so give the ticks until it returns"
             )
         return Away(0, None, None)
-    pools, labels = away_pools(game, sort), {phase.name: phase.label for phase in phases_of(game)}
+    pools = away_pools(game, sort)
+    labels = {phase.name: phase.label for phase in phases_of(game)}
     phases = sorted({labels[pool.phase] for pool in pools})
     if ticks < 0:
         raise ValueError(f"{who}: the ticks until it returns are 0 (never) or more, not {ticks}")
@@ -104,7 +117,8 @@ def make_away(
         raise ValueError(f"{who}: nobody is sent away `after` some steps in this game")
     if phase is None and len(phases) > 1:
         raise ValueError(
-            f"{who}: say which phase sent it away ({', '.join(phases)}), as ({ticks}, {phases[0]!r})"
+            f"{who}: say which phase sent it away ({', '.join(phases)}), "
+            f"as ({ticks}, {phases[0]!r})"
         )
     if phase not in (None, *phases):
         raise ValueError(
@@ -113,7 +127,8 @@ def make_away(
     fitting = [(pool, send) for pool, send in pools.items() if phase in (None, labels[pool.phase])]
     if len(fitting) > 1:
         raise ValueError(
-            f"{who}: the phase {phase or phases[0]} sends away to several destinations, and a scene can't say to which"
+            f"{who}: the phase {phase or phases[0]} sends away to several destinations, "
+            "and a scene can't say to which"
         )
     ((pool, send),) = fitting
     return Away(ticks, pool, send.facing)

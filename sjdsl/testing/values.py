@@ -1,7 +1,9 @@
-"""Converts field values between three forms: as authors write them, as interpreted, as stored in arrays.
+"""Converts field values between three forms: those that authors write, those of the interpreter,
+and those stored in arrays.
 
-Written: a word is a text, a number a number, an agent its number, nobody None, several agents a set of numbers; an entry of a
-`by` field stands under its word, its number, or the number of its agent: `{"raw": 2}`, `{0: 2}`.
+Authors write an enum value as a text, an agent as its number, nobody as None, several agents as a
+set of numbers, and a `by` field as a mapping from enum values, numbers, or numbers of agents:
+`{"raw": 2}`, `{0: 2}`.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -16,35 +18,39 @@ from sjdsl.near_names import meant
 LARGEST = 2**31 - 1
 
 
-def held(name: str, written: Any, type_: ir.Type, agents: int, before: Any = None) -> Any:
-    """Returns a written value as the interpreter holds it.
+def held(name: str, written: Any, type_: ir.Type, agents: int, current: Any = None) -> Any:
+    """Returns a written value in the interpreter's form.
 
     Args:
-      name: what is set, for messages.
-      before: the value so far: entries of a `by` field that are not written keep it.
-    Raises ValueError: not a value of this type.
+      name: the field or entry, for messages.
+      current: its current value: entries of a `by` field that are not written keep it.
+    Raises:
+      ValueError: not a value of this type.
     """
     if not type_.by:
         return _held(name, written, type_, agents)
-    keys, inner = _keys(type_.by[0]), type_.model_copy(update={"by": type_.by[1:]})
+    keys = _keys(type_.by[0])
+    inner = type_.model_copy(update={"by": type_.by[1:]})
     if not isinstance(written, Mapping):
         raise ValueError(
-            f"`{name}` has an entry for each of {', '.join(map(str, keys))}: write `{name}[{keys[0]}]`, or a mapping by entry"
+            f"`{name}` has an entry for each of {', '.join(map(str, keys))}: "
+            f"write `{name}[{keys[0]}]`, or a mapping by entry"
         )
     for key in written:
         if key not in keys:
             raise ValueError(
                 f"`{name}` has no entry `{key}`{meant(str(key), list(map(str, keys)))}"
             )
-    entries = zip(keys, before, strict=True)
-    return tuple(
-        held(f"{name}[{k}]", written[k], inner, agents, b) if k in written else b
-        for k, b in entries
-    )
+    entries = []
+    for key, entry in zip(keys, current, strict=True):
+        if key in written:
+            entry = held(f"{name}[{key}]", written[key], inner, agents, entry)
+        entries.append(entry)
+    return tuple(entries)
 
 
 def _keys(level: ir.Level) -> tuple[str, ...] | tuple[int, ...]:
-    """Returns what entries stand under where they are written: their words, their numbers, or the numbers of their agents."""
+    """Returns the keys of written entries: enum values, numbers, or numbers of agents."""
     return level.names if level.sort == "word" else tuple(map(int, level.keys))
 
 
@@ -53,7 +59,8 @@ def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
         case "word":
             if written not in type_.words:
                 raise ValueError(
-                    f"`{name}` is one of {', '.join(type_.words)}, not {written!r}{meant(str(written), type_.words, '')}"
+                    f"`{name}` is one of {', '.join(type_.words)}, not {written!r}"
+                    f"{meant(str(written), type_.words, '')}"
                 )
             return written
         case "agent":
@@ -84,11 +91,8 @@ def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
 
 
 def _agent(name: str, number: Any, agents: int) -> int:
-    if (
-        isinstance(number, bool)
-        or not isinstance(number, int | np.integer)
-        or not 0 <= number < agents
-    ):
+    is_number = isinstance(number, int | np.integer) and not isinstance(number, bool)
+    if not is_number or not 0 <= number < agents:
         raise ValueError(f"`{name}`: the agents are 0 .. {agents - 1}, not {number!r}")
     return int(number)
 
@@ -97,16 +101,15 @@ def written(value: Any, type_: ir.Type) -> Any:
     """Returns a value of the interpreter as an author writes it."""
     if type_.by:
         inner = type_.model_copy(update={"by": type_.by[1:]})
-        return {
-            key: written(entry, inner) for key, entry in zip(_keys(type_.by[0]), value, strict=True)
-        }
+        entries = zip(_keys(type_.by[0]), value, strict=True)
+        return {key: written(entry, inner) for key, entry in entries}
     if type_.kind == "agents":
         return set(value)
     return float(value) if type_.kind == "real" else value
 
 
 def loaded(array: np.ndarray, type_: ir.Type) -> Any:
-    """Returns a stored parameter as the interpreter holds it, float32 for float32."""
+    """Returns a stored parameter in the interpreter's form, float32 for float32."""
     if array.ndim:
         return tuple(loaded(entry, type_) for entry in array)
     if type_.kind == "word":
@@ -114,30 +117,27 @@ def loaded(array: np.ndarray, type_: ir.Type) -> Any:
     return np.float32(array) if type_.kind == "real" else int(array)
 
 
-def same(found: Any, wanted: Any) -> bool:
-    """Returns whether a found value is the wanted one: reals to 1e-6, of rows only the entries that `wanted` has."""
-    if isinstance(wanted, Mapping):
-        return isinstance(found, Mapping) and all(
-            key in found and same(found[key], value) for key, value in wanted.items()
+def same(actual: Any, expected: Any) -> bool:
+    """Whether an actual value is the expected one: reals to 1e-6; of a mapping only the entries
+    that `expected` has."""
+    if isinstance(expected, Mapping):
+        return isinstance(actual, Mapping) and all(
+            key in actual and same(actual[key], value) for key, value in expected.items()
         )
-    if isinstance(found, list):
-        return (
-            isinstance(wanted, list | tuple)
-            and len(found) == len(wanted)
-            and all(map(same, found, wanted))
-        )
-    if isinstance(found, set):
-        return isinstance(wanted, Collection) and found == set(wanted)
-    if isinstance(found, float) and isinstance(wanted, int | float | np.number):
-        return bool(np.isclose(found, float(wanted), rtol=1e-6, atol=1e-6))
-    return bool(found == wanted)
+    if isinstance(actual, list):
+        is_list = isinstance(expected, list | tuple) and len(actual) == len(expected)
+        return is_list and all(map(same, actual, expected))
+    if isinstance(actual, set):
+        return isinstance(expected, Collection) and actual == set(expected)
+    if isinstance(actual, float) and isinstance(expected, int | float | np.number):
+        return bool(np.isclose(actual, float(expected), rtol=1e-6, atol=1e-6))
+    return bool(actual == expected)
 
 
-def merged(before: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns values with new ones over them; tables entry by entry."""
-    both = {
-        name: merged(before[name], new[name])
-        for name in new
-        if isinstance(new[name], Mapping) and isinstance(before.get(name), Mapping)
-    }
-    return {**before, **new, **both}
+def merged(values: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns values with new ones over them; mappings are merged entry by entry."""
+    result = {**values, **new}
+    for name, value in new.items():
+        if isinstance(value, Mapping) and isinstance(values.get(name), Mapping):
+            result[name] = merged(values[name], value)
+    return result

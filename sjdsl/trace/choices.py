@@ -40,7 +40,7 @@ def scripted_actions(game: ir.Game, name: str, seed: int) -> Chosen:
 
     def choose_all(number: int, world: World) -> list[int]:
         draws = Threefry(*keys.of_choices(number))
-        bits = [(draws.word(0, 2 * agent), draws.word(0, 2 * agent + 1)) for agent in agents]
+        bits = [(draws.bits(0, 2 * agent), draws.bits(0, 2 * agent + 1)) for agent in agents]
         return [choose(policy, game, world, agent, bits[agent]) for agent in agents]
 
     return choose_all

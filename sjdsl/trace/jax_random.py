@@ -21,8 +21,8 @@ class RecordedDraws:
     source: Draws
     numbers: dict[tuple[int, int], int] = field(default_factory=dict)
 
-    def word(self, stream: int, number: int) -> int:
-        bits = self.source.word(stream, number)
+    def bits(self, stream: int, number: int) -> int:
+        bits = self.source.bits(stream, number)
         self.numbers[stream, number] = bits
         return bits
 

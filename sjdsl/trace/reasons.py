@@ -68,7 +68,7 @@ class Explainer:
         """Returns a draw with its result and the values that it depended on."""
         statement = drawn.statement
         instance = self.instance.only(drawn.names)
-        bits = _bits(drawn.word, drawn.number, statement.stream)
+        bits = _bits(drawn.bits, drawn.number, statement.stream)
         values: list[ir.Expr] = []
         match statement:
             case ir.Chance():
@@ -221,7 +221,7 @@ def _chance(drawn: Drawn, header: str) -> str:
 
     Numbers have 4 digits, or 12 if 4 don't tell them apart.
     """
-    numbers = [(drawn.word >> 1) / CERTAIN, *(bound / CERTAIN for bound in drawn.bounds)]
+    numbers = [(drawn.bits >> 1) / CERTAIN, *(bound / CERTAIN for bound in drawn.bounds)]
     digits = 4
     if len({f"{number:.4g}" for number in numbers}) < len(set(numbers)):
         digits = 12

@@ -235,7 +235,7 @@ def test_chances_are_float32(env: Any) -> None:
     """Of sums just above a draw: if the product were not rounded before, an eighth of the draws would come out otherwise."""
     (stream,) = (node.stream for node in ir.walk(env.game.start) if isinstance(node, ir.Chance))
     keys = np.random.default_rng(6).integers(0, 2**32, (MANY, 2), np.uint32)
-    drawn = np.array([Threefry(int(a), int(b)).word(stream, 0) >> 1 for a, b in keys])
+    drawn = np.array([Threefry(int(a), int(b)).bits(stream, 0) >> 1 for a, b in keys])
     low, rate = F(5) + NUMBERS[0] / F(4), F(0.9)
     product = low * rate
     base = F((drawn // 2**10 + 1) / 2**21) - product

@@ -10,9 +10,9 @@ from scipy import stats
 from sjdsl.experiments import ExperimentError
 from sjdsl.experiments.lineups import (
     all_mixtures,
-    as_given,
     cooperating,
-    key_words,
+    fixed_orders,
+    key_bits,
     orders_of,
     paired_mixtures,
     play_key,
@@ -54,7 +54,7 @@ def test_cooperators_come_first() -> None:
 def test_orders_do_not_depend_on_the_number_of_episodes() -> None:
     orders = orders_of(3, 1, 50, 5)
     np.testing.assert_array_equal(orders[:20], orders_of(3, 1, 20, 5))
-    np.testing.assert_array_equal(np.sort(orders, axis=1), as_given(50, 5))
+    np.testing.assert_array_equal(np.sort(orders, axis=1), fixed_orders(50, 5))
     assert (orders != orders_of(3, 0, 50, 5)).any()
     assert (orders != orders_of(4, 1, 50, 5)).any()
 
@@ -71,9 +71,9 @@ def test_every_order_is_as_likely() -> None:
 
 def test_replicates_have_keys_of_their_own() -> None:
     """The first has that of an evaluation; none is one that a run evaluates its updates with."""
-    keys = [tuple(key_words(play_key(0, replicate))) for replicate in range(20)]
-    assert keys[0] == tuple(key_words(evaluation_key(0)))
+    keys = [tuple(key_bits(play_key(0, replicate))) for replicate in range(20)]
+    assert keys[0] == tuple(key_bits(evaluation_key(0)))
     assert (
-        len({*keys, *(tuple(key_words(evaluation_key(0, update))) for update in range(1, 100))})
+        len({*keys, *(tuple(key_bits(evaluation_key(0, update))) for update in range(1, 100))})
         == 20 + 99
     )

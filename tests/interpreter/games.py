@@ -22,7 +22,7 @@ class Table:
     words: dict[tuple[int, int], int] = field(default_factory=dict)
     rest: int = 0
 
-    def word(self, stream: int, number: int) -> int:
+    def bits(self, stream: int, number: int) -> int:
         return self.words.get((stream, number), self.rest)
 
 

@@ -46,7 +46,7 @@ def test_picks_tell_who_was_picked():
         number=g.number(1), most=1, domain=g.agents(), body=(set_(score(), g.number(7)),), stream=9
     )
     (account,) = told(small(pick), {(9, 0): g.LAST})
-    assert [(d.word, d.result) for d in account.drawn] == [(g.LAST, True)]
+    assert [(d.bits, d.result) for d in account.drawn] == [(g.LAST, True)]
     (done,) = account.done
     assert done.names["agent"] == 1
     assert done.causes == account.drawn[:1]

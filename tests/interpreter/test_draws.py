@@ -23,14 +23,14 @@ def test_two_words_are_the_halves_of_one_block():
         Threefry(0x13198A2E, 0x03707344),
         threefry((0x13198A2E, 0x03707344), (0x243F6A88, 0x05A308D3)),
     )
-    assert (draws.word(0x243F6A88, 0x0B4611A6), draws.word(0x243F6A88, 0x0B4611A7)) == block
+    assert (draws.bits(0x243F6A88, 0x0B4611A6), draws.bits(0x243F6A88, 0x0B4611A7)) == block
 
 
 def test_recorded_words_are_remembered_in_order():
     draws = Recorded(Threefry(0, 0))
-    assert draws.word(0, 0) == 0x9D1C5EC6
-    draws.word(7, 3)
-    assert draws.used == [Used(0, 0, 0x9D1C5EC6), Used(7, 3, Threefry(0, 0).word(7, 3))]
+    assert draws.bits(0, 0) == 0x9D1C5EC6
+    draws.bits(7, 3)
+    assert draws.used == [Used(0, 0, 0x9D1C5EC6), Used(7, 3, Threefry(0, 0).bits(7, 3))]
 
 
 def test_agents_come_back_with_words_of_their_own():

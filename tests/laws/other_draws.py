@@ -26,7 +26,7 @@ class Table:
 
     words: dict[tuple[int, int], int]
 
-    def word(self, stream: int, number: int) -> int:
+    def bits(self, stream: int, number: int) -> int:
         if (stream, number) not in self.words:
             raise NeverDrawn(stream, number)
         return self.words[stream, number]

@@ -117,7 +117,7 @@ def test_the_terminal_has_all_of_it() -> None:
     lines = list(moment_lines(moments(game)[1], make_letters(game), board_of(game)))
     assert lines[0] == f"step 1  {', '.join(WORLD)}"
     assert any(line.endswith(", ".join(OWN)) for line in lines)
-    lines = list(moment_lines(moments(game)[1], make_letters(game), board_of(game), own=2))
+    lines = list(moment_lines(moments(game)[1], make_letters(game), board_of(game), player=2))
     assert [line.split()[:2] for line in lines if " you " in line] == [["2", "you"]]
 
 

@@ -276,7 +276,7 @@ def test_a_small_game_by_hand() -> None:
     assert lines_of(first) == ["fruit none -> ripe 17", "rest 0 -> 2 17", *shouted(0, 3)]
     (grown, *_) = (effect for turn in first.turns for effect in turn.effects)
     (drawn,) = grown.by[0].causes
-    assert (drawn.statement, drawn.number, drawn.word >> 1) == (
+    assert (drawn.statement, drawn.number, drawn.bits >> 1) == (
         chance,
         0,
         luck_of((1, fires), chance.stream),
@@ -315,7 +315,7 @@ def shouted(before: int, after: int) -> list[str]:
 def luck_of(key: tuple[int, int], stream: int) -> int:
     from sjdsl.interpreter.threefry import Threefry
 
-    return Threefry(*key).word(stream, 0) >> 1
+    return Threefry(*key).bits(stream, 0) >> 1
 
 
 def game_line(statement: ir.Stmt) -> int:
