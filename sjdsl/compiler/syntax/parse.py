@@ -36,7 +36,6 @@ from sjdsl.compiler.syntax.tokens import Scan, scan
 
 HERE = Path(__file__).parent
 VERSION = "1"  # of the language
-ALSO_READ = ("1.1", "1.2")  # of files from before the first release; they mean the same
 FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
 
 
@@ -121,7 +120,7 @@ def _check_version(source: Source) -> Diagnostic | None:
         return errors.NoVersion(source.span(0, 0), known=VERSION, but=but)
     line, start = first.group(1), first.start(1)
     number = re.match(r"sj\s+([0-9][0-9._]*)", line)
-    if number and number.group(1) not in (VERSION, *ALSO_READ):
+    if number and number.group(1) != VERSION:
         return errors.NewerLanguage(
             source.span(start, start + number.end()), version=number.group(1)[:20], known=VERSION
         )
