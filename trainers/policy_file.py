@@ -14,7 +14,6 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
 from sjdsl.files import parse_json, read_bytes, write_whole
-from sjdsl.library.stored_hashes import current_hash
 
 from .config import Config, ConfigError, require_code, stored_config
 from .digest import digest_of
@@ -186,5 +185,4 @@ def _read_description(path: Path, digest: str) -> Described:
     ):
         raise ValueError(f"{path} doesn't describe a policy")
     config = stored_config(content["config"])
-    game["hash"] = current_hash(game["hash"])
     return Described(game, config, update, env_steps, int(content.get("seed", config.seed)))

@@ -34,7 +34,6 @@ from pydantic import ValidationError
 from sjdsl.experiments.folder import read_json as read_object
 from sjdsl.extras import needs
 from sjdsl.files import parse_json, read_json
-from sjdsl.library.stored_hashes import current_hash
 from sjdsl.results.bundled import as_assignment, is_usual, other_numbers, variant_now
 from sjdsl.results.presets import preset_of
 from sjdsl.results.refusals import ResultsError, ResultsWarning
@@ -355,7 +354,7 @@ def _stored(path: Path) -> Found:
                 f"{path / RESULTS}: `settings` must be JSON with names, not `{settings[:80]}`"
             )
     tables = [
-        frame.assign(hash=frame.hash.map(current_hash)),
+        frame,
         read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None,
     ]
     rows, points = (
@@ -707,7 +706,7 @@ def _experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay]) ->
     for note in stored.notes:
         _warn(note)
     game = stored.game
-    of = {"game": game.name, "hash": current_hash(game.hash), "num_agents": game.num_agents}
+    of = {"game": game.name, "hash": game.hash, "num_agents": game.num_agents}
     params = " ".join(other_numbers(game.model_dump()))
     rows = _diagram(stored) if isinstance(stored, Diagram) else _cross_play(stored)
     return [{**of, "params": params, "folder": str(path), **row} for row in rows]

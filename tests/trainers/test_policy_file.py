@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import shutil
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -145,14 +144,6 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
         load_policy(path, others)
     with pytest.raises(PolicyError, match="does not exist"):
         load_policy(tmp_path / "none.safetensors", matching())
-
-
-def test_a_hash_of_an_earlier_version_is_known(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sjdsl.trainers.policy_file.current_hash", {"probe": "changed"}.get)
-    with warnings.catch_warnings(action="error"):
-        load_policy(_store(tmp_path), dataclasses.replace(matching(), hash="changed"))
 
 
 def test_a_folder_says_what_it_has(tmp_path: Path) -> None:
