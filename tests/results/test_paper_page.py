@@ -9,7 +9,6 @@ from unittest import mock
 import pandas as pd
 import pytest
 from report_folders import (
-    AGENTS,
     PAPERS,
     read,
     write_cross_play,
@@ -17,7 +16,6 @@ from report_folders import (
     write_everything,
     write_run,
     write_speeds,
-    write_sweep,
     write_training,
 )
 
@@ -128,46 +126,7 @@ def test_of_two_runs_of_one_length_the_one_with_a_presets_settings_is_shown() ->
     assert cell.values == (2.0,)
 
 
-def test_scores_of_svo_are_at_each_games_chosen_weight(tmp_path: Path) -> None:
-    """The seeds that chose the weight are not among its scores."""
-    for game, weight, random in (("coins", 0.4, 0.0), ("harvest_open", 0.8, 10.0)):
-        cells = tmp_path / "svo/cells"
-        write_run(
-            cells / f"{game}_chose",
-            game,
-            (1000.0, 1010.0),
-            reward="svo",
-            svo_weight=weight,
-            **PAPERS,
-        )
-        write_run(
-            cells / f"{game}_is",
-            game,
-            (30.0, 50.0),
-            first=2,
-            reward="svo",
-            svo_weight=weight,
-            **PAPERS,
-        )
-        write_cross_play(
-            tmp_path / game, game, {"random": (random / AGENTS[game], None, None)}, PAPERS["rules"]
-        )
-    write_sweep(
-        tmp_path / "svo",
-        "svo",
-        {path.name: 1 + path.name.endswith("is") for path in cells.iterdir()},
-    )
-    with mock.patch("sjdsl.results.sections.interquartile_means", return_value={}) as means:
-        text = page_of(tmp_path)
-    (scores,) = means.call_args.args
-    assert list(scores) == ["IPPO, SVO 90°, chosen weight"]
-    coins, harvest = scores["IPPO, SVO 90°, chosen weight"].T
-    assert coins.tolist() == pytest.approx([30 / 164, 50 / 164])
-    assert harvest.tolist() == pytest.approx([20 / 410, 40 / 410])
-    assert "the chosen weight of SVO is that of its own sweep" in text
-
-
-def test_without_a_sweep_the_chosen_weight_is_the_one_that_earns_most(tmp_path: Path) -> None:
+def test_the_chosen_weight_of_svo_is_the_one_that_earns_most(tmp_path: Path) -> None:
     for game, weights in (("coins", {0.4: 20.0, 1.0: 10.0}), ("harvest_open", {1.0: 30.0})):
         write_cross_play(tmp_path / game, game, {"random": (0.0, None, None)}, PAPERS["rules"])
         for weight, earned in weights.items():
@@ -181,8 +140,9 @@ def test_without_a_sweep_the_chosen_weight_is_the_one_that_earns_most(tmp_path: 
                 **PAPERS,
             )
     with mock.patch("sjdsl.results.sections.interquartile_means", return_value={}) as means:
-        page_of(tmp_path)
+        text = page_of(tmp_path)
     (scores,) = means.call_args.args
+    assert "the chosen weight of SVO is the one of those tried that earns most" in text
     assert {way: own[0].tolist() for way, own in scores.items()} == {
         "IPPO, SVO 90°, chosen weight": pytest.approx([20 / 164, 30 / 420]),
         "IPPO, SVO 90°, weight 1": pytest.approx([10 / 164, 30 / 420]),

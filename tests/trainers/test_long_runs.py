@@ -13,7 +13,7 @@ from probes import matching
 from run_outcomes import read_lines
 
 import sjdsl
-from sjdsl.trainers import Config, ConfigError, load_preset, make_config, make_train, updates
+from sjdsl.trainers import Config, load_preset, make_config, make_train, updates
 from sjdsl.trainers.checkpoint_pace import CheckpointPace
 from sjdsl.trainers.compiled import Compiled
 from sjdsl.trainers.metrics_files import read_rows, thinned_rows
@@ -74,14 +74,6 @@ def test_the_first_checkpoint_waits_for_what_its_size_lets_expect() -> None:
     assert large.interval == pytest.approx(1000 / 0.1 - 1000)
     large.written(0.0, 10.0)  # the disk is faster than was thought
     assert large.interval == pytest.approx(90.0)
-
-
-def test_a_key_of_before_says_what_there_is_instead() -> None:
-    with pytest.raises(
-        ConfigError,
-        match=r"the key `checkpoint_every` is gone: .*`checkpoint_minutes`.*`policy_every`",
-    ):
-        make_config(checkpoint_every=50)
 
 
 # the loop itself, on a clock that moves when it is told to
