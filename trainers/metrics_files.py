@@ -111,9 +111,6 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
         )
     _cut(lines, size)
     _cut(evaluations, sum(map(len, found)))
-    (folder / "metrics.csv").unlink(
-        missing_ok=True
-    )  # of an earlier version: the same rows, which wouldn't go on
 
 
 def read_rows(path: Path) -> Iterator[Row]:

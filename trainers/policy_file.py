@@ -1,7 +1,6 @@
 """Stored policies: parameters as safetensors, and a JSON file that describes them."""
 
 import hashlib
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -126,7 +125,9 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     try:
         with safe_open(path, "np") as file:
             metadata = file.metadata() or {}
-            of_tensors, _, of_json = metadata.get(DIGEST, "").partition(" ")
+            if DIGEST not in metadata:
+                raise ValueError("it has no digests, so sjdsl didn't write it")
+            of_tensors, _, of_json = metadata[DIGEST].partition(" ")
             described = _read_description(path.with_suffix(".json"), of_json)
             require_code(described.config, str(path.with_suffix(".json")), to_act=True)
             leaves, structure = tree_flatten_with_path(shapes_of(described.config))
@@ -139,15 +140,9 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
         raise PolicyError(str(error)) from None
     except UNREADABLE as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None
-    if metadata.keys() - {DIGEST} or (of_tensors and digest_of(tensors) != of_tensors):
+    if metadata.keys() != {DIGEST} or digest_of(tensors) != of_tensors:
         raise PolicyError(
             f"{path} is damaged: its tensors aren't those that were written; use another policy of the run"
-        )
-    if not of_json:
-        lacking = "digest of its description" if of_tensors else "digest"
-        warnings.warn(
-            f"{path} has no {lacking}, like files of earlier versions: damage can't be detected",
-            stacklevel=2,
         )
     bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
     if bad:
@@ -159,7 +154,7 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
 
 def update_of(path: Path) -> int:
     """Returns the update after which a policy that can be read was stored. `path`: the `.safetensors` file."""
-    return _read_description(path.with_suffix(".json"), "").update
+    return _read_description(path.with_suffix(".json")).update
 
 
 def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
@@ -167,10 +162,10 @@ def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
     return f"{digest_of(tensors)} {hashlib.sha256(description).hexdigest()}"
 
 
-def _read_description(path: Path, digest: str) -> Described:
-    """Returns the description of a policy, which must have the digest if there is one."""
+def _read_description(path: Path, digest: str | None = None) -> Described:
+    """Returns the description of a policy, which must have the digest if one is given."""
     written = read_bytes(path, LARGEST_DESCRIPTION)
-    if digest and hashlib.sha256(written).hexdigest() != digest:
+    if digest is not None and hashlib.sha256(written).hexdigest() != digest:
         raise ValueError(
             f"{path} is damaged: it isn't the one that was written; use another policy of the run"
         )

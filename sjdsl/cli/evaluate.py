@@ -173,15 +173,8 @@ def evaluate_run(
     )  # so that none overwrites another
 
     def save(played: "Evaluation") -> None:
-        stored = policy_path(path, which)
-        update = update_of(stored)
+        update = update_of(policy_path(path, which))
         before = read_evaluation(file)
-        if (
-            before is not None
-            and before.update is None
-            and stored.stat().st_mtime <= file.stat().st_mtime
-        ):  # of an earlier version
-            before = before.model_copy(update={"update": update})
         if before is not None and before.episodes > episodes and before.update == update:
             click.echo(
                 f"{file} already holds an evaluation of this policy in {before.episodes} episodes, and is kept; delete it to store this one",

@@ -1,6 +1,5 @@
 """A dataset of many episodes in one `.npz` file: observations, actions, rewards, and how they were made."""
 
-import warnings
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, suppress
@@ -30,7 +29,7 @@ class Header(BaseModel):
     environment: the arguments of `sjdsl.make`, including `variant`; hash: of the rules; policy: its name, policy_digest: the SHA-256 of its
     file, if any; seed: of the first episode, the next ones have `seed + 1`, …; planes: of an observation, by name; versions: of the packages
     used; arrays: of each episode, by name, and digests: the SHA-256 of the arrays `returns` and `digests`, which has those of all
-    episodes' arrays. Files of earlier versions lack the last two.
+    episodes' arrays.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -47,7 +46,7 @@ class Header(BaseModel):
     planes: list[str]
     action_names: list[str]
     versions: dict[str, str]
-    arrays: list[str] | None = None
+    arrays: list[str] = []
     digests: dict[str, str] = {}
 
 
@@ -162,9 +161,7 @@ class Dataset:
                 self.header = Header.model_validate_json(
                     str(read_arrays(file, [HEADER], LARGEST_HEADER)[HEADER])
                 )
-                ends = read_arrays(
-                    file, ENDS if self.header.arrays is not None else ["returns"], LARGEST
-                )
+                ends = read_arrays(file, ENDS, LARGEST)
         except TooLarge as error:
             raise RecordingError(f"{path} cannot be read: {error}") from None
         except OSError as error:
@@ -174,7 +171,7 @@ class Dataset:
                 f"{path} holds no recorded episodes; `sjdsl record GAME -o {self.path.name}` writes some"
             ) from None
         self.returns = ends["returns"]
-        self._digests = ends.get("digests", np.zeros((0, 0, DIGEST_SIZE), np.uint8))
+        self._digests = ends["digests"]
         if (
             self.returns.ndim != 2
             or len(self.returns) != self.header.episodes
@@ -213,7 +210,7 @@ class Dataset:
                     name.removeprefix(place): array
                     for name, array in read_arrays(file, names, LARGEST).items()
                 }
-            for index, name in enumerate(self.header.arrays or ()):
+            for index, name in enumerate(self.header.arrays):
                 if array_digest(parts[name]) != self._digests[number][index].tobytes():
                     raise ValueError(f"its {name} are not those that were written")
             events = {
@@ -246,16 +243,7 @@ class Dataset:
         return episode
 
     def _check_members(self, ends: Mapping[str, np.ndarray]) -> None:
-        """Checks that the file has the arrays that its header accounts for. Raises RecordingError.
-
-        A file of an earlier version, whose header accounts for none, is read with a warning.
-        """
-        if self.header.arrays is None:
-            warnings.warn(
-                f"{self.path} has no digests, like files of earlier versions: damage can't be detected",
-                stacklevel=3,
-            )
-            return
+        """Checks that the file has the arrays that its header accounts for. Raises RecordingError."""
         episodes = (
             f"{_place_of(number)}/{name}"
             for number in range(len(self))

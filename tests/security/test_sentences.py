@@ -85,7 +85,7 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
     ),
     "Its JSON and its numbers": (
         f"{POLICIES}::test_no_byte_of_the_description_can_change",
-        f"{POLICIES}::test_a_description_without_a_digest_loads_with_a_warning_or_is_refused",
+        f"{POLICIES}::test_a_policy_without_digests_is_refused",
     ),
     "Digests detect damage": WARNS,
     "**Episodes and data sets**": (f"{REPLAYS}::test_an_array_that_lies_is_refused",),

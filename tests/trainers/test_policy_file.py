@@ -217,16 +217,3 @@ def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, number: float) 
         PolicyError, match=r"best\.safetensors holds non-finite numbers, in .*kernel"
     ):
         load_policy(path, matching())
-
-
-def test_a_file_of_an_earlier_version_is_read_with_a_warning(tmp_path: Path) -> None:
-    """It has no digest, and its configuration a key that is gone."""
-    from safetensors.numpy import load_file, save_file
-
-    path = _store(tmp_path)
-    save_file(load_file(path), path)
-    described = json.loads(path.with_suffix(".json").read_text())
-    described["config"]["checkpoint_every"] = 50
-    path.with_suffix(".json").write_text(json.dumps(described))
-    with pytest.warns(UserWarning, match=r"best\.safetensors has no digest"):
-        load_policy(path, matching())
