@@ -12,15 +12,14 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from lark import Lark, Token, Tree
+from lark import Lark, Token, Tree, UnexpectedToken
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.syntax.characters import CONTROL
-from sjdsl.compiler.syntax.direct import ReadSoFar, read_directly
+from sjdsl.compiler.syntax.build import build_file
 from sjdsl.compiler.syntax.recovery.automaton import (
     END,
     Automaton,
@@ -50,33 +49,33 @@ def parse(source: Source) -> ast.File:
 @lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
 def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     """Returns the tree of a text, or its syntax errors."""
+    try:
+        return _file(source)
+    except CompileError as error:
+        return error.diagnostics
+
+
+def _file(source: Source) -> ast.File:
     problems = check_text(source)
-    if not problems:
-        wrong = _check_version(source)
-        found = None if wrong or CONTROL.search(source.text) else read_directly(source, parser())
-        if isinstance(found, ast.File):
-            return found
-        problems = [found] if isinstance(found, Diagnostic) else mistakes(source, wrong, found)
-    return CompileError(problems).diagnostics
-
-
-def mistakes(
-    source: Source, wrong: Diagnostic | None, so_far: ReadSoFar | None
-) -> list[Diagnostic]:
-    """Returns what is wrong with a text that is not read. `wrong`: what is wrong with its version line; `so_far`: what is right."""
-    if isinstance(wrong, errors.NewerLanguage):
-        return [wrong]
+    if problems:
+        raise CompileError(problems)
+    wrong_version = _check_version(source)
+    if isinstance(wrong_version, errors.NewerLanguage):
+        raise CompileError([wrong_version])
     found = scan(source, parser())
-    if wrong and not _skip_to_game(found):
-        return [wrong]
-    if so_far is None:
-        stack = Stack(automaton().start, None)
-        for kind in ("SJ", "INT") if wrong else ():  # a version line that is not there
-            stack = read(automaton(), stack, kind) or stack
-        so_far = ReadSoFar(0, stack)
-    if found.problems:
-        return ([wrong] if wrong else []) + found.problems
-    return ([wrong] if wrong else []) + _find_errors(found, so_far.at, so_far.stack)
+    if not wrong_version and not found.problems:
+        with suppress(UnexpectedToken):
+            _, tree = tree_of(found.tokens)
+            return build_file(tree, source)
+    raise CompileError(_mistakes(found, wrong_version))
+
+
+def _mistakes(found: Scan, wrong_version: Diagnostic | None) -> list[Diagnostic]:
+    """Returns what is wrong with a text that is no game."""
+    if wrong_version and not _skip_to_game(found):
+        return [wrong_version]
+    others = found.problems or _find_errors(found, has_version=wrong_version is None)
+    return [wrong_version, *others] if wrong_version else others
 
 
 def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
@@ -161,9 +160,12 @@ class Search:
     owed: int = 0
 
 
-def _find_errors(found: Scan, at: int, stack: Stack) -> list[Diagnostic]:
-    """Runs the table over the tokens from `at` on; at each error a repair is chosen, and reading resumes behind it."""
+def _find_errors(found: Scan, has_version: bool) -> list[Diagnostic]:
+    """Runs the table over the tokens; at each error a repair is chosen, and reading resumes behind it."""
     table = automaton()
+    at, stack = 0, Stack(table.start, None)
+    for kind in () if has_version else ("SJ", "INT"):
+        stack = read(table, stack, kind) or stack
     kinds = [token.type for token in found.tokens] + [END]
     texts = [str(token) for token in found.tokens] + [""]
     closing = closing_braces(kinds)
