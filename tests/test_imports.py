@@ -43,7 +43,6 @@ HEAVY = {
         "lark",
         "matplotlib",
         "numpy",
-        "orbax",
         "PIL",
         "psutil",
         "pydantic",

@@ -20,7 +20,6 @@ from bench.paper.contents import games_of, under_the_papers_rules
 from bench.paper.speeds import FILES, hours, read_speeds, speed
 from sjdsl.bench.markdown import replace_section
 from sjdsl.files import read_json, write_whole
-from sjdsl.library.stored_hashes import current_hash
 from sjdsl.results.loading import CURVES, RESULTS, load_both, write_frame
 from sjdsl.results.page import ENDINGS, FIGURES, Section, body_text, drawn, file_texts
 from sjdsl.results.refusals import ResultsWarning
@@ -97,9 +96,7 @@ def random_of(catalogue: Path) -> list[dict[str, Any]]:
             "high": figure["high"],
             "episodes": entry["episodes"],
         }
-        rows.append(
-            {"record": "random", "game": game, "hash": current_hash(entry["hash"]), **found}
-        )
+        rows.append({"record": "random", "game": game, "hash": entry["hash"], **found})
     return rows
 
 

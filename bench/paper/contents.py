@@ -72,15 +72,14 @@ class Game:
 
     @property
     def by_weight(self) -> dict[float, Cell]:
-        """The cells of SVO at 90 degrees by weight, from the first stage of sweeps or runs outside sweeps."""
-        rows = select(self.rows, **SVO, svo_angle=PROSOCIAL)
-        return _cells(rows[rows.stage != 2], "svo_weight")
+        """The cells of SVO at 90 degrees by weight."""
+        return _cells(select(self.rows, **SVO, svo_angle=PROSOCIAL), "svo_weight")
 
     @property
     def by_angle(self) -> tuple[float, dict[float, Cell]]:
-        """The SVO weight with the most angles, and its cells by angle, from the second stage of sweeps or runs outside sweeps."""
+        """The SVO weight with the most angles, and its cells by angle."""
         rows = select(self.rows, **SVO)
-        rows = rows[(rows.stage != 1) & rows.svo_angle.notna()]
+        rows = rows[rows.svo_angle.notna()]
         if rows.empty:
             return 0.0, {}
         angles = rows.groupby("svo_weight").svo_angle.nunique()
@@ -89,11 +88,8 @@ class Game:
 
     @property
     def at_chosen_weight(self) -> tuple[float, Cell | None]:
-        """The SVO weight chosen at 90 degrees, and its cell: that of the second stage, or else the one that earns most."""
-        rows = select(self.rows, **SVO, svo_angle=PROSOCIAL)
-        cells = _cells(rows[rows.stage == 2], "svo_weight") or _cells(
-            rows[rows.stage != 1], "svo_weight"
-        )
+        """The SVO weight that earns most at 90 degrees, and its cell."""
+        cells = self.by_weight
         earned = {
             weight: cell.estimate.mean
             for weight, cell in cells.items()

@@ -588,12 +588,11 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         best = published.best_return(game.published)
         if best is None or game.setting is None:
             continue
-        rows = game.rows[game.rows.stage != 1]
         named = {
             words: cell_of(own)
-            for words, own in rows.assign(way=[in_words(row) for row in rows.itertuples()]).groupby(
-                "way"
-            )
+            for words, own in game.rows.assign(
+                way=[in_words(row) for row in game.rows.itertuples()]
+            ).groupby("way")
         }
         named[AT_CHOSEN_WEIGHT] = game.at_chosen_weight[1]
         scores[game.label] = scored(
@@ -604,7 +603,7 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         )
     what = "A score is (return - random) / (best published - random): 0 is a random policy, 1 the best of the paper."
     if any(AT_CHOSEN_WEIGHT in found for found in scores.values()):
-        what += " In each game, the chosen weight of SVO is that of its own sweep, or else the one of those tried that earns most."
+        what += " In each game, the chosen weight of SVO is the one of those tried that earns most."
     return section_over_games(scores, what, [game for game, found in scores.items() if found])
 
 

@@ -68,7 +68,7 @@ def section_of(found: Found) -> str:
                 else f"training {networks} {' '.join(learnt)}"
             )
         case Report() if type(found) is Report:
-            devices = found.machine.get("devices", 1)
+            devices = found.machine["devices"]
             what = "speed" if devices == 1 else f"speed {devices} devices"
         case _:
             what = {Kernels: "kernels", Resume: "resuming", Substrates: "substrates"}[type(found)]

@@ -44,8 +44,8 @@ def machine_line(machine: dict[str, Any]) -> str:
 
 
 def devices_said(machine: dict[str, Any]) -> str:
-    """Returns `, 2 devices` if environments were split over several devices, else an empty text, as for older files."""
-    return f", {machine['devices']} devices" if machine.get("devices", 1) > 1 else ""
+    """Returns `, 2 devices` if environments were split over several devices, else an empty text."""
+    return f", {machine['devices']} devices" if machine["devices"] > 1 else ""
 
 
 def device_peak_bytes() -> int | None:

@@ -63,18 +63,15 @@ def speed_table(report: Report) -> Table:
 
 
 def processor_table(report: Report) -> Table:
-    """Returns one row a form: for each number of environments its steps a second of processor time; none if it wasn't measured."""
+    """Returns one row a form: for each number of environments its steps a second of processor time."""
     numbers = env_numbers(report)
     rows = []
     for form, speeds in grouped(report.speeds).items():
-        rates = {number: speed.env_steps_per_processor_s for number, speed in speeds.items()}
-        if any(rates.values()):
-            rows.append(
-                (
-                    *_labels(form),
-                    *(thousands(rate) if (rate := rates.get(number)) else "" for number in numbers),
-                )
-            )
+        rates = [
+            thousands(speeds[number].env_steps_per_processor_s) if number in speeds else ""
+            for number in numbers
+        ]
+        rows.append((*_labels(form), *rates))
     title = f"environment steps a second of processor time, of all cores together: median of {report.repeats} rounds"
     return Table(title, (*FORM, *columns(numbers)), tuple(rows), len(FORM))
 

@@ -23,7 +23,7 @@ class Speed:
 
     `ratio` is the median over rounds of the task's speed to the yardstick's in the same round. `memory_bytes` is what XLA
     says the whole loop needs: the states, the observations of one step and everything in between. `env_steps_per_processor_s` is the
-    median of steps a second of processor time, of all cores together, which other programs hardly change; None in older files.
+    median of steps a second of processor time, of all cores together, which other programs hardly change.
     """
 
     name: str
@@ -37,7 +37,7 @@ class Speed:
     ratio: float
     loop_compile_s: float
     memory_bytes: int
-    env_steps_per_processor_s: float | None = None
+    env_steps_per_processor_s: float
 
     @property
     def spread(self) -> float:

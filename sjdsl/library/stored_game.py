@@ -9,7 +9,6 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.library.checked_game import build_game
 from sjdsl.library.games_folder import is_name
-from sjdsl.library.stored_hashes import current_hash
 
 ARGUMENTS = (
     "game",
@@ -60,7 +59,7 @@ def locate_game(
     ]
     for paths in product(*choices):
         arguments = given | {name: str(path) for name, path in zip(files, paths, strict=True)}
-        if all(path.is_file() for path in paths) and _rules_of(arguments) == current_hash(rules):
+        if all(path.is_file() for path in paths) and _rules_of(arguments) == rules:
             return arguments
     missing = [
         f"no {path}" for name, path in files.items() if name not in instead and not path.is_file()

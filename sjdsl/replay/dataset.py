@@ -1,6 +1,5 @@
 """A dataset of episodes in one `.npz` file: observations, actions, rewards, and their origin."""
 
-import warnings
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, suppress
@@ -32,7 +31,7 @@ class Header(BaseModel):
     seed: of the first episode, the next ones have `seed + 1`, …; planes: names, in order.
     versions: of the packages used; arrays: names of each episode's arrays.
     digests: the SHA-256 of the arrays `returns` and `digests`; the latter has the SHA-256 of every
-    array of every episode. Files of earlier versions lack `arrays` and `digests`.
+    array of every episode.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -49,7 +48,7 @@ class Header(BaseModel):
     planes: list[str]
     action_names: list[str]
     versions: dict[str, str]
-    arrays: list[str] | None = None
+    arrays: list[str] = []
     digests: dict[str, str] = {}
 
 
@@ -172,8 +171,7 @@ class Dataset:
                 self._names = set(file.namelist())
                 header = read_arrays(file, [HEADER], LARGEST_HEADER)[HEADER]
                 self.header = Header.model_validate_json(str(header))
-                names = SUMMARIES if self.header.arrays is not None else ["returns"]
-                summaries = read_arrays(file, names, LARGEST)
+                summaries = read_arrays(file, SUMMARIES, LARGEST)
         except TooLarge as error:
             raise RecordingError(f"{path} cannot be read: {error}") from None
         except OSError as error:
@@ -184,7 +182,7 @@ class Dataset:
                 "writes some"
             ) from None
         self.returns = summaries["returns"]
-        self._digests = summaries.get("digests", np.zeros((0, 0, DIGEST_SIZE), np.uint8))
+        self._digests = summaries["digests"]
         episodes = self.header.episodes
         is_valid = self.returns.ndim == 2 and self.returns.dtype == np.float64
         if not is_valid or len(self.returns) != episodes:
@@ -231,7 +229,7 @@ class Dataset:
         with zipfile.ZipFile(self.path) as file:
             arrays = read_arrays(file, names, LARGEST)
         arrays = {name.removeprefix(folder): array for name, array in arrays.items()}
-        for index, name in enumerate(self.header.arrays or ()):
+        for index, name in enumerate(self.header.arrays):
             if array_digest(arrays[name]) != self._digests[number][index].tobytes():
                 raise ValueError(f"its {name} are not those that were written")
         events = {
@@ -249,17 +247,7 @@ class Dataset:
         )
 
     def _check_members(self, summaries: Mapping[str, np.ndarray]) -> None:
-        """Raises RecordingError if the arrays of the file aren't those that its header names.
-
-        A file of an earlier version, whose header names none, is read with a warning.
-        """
-        if self.header.arrays is None:
-            warnings.warn(
-                f"{self.path} has no digests, like files of earlier versions: damage can't be "
-                "detected",
-                stacklevel=3,
-            )
-            return
+        """Raises RecordingError if the arrays of the file aren't those that its header names."""
         of_episodes = (
             f"{_folder_of(number)}/{name}"
             for number in range(len(self))

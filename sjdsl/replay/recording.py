@@ -9,7 +9,6 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sjdsl.files import LARGEST_JSON, read_bytes, write_whole
-from sjdsl.library.stored_hashes import current_hash
 
 
 class RecordingError(Exception):
@@ -75,7 +74,7 @@ def read_recording(path: Path) -> Recording:
 
 def check_rules(recording: Recording, game_hash: str, name: str) -> None:
     """Raises RecordingError if the hash of a game's rules differs from that of the recording."""
-    if game_hash != current_hash(recording.hash):
+    if game_hash != recording.hash:
         raise RecordingError(
             f"the rules of {name} have changed since the episode was recorded: the hash was "
             f"{recording.hash}, and is now {game_hash}"

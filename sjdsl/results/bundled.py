@@ -14,7 +14,6 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.library.games_folder import bundled, find_game
-from sjdsl.library.stored_hashes import current_hash
 
 ROUNDING = 1e-5  # tolerance for numbers that were stored as float32
 
@@ -66,9 +65,8 @@ def other_numbers(described: Mapping[str, Any]) -> list[str]:
     Returns:
       Those numbers; for the rules of no bundled variant, the ones that differ from the bundled game's; none for another game.
     """
-    usual = numbers_now(
-        described["name"], variant_now(described["name"], current_hash(described["hash"])) or ""
-    )
+    variant = variant_now(described["name"], described["hash"])
+    usual = numbers_now(described["name"], variant or "")
     params: Mapping[str, Any] = described["params"]
     return [
         as_assignment(name, params[name])

@@ -8,8 +8,9 @@ Columns, in this order:
   return of an agent of a policy in a mixture of cross-play) or `diagram` (a Schelling diagram).
 * `game`, `hash` (of its rules), `variant`, `params` (changed numbers, `a=1 b=2`), `map`, `num_agents`.
 * `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained the same and may be averaged.
-  `algorithm`, `reward` (after stages, that of the last and ` from stages`), `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees; NaN where agents differ), `stage` (of
-  a former sweep of SVO: 1 weights, 2 angles), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that aren't the default).
+  `algorithm`, `reward` (after stages, that of the last and ` from stages`), `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees;
+  NaN where agents differ), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that
+  aren't the default).
 * A column for each setting in which the loaded runs differ, with its name: `learning_rate`, `own.NAME`; and `param.NAME` for each number of
   the game in which runs under the same rules differ. `svo_angles` has the angles of agents that differ, `45,90`. Only `load` returns these.
 * `preset`: the preset of this version with the same settings, or `""`.
@@ -34,7 +35,6 @@ from pydantic import ValidationError
 from sjdsl.experiments.folder import read_json as read_object
 from sjdsl.extras import needs
 from sjdsl.files import parse_json, read_json
-from sjdsl.library.stored_hashes import current_hash
 from sjdsl.results.bundled import as_assignment, is_usual, other_numbers, variant_now
 from sjdsl.results.presets import preset_of
 from sjdsl.results.refusals import ResultsError, ResultsWarning
@@ -96,7 +96,7 @@ TEXTS = {
 }
 TEXTS |= {"mixture", "policy", "unit", "cooperators", "defectors", "outcome", "reason", "caution"}
 COUNTS = {"num_agents", "total_timesteps", "seed", "steps", "episodes", "units", "env_steps"}
-NUMBERS = {"exchange_ratio", "svo_weight", "svo_angle", "stage", "collective_return", "low", "high"}
+NUMBERS = {"exchange_ratio", "svo_weight", "svo_angle", "collective_return", "low", "high"}
 # Columns that identify a result.
 KEY = (
     "record",
@@ -138,16 +138,6 @@ EPISODES = (
 )
 POINTS = 40  # at most, of the learning curve of a seed
 DIGITS = 6  # significant digits of a figure, here and in a CSV
-# Settings that runs of earlier versions lack, with the values they had.
-AS_EVER = {"own": {}, "loss": "ppo"}
-# Settings that runs of earlier versions have and nothing reads, with their values: the names of ways in stored results are made with them.
-FORMER_VALUES = {
-    "team_reward": "mean",
-    "similarity_clip": [3.0, 0.5],
-    "individual_kl": [0.2, 2.0],
-    "team_kl": [1.5, 0.0],
-    "roles": [],
-}
 START = "started from"  # in the rows of runs that are read: the policy that a seed started from
 KINDS = "the folder of a run, a sweep, a Schelling diagram, a cross-play, or the `data` of a report"
 
@@ -332,7 +322,7 @@ def _reader(path: Path) -> Callable[[Path], Found] | None:
     if (path / SWEEP).exists() or (path / CELLS).is_dir():
         return _sweep
     if (path / MANIFEST).is_file():
-        return _cell
+        return _run
     asked = (read_object(path / ASKED) or {}).get("experiment")
     if (path / DIAGRAM).is_file() or asked == "schelling":
         return lambda path: (_experiment(path, DIAGRAM, Diagram), [])
@@ -354,13 +344,10 @@ def _stored(path: Path) -> Found:
             raise ResultsError(
                 f"{path / RESULTS}: `settings` must be JSON with names, not `{settings[:80]}`"
             )
-    tables = [
-        frame.assign(hash=frame.hash.map(current_hash)),
-        read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None,
-    ]
+    curves = read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None
     rows, points = (
         [] if table is None else table.assign(folder=str(path)).to_dict("records")
-        for table in tables
+        for table in (frame, curves)
     )
     known = [{name: value for name, value in row.items() if not pd.isna(value)} for row in rows]
     return [
@@ -381,40 +368,30 @@ def _is_table(text: str) -> bool:
 
 
 def _sweep(path: Path) -> Found:
-    stages = _stages(path)
-    there = [name for name in stages if (path / CELLS / name / MANIFEST).is_file()]
-    absent = len(stages) - len(there)
+    names = _cell_names(path)
+    there = [name for name in names if (path / CELLS / name / MANIFEST).is_file()]
+    absent = len(names) - len(there)
     if absent:
         _warn(
             f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} not trained yet"
         )
-    for name in stages:
+    for name in names:
         if (path / FAILED / f"{name}.json").is_file():
             _warn(f"the cell `{name}` of the sweep `{path}` has failed")
-    found = [_run(path / CELLS / name, stages[name]) for name in there]
+    found = [_run(path / CELLS / name) for name in there]
     return [row for rows, _ in found for row in rows], [
         point for _, points in found for point in points
     ]
 
 
-def _cell(path: Path) -> Found:
-    """Reads a run, which may be a cell named without its sweep, as in `SWEEP/cells/*`."""
-    folder = path.resolve()
-    is_cell = folder.parent.name == CELLS and (folder.parents[1] / SWEEP).is_file()
-    return _run(path, _stages(folder.parents[1]).get(folder.name) if is_cell else None)
-
-
-def _stages(path: Path) -> dict[str, int | None]:
-    """Returns the cells of a sweep by name, with their stage in a sweep of svo of earlier versions, whose two stages never shared seeds."""
+def _cell_names(path: Path) -> list[str]:
+    """Returns the names of a sweep's cells. Raises ResultsError."""
     try:
-        stored = read_json(path / SWEEP)
-        if any(Path(name).name != name for name in stored["cells"]):
+        names = [*read_json(path / SWEEP)["cells"]]
+        if any(Path(name).name != name for name in names):
             raise ValueError("a cell is named by a path")
-        return {
-            name: int(cell["stage"]) if stored.get("protocol") == "svo" else None
-            for name, cell in stored["cells"].items()
-        }
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        return names
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise ResultsError(
             f"{path / SWEEP} cannot be read ({type(error).__name__}: {error})"
         ) from None
@@ -423,11 +400,11 @@ def _stages(path: Path) -> dict[str, int | None]:
 # Runs.
 
 
-def _run(path: Path, stage: int | None = None) -> Found:
+def _run(path: Path) -> Found:
     try:
         manifest = read_manifest(path)
         earlier = [read_manifest(folder) for folder in stage_folders(path)[:-1]]
-        ids = ids_of(manifest, stage, earlier)
+        ids = ids_of(manifest, earlier)
         steps_before = sum(_steps(one) for one in earlier)
         found = [
             _seed(folder, seed, ids, manifest, steps_before)
@@ -447,12 +424,11 @@ def _run(path: Path, stage: int | None = None) -> Found:
 
 
 def ids_of(
-    manifest: Mapping[str, Any], stage: int | None = None, earlier: Sequence[Mapping[str, Any]] = ()
+    manifest: Mapping[str, Any], earlier: Sequence[Mapping[str, Any]] = ()
 ) -> dict[str, Any]:
     """Returns the game, way of training and settings of a run, by column, from its manifest.
 
     Args:
-      stage: of a sweep of svo.
       earlier: the manifests of the stages before.
     """
     game, config = manifest["game"], manifest["config"]
@@ -462,11 +438,6 @@ def ids_of(
         for key, value in config.items()
         if key not in NOT_A_WAY and not key.startswith(CHECKPOINTS)
     }
-    way = {
-        key: value
-        for key, value in way.items()
-        if key not in FORMER_VALUES and (key not in AS_EVER or value != AS_EVER[key])
-    }
     start = way.get("init_from")
     if start:
         way["init_from"] = "a policy"
@@ -474,13 +445,11 @@ def ids_of(
         way["stages"] = [_stage(one, config) for one in earlier]
     elif manifest.get("stage", 1) > 1:
         way["stages"] = f"stage {manifest['stage']} of a run"
-    named = way if way["algorithm"] == "vdn" else way | FORMER_VALUES
     everything = {
         "hash": game["hash"],
         "params": game["params"],
         "agents": game["num_agents"],
-        "config": named,
-        "stage": stage,
+        "config": way,
     }
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
     reward, angles = str(config["reward"]), config.get("svo_angle", [])
@@ -500,7 +469,6 @@ def ids_of(
         "algorithm": config["algorithm"],
         "reward": reward_label(reward, "stages" in way),
         "sharing": config.get("sharing", "shared"),
-        "stage": stage,
         "network": str(config["network"]),
         "total_timesteps": int(config["total_timesteps"]),
         "preset": preset_of(game["name"], way),
@@ -707,7 +675,7 @@ def _experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay]) ->
     for note in stored.notes:
         _warn(note)
     game = stored.game
-    of = {"game": game.name, "hash": current_hash(game.hash), "num_agents": game.num_agents}
+    of = {"game": game.name, "hash": game.hash, "num_agents": game.num_agents}
     params = " ".join(other_numbers(game.model_dump()))
     rows = _diagram(stored) if isinstance(stored, Diagram) else _cross_play(stored)
     return [{**of, "params": params, "folder": str(path), **row} for row in rows]

@@ -117,9 +117,7 @@ def in_words(row: Any, sharing: bool = True) -> str:
         reward = f"exchange {row.exchange_ratio:g}"
     elif of_row == "svo":
         angle = "several angles" if row.svo_angle != row.svo_angle else f"{row.svo_angle:g}°"
-        reward = f"SVO {angle}, weight {row.svo_weight:g}" + (
-            ", choosing the weight" if row.stage == 1 else ""
-        )
+        reward = f"SVO {angle}, weight {row.svo_weight:g}"
     apart = {SHARED: "", APART: ", separate parameters"}.get(
         row.sharing, f", parameters {row.sharing.replace('_', ' ')}"
     )

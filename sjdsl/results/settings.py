@@ -29,7 +29,6 @@ WAY = (
     "exchange_ratio",
     "svo_weight",
     "svo_angle",
-    "stage",
     "network",
     "total_timesteps",
 )

@@ -5,15 +5,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict
 
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.library.stored_hashes import current_hash
 from sjdsl.several import several
 from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, with_number
-from sjdsl.trainers.settings.config import FORMER, Config, make_config, require_code, stored_config
+from sjdsl.trainers.settings.config import Config, make_config, require_code, stored_config
 from sjdsl.trainers.settings.config_errors import ConfigError
 from sjdsl.trainers.settings.extensions import short_name
 from sjdsl.trainers.settings.own_settings import spread
@@ -34,7 +33,7 @@ Describe = Callable[..., tuple[dict[str, Any], str, str]]
 class CellStage(BaseModel):
     """A stage of a cell; all fields are JSON values."""
 
-    model_config = ConfigDict(frozen=True, extra="ignore")
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
     hash: str
     provenance: Mapping[str, Any]  # the arguments of `sjdsl.make`
@@ -50,14 +49,9 @@ class CellStage(BaseModel):
         """Returns its configuration; nothing it names is imported. Raises ConfigError if this version doesn't know it."""
         return stored_config(self.config)
 
-    def now(self) -> Self:
-        """Returns the same without settings that nothing reads now, and with the hash that the same rules have now."""
-        config = {key: value for key, value in self.config.items() if key not in FORMER}
-        return self.model_copy(update={"config": config, "hash": current_hash(self.hash)})
-
 
 class Cell(CellStage):
-    """One cell, and its last or only stage. Cells of earlier versions have more fields."""
+    """One cell, and its last or only stage."""
 
     name: str  # and that of its folder
     game: str  # by the name in its file
@@ -86,12 +80,8 @@ class Cell(CellStage):
 
     @staticmethod
     def read(name: str, described: Mapping[str, Any]) -> "Cell":
-        """Returns the cell that `described` describes; its hash becomes the one that the same rules have now.
-
-        Raises ValidationError.
-        """
-        cell = Cell.model_validate({**described, "name": name})
-        return cell.now().model_copy(update={"earlier": [stage.now() for stage in cell.earlier]})
+        """Returns the cell that `described` describes. Raises ValidationError."""
+        return Cell.model_validate({**described, "name": name})
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ MACHINE = {
     "platform": "gpu",
     "device": "a device",
     "cpu_cores": 2,
+    "devices": 1,
     "python": "3",
     "jax": "0",
     "sjdsl": "0",
@@ -29,7 +30,7 @@ MACHINE = {
 
 
 def speeds(num_envs: int, peak: int | None = None) -> Report:
-    speed = Speed("meadow", 2, "tokens", None, num_envs, 2e5, 1e5, 3e5, 2.0, 1.0, 100)
+    speed = Speed("meadow", 2, "tokens", None, num_envs, 2e5, 1e5, 3e5, 2.0, 1.0, 100, 1e5)
     return Report(
         MACHINE, 3, (speed,), (Compilation("meadow", 2, "tokens", 1.5, 10, {"sort": 0}),), peak
     )

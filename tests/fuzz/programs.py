@@ -98,9 +98,8 @@ def title(w: World) -> str:
 
 
 def game(head: str, sections: list[Lines]) -> str:
-    version = "sj 1" if len(sections) % 2 else "sj 1.1"  # which is read as the same
     return "\n".join(
-        [version, f"game {head} {{", *(line for s in sections for line in indented(s)), "}", ""]
+        ["sj 1", f"game {head} {{", *(line for s in sections for line in indented(s)), "}", ""]
     )
 
 

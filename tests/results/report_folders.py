@@ -20,6 +20,7 @@ MACHINE = {
     "platform": "cpu",
     "device": "Some CPU",
     "cpu_cores": 2,
+    "devices": 1,
     "python": "3",
     "jax": "0",
     "sjdsl": "0",
@@ -153,7 +154,14 @@ def write_run(
             }
             write_json(
                 own / "evaluation.json",
-                {"policy": "last", "seed": 0, "greedy": None, "episodes": 30, "summary": summary},
+                {
+                    "policy": "last",
+                    "update": UPDATES,
+                    "seed": 0,
+                    "greedy": None,
+                    "episodes": 30,
+                    "summary": summary,
+                },
             )
     return folder
 
@@ -171,20 +179,10 @@ def write_metrics(folder: Path, steps_per_update: int, earned: float) -> None:
     (folder / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
 
 
-def write_sweep(
-    folder: Path,
-    protocol: str,
-    stages: Mapping[str, int],
-    absent: Sequence[str] = (),
-    failed: Sequence[str] = (),
-) -> None:
-    """Writes the files of a sweep around its cells, which are runs in `cells`: their names and stages, and those that are not there."""
-    cells = {
-        name: {"stage": stage}
-        for name, stage in {**stages, **dict.fromkeys([*absent, *failed], 1)}.items()
-    }
+def write_sweep(folder: Path, cells: Sequence[str], failed: Sequence[str] = ()) -> None:
+    """Writes the files of a sweep around its cells, of which those that are trained are runs in `cells`."""
     write_json(
-        folder / "sweep.json", {"format": 1, "protocol": protocol, "axes": {}, "cells": cells}
+        folder / "sweep.json", {"format": 1, "axes": {}, "cells": {name: {} for name in cells}}
     )
     for name in failed:
         (folder / "failed").mkdir(exist_ok=True)
@@ -270,7 +268,7 @@ def write_cross_play(
 
 def write_speeds(path: Path, rates: Mapping[tuple[str, int | None, int], float]) -> None:
     """Writes the JSON of a benchmark: speeds by game, number of agents (None: its own) and environments."""
-    yardstick = Speed("yardstick", 7, "tokens", None, 1, 1.0, 1.0, 1.0, 1.0, 0.1, 1)
+    yardstick = Speed("yardstick", 7, "tokens", None, 1, 1.0, 1.0, 1.0, 1.0, 0.1, 1, 1.0)
     speeds = [
         Speed(
             f"{game}+crowd" if crowd else game,
@@ -284,6 +282,7 @@ def write_speeds(path: Path, rates: Mapping[tuple[str, int | None, int], float])
             1.0,
             0.1,
             1,
+            rate,
         )
         for (game, crowd, number), rate in rates.items()
     ]
@@ -419,12 +418,7 @@ def write_everything(folder: Path) -> None:
             **way,
             **PAPERS,
         )
-    write_sweep(
-        folder / "svo",
-        "svo",
-        {"weight-0.4": 1, "weight-0.6": 1, "angle-45": 2, "angle-90": 2},
-        absent=["angle-0"],
-    )
+    write_sweep(folder / "svo", ["weight-0.4", "weight-0.6", "angle-45", "angle-90", "angle-0"])
     contrasts = {
         "A": (60.0, 50.0, 70.0),
         "B": (5.0, -1.0, 11.0),

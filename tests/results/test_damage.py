@@ -140,6 +140,7 @@ def test_damaged_metrics_leave_the_run_out(
 
 EVALUATION = {
     "policy": "last",
+    "update": 4,
     "seed": 0,
     "greedy": None,
     "episodes": 30,

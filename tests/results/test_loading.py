@@ -205,30 +205,17 @@ def test_numbers_of_a_run_that_was_started_from_python(tmp_path: Path) -> None:
     assert read(crowd).frame.params[0] == "num_agents=3 regrow_1=0"
 
 
-def test_the_two_stages_of_a_sweep_of_svo_never_share_seeds(tmp_path: Path) -> None:
-    sweep = tmp_path / "svo"
-    write_run(sweep / "cells/weight", "coins", (100.0, 101.0), reward="svo")
-    write_run(sweep / "cells/angle", "coins", (90.0, 91.0), first=2, reward="svo")
-    write_sweep(sweep, "svo", {"weight": 1, "angle": 2}, absent=["late"], failed=["bad"])
+def test_a_sweep(tmp_path: Path) -> None:
+    sweep = tmp_path / "sweep"
+    write_run(sweep / "cells/individual", "coins", (20.0, 21.0))
+    write_run(sweep / "cells/common", "coins", (100.0, 101.0), reward="common")
+    write_sweep(sweep, ["individual", "common", "late", "bad"], failed=["bad"])
     found = read(sweep)
-    assert sorted(
-        (run.stage, run.svo_weight, run.svo_angle) for run in found.rows("seed")[::2]
-    ) == [(1, 0.5, 90.0), (2, 0.5, 90.0)]
+    assert sorted(row.collective_return for row in found.rows("seed")) == [20, 21, 100, 101]
     assert found.notes == (
         f"2 cells of the sweep `{sweep}` are not trained yet",
         f"the cell `bad` of the sweep `{sweep}` has failed",
     )
-    # the cells named without their sweep are in their stages, too
-    cells = sorted((sweep / "cells").iterdir())
-    for paths in (cells, [sweep / "cells"]):
-        assert sorted(
-            (run.stage, run.svo_weight, run.svo_angle) for run in read(*paths).rows("seed")[::2]
-        ) == [
-            (1, 0.5, 90.0),
-            (2, 0.5, 90.0),
-        ]
-    write_sweep(sweep, "exchange", {"weight": 1, "angle": 1})
-    assert load(sweep).run.nunique() == 1
 
 
 def test_experiments(tmp_path: Path) -> None:
@@ -339,7 +326,7 @@ def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
         write_json(tmp_path / "diagram/schelling.json", content)
         with pytest.raises(ResultsError, match=said):
             read(tmp_path / "diagram")
-    write_json(tmp_path / "sweep/sweep.json", {"protocol": "svo", "cells": {"a": 1}})
+    write_json(tmp_path / "sweep/sweep.json", {"cells": 1})
     with pytest.raises(ResultsError, match="cannot be read"):
         read(tmp_path / "sweep")
 

@@ -331,7 +331,7 @@ def finish(path: Path, seeds: range) -> None:
         own.mkdir(parents=True)
         (own / "metrics.jsonl").write_text('{"update": 4, "env_steps": 64, "seconds": 1.5}\n')
         summary = {"collective return": {"mean": float(seed), "low": 0.0, "high": None}}
-        asked = {"policy": "last", "seed": seed, "greedy": None, "episodes": 2}
+        asked = {"policy": "last", "update": 4, "seed": seed, "greedy": None, "episodes": 2}
         (own / "evaluation.json").write_text(json.dumps({**asked, "summary": summary}))
     (path / "manifest.json").write_text(
         json.dumps({"game": {}, "config": {}, "versions": {}, "status": "finished", "updates": 4})

@@ -1,7 +1,6 @@
 """Stored policies: parameters as safetensors, and a JSON file that describes them."""
 
 import hashlib
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,6 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
 from sjdsl.files import parse_json, read_bytes, write_whole
-from sjdsl.library.stored_hashes import current_hash
 
 from ..json_files import json_text
 from ..settings.config import Config, ConfigError, require_code, stored_config
@@ -130,7 +128,9 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
     try:
         with safe_open(path, "np") as file:
             metadata = file.metadata() or {}
-            tensors_digest, _, json_digest = metadata.get(DIGEST, "").partition(" ")
+            if DIGEST not in metadata:
+                raise ValueError("it has no digests, so sjdsl didn't write it")
+            tensors_digest, _, json_digest = metadata[DIGEST].partition(" ")
             described = _read_description(description, json_digest)
             require_code(described.config, str(description), to_act=True)
             leaves, structure = tree_flatten_with_path(shapes_of(described.config))
@@ -144,17 +144,10 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
         raise PolicyError(str(error)) from None
     except UNREADABLE as error:
         raise PolicyError(f"{path} cannot be read: {error}") from None
-    is_changed = tensors_digest and digest_of(tensors) != tensors_digest
-    if is_changed or metadata.keys() - {DIGEST}:
+    if metadata.keys() != {DIGEST} or digest_of(tensors) != tensors_digest:
         raise PolicyError(
             f"{path} is damaged: its tensors aren't those that were written; "
             "use another policy of the run"
-        )
-    if not json_digest:
-        lacking = "digest of its description" if tensors_digest else "digest"
-        warnings.warn(
-            f"{path} has no {lacking}, like files of earlier versions: damage can't be detected",
-            stacklevel=2,
         )
     bad = [name for name, tensor in tensors.items() if not np.isfinite(tensor).all()]
     if bad:
@@ -179,10 +172,10 @@ def digests_of(tensors: Mapping[str, np.ndarray], description: bytes) -> str:
     return f"{digest_of(tensors)} {hashlib.sha256(description).hexdigest()}"
 
 
-def _read_description(path: Path, digest: str = "") -> Described:
-    """Returns the description of a policy, whose bytes must have the digest if there is one."""
+def _read_description(path: Path, digest: str | None = None) -> Described:
+    """Returns the description of a policy, which must have the digest if one is given."""
     written = read_bytes(path, LARGEST_DESCRIPTION)
-    if digest and hashlib.sha256(written).hexdigest() != digest:
+    if digest is not None and hashlib.sha256(written).hexdigest() != digest:
         raise ValueError(
             f"{path} is damaged: it isn't the one that was written; use another policy of the run"
         )
@@ -195,5 +188,4 @@ def _read_description(path: Path, digest: str = "") -> Described:
     ):
         raise ValueError(f"{path} doesn't describe a policy")
     config = stored_config(content["config"])
-    game["hash"] = current_hash(game["hash"])
     return Described(game, config, update, env_steps, int(content.get("seed", config.seed)))

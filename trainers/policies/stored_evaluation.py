@@ -26,10 +26,10 @@ class StoredEvaluation(BaseModel):
 
     model_config = ConfigDict(strict=True)
 
-    policy: str | int = "last"
-    update: int | None = None  # of the policy; files of earlier versions don't say
-    seed: int = 0
-    greedy: bool | None = None
+    policy: str | int
+    update: int  # of the policy
+    seed: int
+    greedy: bool | None
     episodes: Annotated[int, Field(ge=1, lt=2**31)]
     summary: dict[str, Figure]
 

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sjdsl.files import read_json
-from sjdsl.library.stored_hashes import current_hash
 
 from .run_errors import RunError
 
@@ -66,8 +65,6 @@ class _Manifest(_Part):
 def read_manifest(run_dir: Path) -> dict[str, Any]:
     """Returns the manifest of a run, whose fields have the right types or are missing.
 
-    The game's hash is the one that its rules have now.
-
     Raises:
       RunError: there is no readable manifest, or a field has another type.
     """
@@ -87,6 +84,4 @@ def read_manifest(run_dir: Path) -> dict[str, Any]:
         raise RunError(
             f"{run_dir} is not the folder of a training run: it has no readable {MANIFEST}"
         ) from None
-    if "hash" in manifest["game"]:
-        manifest["game"]["hash"] = current_hash(manifest["game"]["hash"])
     return dict(manifest)

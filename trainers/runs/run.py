@@ -320,7 +320,6 @@ def _run_stage(stage: RunStage, progress: ProgressStyle, callback: Callback | No
         compiled = compile_train(make_train(env, to_compile), config, _parameters_before(stage))
         compiled = with_spread_starts(compiled, config, episode_length(env))
         checkpoints = Checkpoints(stage.folder)
-        stack.callback(checkpoints.close)
         state, done = checkpoints.restore_last(compiled.start())
         is_resumed = "resumed" in manifest and (done > 0 or stage.before is None)
         if is_resumed and done < config.num_updates and style != "none":

@@ -1,12 +1,12 @@
 """The lock of a run's folder: only one process writes there. The system releases it however the process ends."""
 
-import fcntl
 import os
 import socket
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 from sjdsl.files import open_in_place
 
@@ -30,22 +30,21 @@ def locked(folder: Path) -> Iterator[None]:
       RunError: another process trains there. OSError: the lock is a link.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    with open_in_place(folder / LOCK, "a+") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            file.seek(0)
-            holder = file.read().strip() or "another process"
-            raise RunError(
-                f"{folder} is in use: {holder} trains there. Wait until it has ended, or name another folder"
-            ) from None
-        except OSError as error:
-            warnings.warn(
-                f"{folder} can't be locked ({error.strerror}): make sure that no other process writes there",
-                stacklevel=3,
-            )
-        with suppress(OSError):  # the holder only matters to the message above
-            file.truncate(0)
-            file.write(f"process {os.getpid()} on {socket.gethostname()}")
-            file.flush()
+    path = folder / LOCK
+    try:
+        lock = FileLock(path).acquire(timeout=0)
+    except Timeout:
+        holder = path.read_text("utf-8").strip() or "another process"
+        raise RunError(
+            f"{folder} is in use: {holder} trains there. Wait until it has ended, or name another folder"
+        ) from None
+    with lock:
+        _name_holder(path)
         yield
+
+
+def _name_holder(path: Path) -> None:
+    """Writes into the lock which process holds it, for the message to others; a full disk is no error."""
+    with suppress(OSError), open_in_place(path, "r+") as file:
+        file.truncate(0)
+        file.write(f"process {os.getpid()} on {socket.gethostname()}")

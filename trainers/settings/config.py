@@ -24,7 +24,7 @@ from pydantic import (
 
 from sjdsl.near_names import meant
 
-from .config_errors import RETIRED, ConfigError, sentence_of
+from .config_errors import ConfigError, sentence_of
 from .extensions import (
     BUILT_IN,
     Kind,
@@ -43,8 +43,6 @@ __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
 MOST_SEEDS = 2**16  # in one run; each has a folder
 TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
-# Keys of stored configurations that nothing reads.
-FORMER = (*RETIRED, "team_reward", "similarity_clip", "individual_kl", "team_kl", "roles")
 # JAX uses the lower 32 bits of a seed, so a larger one would repeat the run of a smaller one.
 SEEDS = 2**32
 
@@ -480,10 +478,7 @@ def stored_config(values: Any, strict: bool = False) -> Config:
     """
     if not isinstance(values, Mapping):
         raise ConfigError(f"a configuration has keys and values, not {type(values).__name__}")
-    return _config(
-        {key: value for key, value in values.items() if key not in FORMER},
-        Source(None if strict else (), stored=True),
-    )
+    return _config(values, Source(None if strict else (), stored=True))
 
 
 def require_code(config: Config, place: str, to_act: bool) -> None:

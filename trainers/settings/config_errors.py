@@ -6,11 +6,6 @@ from typing import Any
 
 from sjdsl.near_names import either, meant, nearest
 
-RETIRED: Mapping[str, str] = {
-    "checkpoint_every": "checkpoints are written by time now, see `checkpoint_minutes` and `checkpoint_share`, or every `checkpoint_updates` "
-    "updates; policies are stored every `policy_every` updates",
-}  # keys of earlier versions, and what replaces them
-
 
 class ConfigError(Exception):
     """A wrong key or value; the message has a line for each fault."""
@@ -42,8 +37,6 @@ def sentence_of(
     key = str(fault["loc"][0]) if fault["loc"] else "config"
     kind = fault["type"]
     if kind == "extra_forbidden":
-        if key in RETIRED:
-            return f"the key `{key}` is gone: {RETIRED[key]}"
         owners = [algorithm for algorithm, keys in keys_of.items() if key in keys]
         if owners:
             return f"unknown key `{key}` here: it is one of {' and '.join(owners)}"

@@ -62,7 +62,7 @@ class Function(Record):
     most: int = 1
     reduces: Reduction | None = None  # what it does with a row, or over a domain
     word: bool = False  # the grammar has a word and a rule for it
-    yields: bool = False  # a `define` of the same name in a file is meant instead: games may be older than the function
+    yields: bool = False  # a `define` of the same name in a file is meant instead
     checks: tuple[str, ...] = ()  # the only checks that it stands in; empty: it stands everywhere
     last: bool = False  # `ir.Lowest.last`
 

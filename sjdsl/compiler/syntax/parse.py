@@ -12,15 +12,14 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from lark import Lark, Token, Tree
+from lark import Lark, Token, Tree, UnexpectedToken
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.syntax.characters import CONTROL
-from sjdsl.compiler.syntax.direct import ReadSoFar, read_directly
+from sjdsl.compiler.syntax.build import build_file
 from sjdsl.compiler.syntax.recovery.automaton import (
     END,
     Automaton,
@@ -36,7 +35,6 @@ from sjdsl.compiler.syntax.tokens import Scan, scan
 
 HERE = Path(__file__).parent
 VERSION = "1"  # of the language
-ALSO_READ = ("1.1", "1.2")  # of files from before the first release; they mean the same
 FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
 
 
@@ -51,43 +49,33 @@ def parse(source: Source) -> ast.File:
 @lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
 def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     """Returns the tree of a text, or its syntax errors."""
+    try:
+        return _file(source)
+    except CompileError as error:
+        return error.diagnostics
+
+
+def _file(source: Source) -> ast.File:
     problems = check_text(source)
     if problems:
-        return CompileError(problems).diagnostics
+        raise CompileError(problems)
     version_problem = _check_version(source)
-    so_far: ReadSoFar | None = None
-    if version_problem is None and not CONTROL.search(source.text):
-        result = read_directly(source, parser())
-        if isinstance(result, ast.File):
-            return result
-        if isinstance(result, Diagnostic):
-            return (result,)
-        so_far = result
-    return CompileError(mistakes(source, version_problem, so_far)).diagnostics
-
-
-def mistakes(
-    source: Source, version_problem: Diagnostic | None, so_far: ReadSoFar | None
-) -> list[Diagnostic]:
-    """Returns what is wrong with a text that can't be read.
-
-    version_problem: what is wrong with its version line. so_far: what has been read already.
-    """
     if isinstance(version_problem, errors.NewerLanguage):
-        return [version_problem]
+        raise CompileError([version_problem])
     scanned = scan(source, parser())
-    problems = [] if version_problem is None else [version_problem]
+    if not version_problem and not scanned.problems:
+        with suppress(UnexpectedToken):
+            _, tree = tree_of(scanned.tokens)
+            return build_file(tree, source)
+    raise CompileError(_mistakes(scanned, version_problem))
+
+
+def _mistakes(scanned: Scan, version_problem: Diagnostic | None) -> list[Diagnostic]:
+    """Returns what is wrong with a text that is no game."""
     if version_problem and not _skip_to_game(scanned):
-        return problems
-    if scanned.problems:
-        return problems + scanned.problems
-    if so_far is None:
-        stack = Stack(automaton().start, None)
-        if version_problem:  # as if the version line were there
-            for kind in ("SJ", "INT"):
-                stack = read(automaton(), stack, kind) or stack
-        so_far = ReadSoFar(0, stack)
-    return problems + _find_errors(scanned, so_far.at, so_far.stack)
+        return [version_problem]
+    others = scanned.problems or _find_errors(scanned, has_version=version_problem is None)
+    return [version_problem, *others] if version_problem else others
 
 
 def read_tree(source: Source) -> tuple[list[Token], Tree[Token]]:
@@ -135,7 +123,7 @@ def _check_version(source: Source) -> Diagnostic | None:
     line = first.group(1)
     start = first.start(1)
     number = re.match(r"sj\s+([0-9][0-9._]*)", line)
-    if number and number.group(1) not in (VERSION, *ALSO_READ):
+    if number and number.group(1) != VERSION:
         span = source.span(start, start + number.end())
         return errors.NewerLanguage(span, version=number.group(1)[:20], known=VERSION)
     if number or re.match(r"sj\b", line):
@@ -175,9 +163,14 @@ class Search:
     owed: int = 0
 
 
-def _find_errors(scanned: Scan, at: int, stack: Stack) -> list[Diagnostic]:
-    """Runs the table over the tokens from `at` on, past a repair of each error."""
+def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
+    """Runs the table over the tokens, past a repair of each error."""
     table = automaton()
+    at = 0
+    stack = Stack(table.start, None)
+    if not has_version:  # as if the version line were there
+        for kind in ("SJ", "INT"):
+            stack = read(table, stack, kind) or stack
     tokens = scanned.tokens
     kinds = [token.type for token in tokens] + [END]
     texts = [str(token) for token in tokens] + [""]

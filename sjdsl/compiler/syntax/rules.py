@@ -203,7 +203,7 @@ PLAIN = (
     ast.Total, ast.Case, ast.Call, ast.Path, ast.Member, ast.Index,
 )  # fmt: skip
 RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} | {
-    "start": lambda span, version, game: ast.File(span, int(version.split(".")[0]), game),
+    "start": lambda span, version, game: ast.File(span, int(version), game),
     "game": node(ast.Game, "title", "extends"),
     "variant": node(ast.Variant, "title"),
     "size": lambda span, constant: replace(constant, span=span, is_size=True),

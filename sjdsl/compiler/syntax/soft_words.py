@@ -1,6 +1,6 @@
 """Soft words: words of the language only where the grammar has them, and names everywhere else.
 
-Words that came to the language later are soft, so that no older file loses a name.
+A word that is added to the language is soft, so that no file loses a name.
 """
 
 from collections.abc import Mapping, Sequence
