@@ -1,7 +1,4 @@
-"""Proximal policy optimisation (PPO) of N agents.
-
-Runs of IPPO and MAPPO, with shared or separate networks, and the clipped loss.
-"""
+"""Proximal policy optimisation (PPO) of N agents: runs of IPPO and MAPPO, and the clipped loss."""
 
 from dataclasses import replace
 from itertools import accumulate
