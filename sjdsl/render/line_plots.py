@@ -59,8 +59,8 @@ class Panel:
 
 def split_lines(lines: Sequence[Line], y_title: str) -> list[Panel]:
     """Returns the fewest plots with at most five lines each, filled as evenly as possible."""
-    count = -(-len(lines) // MOST)
-    bounds = [round(number * len(lines) / count) for number in range(count + 1)]
+    plots = -(-len(lines) // MOST)
+    bounds = [round(number * len(lines) / plots) for number in range(plots + 1)]
     return [Panel("", y_title, tuple(lines[first:last])) for first, last in pairwise(bounds)]
 
 

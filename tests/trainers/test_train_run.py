@@ -76,7 +76,7 @@ def test_the_manifest_tells_how_to_repeat_the_run(result: Result) -> None:
         "count": jax.device_count(),
     }
     assert manifest["device"]["kind"] not in ("", "cpu"), "a report must tell processors apart"
-    assert 0 < manifest["compile_seconds"] < manifest["seconds"] < result.seconds
+    assert 0 < manifest["compile_seconds"] < manifest["seconds"] == result.seconds
     assert 0 < manifest["program_megabytes"] < manifest["peak_megabytes"]
 
 

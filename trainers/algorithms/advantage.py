@@ -1,6 +1,6 @@
-"""Generalised advantage estimation (GAE): discounted credit for actions.
+"""Generalised advantage estimation (GAE): discounted credit for actions, with bootstrapping.
 
-It is bootstrapped at truncations but not at terminations.
+It is bootstrapped at truncations, but not at terminations.
 """
 
 import jax

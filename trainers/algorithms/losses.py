@@ -15,9 +15,8 @@ from .training_functions import Metrics
 
 Apply = Callable[..., tuple[Memory, Array, Array]]  # a team's network: `ActorCritic.apply`
 
-Loss = Callable[
-    ..., tuple[Array, Metrics]
-]  # (parameters, apply, batch, config) -> what is made smaller, and its parts
+# (parameters, apply, batch, config) -> what is made smaller, and its parts
+Loss = Callable[..., tuple[Array, Metrics]]
 
 
 @flax.struct.dataclass
@@ -39,19 +38,22 @@ class Batch:
     value: Array  # [L, M, N] float32, when drawn
     advantage: Array  # [L, M, N] float32
     target: Array  # [L, M, N] float32, of the value
-    allowed: Array | None = (
-        None  # [L, M, N, bytes] uint8, packed, or None: all; in a minibatch [L, m, S, A] bool
-    )
+    # [L, M, N, bytes] uint8, packed; in a minibatch [L, m, S, A] bool; None: all
+    allowed: Array | None = None
+
+
+def chosen_log_probability(logits: Array, action: Array) -> Array:
+    """Returns the log probability `[...]` of each action under logits `[..., A]`."""
+    return jnp.take_along_axis(jax.nn.log_softmax(logits), action[..., None], axis=-1)[..., 0]
 
 
 def normalised(advantage: Array, config: PPOConfig) -> Array:
     """Returns advantages minus their mean, divided by their deviation or by `advantage_floor`."""
     # Without any reward, advantages are only the critic's errors; divided by their own deviation,
     # they would move the policy as far as rewards do.
-    centred = advantage - mean_of_all(advantage.mean())
+    centred: Array = advantage - mean_of_all(advantage.mean())
     deviation = jnp.sqrt(mean_of_all(jnp.square(centred).mean()))
-    result: Array = centred / jnp.maximum(deviation, config.advantage_floor + 1e-8)
-    return result
+    return centred / jnp.maximum(deviation, config.advantage_floor + 1e-8)
 
 
 def clipped_surrogate(ratio: Array, advantage: Array, epsilon: float) -> Array:

@@ -15,7 +15,8 @@ from ..settings.config import PPOConfig, VDNConfig
 def start_learner(parameters: Any, optimiser: optax.GradientTransformation) -> Learner:
     """Returns parameters with their optimiser, before the first gradient step."""
     learner = Learner.create(apply_fn=None, params=parameters, tx=optimiser)
-    return learner.replace(step=jnp.int32(0))
+    started: Learner = learner.replace(step=jnp.int32(0))
+    return started
 
 
 def learning_rate_schedule(config: PPOConfig | VDNConfig) -> optax.Schedule:

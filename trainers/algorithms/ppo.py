@@ -1,7 +1,4 @@
-"""Proximal policy optimisation (PPO) of N agents.
-
-Runs of IPPO and MAPPO, with shared or separate networks, and the clipped loss.
-"""
+"""Proximal policy optimisation (PPO) of N agents: runs of IPPO and MAPPO, and the clipped loss."""
 
 from dataclasses import replace
 from itertools import accumulate
@@ -31,7 +28,16 @@ from ..settings.config import ConfigError, PPOConfig
 from ..settings.own_settings import filled
 from .advantage import generalised_advantages, successor_values
 from .episodes import FinishedEpisodes
-from .losses import Apply, Batch, Loss, clipped_surrogate, mean_entropy, normalised, value_loss
+from .losses import (
+    Apply,
+    Batch,
+    Loss,
+    chosen_log_probability,
+    clipped_surrogate,
+    mean_entropy,
+    normalised,
+    value_loss,
+)
 from .minibatches import check_minibatches, draw_orders
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser, start_learner
 from .partners import Partners
@@ -39,7 +45,6 @@ from .rollout import (
     Actor,
     Rollout,
     Worlds,
-    chosen_log_probability,
     collect_rollout,
     rollout_metrics,
     start_worlds,
@@ -86,8 +91,8 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         key, network_key, worlds_key = jax.random.split(key, 3)
         memory = networks.start_memory(config.num_envs)
         worlds = start_worlds(env, config.num_envs, memory, worlds_key, partners)
-        parameters = networks.init(network_key, env)
-        learner = jax.vmap(lambda own: start_learner(own, optimiser))(parameters)
+        of_teams = networks.init(network_key, env)
+        learner = jax.vmap(lambda parameters: start_learner(parameters, optimiser))(of_teams)
         return TrainState.start(key, learner, worlds)
 
     def play(parameters: Any, worlds: Worlds, key: Array) -> Any:
@@ -97,7 +102,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     def collect(state: TrainState) -> tuple[TrainState, Played]:
         key, rollout_key = jax.random.split(state.key)
         play_all = over_devices(
-            play, given=(ALL, OF_ENVS, ALL), returned=(OF_ENVS, SECOND_OF_ENVS, ALL, ALL)
+            play, in_specs=(ALL, OF_ENVS, ALL), out_specs=(OF_ENVS, SECOND_OF_ENVS, ALL, ALL)
         )
         worlds, rollout, finished, measured = play_all(
             state.learner.params, state.worlds, rollout_key
@@ -122,8 +127,8 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         key, shuffle_key = jax.random.split(state.key)
         take_steps_of_all = over_devices(
             take_steps,
-            given=(ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL),
-            returned=(ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS),
+            in_specs=(ALL, OF_ENVS, SECOND_OF_ENVS, OF_ENVS, ALL),
+            out_specs=(ALL, ALL, SECOND_OF_ENVS, SECOND_OF_ENVS),
         )
         learner, losses, value, target = take_steps_of_all(
             before, state.worlds, rollout, played.memory, shuffle_key
@@ -328,7 +333,7 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
         value=of_team(batch.value),
         advantage=of_team(batch.advantage),
         target=of_team(batch.target),
-        allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.num_actions),
+        allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.network.num_actions),
     )
 
 

@@ -85,11 +85,6 @@ def start_worlds(
     )
 
 
-def chosen_log_probability(logits: Array, action: Array) -> Array:
-    """Returns the log probability `[...]` of each action under logits `[..., A]`."""
-    return jnp.take_along_axis(jax.nn.log_softmax(logits), action[..., None], axis=-1)[..., 0]
-
-
 def rewarded_steps(reward: Array) -> Array:
     """Returns the share of steps in which some agent's reward isn't 0, of rewards `[T, B, N]`."""
     return (reward != 0).any(axis=-1).mean()

@@ -35,18 +35,19 @@ def check_own_reward(env: Environment, config: Config) -> None:
     """Raises ConfigError unless the user's reward gives a number for each agent."""
     observation, state = reset_shapes(env)
     info = info_shapes(env)
-    each, one = array_shape((env.num_agents,), jnp.float32), array_shape((), jnp.bool_)
+    per_agent = array_shape((env.num_agents,), jnp.float32)
+    flag = array_shape((), jnp.bool_)
     step = Step(
-        reward=each,
-        trace=each,
+        reward=per_agent,
+        trace=per_agent,
         action=array_shape((env.num_agents,), jnp.int32),
         observation=observation,
         state=state,
         next_state=info.get("terminal_state"),
         events=info["events"],
         metrics=info["metrics"],
-        done=one,
-        truncated=one,
+        done=flag,
+        truncated=flag,
     )
     paid = jax.eval_shape(
         lambda step: jnp.asarray(filled("reward", config.reward, config.own)(step)), step

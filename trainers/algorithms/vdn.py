@@ -1,7 +1,7 @@
-"""Value decomposition networks (VDN).
+"""Value decomposition networks (VDN): epsilon-greedy Q-learning of a team, with a target network.
 
-Epsilon-greedy team Q-learning with a replay buffer and a target network. Source: Sunehag et al.
-2018, "Value-decomposition networks for cooperative multi-agent learning".
+It learns from a replay buffer. Source: Sunehag et al. 2018, "Value-decomposition networks for
+cooperative multi-agent learning".
 """
 
 from dataclasses import replace

@@ -14,27 +14,29 @@ from jax.sharding import Mesh, PartitionSpec
 
 ENVS = "envs"
 ALL = PartitionSpec()  # the same on every device
-OF_ENVS, SECOND_OF_ENVS = (
-    PartitionSpec(ENVS),
-    PartitionSpec(None, ENVS),
-)  # what has environments on its first axis, or its second
+OF_ENVS = PartitionSpec(ENVS)  # what has environments on its first axis
+SECOND_OF_ENVS = PartitionSpec(None, ENVS)  # on its second axis
 
 
-def over_devices(function: Callable[..., Any], given: Any, returned: Any) -> Callable[..., Any]:
+def over_devices(function: Callable[..., Any], in_specs: Any, out_specs: Any) -> Callable[..., Any]:
     """Returns a function that each device computes for its own environments.
 
     On one device, it is the function itself.
 
     Args:
       function: of arrays, or trees of them; results marked `ALL` must be the same on all devices.
-      given: the part of each argument that a device gets: `ALL`, `OF_ENVS` or `SECOND_OF_ENVS`.
-      returned: the same for its results.
+      in_specs: the part of each argument that a device gets: `ALL`, `OF_ENVS` or `SECOND_OF_ENVS`.
+      out_specs: the same for its results.
     """
     devices = np.asarray(jax.devices())
     if devices.size == 1:
         return function
     result: Callable[..., Any] = jax.shard_map(
-        function, mesh=Mesh(devices, (ENVS,)), in_specs=given, out_specs=returned, check_vma=False
+        function,
+        mesh=Mesh(devices, (ENVS,)),
+        in_specs=in_specs,
+        out_specs=out_specs,
+        check_vma=False,
     )
     return result
 

@@ -9,11 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from sjdsl.runtime.planes import TokenPlane
-
 from ..environment import Environment, ObservableEnvironment, abstract_key, reset_shapes
 from ..settings.config import ConfigError, PPOConfig
-from .architectures import ActorCritic, Layers, Memory
+from .architectures import ActorCritic, Layers, Memory, Planes
 from .masks import wants_masks
 from .packing import Packing, make_packing
 from .teams import make_teams, over_teams
@@ -32,7 +30,6 @@ class ActorCritics:
     state_vector: Callable[[Any], Array] | None
     packing: Packing  # of the observations in a rollout
     masks: bool  # whether forbidden actions are never taken
-    num_actions: int  # A
 
     def init(self, key: Array, env: Environment) -> Any:
         """Returns initial parameters, leaves `[G, ...]`, drawn with a key for each team."""
@@ -122,14 +119,14 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         `partners` don't fit the agents.
     """
     planes = token_planes(env)
-    joint_planes: tuple[TokenPlane, ...] | None = None
+    joint_planes: Planes | None = None
     joint_shape: tuple[int, ...] | None = None
     state_vector: Callable[[Any], Array] | None = None
-    central = config.algorithm == "mappo"
-    if central and config.critic == "state":
-        joint_planes, joint_shape = (), state_shape(env)
+    if config.algorithm == "mappo" and config.critic == "state":
+        joint_planes = ()
+        joint_shape = state_shape(env)
         state_vector = cast(ObservableEnvironment, env).state_vector
-    elif central:
+    elif config.algorithm == "mappo":
         observation, _ = reset_shapes(env)
         joint_planes = planes * env.num_agents
         joint_shape = (len(joint_planes), *observation.shape[2:])
@@ -144,18 +141,11 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         numbers=env.num_agents if config.agent_id else 0,
         normalise_values=config.normalise_values,
     )
-    return ActorCritics(
-        teams,
-        network,
-        joint_shape,
-        state_vector,
-        packing_of(env),
-        wants_masks(env, config),
-        env.num_actions,
-    )
+    masks = wants_masks(env, config)
+    return ActorCritics(teams, network, joint_shape, state_vector, packing_of(env), masks)
 
 
-def token_planes(env: Environment) -> tuple[TokenPlane, ...]:
+def token_planes(env: Environment) -> Planes:
     """Returns the environment's planes.
 
     Raises:

@@ -24,15 +24,11 @@ def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:
     samples = np.asarray(samples, np.float64)
     if len(samples) < 2:
         return Estimate(float(samples.mean()), -math.inf, math.inf)
-    if (
-        samples == samples[0]
-    ).all():  # rounding would change their mean, and give them a small standard deviation
-        return Estimate(float(samples[0]), float(samples[0]), float(samples[0]))
+    first = float(samples[0])
+    if (samples == first).all():  # rounding would change their mean, and give them a deviation
+        return Estimate(first, first, first)
     mean = float(samples.mean())
-    margin = half_width(float(samples.std(ddof=1)), len(samples), confidence)
+    deviation = float(samples.std(ddof=1))
+    quantile = stats.t.ppf(0.5 + confidence / 2, len(samples) - 1)
+    margin = float(quantile * deviation / math.sqrt(len(samples)))
     return Estimate(mean, mean - margin, mean + margin)
-
-
-def half_width(deviation: float, number: int, confidence: float) -> float:
-    """Returns half the width of the interval of two or more samples with a standard deviation."""
-    return float(stats.t.ppf(0.5 + confidence / 2, number - 1) * deviation / math.sqrt(number))

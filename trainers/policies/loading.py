@@ -85,11 +85,11 @@ def find_policy(
         return load_policy(path, env, greedy, which)
     if is_own("policy", name):
         try:
-            own: Policy = find("policy", name)
+            users: Policy = find("policy", name)
         except ConfigError as error:
             raise PolicyError(str(error)) from None
-        _check_arguments(name, own)
-        return own
+        _check_arguments(name, users)
+        return users
     raise PolicyError(unknown_policy(name, tuple(declared)))
 
 
@@ -354,8 +354,8 @@ def with_partners(env: Environment, config: Config, policy: Policy) -> Policy:
     """
     if not config.partners:
         return policy
-    own = (learning_agents(env.num_agents, config), with_memory(policy))
-    return mixed_policy(env.num_agents, [own, *_partners_policies(env, config)])
+    learning = (learning_agents(env.num_agents, config), with_memory(policy))
+    return mixed_policy(env.num_agents, [learning, *_partners_policies(env, config)])
 
 
 def _partners_policies(env: Environment, config: Config) -> list[tuple[tuple[int, ...], Policy]]:

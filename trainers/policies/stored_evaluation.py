@@ -37,7 +37,7 @@ class StoredEvaluation(BaseModel):
 def read_evaluation(path: Path) -> StoredEvaluation | None:
     """Returns an evaluation; None if the file is missing, damaged or something else."""
     try:
-        found = StoredEvaluation.model_validate(read_json(path))
+        evaluation = StoredEvaluation.model_validate(read_json(path))
     except (OSError, ValidationError, ValueError):
         return None
-    return found if RETURN in found.summary else None
+    return evaluation if RETURN in evaluation.summary else None

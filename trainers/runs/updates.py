@@ -231,9 +231,9 @@ class Loop:
         parameters = self.compiled.parameters(self.state)
 
         def policy_of(seed: int) -> Policy:
-            own = of_seed(parameters, seeds.index(seed), config)
             # a copy, as the next update reuses their memory
-            return trained_policy(env, config, jax.tree.map(jnp.copy, own))
+            of_one = jax.tree.map(jnp.copy, of_seed(parameters, seeds.index(seed), config))
+            return trained_policy(env, config, of_one)
 
         known = {seeds[index]: rows[index] for index in self._learning()}
         row = mean_row([*known.values()])

@@ -117,9 +117,9 @@ def unread_own(hooks: Hooks, own: Iterable[tuple[str, Any]]) -> dict[str, str]:
 
 def missing_own(hooks: Hooks, own: Iterable[tuple[str, Any]]) -> Iterator[str]:
     """Yields a message for each setting that a hook requires and that isn't given."""
-    given = dict(own)
+    values = dict(own)
     for name, default, hook in taken_settings(hooks):
-        if default is Parameter.empty and name not in given:
+        if default is Parameter.empty and name not in values:
             yield (
                 f"{hook} requires `{OWN}{name}`, which has no default: "
                 f"--set {OWN}{name}=…, in Python own={{{name!r}: …}}"

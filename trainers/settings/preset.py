@@ -77,14 +77,14 @@ class Preset:
     unread: frozenset[str] = frozenset()  # these, and changes that nothing reads
     earlier: tuple["Preset", ...] = ()  # the stages before this one
     place: str = ""  # of its stages: `mine.toml: games.coins.stages`
-    of_stages: frozenset[str] = (
-        frozenset()
-    )  # what stages set: keys of the configuration, `map`, `param.X` and so on
+    # what stages set: keys of the configuration, `map`, `param.X` and so on
+    of_stages: frozenset[str] = frozenset()
 
     def refuse_of_stages(self, names: Collection[str]) -> None:
         """Raises ConfigError if a stage sets one of these keys or arguments of the environment."""
-        if refused := [name for name in names if name in self.of_stages]:
-            raise ConfigError(f"{self.place} set `{refused[0]}` themselves: change it there")
+        for name in names:
+            if name in self.of_stages:
+                raise ConfigError(f"{self.place} set `{name}` themselves: change it there")
 
 
 def load_preset(
@@ -125,24 +125,36 @@ def load_preset(
     if not stages:
         return _resolved(chosen, tables, changes, asked)
     place = f"{name}: games.{stem}.{STAGES}" if STAGES in of_game else f"{name}: {STAGES}"
+    preset = _staged(chosen, tables, stages, changes, place)
+    preset.refuse_of_stages(changes)
+    loaded = (*preset.earlier, preset)
+    needless = [name for name in asked if all(name in stage.unread for stage in loaded)]
+    if needless:
+        _resolved(chosen, (*tables, stages[-1]), changes, needless)  # raises
+    return preset
+
+
+def _staged(
+    game: str | None,
+    tables: Sequence[Mapping[str, Any]],
+    stages: Sequence[Mapping[str, Any]],
+    changes: Mapping[str, Any],
+    place: str,
+) -> Preset:
+    """Returns a preset with stages."""
     loaded: list[Preset] = []
     for number, stage in enumerate(stages, 1):
         of_stage = dict(changes)
         if number > 1:
             of_stage.pop("init_from", None)
         try:
-            loaded.append(_resolved(chosen, (*tables, stage), of_stage, ()))
+            loaded.append(_resolved(game, (*tables, stage), of_stage, ()))
         except ConfigError as error:
             raise ConfigError(f"{place}[{number}]: {error}") from None
     check_settings([stage.config for stage in loaded], place)
     *earlier, last = loaded
     of_stages = frozenset(name for stage in stages for name in _names_in(stage))
-    whole = replace(last, earlier=tuple(earlier), place=place, of_stages=of_stages)
-    whole.refuse_of_stages(changes)
-    needless = [name for name in asked if all(name in stage.unread for stage in loaded)]
-    if needless:
-        _resolved(chosen, (*tables, stages[-1]), changes, needless)  # raises
-    return whole
+    return replace(last, earlier=tuple(earlier), place=place, of_stages=of_stages)
 
 
 def _resolved(

@@ -1,4 +1,4 @@
-"""What the stages of a run must have in common, so that each can continue from the policy before it."""
+"""What the stages of a run have in common, so that each can continue from the policy before it."""
 
 from collections.abc import Sequence
 from itertools import pairwise
