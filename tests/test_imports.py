@@ -41,7 +41,6 @@ HEAVY = {
         "lark",
         "matplotlib",
         "numpy",
-        "orbax",
         "PIL",
         "psutil",
         "pydantic",

@@ -2,10 +2,11 @@
 
 import jax
 import numpy as np
+from jax import Array
 
 
 def is_first() -> bool:
-    """Whether this process writes metrics, policies and the manifest; every process writes its part of the checkpoints."""
+    """Whether this process writes files: metrics, policies, checkpoints and the manifest."""
     return jax.process_index() == 0
 
 
@@ -16,3 +17,12 @@ def any_process(value: bool) -> bool:
     from jax.experimental.multihost_utils import process_allgather
 
     return bool(np.any(process_allgather(np.asarray(value))))
+
+
+def gathered(array: Array) -> np.ndarray:
+    """Returns an array in NumPy; the parts that other processes hold are fetched from them, so all have to call it."""
+    if array.is_fully_addressable:
+        return np.asarray(array)
+    from jax.experimental.multihost_utils import process_allgather
+
+    return np.asarray(process_allgather(array, tiled=True))

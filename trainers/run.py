@@ -341,7 +341,6 @@ def _run_part(part: _Part, progress: ProgressStyle, callback: Callback | None) -
         )
         compiled = with_spread_starts(compiled, config, episode_length(env))
         checkpoints = Checkpoints(part.folder)
-        stack.callback(checkpoints.close)
         state, done = checkpoints.restore_last(compiled.start())
         goes_on = done > 0 or part.before is None
         if (

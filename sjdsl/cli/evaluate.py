@@ -341,5 +341,4 @@ def list_files(run_dir: Path) -> None:
         click.echo(f"  {path.name}  {path.stat().st_size / 1000:.1f} kB")
     for folder in sorted(path for path in run_dir.iterdir() if path.is_dir()):
         inside = sorted(path.name for path in folder.iterdir() if path.suffix != ".json")
-        what = "of update " if folder.name == "checkpoints" and inside else ""
-        click.echo(f"  {folder.name}/  {what}{', '.join(inside)}")
+        click.echo(f"  {folder.name}/  {', '.join(inside)}")

@@ -77,7 +77,10 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
     "Logs and locks are": (f"{FILES}::test_what_is_changed_in_place_is_no_link",),
     "Links to folders": WARNS,
     "The command": (f"{FILES}::test_formatting_through_a_link_formats_the_file",),
-    "**Stored policies** are": (f"{POLICIES}::test_no_byte_of_the_tensors_can_change",),
+    "**Stored policies** are": (
+        f"{POLICIES}::test_no_byte_of_the_tensors_can_change",
+        "trainers/test_checkpoints.py::test_no_byte_can_change",
+    ),
     "Loading one imports nothing": (
         f"{POLICIES}::test_code_that_only_the_files_of_a_policy_name_does_not_run",
         f"{POLICIES}::test_a_reward_of_ones_own_is_no_part_of_acting",
@@ -109,7 +112,6 @@ HELD_BY: dict[str, tuple[str, ...] | str] = {
         f"{POLICIES}::test_resuming_runs_no_code_that_only_the_folder_names",
         f"{POLICIES}::test_a_callback_that_only_the_folder_names_does_not_run",
     ),
-    "Checkpoints are read by Orbax": WARNS,
 }
 
 

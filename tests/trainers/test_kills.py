@@ -106,7 +106,7 @@ def test_ctrl_c_is_told_and_gone_on_from(arguments: list[str], whole: Path, tmp_
     assert manifest["status"] == "interrupted"
     done = manifest["updates"]
     assert 2 <= done < 12
-    assert (run_dir / "checkpoints" / str(done)).is_dir()
+    assert (run_dir / "checkpoints" / f"{done}.safetensors").is_file()
     _resume(run_dir)
     assert_same_end(run_dir, whole)
 

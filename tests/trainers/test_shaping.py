@@ -308,7 +308,6 @@ def test_traces_are_in_checkpoints(tmp_path: Path) -> None:
     checkpoints = Checkpoints(tmp_path)
     checkpoints.save(1, between)
     restored = checkpoints.restore(1, worlds)
-    checkpoints.close()
     assert np.asarray(restored.trace[:, 0] > 0).any()
     on, again = (play(state, jax.random.key(2))[1] for state in (between, restored))
     np.testing.assert_array_equal(on.shaped_reward, again.shaped_reward)

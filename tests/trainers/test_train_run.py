@@ -138,8 +138,8 @@ def test_policies_and_checkpoints_are_kept(result: Result) -> None:
     for name, leaf in trained.items():
         np.testing.assert_array_equal(stored[name], leaf)
     assert sorted(path.name for path in (result.run_dir / "checkpoints").iterdir()) == [
-        "16",
-        "20",
+        "16.safetensors",
+        "20.safetensors",
     ], "the last two"
     assert not list(result.run_dir.rglob("*.unfinished"))
 
@@ -211,9 +211,9 @@ def test_a_diverged_run_stops_with_its_last_good_parameters(
     assert _updates_of(tmp_path / "run", "last") == 9.0
     assert _updates_of(tmp_path / "run", "00000009") == 9.0
     assert _updates_of(tmp_path / "run", "00000008") == 8.0
-    assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == ["8"], (
-        "what diverged is not gone on from"
-    )
+    assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == [
+        "8.safetensors"
+    ], "what diverged is not gone on from"
 
 
 @pytest.mark.thorough
