@@ -136,13 +136,13 @@ class Writes:
 
 def slots(target: ir.Expr, value: Value, here: Instance) -> list[tuple[Slot, Value]]:
     """Returns the entries a target names, each with its value: a row gets a row entry by entry, or one value everywhere."""
-    field = written_field(target)
+    written = written_field(target)
     keys = written_keys(target)
-    levels = field.type.by
+    levels = written.type.by
     entries = [
         entry_place(level, evaluate(key, here)) for level, key in zip(levels, keys, strict=False)
     ]
-    slot = Slot(field.name, _owner(field, here), tuple(entries))
+    slot = Slot(written.name, _owner(written, here), tuple(entries))
     return _spread(slot, value, levels[len(keys) :])
 
 
