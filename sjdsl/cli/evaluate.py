@@ -353,5 +353,4 @@ def list_files(run_dir: Path) -> None:
         click.echo(f"  {path.name}  {path.stat().st_size / 1000:.1f} kB")
     for folder in sorted(path for path in run_dir.iterdir() if path.is_dir()):
         names = sorted(path.name for path in folder.iterdir() if path.suffix != ".json")
-        prefix = "of update " if folder.name == "checkpoints" and names else ""
-        click.echo(f"  {folder.name}/  {prefix}{', '.join(names)}")
+        click.echo(f"  {folder.name}/  {', '.join(names)}")

@@ -134,14 +134,14 @@ def slots(target: ir.Expr, value: Value, instance: Instance) -> list[tuple[Slot,
 
     A target with several entries gets a tuple entry by entry, or one value for all.
     """
-    field = written_field(target)
+    written = written_field(target)
     keys = written_keys(target)
-    levels = field.type.by
+    levels = written.type.by
     entries = [
         entry_place(level, evaluate(key, instance))
         for level, key in zip(levels, keys, strict=False)
     ]
-    slot = Slot(field.name, _owner(field, instance), tuple(entries))
+    slot = Slot(written.name, _owner(written, instance), tuple(entries))
     return _spread(slot, value, levels[len(keys) :])
 
 

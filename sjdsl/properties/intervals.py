@@ -1,6 +1,5 @@
 """Interval analysis: decides conditions from the ranges of the numbers in them, whatever the state."""
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from sjdsl.compiler import ir
@@ -42,7 +41,6 @@ def rounds_only_numbers(game: ir.Game) -> bool:
     )
 
 
-@dataclass(frozen=True)
 class Decisions(Analysis[bool]):
     """Folds conditions to whether they hold, by the ranges of the numbers in them."""
 

@@ -302,7 +302,7 @@ def _names(e: ir.Node, around: Around) -> frozenset[str]:
 
 
 def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
-    field = written_field(s.target)
+    written = written_field(s.target)
     keys = written_keys(s.target)
     entries = [str(key.value) if isinstance(key, ir.Word | ir.Number) else None for key in keys]
     depends = _names(s.value, around)
@@ -315,9 +315,9 @@ def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
     )
     return Write(
         sort,
-        Target(field.held_by.what, field.name, tuple(entries)),
-        field.held_by.names,
-        field.owner,
+        Target(written.held_by.what, written.name, tuple(entries)),
+        written.held_by.names,
+        written.owner,
         form(s.value),
         depends,
         s,
