@@ -87,7 +87,7 @@ def find_policy(
             )
             instead = f"; {refused.instead}" if refused.instead else ""
             raise PolicyError(
-                f"the policy `{name}` can't be compiled: {refused.what} is not supported yet{place}{instead}"
+                f"the policy `{name}` can't be compiled: {refused.feature} is not supported yet{place}{instead}"
             ) from None
     path, which = split_name(name)
     if path.exists() or path.suffix == ".safetensors":

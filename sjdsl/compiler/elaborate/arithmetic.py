@@ -1,4 +1,4 @@
-"""Elaborates arithmetic and comparison: folds constants, computes intervals, checks units."""
+"""Elaborates arithmetic and comparison: constant folding, intervals, and units that match."""
 
 from collections.abc import Sequence
 from typing import Literal

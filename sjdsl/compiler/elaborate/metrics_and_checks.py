@@ -102,7 +102,7 @@ def _members_at_start(d: ir.Domain, static: Static) -> int | None:
 
 
 def _holds_at_start(test: ir.Expr | None, meaning: ir.GlyphMeaning, static: Static) -> bool:
-    """Returns whether a condition on its fields holds for a cell of a glyph, at the start."""
+    """Returns whether a condition on the fields of a cell holds at the start, for a glyph."""
     starts = {name: field.start for name, field in static.kinds[meaning.kind].items()}
     starts |= dict(meaning.starts)
 

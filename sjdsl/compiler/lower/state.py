@@ -130,7 +130,7 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> array.
     """Returns the starting values of a field."""
     layout = w.module.layout
     kind = field.held_by.name
-    starts = {field.start}
+    starts: set[object] = {field.start}
     if field.held_by.what == "cell":
         starts = layout.starts(kind, field)
     if len(starts) <= 1:

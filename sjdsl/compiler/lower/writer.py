@@ -154,7 +154,7 @@ class Module:
         """The sets of words and other keys, each with what declares it first."""
         game = self.game
         fields = all_fields(game)
-        sets = {HEADINGS: WordSet("", "headings")}
+        sets: dict[tuple[str, ...], WordSet] = {HEADINGS: WordSet("", "headings")}
         for field_ in fields:
             declared = WordSet(field_.held_by.name, attribute_name(field_))
             sets.setdefault(field_.type.words, declared)
@@ -363,6 +363,10 @@ class Writer:
         if key not in self.known:
             self.known[key] = self.bind(name, node)
         return replace(value, node=self.known[key])
+
+    def keep_node(self, name: str, node: Expression, dtype: DType) -> Expression:
+        """Gives an expression a name in the function, as `keep` does."""
+        return self.keep(name, Value(node, dtype)).node
 
     def keep_parts(self, names: tuple[str, ...], node: Expression) -> tuple[Name, ...]:
         """Names the parts of what a kernel returns; what computes the same is called once."""
