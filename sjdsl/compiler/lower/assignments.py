@@ -188,11 +188,13 @@ def _values(
     if target.keys:
         type_ = type_.model_copy(update={"by": ()})
     entries = [w.module.num_entries(level) for level in type_.by]
-    set_words = [array.Literal(w.module.set_words)] * (w.module.levels(type_) - len(entries))
-    if value.levels > len(set_words):
-        return _flat(value, axes, value.dtype, (*entries, *set_words))
-    flat = _flat(value, axes, value.dtype, tuple(set_words))
-    if along_row and entries and value.levels == len(set_words):
+    set_extents = [array.Literal(w.module.numbers_per_set)] * (
+        w.module.levels(type_) - len(entries)
+    )
+    if value.levels > len(set_extents):
+        return _flat(value, axes, value.dtype, (*entries, *set_extents))
+    flat = _flat(value, axes, value.dtype, tuple(set_extents))
+    if along_row and entries and value.levels == len(set_extents):
         return array.Index(flat, (array.ALL, array.NEW_AXIS))
     return flat
 
@@ -524,7 +526,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     scope, who = target.scope, target.who
     member = w.value(s.value, scope.always())
     joining = scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
-    dtype, words = w.module.set_dtype, w.module.set_words
+    dtype, words = w.module.set_dtype, w.module.numbers_per_set
     keys = [x for x in (target.key(w),) if x is not None]
     around = union(member.axes, *(k.axes for k in keys), scope.mask.axes)
     sizes = [w.module.num_entries(target.read.type.by[0]) for _ in keys]
@@ -574,7 +576,7 @@ def _folded(
     empty = array.call("jnp.zeros", array.shape_of((*sizes, w.module.agents)), array.Name("bool"))
     table = array.Update(empty, (*places, member), "set", array.Literal(True), drop=True)
     members = w.keep("members", Value(table, "bool")).node
-    if w.module.set_words:
+    if w.module.numbers_per_set:
         return array.call("pack", members)
     return array.call("as_bits", members, array.DTYPES[w.module.set_dtype])
 
