@@ -98,7 +98,7 @@ def _scripted(name: str, env: Environment) -> Policy:
     try:
         return scripted_policy(env, name)
     except NotSupported as refused:
-        reason = f"{refused.what} is not supported yet"
+        reason = f"{refused.feature} is not supported yet"
         if refused.origin is not None:
             reason += f" ({refused.origin.file}, line {refused.origin.line})"
         if refused.instead:

@@ -1,4 +1,4 @@
-"""Elaborates arithmetic and comparison: folds constants, computes intervals, checks units."""
+"""Elaborates arithmetic and comparison: constant folding, intervals, and units that match."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -34,32 +34,36 @@ def mismatch(
 
 
 def calculation(
-    row: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], args: Sequence[ir.Expr], scope: Scope
+    operation: Calculation,
+    e: ast.Expr,
+    trees: Sequence[ast.Expr],
+    args: Sequence[ir.Expr],
+    scope: Scope,
 ) -> ir.Expr:
     """Returns an operation on numbers, or on rows of numbers; on constants, its result.
 
-    row: of the table of operations.
+    operation: its entry in the table of operations.
     """
     types = [a.type for a in args]
-    if not (row.rows and _are_rows_with_same_keys(types)):
-        _check_numbers(row, e, trees, types, scope)
-    if row.divisor is not None and divisor_can_be_zero(args[row.divisor], scope):
-        raise _zero_divisor(trees[row.divisor].span, args[row.divisor], scope)
-    if row.share and _is_share(args[0], args[1]):
+    if not (operation.rows and _are_rows_with_same_keys(types)):
+        _check_numbers(operation, e, trees, types, scope)
+    if operation.divisor is not None and divisor_can_be_zero(args[operation.divisor], scope):
+        raise _zero_divisor(trees[operation.divisor].span, args[operation.divisor], scope)
+    if operation.share and _is_share(args[0], args[1]):
         share = real(0.0, 1.0, "fraction")
-        return ir.Arithmetic(type=share, fn=row.name, args=tuple(args), origin=e.span)
-    if row.unchanged and types[0].kind == "int":
+        return ir.Arithmetic(type=share, fn=operation.name, args=tuple(args), origin=e.span)
+    if operation.unchanged and types[0].kind == "int":
         return args[0]
-    type_ = _result(row, e, args, scope)
-    if row.apart is not None:
-        low, high = row.apart
+    type_ = _result(operation, e, args, scope)
+    if operation.apart is not None:
+        low, high = operation.apart
         _check_apart(e, args[low], args[high], scope)
     numbers = [a.value for a in args if isinstance(a, ir.Number)]
     if len(numbers) == len(args):
-        value = row.fold(*numbers)
+        value = operation.fold(*numbers)
         constant = type_.model_copy(update={"low": value, "high": value})
         return ir.Number(type=constant, value=value, origin=e.span)
-    return ir.Arithmetic(type=type_, fn=row.name, args=tuple(args), origin=e.span)
+    return ir.Arithmetic(type=type_, fn=operation.name, args=tuple(args), origin=e.span)
 
 
 def _are_rows_with_same_keys(types: Sequence[ir.Type]) -> bool:
@@ -67,7 +71,7 @@ def _are_rows_with_same_keys(types: Sequence[ir.Type]) -> bool:
 
 
 def _check_numbers(
-    row: Calculation,
+    operation: Calculation,
     e: ast.Expr,
     trees: Sequence[ast.Expr],
     types: Sequence[ir.Type],
@@ -77,12 +81,12 @@ def _check_numbers(
     for tree, type_ in zip(trees, types, strict=True):
         if is_number(type_):
             continue
-        if row.verb:
-            raise mismatch(scope, e.span, row.verb, types[0], types[1])
+        if operation.verb:
+            raise mismatch(scope, e.span, operation.verb, types[0], types[1])
         raise wrong_type(scope, tree, "a number", type_)
-    if row.whole_only and any(t.kind != "int" for t in types):
-        help_ = f"`{row.name}` is for whole numbers"
-        raise mismatch(scope, e.span, row.verb, types[0], types[1], help_)
+    if operation.whole_only and any(t.kind != "int" for t in types):
+        help_ = f"`{operation.name}` is for whole numbers"
+        raise mismatch(scope, e.span, operation.verb, types[0], types[1], help_)
 
 
 def _check_apart(e: ast.Expr, low: ir.Expr, high: ir.Expr, scope: Scope) -> None:
@@ -109,35 +113,39 @@ def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
     return scope.fail(errors.ZeroDivisor(span, labels=labels, help=help_))
 
 
-def _result(row: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope) -> ir.Type:
+def _result(operation: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope: Scope) -> ir.Type:
     """Returns the type of what is calculated from numbers, or from rows of them."""
     types = [a.type for a in args]
-    unit = row.unit(*(t.unit for t in types))
+    unit = operation.unit(*(t.unit for t in types))
     if unit is None:
-        raise _unit_mismatch(row, e, types, scope)
+        raise _unit_mismatch(operation, e, types, scope)
     ends = [(t.low, t.high) for t in types]
-    if row.divisor is not None:
-        divisor = without_zero(types[row.divisor])
-        ends[row.divisor] = divisor.low, divisor.high
-    if row.bounded:
+    if operation.divisor is not None:
+        divisor = without_zero(types[operation.divisor])
+        ends[operation.divisor] = divisor.low, divisor.high
+    if operation.bounded:
         ends = [narrowed_real(a, scope.facts_and_requires) for a in args]
-    low, high = row.interval(*ends)
-    if row.bounded and max(-low, high) > limits.MAX_VALUE:
+    low, high = operation.interval(*ends)
+    if operation.bounded and max(-low, high) > limits.MAX_VALUE:
         labels = parameters_read(scope.static, *args)
         raise scope.fail(
-            errors.RoundsTooFar(e.span, labels=labels, name=f"`{row.name}`", limit=limits.MAX_VALUE)
+            errors.RoundsTooFar(
+                e.span, labels=labels, name=f"`{operation.name}`", limit=limits.MAX_VALUE
+            )
         )
-    is_whole = row.kind == "whole" or (row.kind == "joined" and all(t.kind == "int" for t in types))
+    is_whole = operation.kind == "whole" or (
+        operation.kind == "joined" and all(t.kind == "int" for t in types)
+    )
     is_no_fraction = unit == "fraction" and (low < 0 or high > 1)
     is_no_count = unit in INTEGER_UNITS and not is_whole
-    if not row.keeps_unit and (is_no_fraction or is_no_count):
+    if not operation.keeps_unit and (is_no_fraction or is_no_count):
         unit = "number"
     kind: Literal["int", "real"] = "int" if is_whole else "real"
     return ir.Type(kind=kind, unit=unit, low=low, high=high, by=types[0].by)
 
 
 def _unit_mismatch(
-    row: Calculation, e: ast.Expr, types: Sequence[ir.Type], scope: Scope
+    operation: Calculation, e: ast.Expr, types: Sequence[ir.Type], scope: Scope
 ) -> Poisoned:
     """Reports the first operand whose unit doesn't mix with the unit of those before it."""
     joined, *others, last = types
@@ -147,7 +155,7 @@ def _unit_mismatch(
             last = type_
             break
         joined = joined.model_copy(update={"unit": unit})
-    return mismatch(scope, e.span, row.verb or "compare", joined, last)
+    return mismatch(scope, e.span, operation.verb or "compare", joined, last)
 
 
 def divisor_can_be_zero(divisor: ir.Expr, scope: Scope) -> bool:

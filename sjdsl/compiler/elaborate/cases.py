@@ -70,10 +70,10 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
         scope.static.refer(arm.word, Symbol("word", arm.word.text))
         if arm.word.text == subject.value:
             chosen = value
-    value_or_none = chosen or otherwise
-    if value_or_none is None:
+    result = chosen or otherwise
+    if result is None:
         raise scope.fail(errors.CaseLacks(e.span, words=(subject.value,)))
-    return value_or_none
+    return result
 
 
 def _not_in_case(word: ast.Name, words: tuple[str, ...], scope: Scope) -> Poisoned:

@@ -350,39 +350,37 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
 def call(e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns a function applied to its arguments, or a `define` with arguments written out."""
     name = e.name.text
-    row = FUNCTIONS.get(name)
-    if name in scope.static.defines and (row is None or row.yields):
+    function = FUNCTIONS.get(name)
+    if name in scope.static.defines and (function is None or function.yields):
         return use_define(e.name, e.arguments, scope)
-    if row is None:
-        functions = [
-            row.name for row in FUNCTIONS.values() if scope.part == "checks" or not row.checks
-        ]
+    if function is None:
+        functions = [f.name for f in FUNCTIONS.values() if scope.part == "checks" or not f.checks]
         known = [*functions, *scope.static.defines]
         raise scope.problems.unknown(e.name, known, "the functions and defines")
-    if row.reduces is not None and len(e.arguments) == 1:
+    if function.reduces is not None and len(e.arguments) == 1:
         values = row_of_numbers(e.arguments[0], scope, "a row of numbers, or several numbers")
         return ir.SumRow(type=element(values.type), row=values, fn=name, origin=e.span)  # type: ignore[arg-type]
-    if not row.least <= len(e.arguments) <= row.most:
-        wanted = _arguments_wanted(row)
+    if not function.least <= len(e.arguments) <= function.most:
+        wanted = _arguments_wanted(function)
         raise scope.fail(
             errors.WrongArguments(e.span, name=name, wanted=wanted, actual=len(e.arguments))
         )
-    return BUILDERS[row.builds](row, e, scope)
+    return BUILDERS[function.builds](function, e, scope)
 
 
 # The builders of calls, by the class of the node they build.
-def calculated(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
-    assert isinstance(row, Calculation)
-    return calculation(row, e, e.arguments, scope.expressions(e.arguments), scope)
+def calculated(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    assert isinstance(function, Calculation)
+    return calculation(function, e, e.arguments, scope.expressions(e.arguments), scope)
 
 
-def _arguments_wanted(row: Function) -> str:
-    if row.most != row.least:
-        return f"{row.least} or more arguments"
-    return "1 argument" if row.least == 1 else f"{row.least} arguments"
+def _arguments_wanted(function: Function) -> str:
+    if function.most != function.least:
+        return f"{function.least} or more arguments"
+    return "1 argument" if function.least == 1 else f"{function.least} arguments"
 
 
-def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+def matrix_class(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     table = scope.expression(e.arguments[0])
     if scope.part != "checks":
         raise scope.misused(e.name, "a class of games", "a value")
@@ -391,7 +389,7 @@ def matrix_class(row: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     if not isinstance(table, ir.ParamRef) or not is_matrix:
         wanted = "a table of two words by the same two words"
         raise wrong_type(scope, e.arguments[0], wanted, table.type)
-    return ir.MatrixClass(name=row.name, table=table, origin=e.span)
+    return ir.MatrixClass(name=function.name, table=table, origin=e.span)
 
 
 def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:

@@ -284,11 +284,11 @@ def _no_variable(name: ast.Name, scope: Scope) -> Poisoned:
         body = static.written(static.defines[define].value.span)
         rewritten = re.sub(rf"\b{name.text}\b", "who", body)
         help_ = (
-            f"a define sees its parameters alone: write `define {define}(who) = {rewritten}`, "
+            f"a define sees only its parameters: write `define {define}(who) = {rewritten}`, "
             f"and use it as `{define}({name.text})`"
         )
     elif scope.part in ("metrics", "checks"):
-        help_ = f"of all there are `count({name.text} where …)` and `sum(… over {name.text})`"
+        help_ = f"`count({name.text} where …)` and `sum(… over {name.text})` are about all of them"
     elif name.text != "agent" and "agent" in scope.variables:
         help_ = f"`each agent on {name.text}` binds the cell under each agent as well"
     return scope.misused(name, actual, wanted, help_)

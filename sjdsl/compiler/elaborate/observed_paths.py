@@ -138,7 +138,7 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
                 name.span,
                 name="other.heading",
                 actual="always seen, as the observer sees it",
-                wanted="a field of theirs, `index`, `row`, `col` or `moved`",
+                wanted="one of their fields, `index`, `row`, `col` or `moved`",
             )
         )
     if head in OWNERS:
@@ -164,9 +164,7 @@ def _no_field_of_kind(name: ast.Name, kind: str, head: str, scope: Scope) -> Poi
     if head in scope.static.groups:
         owner = f"{owner} of the group"
     elif name.text in CELL_ATTRIBUTES:
-        help_ = (
-            "where a cell is, an agent sees by its place in the window; fields of cells are shown"
-        )
+        help_ = "an agent sees where a cell is by its place in the window; only fields can be shown"
     return no_field(name, owner, scope.static.kinds[kind], scope.problems, help_)
 
 
@@ -199,7 +197,7 @@ def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
     is_show = isinstance(observable, ast.Show)
     verb = "show" if is_show else "hide"
     if name.text in WHO:
-        help_ = "agents are always seen; fields of theirs can be shown, if the game declares some"
+        help_ = "agents are always seen; their fields can be shown, if the game declares some"
         fields = [f"`{verb} {name.text}.{field}`" for field in static.agent_fields]
         if fields:
             help_ = f"say which field: {' or '.join(fields[:3])}"

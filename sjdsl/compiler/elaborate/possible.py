@@ -22,7 +22,7 @@ STEP = ir.Step(type=integer(0, float("inf"), "steps"))
 
 def know_steps(episode: ir.Expr, static: Static) -> None:
     """Keeps which numbers `step` can be: in rules below the episode's length, observed up to it."""
-    if not _can_be_chosen(episode, static):
+    if not _has_other_limits(episode, static):
         static.rule_facts = facts(ir.Compare(fn="<", left=STEP, right=episode))
     static.observed_facts = facts(ir.Compare(fn="<=", left=STEP, right=episode))
 
@@ -92,7 +92,7 @@ def _why_not(fn: str, left: ir.Expr, right: ir.Expr, exact: bool, scope: Scope) 
     """
     if form(left) == form(right) and fn in ("<", ">", "!="):
         return "both sides are the same"
-    if _can_be_chosen(left, scope.static) or _can_be_chosen(right, scope.static):
+    if _has_other_limits(left, scope.static) or _has_other_limits(right, scope.static):
         return ""
     low, high = _reach(left, scope)
     other_low, other_high = _reach(right, scope)
@@ -156,8 +156,8 @@ def _as_float32(e: ir.Expr, low: float, high: float) -> tuple[float, float]:
     return ends(low, high)
 
 
-def _can_be_chosen(number: ir.Expr, static: Static) -> bool:
-    """Returns whether a size or another map gives a number other limits.
+def _has_other_limits(number: ir.Expr, static: Static) -> bool:
+    """Returns whether other sizes or another map would give a number other limits.
 
     Rules are written for all of these, so no warning is due.
     """

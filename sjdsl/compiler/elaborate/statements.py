@@ -123,8 +123,8 @@ def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:
     for name in names:
         if not name.text.isidentifier():
             help_ = (
-                "one `draw` has words alone, `{ red: 0.5, blue: 0.5 }`, "
-                "or whole numbers alone, each for itself, `{ 1: 0.5, 3: 0.5 }`"
+                "a `draw` has only words, `{ red: 0.5, blue: 0.5 }`, "
+                "or only whole numbers, each by itself, `{ 1: 0.5, 3: 0.5 }`"
             )
             raise scope.expected(name.span, "a word", f"`{name.text}`", help_)
         if not scope.static.is_word(name.text):

@@ -1,4 +1,4 @@
-"""Elaborates the map, text in the game or in a file beside it; refuses unsound ones."""
+"""Elaborates the map, in the game or in a file: no ragged rows, no unknown glyphs."""
 
 import errno
 import re

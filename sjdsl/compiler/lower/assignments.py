@@ -188,11 +188,13 @@ def _values(
     if target.keys:
         type_ = type_.model_copy(update={"by": ()})
     entries = [w.module.num_entries(level) for level in type_.by]
-    set_words = [array.Literal(w.module.set_words)] * (w.module.levels(type_) - len(entries))
-    if value.levels > len(set_words):
-        return _flat(value, axes, value.dtype, (*entries, *set_words))
-    flat = _flat(value, axes, value.dtype, tuple(set_words))
-    if along_row and entries and value.levels == len(set_words):
+    set_extents = [array.Literal(w.module.numbers_per_set)] * (
+        w.module.levels(type_) - len(entries)
+    )
+    if value.levels > len(set_extents):
+        return _flat(value, axes, value.dtype, (*entries, *set_extents))
+    flat = _flat(value, axes, value.dtype, tuple(set_extents))
+    if along_row and entries and value.levels == len(set_extents):
         return array.Index(flat, (array.ALL, array.NEW_AXIS))
     return flat
 
@@ -207,10 +209,9 @@ def _flat(
 
     inside: extents of the value's own levels.
     """
+    node = aligned(value, axes, value.levels)
     if value.literal:
-        node = array.as_array(aligned(value, axes), dtype)
-    else:
-        node = aligned(value, axes, value.levels)
+        node = array.as_array(node, dtype)
     full = array.Broadcast(node, (*(a.extent for a in axes), *inside))
     return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1), *inside))
 
@@ -367,7 +368,7 @@ def _entries_of_word(
 
 
 def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
-    """Returns a value with one more axis, for the words of a row; what has no axes is the same for all."""
+    """Returns a value with one more axis, for the entries of a row; a scalar stays one."""
     return indexed(aligned(value, axes), (array.REST, array.NEW_AXIS)) if value.axes else value.node
 
 
@@ -431,7 +432,10 @@ def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
 
 
 def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None:
-    """Collects the sums of a number over the instances. is_exact: of reals as fixed-point numbers, whose digits are a level more."""
+    """Collects the sums of a number over the instances.
+
+    is_exact: whether they are of reals as fixed-point numbers, whose digits are one more level.
+    """
     scope = target.scope
     if scope.mask == TRUE or not value.levels:
         masked = select(scope.mask, value, literal(0, value.dtype))
@@ -474,7 +478,7 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))
         if (
             total.axes or total.levels
-        ):  # a row that is the same for all is lined up too: JAX does not guess which axis is missing
+        ):  # a row that is the same for all is aligned too: JAX would not know which axis it lacks
             total = replace(total, node=_row_aligned(total, own), axes=own)
         sums.append(w.keep(f"{target.attribute}_added", total))
         return
@@ -522,7 +526,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     scope, who = target.scope, target.who
     member = w.value(s.value, scope.always())
     joining = scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
-    dtype, words = w.module.set_dtype, w.module.set_words
+    dtype, words = w.module.set_dtype, w.module.numbers_per_set
     keys = [x for x in (target.key(w),) if x is not None]
     around = union(member.axes, *(k.axes for k in keys), scope.mask.axes)
     sizes = [w.module.num_entries(target.read.type.by[0]) for _ in keys]
@@ -565,11 +569,14 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
 def _folded(
     places: list[array.Expression], member: array.Expression, sizes: list[array.Literal], w: Writer
 ) -> array.Expression:
-    """Returns the sets in which each instance's agent is at each instance's place: a table of truths, folded into bits."""
+    """Returns the sets to which instances add an agent each, as bits.
+
+    places: where each instance adds; sizes: how many places there are.
+    """
     empty = array.call("jnp.zeros", array.shape_of((*sizes, w.module.agents)), array.Name("bool"))
     table = array.Update(empty, (*places, member), "set", array.Literal(True), drop=True)
     members = w.keep("members", Value(table, "bool")).node
-    if w.module.set_words:
+    if w.module.numbers_per_set:
         return array.call("pack", members)
     return array.call("as_bits", members, array.DTYPES[w.module.set_dtype])
 

@@ -64,7 +64,7 @@ class Value(Record):
     """An array: `node` computes it.
 
     Its axes are `axes`, then `levels` more: those of the entries of rows and tables, and last that
-    of the words of large sets of agents.
+    of the numbers of large sets of agents.
     """
 
     node: Expression

@@ -38,8 +38,8 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
     axes = union(row.axes, key.axes)
     if e.type.kind == "agents" and row.levels == 2:
-        found = array.call("entry", words_first(aligned_row(row, axes)), aligned(key, axes))
-        return Value(words_last(found), row.dtype, axes, 1)
+        found = array.call("entry", numbers_first(aligned_row(row, axes)), aligned(key, axes))
+        return Value(numbers_last(found), row.dtype, axes, 1)
     if row.levels != 1:
         instead = "write one of the words out with `case`"
         raise NotSupported(
@@ -103,13 +103,13 @@ def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
     )
 
 
-def words_first(sets: array.Expression) -> array.Expression:
-    """Returns large sets with the axis of their words first, so that entries come last."""
+def numbers_first(sets: array.Expression) -> array.Expression:
+    """Returns large sets with the axis of their numbers first, so that entries come last."""
     return array.call("jnp.moveaxis", sets, array.Literal(-1), array.Literal(0))
 
 
-def words_last(sets: array.Expression) -> array.Expression:
-    """Returns large sets as they are stored: the inverse of `words_first`."""
+def numbers_last(sets: array.Expression) -> array.Expression:
+    """Returns large sets as they are stored: the inverse of `numbers_first`."""
     return array.call("jnp.moveaxis", sets, array.Literal(0), array.Literal(-1))
 
 

@@ -27,7 +27,7 @@ from sjdsl.compiler.lower.axes import (
     union,
 )
 from sjdsl.compiler.lower.condition_names import condition_name
-from sjdsl.compiler.lower.entries import aligned_row, entry, to_words, words_first, words_last
+from sjdsl.compiler.lower.entries import aligned_row, entry, numbers_first, numbers_last, to_words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
 from sjdsl.compiler.program import expressions as array
@@ -201,9 +201,9 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
     fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
     if row.levels > 1:  # of large sets
         if not filler.literal:
-            fill = words_first(fill)
-        moved = array.call("shifted", words_first(entries), array.Literal(e.by), fill)
-        return replace(row, node=words_last(moved), axes=axes)
+            fill = numbers_first(fill)
+        moved = array.call("shifted", numbers_first(entries), array.Literal(e.by), fill)
+        return replace(row, node=numbers_last(moved), axes=axes)
     moved = array.call("shifted", entries, array.Literal(e.by), fill)
     return replace(row, node=moved, axes=axes)
 
@@ -307,31 +307,31 @@ def stands_at(e: ir.StandsAt, scope: IterationScope, w: Writer) -> Value:
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     """Returns an operation on numbers, which are all int32 or all float32."""
-    row = CALCULATIONS[e.fn]
+    operation = CALCULATIONS[e.fn]
     dtype = VALUE_DTYPES[e.type.kind]
     is_whole = dtype == "i32" and all(a.type.kind == "int" for a in e.args)
     args_dtype: array.DType = "i32" if is_whole else "f32"
-    with w.deciding(row.kind == "whole"):
+    with w.deciding(operation.kind == "whole"):
         args = [as_dtype(lower(a, scope, w), args_dtype) for a in e.args]
     are_literal = all(a.literal for a in args)
     if w.exact and not is_whole and not are_literal:
-        if row.rounding is not None or row.exact:
+        if operation.rounding is not None or operation.exact:
             args = [operand(a, value, w) for a, value in zip(e.args, args, strict=True)]
-        if row.exact:
-            return _called(row.exact, args, dtype)
-    is_operator = not row.array[0].isalpha()
+        if operation.exact:
+            return _called(operation.exact, args, dtype)
+    is_operator = not operation.array[0].isalpha()
     if is_operator and len(args) == 2:
-        return binary(row.array, args[0], args[1], dtype)
+        return binary(operation.array, args[0], args[1], dtype)
     if is_operator and are_literal:
-        return literal(row.fold(args[0].number), args_dtype)
+        return literal(operation.fold(args[0].number), args_dtype)
     if is_operator:
-        return replace(args[0], node=array.Unary(row.array, args[0].node))
-    if are_literal and row.rounding is None:
+        return replace(args[0], node=array.Unary(operation.array, args[0].node))
+    if are_literal and operation.rounding is None:
         numbers = [a.number if args_dtype == dtype else float32(a.number) for a in args]
-        return literal(row.fold(*numbers), dtype)
-    if row.least == row.most:
-        return as_dtype(_called(row.array, args, args_dtype), dtype)
-    return reduce(lambda left, right: _called(row.array, [left, right], dtype), args)
+        return literal(operation.fold(*numbers), dtype)
+    if operation.least == operation.most:
+        return as_dtype(_called(operation.array, args, args_dtype), dtype)
+    return reduce(lambda left, right: _called(operation.array, [left, right], dtype), args)
 
 
 def operand(e: ir.Expr, value: Value, w: Writer) -> Value:

@@ -50,7 +50,7 @@ def free_cells(
     free = TRUE
 
     def without(name: str, sites: array.Expression) -> Value:
-        taken = array.call("occupied", w.keep(name, Value(sites, "i32")).node, extent)
+        taken = array.call("occupied", w.keep_node(name, sites, "i32"), extent)
         return both(free, Value(array.Unary("~", taken), "bool", (axis,)))
 
     if pool.phase != "start":

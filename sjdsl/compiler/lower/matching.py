@@ -73,7 +73,7 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     pairs = mask_over(inner, (rows, cols)).node
     if same_sort:
         pairs = Binary("&", pairs, Unary("~", call("jnp.eye", size, dtype=Name("bool"))))
-    pairs = w.keep("pairs", Value(pairs, "bool", (rows, cols))).node
+    pairs = w.keep_node("pairs", pairs, "bool")
     drawn = call("random_bits", KEY, w.stream(s.stream), rows.extent, cols.extent)
     ranks = w.keep("order", Value(call("ranks", drawn, pairs), "u32", (rows, cols)))
     return Value(call("pair", ranks.node, alike=Literal(same_sort)), "i32", (rows,))
@@ -93,15 +93,15 @@ def _among_reached(
     Random bits are drawn for these pairs alone, not for all that there are.
     """
     rows, _ = axes
-    reached = w.keep("reached", Value(spread(index, axes), "i32", axes)).node
+    reached = w.keep_node("reached", spread(index, axes), "i32")
     happens = spread(mask, axes)
     left = Index(iota(rows).node, (ALL, NEW_AXIS))
     if same_sort:
         happens = Binary("&", happens, Binary("!=", reached, left))
     numbers: Expression = Cast(Binary("+", Binary("*", left, size), reached), "u32")
-    happens = w.keep("pairs", Value(happens, "bool", axes)).node
+    happens = w.keep_node("pairs", happens, "bool")
     stream = w.stream(s.stream)
-    instance = w.keep("instance", Value(numbers, "u32", axes)).node
+    instance = w.keep_node("instance", numbers, "u32")
     drawn = call("random_bits_at", KEY, stream, instance)
     ranks = w.keep("order", Value(call("ranks", drawn, happens), "u32", axes))
     pairs = call("pair_reached", reached, ranks.node, size, alike=Literal(same_sort))

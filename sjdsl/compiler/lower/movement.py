@@ -64,7 +64,7 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     chosen: Expression = Name("actions")
     if inner.mask != TRUE:
         stay = Literal(actions.index("stay"), "STAY")
-        chosen = w.keep("chosen", Value(Where(inner.mask.node, chosen, stay), "i32")).node
+        chosen = w.keep_node("chosen", Where(inner.mask.node, chosen, stay), "i32")
     w.assign("heading", Binary("&", Binary("+", HEADING, Index(turn, (chosen,))), Literal(3)))
     stride = w.bind("stride", Index(step, (chosen,)))
     ahead = Binary("+", w.current("heading"), stride) if game.agents.relative else stride

@@ -352,7 +352,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
         observers = array.Index(array.Cast(HEADING, "u8"), (array.ALL, array.NEW_AXIS))
         heading = array.Binary("-", agent.node, array.Literal(1))
         difference = array.Binary("-", heading, observers)
-        other = w.keep("others", Value(relative_heading(difference), "u8", axes)).node
+        other = w.keep_node("others", relative_heading(difference), "u8")
         return [_agent_plane(is_self, somebody, other, axes, w)]
     standing = _standing(agent, "who", AGENTS, w)
     place = _seen_by(axes, other=standing)

@@ -43,7 +43,7 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
     if who.axis is None:
         at = select(scope.mask, who.index, Value(extent, "i32"))
         axes = union(at.axes, value.axes)
-        places = w.keep(f"to_{who.sort.name}", Value(spread(at, axes), "i32", axes)).node
+        places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
         zeros = array.call("jnp.zeros", extent, array.DTYPES["i32"])
         return array.Update(zeros, (places,), "set", spread(value, axes), drop=True)
     if any(a != who.axis for a in value.axes):

@@ -5,7 +5,6 @@ from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
-    Value,
     iota,
     spread,
 )
@@ -60,7 +59,7 @@ def _bring_back_to(pool: Pool, due: array.Expression, w: Writer) -> None:
         return array.path(f"state.{attribute}")
 
     to_pool = array.Binary("==", stored(away_pool), array.Literal(pool.number))
-    back = w.keep("back", Value(array.Binary("&", due, to_pool), "bool")).node
+    back = w.keep_node("back", array.Binary("&", due, to_pool), "bool")
     fitting = _fitting_on_return(pool, w)
     free = free_cells(pool, None, fitting is None, w)
     arguments = [state_reads.cells_of(pool.kinds, w), free, back]
@@ -97,4 +96,4 @@ def _fitting_on_return(pool: Pool, w: Writer) -> array.Expression | None:
     variables: dict[str, Variable] = {variable.name: everybody for variable in named}
     scope = IterationScope(axes=(agents,), variables=variables)
     fits = spread(fitting_cells(s, axis, scope, w), (agents, axis))
-    return w.keep("fitting", Value(fits, "bool")).node
+    return w.keep_node("fitting", fits, "bool")

@@ -137,7 +137,10 @@ def deliver(attribute: str, keys: tuple[Expression | Slice, ...], got: Value, w:
 
 
 def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name: str) -> Value:
-    """Returns what each agent gets in all: `[N]`, or a number if that is the same for all. `name`: of how often it gets the amount."""
+    """Returns what each agent gets in all: `[N]`, or a number if that is the same for all.
+
+    name: of how often it gets the amount.
+    """
     axis = w.axis("receiver", w.module.agents)
     many = math.prod(a.size for a in scope.axes) >= MANY and not amount.axes and axis.size <= 32
     if e.type.kind == "agents":
@@ -152,14 +155,14 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
         return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w, name)
     if many:
         return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
-    # Comparing with every agent is far cheaper than a scatter, which XLA makes one entry at a time on a CPU.
+    # Comparing with every agent is far cheaper than a scatter, which XLA does one by one on CPUs.
     return _summed(
         both(scope.mask, binary("==", who.index, iota(axis), "bool")), amount, scope.axes, w, name
     )
 
 
 def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
-    """Returns an agent of each instance as a set of its own, empty for the instances that do not happen."""
+    """Returns an agent of each instance as a set of one, empty if the instance does not happen."""
     alone = who.alone
     if alone is not None and scope.mask in (
         alone.mask,
@@ -175,14 +178,17 @@ def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
 def _counted(
     sets: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
 ) -> Value:
-    """Returns an amount that is the same for all, times how many of the sets of the instances an agent is in."""
+    """Returns an amount times the number of instances whose set an agent is in."""
     count = w.keep(name, Value(call("times_in", sets.node, axis.extent), "i32", (axis,)))
     alike = math.prod(a.size for a in scope.axes if a not in sets.axes)
     return _times(count, _times(literal(alike, "i32"), amount))
 
 
 def _summed(reached: Value, amount: Value, over: tuple[Axis, ...], w: Writer, name: str) -> Value:
-    """Returns the sum over the instances that are reached; where all give the same, they are counted, which is cheaper than adding."""
+    """Returns the sum over the instances that are reached.
+
+    Where all give the same, they are counted, which is cheaper than adding.
+    """
     if reached == TRUE:
         return reduce("sum", amount, over)
     if over and not any(axis in amount.axes for axis in over):

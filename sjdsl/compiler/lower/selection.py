@@ -47,7 +47,10 @@ def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
 def pick(
     s: ir.Pick, scope: IterationScope, w: Writer
 ) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
-    """Returns the scope inside a `pick`, where there was no member at all, and the block to write: a lone `chance` is part of the pick."""
+    """Returns the scope inside a `pick`, where there was no member, and the block to write.
+
+    The block of a lone `chance` may be written instead, as a part of the pick.
+    """
     if is_empty(s.domain, w):
         return scope.when(FALSE), TRUE, s.body
     inner = _candidates_of(s.domain, scope.always(), w)

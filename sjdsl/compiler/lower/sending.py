@@ -73,10 +73,9 @@ class Sends:
         if can_be_at_once:
             zero = array.Literal(0)
             stays = array.Binary("&", sent, array.Binary("==", delays, zero))
+            at_once.append(Sent(s, w.keep_node("at_once", stays, "bool"), fitting))
             leaves = array.Binary("&", sent, array.Binary(">", delays, zero))
-            stays = w.keep("at_once", Value(stays, "bool")).node
-            at_once.append(Sent(s, stays, fitting))
-            sent = w.keep("leaving", Value(leaves, "bool")).node
+            sent = w.keep_node("leaving", leaves, "bool")
         self.away.append(Leaving(pool, s, sent, delays))
 
     def shift(self, s: ir.Shift, scope: IterationScope, w: Writer) -> None:
@@ -102,15 +101,15 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression |
         others = tuple(a for a in scope.axes if a != who.axis)
         if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
             fits = reduce("any", both(scope.mask, fits), others)
-        return w.keep("fitting", Value(spread(fits, (who.axis, axis)), "bool")).node
+        return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
     axes = union(who.index.axes, scope.mask.axes, tuple(a for a in fits.axes if a != axis))
     extent = w.module.extent(who.sort)
     index = select(scope.mask, who.index, Value(extent, "i32"))
-    places = w.keep(f"to_{who.sort.name}", Value(spread(index, axes), "i32")).node
+    places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
     rows = spread(fits, (*axes, axis))
     empty = array.call("jnp.zeros", array.Sequence((extent, axis.extent)), array.Name("bool"))
     table = array.Update(empty, (places,), "set", rows, drop=True)
-    return w.keep("fitting", Value(table, "bool")).node
+    return w.keep_node("fitting", table, "bool")
 
 
 def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array.Expression:
@@ -121,9 +120,9 @@ def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array
     if delay.literal and s.after is not None and s.after.type.low > 0:
         return delay.node
     if delay.axes:
-        return w.keep("delay", Value(of_each(s.who, delay, scope, w), "i32")).node
+        return w.keep_node("delay", of_each(s.who, delay, scope, w), "i32")
     number = array.scalar(delay.node, "i32") if delay.literal else delay.node
-    return w.keep("delay", Value(number, "i32")).node
+    return w.keep_node("delay", number, "i32")
 
 
 def finish(sends: Sends, w: Writer) -> None:
@@ -166,7 +165,7 @@ def _place_pool(
     """Writes the placing of those who are sent to a pool at once; returns who found a cell."""
     parts = sends.now[pool.number]
     w.origin = parts[0].send.origin
-    sent = w.keep("sent", Value(any_of([part.who for part in parts]), "bool")).node
+    sent = w.keep_node("sent", any_of([part.who for part in parts]), "bool")
     leaving = None
     if not any(s.stay for s in sends_of(pool, w.module)):  # who may stay keeps its cell
         away = [other.who for other in sends.away if other.pool is pool]

@@ -1,4 +1,4 @@
-"""One function for all uses of a phase: `sprout(red)` and `sprout(blue)` are calls of `sprout` with other numbers."""
+"""Makes one function of all uses of a phase: `sprout(red)` and `sprout(blue)` call `sprout`."""
 
 import re
 from dataclasses import dataclass, field, fields, replace
@@ -14,7 +14,11 @@ from sjdsl.compiler.program import expressions as array
 
 
 class Turn(Record):
-    """A call of a function of a step. `given`: what it is given beside the state; `marks`: the attribute of State for the cells it returns."""
+    """A call of a function of a step.
+
+    given: its arguments beside those of every phase. marks: the attribute of State for the cells
+    that it returns.
+    """
 
     function: Function
     given: tuple[array.Expression, ...] = ()
@@ -27,10 +31,11 @@ class CannotShare(Exception):
 
 @dataclass
 class SharedBody:
-    """Functions of several uses while they are made one.
+    """The functions of several uses while they become one.
 
-    parameters: the names of what the phase is used with; given: what each use has for them, as written. own: the parameters of the function
-    beside those that every phase has, by what they stand for; arguments: what each use gives for them.
+    parameters: of the phase. given: what each use has for them, as written. own: the parameters of
+    the function beside those that every phase has, by what they stand for. arguments: what each
+    use has for them.
     """
 
     parameters: tuple[str, ...]
@@ -41,17 +46,18 @@ class SharedBody:
     arguments: list[tuple[array.Expression, ...]] = field(default_factory=list)
 
     def node(self, nodes: tuple[object, ...]) -> object:
-        """Returns what the nodes of all uses have in common, with a parameter where they differ. Raises CannotShare."""
+        """Returns the nodes of all uses as one, with a parameter where they differ.
+
+        Raises CannotShare.
+        """
         first = nodes[0]
         if any(type(node) is not type(first) for node in nodes):
             raise CannotShare
         match first:
             case array.Assign():
                 value = self.node(tuple(node.value for node in nodes))  # type: ignore[attr-defined]
-                targets = [
-                    self.variable(names)
-                    for names in zip(*(node.names for node in nodes), strict=True)
-                ]  # type: ignore[attr-defined]
+                names_of_uses = (node.names for node in nodes)  # type: ignore[attr-defined]
+                targets = [self.variable(names) for names in zip(*names_of_uses, strict=True)]
                 return replace(first, names=tuple(targets), value=value)  # type: ignore[arg-type]
             case array.Name():
                 identifiers = tuple(node.identifier for node in nodes)  # type: ignore[attr-defined]
@@ -113,7 +119,10 @@ class SharedBody:
         return self.variables[names]
 
     def common(self, names: tuple[str, ...]) -> str:
-        """Returns a name with what a use is given replaced by what the phase calls it: `ground_red`, `ground_blue` are `ground_what`."""
+        """Returns the names of all uses as one: `ground_red`, `ground_blue` are `ground_what`.
+
+        The arguments of the phase are replaced by its parameters; empty if they still differ.
+        """
         for number, parameter in enumerate(self.parameters):
             renamed = [
                 name.lower().replace(given[number], parameter, 1)
@@ -125,7 +134,10 @@ class SharedBody:
 
 
 def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
-    """Returns the turns of phases: for uses of one phase calls of one function, if they differ by numbers and tables alone."""
+    """Returns the turns of phases.
+
+    Uses of one phase call one function, if they differ by numbers and tables alone.
+    """
     found: dict[str, Turn] = {}
     named = sorted(uses, key=lambda use: _declared(use[0]))
     for name, group in groupby(named, key=lambda use: _declared(use[0])):
@@ -165,10 +177,7 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     assert isinstance(last, array.Return)
     marked = len(last.values) > 2
     returns = "tuple[State, Outcome, Array]" if marked else first.returns
-    types = [
-        "Array" if isinstance(nodes[0], array.Name) else type(nodes[0].value).__name__
-        for nodes in shared_body.arguments
-    ]  # type: ignore[union-attr]
+    types = [_type_of(nodes[0]) for nodes in shared_body.arguments]
     own = tuple(
         (parameter.identifier, type_)
         for parameter, type_ in zip(shared_body.own.values(), types, strict=True)
@@ -183,8 +192,15 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     }
 
 
+def _type_of(argument: array.Expression) -> str:
+    """Returns the type of an argument: a table, or a number."""
+    if isinstance(argument, array.Literal):
+        return type(argument.value).__name__
+    return "Array"
+
+
 def _marks_apart(body: tuple[array.Statement, ...], mark: str) -> tuple[array.Statement, ...]:
-    """Returns the body of a function that returns the cells it marks, each use of a phase its own, beside the state."""
+    """Returns the body of a function that returns the cells it marks apart from the state."""
     last = body[-1]
     assert isinstance(last, array.Return)
     state, out = last.values

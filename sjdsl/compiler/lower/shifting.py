@@ -72,7 +72,7 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
         goes = both(moves, has_heading, _is_free(s.steps.type, who, course, steps, w))
         goal = w.keep("goal", _cells_on(course, steps, w))
     target = w.keep("target", select(goes, goal, position))
-    return Shifted(s, sent, w.keep("target", Value(of_each(s.who, target, scope, w), "i32")).node)
+    return Shifted(s, sent, w.keep_node("target", of_each(s.who, target, scope, w), "i32"))
 
 
 def _stride(heading: Value, w: Writer) -> Value:

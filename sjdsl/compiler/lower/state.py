@@ -80,8 +80,8 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     meaning = f"{field.name}: {_meaning(field)}"
     if field.type.by:
         meaning = f"{meaning}; by {_level(field.type.by[0])}"
-    if field.type.kind == "agents" and w.module.set_words:
-        dims.append(str(w.module.set_words))
+    if field.type.kind == "agents" and w.module.numbers_per_set:
+        dims.append(str(w.module.numbers_per_set))
     default = _default(field, game, dtype, w)
     return Field(attribute_name(field), f"[{', '.join(dims)}]", dtype, meaning, default)
 
@@ -130,7 +130,7 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> array.
     """Returns the starting values of a field."""
     layout = w.module.layout
     kind = field.held_by.name
-    starts = {field.start}
+    starts: set[object] = {field.start}
     if field.held_by.what == "cell":
         starts = layout.starts(kind, field)
     if len(starts) <= 1:
@@ -138,8 +138,8 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> array.
         if field.held_by.what != "world":
             size.append(w.module.extent(field.held_by))
         size += map(w.module.num_entries, field.type.by)
-        if field.type.kind == "agents" and w.module.set_words:
-            size.append(array.Literal(w.module.set_words))
+        if field.type.kind == "agents" and w.module.numbers_per_set:
+            size.append(array.Literal(w.module.numbers_per_set))
         first = _start(next(iter(starts), field.start), field, w)
         return array.call(
             "jnp.full", array.shape_of(tuple(size)), first, array.path(f"jnp.{dtype}")

@@ -183,7 +183,7 @@ def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression:
         return positions(w, sorts[0])
     parts = Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True)
     name = "bodies" if but is None else "others"
-    return w.keep(name, Value(call("jnp.concatenate", parts), "i32")).node
+    return w.keep_node(name, call("jnp.concatenate", parts), "i32")
 
 
 def cell(owner: CellVar, w: Writer) -> Value:

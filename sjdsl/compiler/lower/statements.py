@@ -6,7 +6,7 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import shape_named
 from sjdsl.compiler.lower.assignments import add, set_
-from sjdsl.compiler.lower.axes import FALSE, TRUE, Value, both, invert, joined, reduce, select
+from sjdsl.compiler.lower.axes import FALSE, TRUE, both, invert, joined, reduce, select
 from sjdsl.compiler.lower.condition_names import condition_name, domain_name
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
@@ -131,7 +131,7 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
     happens = reduce("any", scope.mask, tuple(a for a in scope.axes if a not in swept.cells.axes))
     cells = select(both(happens, swept.ok), swept.cells, nowhere(w))
     flat = Call(Attribute(cells.node, "reshape"), (Literal(-1),))
-    marked = w.keep("marked", Value(flat, "i32")).node
+    marked = w.keep_node("marked", flat, "i32")
     assert isinstance(marked, Name)
     w.marked[marked] = mark_size(s, w.module.game)
 

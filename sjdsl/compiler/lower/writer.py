@@ -48,7 +48,7 @@ FACTS = {
 }  # fmt: skip
 MODULE_NAMES = {*FACTS, "MAP", "TOKEN_PLANES"}
 NOBODY = -1
-WORD = 32  # bits of one number of a set of agents
+BITS_PER_NUMBER = 32  # of a set of agents
 
 
 class WordSet(Record):
@@ -154,7 +154,7 @@ class Module:
         """The sets of words and other keys, each with what declares it first."""
         game = self.game
         fields = all_fields(game)
-        sets = {HEADINGS: WordSet("", "headings")}
+        sets: dict[tuple[str, ...], WordSet] = {HEADINGS: WordSet("", "headings")}
         for field_ in fields:
             declared = WordSet(field_.held_by.name, attribute_name(field_))
             sets.setdefault(field_.type.words, declared)
@@ -206,13 +206,13 @@ class Module:
         return "u8" if self.num_agents <= 8 else "u32"
 
     @property
-    def set_words(self) -> int:
+    def numbers_per_set(self) -> int:
         """How many numbers of 32 bits a set of agents takes; 0 if one number holds it."""
-        return 0 if self.num_agents <= WORD else -(-self.num_agents // WORD)
+        return 0 if self.num_agents <= BITS_PER_NUMBER else -(-self.num_agents // BITS_PER_NUMBER)
 
     def levels(self, type_: ir.Type) -> int:
         """Returns how many axes one value of a type has: see `Value.levels`."""
-        return len(type_.by) + (type_.kind == "agents" and self.set_words > 0)
+        return len(type_.by) + (type_.kind == "agents" and self.numbers_per_set > 0)
 
     def can_be_away(self, sort: ir.Sort = AGENTS) -> bool:
         """Returns whether agents, or movers of a name, can be off the map during a step."""
@@ -363,6 +363,10 @@ class Writer:
         if key not in self.known:
             self.known[key] = self.bind(name, node)
         return replace(value, node=self.known[key])
+
+    def keep_node(self, name: str, node: Expression, dtype: DType) -> Expression:
+        """Gives an expression a name in the function, as `keep` does."""
+        return self.keep(name, Value(node, dtype)).node
 
     def keep_parts(self, names: tuple[str, ...], node: Expression) -> tuple[Name, ...]:
         """Names the parts of what a kernel returns; what computes the same is called once."""

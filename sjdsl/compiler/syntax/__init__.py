@@ -1,1 +1,1 @@
-"""From characters to the tree of a file: lexer, parser and builders of nodes."""
+"""From text to a tree: lexer, parser, nodes; operator precedence is in `sj.lark`."""
