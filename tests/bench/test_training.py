@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from bench.speed.__main__ import main
-from bench.speed.stored import read_found
+from bench.speed.stored import read_figures
 from bench.speed.tables import tables_of, training_table
 from bench.speed.training import (
     Split,
@@ -191,7 +191,7 @@ def test_figures_without_an_algorithm_are_of_ippo(tmp_path: Path) -> None:
     file.write_text(
         json.dumps({"sort": "training", "machine": machine, "flops_per_s": 1e9, "splits": [row]})
     )
-    assert read_found(file) == Training(machine, 1e9, (split_of((1.0,)),))
+    assert read_figures(file) == Training(machine, 1e9, (split_of((1.0,)),))
     assert (
         "one update of IPPO: 4 environments, 8 steps"
         in CliRunner().invoke(main, ["tables", str(file)]).output
