@@ -104,7 +104,7 @@ def play(
         return state, observation, reward, key
 
     def body(
-        carry: tuple[Any, Array, Array, Array], _: None
+        carry: tuple[Any, Array, Array, Array], _input: None
     ) -> tuple[tuple[Any, Array, Array, Array], None]:
         state, _, total, key = carry
         state, observation, reward, key = random_step(state, key)

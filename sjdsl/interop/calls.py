@@ -75,8 +75,8 @@ def numbers_of_actions(
             value = array.ravel()[:1].tolist()[0]
             raise TypeError(f"the action{name(agent)} {requirement}, not {value!r}")
     numbers = np.concatenate([array.ravel() for array in arrays])
-    for agent in np.nonzero((numbers < 0) | (numbers >= num_actions))[0]:
-        raise ValueError(f"the action{name(int(agent))} {requirement}, not {numbers[agent]}")
+    for wrong in np.nonzero((numbers < 0) | (numbers >= num_actions))[0]:
+        raise ValueError(f"the action{name(int(wrong))} {requirement}, not {numbers[wrong]}")
     return numbers.astype(np.int32)
 
 

@@ -171,8 +171,8 @@ class Substrate(Copied, dm_env.Environment):
         if not self._game_actions:
             return {}
         allowed = np.asarray(self.env.allowed_actions(state))
-        is_ready = allowed[:, self._game_actions].all(axis=1)
-        return {"READY_TO_SHOOT": is_ready.astype(np.float64)}
+        is_ready = np.asarray(allowed[:, self._game_actions].all(axis=1), np.float64)
+        return {"READY_TO_SHOOT": is_ready}
 
     def _windows(self, board: np.ndarray, snapshot: Snapshot) -> np.ndarray:
         """Returns the window of each player on the board, black where the player sees nothing."""

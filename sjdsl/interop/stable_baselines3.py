@@ -80,8 +80,8 @@ class VecGame(VecEnv):
         for name, counts in arrays.items():
             if name.startswith("_") or name in ("final_obs", "final_info"):
                 continue
-            for slot in range(self.num_envs):
-                infos[slot][name] = int(counts[slot])
+            for info, count in zip(infos, counts, strict=True):
+                info[name] = int(count)
         return observations, rewards.astype(np.float32), terminated | truncated, infos
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:

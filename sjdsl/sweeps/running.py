@@ -155,7 +155,7 @@ def describe_with_make(
     num_agents: int | None = None,
 ) -> tuple[dict[str, Any], str, str]:
     """Returns the arguments of a game's environment, its name and its hash."""
-    provenance = {
+    provenance: dict[str, Any] = {
         "game": str(Path(game).resolve()) if Path(game).suffix else game,
         "variant": variant,
         "map": map and str(Path(map).resolve()),
