@@ -1,9 +1,10 @@
-"""Writes the tables, texts and pictures of the bundled games between the marks of docs/games.md and docs/meltingpot.md, or finds what is old.
+"""Writes the tables, texts and pictures of the bundled games, or checks whether they are current.
 
     python -m bench.game_pages [--check]
 
-What belongs to rules that have not changed is kept: pictures, and the figures of a random policy in docs/games.json. To make one of them
-again, delete it.
+Tables and texts go between the marks of docs/games.md and docs/meltingpot.md. Pictures, and the
+figures of a random policy in docs/games.json, are kept while the rules of their game don't change.
+To make one of them again, delete it.
 """
 
 import argparse
@@ -39,17 +40,18 @@ DOCS = Path(__file__).parents[1] / "docs"
 PAGES = ("games", "meltingpot")
 SEED = 0
 EPISODES = 200  # of the figures
-DIGITS = 6  # significant ones that are kept
-STEPS = 60  # before the picture
-SHOWN = "sjdsl:shown"  # the key of its digest in a picture's file
-OURS = "our_"
+SIGNIFICANT_DIGITS = 6
+STEPS_BEFORE_PICTURE = 60
+DIGEST_KEY = "sjdsl:shown"  # in the text of a picture's file
+OWN_ENTRY = "our_"  # begins the keys of `about` that describe decisions of this project
 
-# Of a game: the hash of its rules, `episodes`, `seed`, and `values`, each a mean with its 95 % interval; None if it is not always defined.
+# Of a game: `hash` of its rules, `episodes`, `seed`, and `values`: for each name `mean`, `low` and
+# `high` (the 95 % interval), each None if the figure isn't defined for every episode.
 Figures = dict[str, Any]
 
 
 def main() -> int:
-    """Writes the pages, or with --check prints what is not up to date and returns 1 if there is anything."""
+    """Writes the pages; --check prints what is not up to date and returns 1 if anything is not."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -59,18 +61,20 @@ def main() -> int:
         help="write nothing; exit with 1 if a page is not up to date",
     )
     if parser.parse_args().check:
-        problems = [problem for page in PAGES for problem in page_problems(DOCS / f"{page}.md")]
-        print(
-            "\n".join(
-                [*problems, "`make docs` brings everything up to date"]
-                if problems
-                else ["the pages are up to date"]
-            )
-        )
-        return int(bool(problems))
+        return check_pages()
     write_games(DOCS / "games.md")
     write_melting_pot(DOCS / "meltingpot.md")
     return 0
+
+
+def check_pages() -> int:
+    problems = [problem for page in PAGES for problem in page_problems(DOCS / f"{page}.md")]
+    if not problems:
+        print("the pages are up to date")
+        return 0
+    print("\n".join(problems))
+    print("`make docs` brings everything up to date")
+    return 1
 
 
 def write_games(path: Path) -> None:
@@ -96,41 +100,45 @@ def write_melting_pot(path: Path) -> None:
 
 
 def page_problems(path: Path) -> list[str]:
-    """Returns what is out of date of `games.md` and its figures, or of `meltingpot.md`: text, figures, pictures."""
-    text = path.read_text("utf-8")
+    """Returns what is out of date: text, figures or pictures of `games.md` or `meltingpot.md`."""
+    page = path.read_text("utf-8")
+    problems: list[str] = []
     if path.stem == "meltingpot":
-        pictures, rules, wanted, found = (
-            path.parent / "pictures/meltingpot",
-            substrate_rules(),
-            melting_pot_page(text),
-            [],
-        )
+        folder = path.parent / "pictures/meltingpot"
+        games = substrate_games()
+        current = melting_pot_page(page)
     else:
-        pictures, rules = (
-            path.parent / "pictures",
-            {name: written.game for name, written in game_texts().items()},
-        )
-        kept = read_figures(path.with_suffix(".json"))
-        wanted = games_page(text, kept)
-        found = [f"{name}: no figures" for name in rules if name not in kept]
-        found += [
-            f"{name}: the figures are of other rules"
-            for name in rules
-            if name in kept and kept[name]["hash"] != game_hash(rules[name])
-        ]
-        found += [f"{name}: figures of no game" for name in kept if name not in rules]
-    drawn, there = (
-        {pictures / f"{name}.png": game for name, game in rules.items()},
-        set(pictures.glob("*.png")),
-    )
-    found += [f"{picture}: missing" for picture in sorted(drawn.keys() - there)]
-    found += [f"{picture}: of no game" for picture in sorted(there - drawn.keys())]
-    found += [
-        f"{picture}: of other rules or looks"
-        for picture in sorted(drawn.keys() & there)
-        if not is_picture_of(picture, drawn[picture])
-    ]
-    return found if text == wanted else [*found, f"{path}: not what the games say"]
+        folder = path.parent / "pictures"
+        games = {name: written.game for name, written in game_texts().items()}
+        figures = read_figures(path.with_suffix(".json"))
+        current = games_page(page, figures)
+        problems += figure_problems(games, figures)
+    problems += picture_problems(folder, games)
+    if page != current:
+        problems.append(f"{path}: not what the games say")
+    return problems
+
+
+def figure_problems(games: Mapping[str, ir.Game], figures: Mapping[str, Figures]) -> list[str]:
+    problems = [f"{name}: no figures" for name in games if name not in figures]
+    for name, kept in figures.items():
+        if name not in games:
+            problems.append(f"{name}: figures of no game")
+        elif kept["hash"] != game_hash(games[name]):
+            problems.append(f"{name}: the figures are of other rules")
+    return problems
+
+
+def picture_problems(folder: Path, games: Mapping[str, ir.Game]) -> list[str]:
+    game_of = {folder / f"{name}.png": game for name, game in games.items()}
+    pictures = set(folder.glob("*.png"))
+    problems = [f"{picture}: missing" for picture in sorted(game_of.keys() - pictures)]
+    for picture in sorted(pictures):
+        if picture not in game_of:
+            problems.append(f"{picture}: of no game")
+        elif not is_picture_of(picture, game_of[picture]):
+            problems.append(f"{picture}: of other rules or looks")
+    return problems
 
 
 @cache
@@ -142,21 +150,20 @@ def game_texts() -> dict[str, Written]:
 @cache
 def build_of(substrate: Substrate) -> Build:
     """Returns a written substrate built, with its warnings. Raises CompileError."""
-    return build(
-        read_source(find_game(substrate.game)),
-        substrate.variant.split("+") if substrate.variant else (),
-    )
+    variants = substrate.variant.split("+") if substrate.variant else ()
+    return build(read_source(find_game(substrate.game)), variants)
 
 
-def substrate_rules() -> dict[str, ir.Game]:
-    """Returns the rules of the substrates that have been written, by name. Raises CompileError."""
-    return {s.name: build_of(s).game for s in written_substrates()}
+def substrate_games() -> dict[str, ir.Game]:
+    """Returns the substrates that have been written, by name. Raises CompileError."""
+    return {substrate.name: build_of(substrate).game for substrate in written_substrates()}
 
 
 def draw_pictures(folder: Path, games: Mapping[str, tuple[str, str]]) -> None:
-    """Draws pictures of games after some steps of their files' policies, in turn, on the interpreter, which needs no compilation by XLA.
+    """Draws a picture of each game after some steps, unless there is one of the same rules.
 
-    games: name of the picture -> the game and its variant; a picture of the same rules is kept.
+    games: name of the picture -> the game and its variant. The policies of the game's file play in
+    turn, on the interpreter, which needs no compilation by XLA.
     """
     folder.mkdir(parents=True, exist_ok=True)
     for name, (game, variant) in games.items():
@@ -164,52 +171,54 @@ def draw_pictures(folder: Path, games: Mapping[str, tuple[str, str]]) -> None:
         env = make(game, variant=variant or None)
         if path.is_file() and is_picture_of(path, env.game):
             continue
-        *_, before, last = played(env.game, STEPS)
+        *_, before, last = played(env.game, STEPS_BEFORE_PICTURE)
         picture = make_painter(env, [last.snapshot]).draw(
             last.snapshot, last.actions, before.snapshot
         )
-        save_png(picture, path, {SHOWN: picture_hash(env.game)})
+        save_png(picture, path, {DIGEST_KEY: picture_hash(env.game)})
 
 
 def is_picture_of(path: Path, game: ir.Game) -> bool:
     """Returns whether a picture has been drawn from these rules and looks."""
     with Image.open(path) as image:
-        return image.info.get(SHOWN) == picture_hash(game)
+        return image.info.get(DIGEST_KEY) == picture_hash(game)
 
 
 def measure(name: str, episodes: int = EPISODES, seed: int = SEED) -> Figures:
-    """Returns the figures of a bundled game under the policy that draws every action with equal probability."""
+    """Returns the figures of a bundled game played by the random policy."""
     env = make(name)
-    found = summarise(evaluate(env, random_policy(env), jax.random.key(seed), episodes))
-    wanted = figure_names(env.game)
-    values = {
-        shown: {end: _rounded(getattr(found[key], end)) for end in ("mean", "low", "high")}
-        for key, shown in wanted.items()
-    }
+    summary = summarise(evaluate(env, random_policy(env), jax.random.key(seed), episodes))
+    values = {}
+    for key, name_on_page in figure_names(env.game).items():
+        estimate = summary[key]
+        values[name_on_page] = {
+            "mean": _rounded(estimate.mean),
+            "low": _rounded(estimate.low),
+            "high": _rounded(estimate.high),
+        }
     return {"hash": env.hash, "episodes": episodes, "seed": seed, "values": values}
 
 
 def figure_names(game: ir.Game) -> dict[str, str]:
-    """Returns the figures that a page shows: their names in an evaluation -> their names on the page."""
+    """Returns the figures of a page: their names in an evaluation -> their names on the page."""
     names = {
         "collective return": "return, summed over agents",
         "equality": "equality of returns (1 - Gini)",
     }
     for event in game.events:
+        all_agents = ", all agents" if event.per_agent else ""
         for _, name in counts_of(event):
-            names[f"event {name}"] = f"`{name}`, in an episode" + (
-                ", all agents" if event.per_agent else ""
-            )
-    for measured in game.measures:
-        sort = "mean" if measured.mean else "final"
-        names[f"{sort} {measured.name}"] = (
-            f"`{measured.name}`, {'mean over steps' if measured.mean else 'at the end'}"
-        )
+            names[f"event {name}"] = f"`{name}`, in an episode{all_agents}"
+    for measure in game.measures:
+        if measure.mean:
+            names[f"mean {measure.name}"] = f"`{measure.name}`, mean over steps"
+        else:
+            names[f"final {measure.name}"] = f"`{measure.name}`, at the end"
     return names
 
 
 def _rounded(value: float) -> float | None:
-    return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
+    return float(f"{value:.{SIGNIFICANT_DIGITS}g}") if math.isfinite(value) else None
 
 
 def read_figures(path: Path) -> dict[str, Figures]:
@@ -223,32 +232,35 @@ def figures_text(figures: Mapping[str, Figures]) -> str:
 
 
 def games_page(page: str, figures: Mapping[str, Figures]) -> str:
-    """Returns the page with what is between its marks: all games, and each game with its figures."""
+    """Returns the page with its sections current: a table of all games, and each game's section."""
     games = game_texts()
-    said = dict.fromkeys(
-        key for written in games.values() for key, _ in written.game.about if key != "summary"
-    )
-    keys = sorted(said, key=lambda key: key.startswith(OURS))
-    head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in keys))
+    sections = []
+    for name, written in games.items():
+        if name in figures:
+            sections += ["", *_game_section(name, written, figures[name])]
+    return replace_sections(page, {"games": [*_games_table(games), *sections]})
 
-    def row(name: str, game: ir.Game) -> tuple[str, ...]:
-        about, actions = dict(game.about), str(len(game.agents.actions))
-        return (
-            f"[{plain(game.title)}](#{name})",
-            str(game.agents.number),
-            _size(game),
-            actions,
-            *(plain(about.get(k, "")) for k in keys),
+
+def _games_table(games: Mapping[str, Written]) -> list[str]:
+    keys: dict[str, None] = {}  # in the order in which the games name them
+    for written in games.values():
+        keys.update((key, None) for key, _ in written.game.about if key != "summary")
+    columns = sorted(keys, key=lambda key: key.startswith(OWN_ENTRY))
+    head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in columns))
+    rows = []
+    for name, written in games.items():
+        game = written.game
+        about = dict(game.about)
+        rows.append(
+            (
+                f"[{plain(game.title)}](#{name})",
+                str(game.agents.number),
+                _size(game),
+                str(len(game.agents.actions)),
+                *(plain(about.get(key, "")) for key in columns),
+            )
         )
-
-    overview = table(head, [row(name, written.game) for name, written in games.items()])
-    each = [
-        line
-        for name, written in games.items()
-        if name in figures
-        for line in _game(name, written, figures[name])
-    ]
-    return replace_sections(page, {"games": [*overview, "", *each[:-1]]})
+    return table(head, rows)
 
 
 def replace_sections(page: str, sections: Mapping[str, Sequence[str]]) -> str:
@@ -262,41 +274,37 @@ def _size(game: ir.Game) -> str:
     return f"{len(game.rows)} × {len(game.rows[0])}"
 
 
-def _game(name: str, written: Written, figures: Figures) -> list[str]:
+def _game_section(name: str, written: Written, figures: Figures) -> list[str]:
     game = written.game
-    summary = dict(game.about).get("summary", "")
+    title = plain(game.title)
     lines = [
         f'<a id="{name}"></a>',
         "",
-        f"## {plain(game.title)}",
+        f"## {title}",
         "",
-        f"![{plain(game.title)}](pictures/{name}.png)",
+        f"![{title}](pictures/{name}.png)",
         "",
     ]
-    lines += [plain(summary), ""] if summary else []
+    summary = dict(game.about).get("summary", "")
+    if summary:
+        lines += [plain(summary), ""]
     lines += [*_facts(name, written), "", "Numbers:", "", *parameters(written)]
-    title = f"A random policy, {figures['episodes']} episodes from seed {figures['seed']}, means with their 95 % confidence intervals:"
-    return [
-        *lines,
-        title,
+    figure_rows = [(key, *_figure(**figure)) for key, figure in figures["values"].items()]
+    lines += [
+        f"A random policy, {figures['episodes']} episodes from seed {figures['seed']}, "
+        "means with their 95 % confidence intervals:",
         "",
-        *table(
-            ("", "mean", "interval"),
-            [(name, *_figure(**f)) for name, f in figures["values"].items()],
-        ),
-        "",
+        *table(("", "mean", "interval"), figure_rows),
     ]
+    return lines
 
 
 def _facts(name: str, written: Written) -> list[str]:
     game = written.game
+    edges = ", edges joined" if game.wraps else ""
     rows = [
         ("agents", str(game.agents.number)),
-        (
-            "map",
-            f"{len(game.rows)} rows of {len(game.rows[0])} cells"
-            + (", edges joined" if game.wraps else ""),
-        ),
+        ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells{edges}"),
         ("actions", joined(name for _, name, _ in action_rows(game))),
         ("window", _window(game.window)),
         *((key.replace("_", " "), plain(text)) for key, text in game.about if key != "summary"),
@@ -308,42 +316,47 @@ def _facts(name: str, written: Written) -> list[str]:
 
 
 def _window(window: ir.Window) -> str:
-    """Returns how far agents see; of several windows each, the usual one first."""
-    sides = [
-        f"{x.ahead} ahead, {x.behind} behind, {x.left} left, {x.right} right"
-        for x in (window.views or (window,))[::-1]
+    """Returns how far agents see. The last view comes first: it is the usual one."""
+    views = window.views or (window,)
+    reaches = [
+        f"{view.ahead} ahead, {view.behind} behind, {view.left} left, {view.right} right"
+        for view in reversed(views)
     ]
-    return sides[0] + "".join(f"; of some agents {other}" for other in sides[1:])
+    return "; of some agents ".join(reaches)
 
 
 def _figure(mean: float | None, low: float | None, high: float | None) -> tuple[str, str]:
     if mean is None or low is None or high is None:
         return "not defined", "some returns are negative, or all are 0"
-    short = [number(float(f"{value:.4g}")) for value in (mean, low, high)]
-    return short[0], f"{short[1]} to {short[2]}"
+    return _short(mean), f"{_short(low)} to {_short(high)}"
+
+
+def _short(value: float) -> str:
+    return number(float(f"{value:.4g}"))
 
 
 def melting_pot_page(page: str) -> str:
-    """Returns the page with what is between its marks: all substrates, and their pictures."""
-    rules, written = substrate_rules(), written_substrates()
+    """Returns the page with its sections current: a table of all substrates, and their pictures."""
+    games = substrate_games()
     rows = [
         (
-            code(e.name),
-            code(e.game),
-            code(e.variant) if e.variant else "",
-            str(rules[e.name].agents.number),
-            _size(rules[e.name]),
+            code(substrate.name),
+            code(substrate.game),
+            code(substrate.variant) if substrate.variant else "",
+            str(games[substrate.name].agents.number),
+            _size(games[substrate.name]),
         )
-        for e in written
+        for substrate in written_substrates()
     ]
     pictures = [
-        f"### {code(e.name)}\n\n![{plain(rules[e.name].title)}](pictures/meltingpot/{e.name}.png)\n"
-        for e in written
+        f"### {code(name)}\n\n![{plain(game.title)}](pictures/meltingpot/{name}.png)"
+        for name, game in games.items()
     ]
-    table_of_all = table(("substrate", "game", "variant", "agents", "map"), rows)
-    return replace_sections(
-        page, {"substrates": table_of_all, "pictures": [*pictures[:-1], pictures[-1].rstrip("\n")]}
-    )
+    sections = {
+        "substrates": table(("substrate", "game", "variant", "agents", "map"), rows),
+        "pictures": ["\n\n".join(pictures)],
+    }
+    return replace_sections(page, sections)
 
 
 if __name__ == "__main__":

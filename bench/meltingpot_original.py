@@ -1,4 +1,5 @@
-"""Measures Melting Pot itself: environment steps a second of its substrates under random actions, one environment in one process.
+"""Measures Melting Pot itself: environment steps a second of its substrates under random actions, one
+environment in one process.
 
 It runs in a Python of its own, with nothing of sjdsl:
 
@@ -8,8 +9,9 @@ It runs in a Python of its own, with nothing of sjdsl:
     tar xzf dm_meltingpot-2.4.1.tar.gz
     original/bin/python bench/meltingpot_original.py dm-meltingpot-2.4.1 --seconds 3 > original.md
 
-Only the substrates are loaded from the source archive; what it installs besides (bots, assets, TensorFlow) is not needed for them.
-One step moves all players and gives each its observations, the pictures of 88 by 88 pixels among them.
+Only the substrates are loaded from the source archive; they don't need its other packages (bots,
+assets, TensorFlow). One step moves all players and returns the observations of each, with the pictures
+of 88 by 88 pixels.
 """
 
 import argparse
@@ -33,48 +35,53 @@ def main() -> None:
     parser.add_argument(
         "--seconds", type=float, default=3.0, help="of each substrate, in three rounds"
     )
-    asked = parser.parse_args()
-    package = types.ModuleType(
-        "meltingpot"
-    )  # its own `__init__` would load the bots, and with them TensorFlow
-    package.__path__ = [f"{asked.source}/meltingpot"]
+    arguments = parser.parse_args()
+    # The package's own `__init__` would load the bots, and with them TensorFlow.
+    package = types.ModuleType("meltingpot")
+    package.__path__ = [f"{arguments.source}/meltingpot"]
     sys.modules["meltingpot"] = package
     from meltingpot import substrate
 
     print(
-        "| substrate | players | steps a second | slowest and fastest round | steps a processor second |\n| --- | --: | --: | --: | --: |"
+        "| substrate | players | steps a second | slowest and fastest round "
+        "| steps a processor second |\n| --- | --: | --: | --: | --: |"
     )
-    for name in asked.substrates or sorted(substrate.SUBSTRATES):
-        players, rates, busy = measure(substrate, name, asked.seconds)
+    for name in arguments.substrates or sorted(substrate.SUBSTRATES):
+        players, rates, processor_rates = measure(substrate, name, arguments.seconds)
+        median = f"{statistics.median(rates):,.0f}"
         spread = f"{min(rates):,.0f} to {max(rates):,.0f}"
-        print(
-            f"| {name} | {players} | {statistics.median(rates):,.0f} | {spread} | {statistics.median(busy):,.0f} |",
-            flush=True,
-        )
+        processor = f"{statistics.median(processor_rates):,.0f}"
+        print(f"| {name} | {players} | {median} | {spread} | {processor} |", flush=True)
 
 
 def measure(
     substrate: types.ModuleType, name: str, seconds: float
 ) -> tuple[int, list[float], list[float]]:
-    """Returns the number of players, and of each round the steps a second and the steps a second of processor time.
+    """Returns the number of players, and for each round the steps a second and the steps a second of
+    processor time.
 
-    Resets at the end of episodes are included. On a machine that others use, too, only processor time says something.
+    Resets at the end of episodes are included. On a machine that others use too, only processor time
+    is reliable.
     """
     roles = substrate.get_config(name).default_player_roles
     env = substrate.build(name, roles=roles)
     env.reset()
-    choices, random = [spec.num_values for spec in env.action_spec()], np.random.default_rng(0)
-    rates, busy = [], []
+    num_actions = [spec.num_values for spec in env.action_spec()]
+    random = np.random.default_rng(0)
+    rates = []
+    processor_rates = []
     for _ in range(ROUNDS):
-        steps, began, worked = 0, time.perf_counter(), time.process_time()
-        while time.perf_counter() - began < seconds / ROUNDS:
-            if env.step(random.integers(choices).tolist()).last():
+        steps = 0
+        start = time.perf_counter()
+        processor_start = time.process_time()
+        while time.perf_counter() - start < seconds / ROUNDS:
+            if env.step(random.integers(num_actions).tolist()).last():
                 env.reset()
             steps += 1
-        rates.append(steps / (time.perf_counter() - began))
-        busy.append(steps / (time.process_time() - worked))
+        rates.append(steps / (time.perf_counter() - start))
+        processor_rates.append(steps / (time.process_time() - processor_start))
     env.close()
-    return len(roles), rates, busy
+    return len(roles), rates, processor_rates
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-"""Measures `sjdsl studio` in headless Chromium: how soon a keystroke is answered on the board, and how soon the first page is there.
+"""Measures `sjdsl studio` in headless Chromium: the time from a keystroke to the new board, and the time
+to the first page.
 
     python bench/studio_latency.py --keystrokes 40
 
-It needs requirements-browser.txt and the system's Chromium. An answer counts from the key going down until the page has the new game and has
-drawn its board. The first page counts from asking for the address until the board of its game is drawn, with a server that has just started and
-has had four seconds to load.
+It needs requirements-browser.txt and the system's Chromium. An answer is timed from the key going down
+until the page has the new game and has drawn its board. The first page is timed from the request until
+the board of its game is drawn; the server has started four seconds before.
 """
 
 import argparse
@@ -56,12 +57,12 @@ def served(game: str) -> Iterator[str]:
 
 
 def first_page(page: Page, address: str) -> float:
-    """Returns the seconds until the board is there."""
-    began = time.perf_counter()
+    """Returns the seconds until the board is drawn."""
+    start = time.perf_counter()
     page.goto(address)
     page.locator("body[data-compiles=true]").wait_for(timeout=120_000)
     page.evaluate("() => new Promise(requestAnimationFrame)")
-    return time.perf_counter() - began
+    return time.perf_counter() - start
 
 
 def keystrokes(page: Page, count: int, pause: float) -> list[float]:
@@ -90,35 +91,35 @@ def main() -> None:
     parser.add_argument(
         "--pause", type=float, default=0.25, help="seconds between an answer and the next key"
     )
-    given = parser.parse_args()
-    path = next(
-        found
-        for name in ("chromium", "chromium-browser", "google-chrome")
-        if (found := shutil.which(name))
-    )
+    arguments = parser.parse_args()
+    browsers = map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))
+    path = next(browser for browser in browsers if browser)
     print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f} at the start\n")
     print(
-        "| game | keystroke to answer, median | fastest | 9 of 10 within | first page |\n|---|---|---|---|---|"
+        "| game | keystroke to answer, median | fastest | 9 of 10 within | first page |\n"
+        "|---|---|---|---|---|"
     )
     medians = []
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        for game in given.games.split(","):
+        for game in arguments.games.split(","):
             with served(game) as address:
                 time.sleep(LOADED)
                 page = browser.new_page(viewport={"width": 1400, "height": 900})
-                opened = first_page(page, address)
-                answers = keystrokes(page, given.keystrokes, given.pause)
+                seconds = first_page(page, address)
+                answers = keystrokes(page, arguments.keystrokes, arguments.pause)
                 page.close()
             medians.append(statistics.median(answers))
-            tenth = statistics.quantiles(answers, n=10)[-1]
+            ninth_decile = statistics.quantiles(answers, n=10)[-1]
             print(
-                f"| {game} | {medians[-1]:.0f} ms | {min(answers):.0f} ms | {tenth:.0f} ms | {opened:.1f} s |",
+                f"| {game} | {medians[-1]:.0f} ms | {min(answers):.0f} ms "
+                f"| {ninth_decile:.0f} ms | {seconds:.1f} s |",
                 flush=True,
             )
         browser.close()
     print(
-        f"\nmedian of the games {statistics.median(medians):.0f} ms; load {os.getloadavg()[0]:.1f} at the end"
+        f"\nmedian of the games {statistics.median(medians):.0f} ms; "
+        f"load {os.getloadavg()[0]:.1f} at the end"
     )
 
 

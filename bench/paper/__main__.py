@@ -1,10 +1,12 @@
-"""Writes the sections of docs/results.md and their files from docs/results/data, after adding new results to the data if some are named.
+"""Writes the sections of docs/results.md and their files from docs/results/data, after adding new
+results to the data if some are named.
 
-python -m bench.paper                        # from the data as they are
-python -m bench.paper runs/new speed.json    # adds folders of results, JSON of benchmarks, and docs/games.json
-python -m bench.paper --check                # writes nothing; lists what is out of date
+python -m bench.paper                        # from the data as they are python -m bench.paper
+runs/new speed.json    # adds folders of results, JSON of benchmarks, and docs/games.json python -m
+bench.paper --check                # writes nothing; lists what is out of date
 
-JSON of benchmarks: of `sjdsl bench --json`, or of `python -m bench.speed race` or `training` with `--json`.
+JSON of benchmarks: of `sjdsl bench --json`, or of `python -m bench.speed race` or `training` with
+`--json`.
 """
 
 import sys

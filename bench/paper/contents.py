@@ -1,4 +1,6 @@
-"""The games on the page of results: those of the paper and others, as they were played, with the rows of each."""
+"""The games on the page of results: those of the paper and others, as they were played, with the
+rows of each.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,7 +28,9 @@ PROSOCIAL = 90.0  # degrees, at which weights of SVO are compared
 
 @dataclass(frozen=True)
 class Game:
-    """A game of the page and the rows of its seeds: no rows if nothing was trained in it under the paper's rules."""
+    """A game of the page and the rows of its seeds: no rows if nothing was trained in it under the
+    paper's rules.
+    """
 
     name: str
     label: str
@@ -37,7 +41,9 @@ class Game:
 
     @property
     def published(self) -> str:
-        """The name under which the paper has figures for it; empty unless it has the paper's rules, numbers and map."""
+        """The name under which the paper has figures for it; empty unless it has the paper's rules,
+        numbers and map.
+        """
         plain = self.setting is None or not (self.setting.params or self.setting.map)
         return (
             self.name
@@ -52,10 +58,12 @@ class Game:
         return cell_of(select(self.rows, **way), figure)
 
     def like(self, way: str) -> "Game":
-        """Returns the game with only the seeds that had the numbers of one way of training, so that they can be compared.
+        """Returns the game with only the seeds that had the numbers of one way of training, so that
+        they can be compared.
 
         Args:
-          way: an algorithm or reward. The released configurations of some set other numbers; what was trained with these is in `others`.
+          way: an algorithm or reward. The released configurations of some set other numbers; what
+            was trained with these is in `others`.
         """
         numbers = published.params(self.published, way, way)
         if not numbers:
@@ -117,17 +125,21 @@ def _cells(rows: pd.DataFrame, column: str) -> dict[float, Cell]:
 
 
 def exchanged(ratio: float) -> Way:
-    """Returns IPPO with exchanged rewards; 0 is individual and 1 common reward, as the protocol `exchange` has them."""
+    """Returns IPPO with exchanged rewards; 0 is individual and 1 common reward, as the protocol
+    `exchange` has them.
+    """
     return {0.0: INDIVIDUAL, 1.0: COMMON}.get(
         ratio, {**IPPO, "reward": "exchange", "exchange_ratio": ratio}
     )
 
 
 def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
-    """Returns the results with those under the paper's rules marked: experiments by their hash, runs by the numbers of the released code.
+    """Returns the results with those under the paper's rules marked: experiments by their hash,
+    runs by the numbers of the released code.
 
-    Numbers that the released configurations set for one way of training in a game count as its rules, not as changes. A run that was
-    trained in this way without them shows the numbers that it had instead.
+    Numbers that the released configurations set for one way of training in a game count as its
+    rules, not as changes. A run that was trained in this way without them shows the numbers that it
+    had instead.
     """
     frame = frame.copy()
     for place, row in frame.iterrows():

@@ -1,6 +1,8 @@
-"""The 95 % rule: the smallest exchange ratio that is nearly as good as the best, and how sure the choice is.
+"""The 95 % rule: the smallest exchange ratio that is nearly as good as the best, and how sure the
+choice is.
 
-Source: SocialJax, ICLR 2026: the smallest ratio whose mean return is at least 0.95 of the best. The resampling of seeds is ours.
+Source: SocialJax, ICLR 2026: the smallest ratio whose mean return is at least 0.95 of the best. The
+resampling of seeds is ours.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +15,9 @@ SEED = 0  # of the resamples: the same seeds have the same frequencies
 
 
 def chosen_ratio(means: Mapping[float, float]) -> float | None:
-    """Returns the smallest ratio whose mean is at least 0.95 of the best; None if the best is not above 0, or nothing is given."""
+    """Returns the smallest ratio whose mean is at least 0.95 of the best; None if the best is not
+    above 0, or nothing is given.
+    """
     best = max(means.values(), default=0.0)
     return (
         min((ratio for ratio, mean in means.items() if mean >= SHARE * best), default=None)
@@ -25,7 +29,8 @@ def chosen_ratio(means: Mapping[float, float]) -> float | None:
 def choice_frequencies(
     samples: Mapping[float, Sequence[float]], resamples: int = RESAMPLES, seed: int = SEED
 ) -> dict[float | None, float]:
-    """Returns how often each ratio is chosen where the seeds of each ratio are drawn again, with replacement.
+    """Returns how often each ratio is chosen where the seeds of each ratio are drawn again, with
+    replacement.
 
     Args:
       samples: the returns of the seeds of each ratio, one at least each.

@@ -1,4 +1,6 @@
-"""The published figures of the SocialJax paper, typed: `games/published.toml`, where each table has its source and notes."""
+"""The published figures of the SocialJax paper, typed: `games/published.toml`, where each table has
+its source and notes.
+"""
 
 import tomllib
 from collections.abc import Mapping
@@ -28,7 +30,9 @@ class Printed:
 
 @dataclass(frozen=True)
 class PaperMetric:
-    """The paper's measure of cooperation in a game: a figure of an evaluation on its scale, and what the paper has of it."""
+    """The paper's measure of cooperation in a game: a figure of an evaluation on its scale, and
+    what the paper has of it.
+    """
 
     measure: str  # name of the figure in an evaluation
     scale: float
@@ -54,18 +58,24 @@ def variant(game: str) -> str:
 
 
 def params(game: str, algorithm: str, reward: str) -> Mapping[str, float]:
-    """Returns the numbers that the released configuration of an algorithm or reward sets in a game, by name; empty where it sets none."""
+    """Returns the numbers that the released configuration of an algorithm or reward sets in a game,
+    by name; empty where it sets none.
+    """
     entry: dict[str, Any] = _content()["rules"]["apart"].get(game, {"ways": ()})
     return entry["params"] if {algorithm, reward} & {*entry["ways"]} else {}
 
 
 def shape(game: str) -> dict[str, str]:
-    """Returns `shape`, `type` and `note` of the published Schelling diagram of a game; empty for a game that is not of the paper."""
+    """Returns `shape`, `type` and `note` of the published Schelling diagram of a game; empty for a
+    game that is not of the paper.
+    """
     return dict(_content()["schelling"]["games"].get(game, {}))
 
 
 def exchange(game: str) -> dict[float, Printed]:
-    """Returns the published returns by exchange ratio; empty for a game that is not of the paper."""
+    """Returns the published returns by exchange ratio; empty for a game that is not of the
+    paper.
+    """
     table = _content()["exchange"]
     entry = table["games"].get(game)
     return (
@@ -102,7 +112,9 @@ def metric_columns() -> tuple[str, ...]:
 
 
 def metric(game: str) -> PaperMetric | None:
-    """Returns the paper's measure of cooperation in a game; None for one that is not of the paper."""
+    """Returns the paper's measure of cooperation in a game; None for one that is not of the
+    paper.
+    """
     entry = _content()["metrics"]["games"].get(game)
     if entry is None:
         return None
@@ -126,7 +138,9 @@ def difficulty(game: str) -> str:
 
 
 def speed(game: str, crowd: bool) -> dict[int, float]:
-    """Returns the published environment steps a second by number of environments; `crowd`: with 20 agents."""
+    """Returns the published environment steps a second by number of environments; `crowd`: with 20
+    agents.
+    """
     table = _content()["speed"]
     rates = table["games"].get(game, {}).get("crowd" if crowd else "rates")
     return {} if rates is None else dict(zip(table["environments"], rates, strict=True))
@@ -145,7 +159,9 @@ def melting_pot_speed(game: str) -> float | None:
 
 
 def melting_pot_hours(game: str) -> dict[str, float]:
-    """Returns the published hours to 1e9 environment steps of Melting Pot, which the paper has extrapolated, by what trained in it."""
+    """Returns the published hours to 1e9 environment steps of Melting Pot, which the paper has
+    extrapolated, by what trained in it.
+    """
     entry = _content()["training"]["games"].get(game, {})
     names = {
         "melting_pot_stable_baselines3": "Melting Pot with Stable-Baselines3",
@@ -155,6 +171,8 @@ def melting_pot_hours(game: str) -> dict[str, float]:
 
 
 def best_return(game: str) -> float | None:
-    """Returns the best published return of a game, over ratios and angles; None for a game that is not of the paper."""
+    """Returns the best published return of a game, over ratios and angles; None for a game that is
+    not of the paper.
+    """
     means = [printed.mean for printed in (*exchange(game).values(), *svo(game).values())]
     return max(means, default=None)

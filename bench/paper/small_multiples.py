@@ -29,7 +29,9 @@ WIDTH, HEIGHT = 4.2, 2.8  # inches of a plot
 
 @dataclass(frozen=True)
 class Series:
-    """Our figures over x: means and the ends of their intervals, `[P]` each; NaN where one sample has no interval."""
+    """Our figures over x: means and the ends of their intervals, `[P]` each; NaN where one sample
+    has no interval.
+    """
 
     x: np.ndarray
     mean: np.ndarray
@@ -76,7 +78,9 @@ def draw_series(
     logarithmic: bool = False,
     bars: str = "95 % intervals",
 ) -> "Figure":
-    """Returns a figure with a plot a game, three in a row, over the same x. bars: what they are, in words."""
+    """Returns a figure with a plot a game, three in a row, over the same x. bars: what they are, in
+    words.
+    """
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
     rows, columns = math.ceil(len(plots) / COLUMNS), min(COLUMNS, len(plots))

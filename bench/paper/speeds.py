@@ -1,6 +1,8 @@
-"""Speed of random play and hours of training, beside the published ones: read from JSON of benchmarks, and as sections.
+"""Speed of random play and hours of training, beside the published ones: read from JSON of
+benchmarks, and as sections.
 
-JSON of benchmarks: of `sjdsl bench --json`, or of `python -m bench.speed race` or `training` with `--json`.
+JSON of benchmarks: of `sjdsl bench --json`, or of `python -m bench.speed race` or `training` with
+`--json`.
 """
 
 import statistics
@@ -14,10 +16,10 @@ import pandas as pd
 from bench.paper import published
 from bench.paper.contents import in_order
 from bench.paper.small_multiples import Multiple, Series, draw_series
-from bench.speed.stored import read_found
+from bench.speed.stored import read_figures
 from bench.speed.training import Training
 from sjdsl.bench.loop import YARDSTICK
-from sjdsl.bench.machine import devices_said
+from sjdsl.bench.machine import and_devices
 from sjdsl.bench.tables import thousands
 from sjdsl.bench.timing import Report
 from sjdsl.results.figures import EMPTY, Figure, Table, counted, interval, number
@@ -46,13 +48,15 @@ HOURS = 1e9 / 3600  # of 1e9 environment steps, times the rate
 
 
 def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
-    """Returns the tables `speeds` and `updates` of the data of the page, with the figures of JSON of benchmarks (see above) added."""
+    """Returns the tables `speeds` and `updates` of the data of the page, with the figures of JSON
+    of benchmarks (see above) added.
+    """
     frames = {name: pd.read_csv(data / file) for name, file in FILES.items()}
     for file in files:
-        found = read_found(file)
+        found = read_figures(file)
         machine = found.machine  # the processor with its cores, or the accelerator
         cores = f", {machine['cpu_cores']} cores" if machine["platform"] == "cpu" else ""
-        hardware = f"{machine['device']}{cores}{devices_said(dict(machine))}"
+        hardware = f"{machine['device']}{cores}{and_devices(dict(machine))}"
         match found:
             case Report():
                 name, rows = (
@@ -63,7 +67,8 @@ def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
                 name, rows = "updates", [_update_row(split) for split in found.splits]
             case _:
                 raise ValueError(
-                    f"{file} holds a measurement that no table shows ({type(found).__name__.lower()})"
+                    f"{file} holds a measurement that no table shows "
+                    f"({type(found).__name__.lower()})"
                 )
         more = pd.DataFrame(rows).assign(hardware=hardware)
         frames[name] = pd.concat([frames[name], more]).drop_duplicates(KEYS[name], keep="last")
@@ -118,7 +123,9 @@ def _ordered(names: Iterable[str]) -> list[str]:
 
 
 def speed(frame: pd.DataFrame) -> Section:
-    """Returns the section of random play at 1, 128, 1,024 and 4,096 environments, and with 20 agents."""
+    """Returns the section of random play at 1, 128, 1,024 and 4,096 environments, and with 20
+    agents.
+    """
     numbers = sorted({*NUMBERS, *frame.num_envs})
     names = _ordered(frame.game)
     lines = [
@@ -213,7 +220,9 @@ def _plot(frame: pd.DataFrame, game: str) -> Multiple | None:
 
 
 def hours(frame: pd.DataFrame) -> Section:
-    """Returns the section on hours of training for 1e9 environment steps, extrapolated from the speed of single updates."""
+    """Returns the section on hours of training for 1e9 environment steps, extrapolated from the
+    speed of single updates.
+    """
     rows = [
         _hours(row)
         for name in _ordered(frame.game)

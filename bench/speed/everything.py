@@ -1,4 +1,5 @@
-"""Measures everything that needs a GPU, most important first; the figures of each part are stored as soon as there are any."""
+"""Measures everything that needs a GPU, most important first; the figures of each part are stored
+as soon as there are any."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -8,10 +9,10 @@ from typing import NamedTuple
 
 from bench.speed.kernels import measure_kernels
 from bench.speed.resuming import measure_resume
-from bench.speed.stored import Found
+from bench.speed.stored import Figures
 from bench.speed.training import Network, Training, measure_training, training_setups
 from sjdsl.bench.loop import Task
-from sjdsl.bench.stored import write_found
+from sjdsl.bench.stored import write_figures
 from sjdsl.bench.timing import measure
 from sjdsl.runtime.env import Environment
 
@@ -24,33 +25,33 @@ class Part(NamedTuple):
     """One measurement, and the name of its file."""
 
     name: str
-    measure: Callable[[], Found]
+    measure: Callable[[], Figures]
 
 
 def parts_of(
     tasks: Sequence[Task], resumed: str, num_envs: Sequence[int] = ENVS, repeats: int = 5
 ) -> Iterator[Part]:
-    """Yields speeds with tokens, kernels, resuming, updates with the small network, speeds with one-hot, updates with convolutions.
+    """Yields speeds with tokens, kernels, resuming, updates with the small network, speeds with
+    one-hot, updates with convolutions.
 
     Args:
-      tasks: games; updates with convolutions are of the ones with the smallest, the middle and the largest observation alone.
+      tasks: games; updates with convolutions are measured for those with the smallest, the middle
+        and
+        the largest observation only.
       resumed: the game of which a run is stopped and resumed, by name or file.
-      num_envs: at how many environments speeds are measured, each a part; kernels at the largest.
+      num_envs: the numbers of environments for speeds, each a part; kernels are those of the
+        largest.
       repeats: rounds.
     """
     tokens = [task for task in tasks if task.observation == "tokens"]
     others = [task for task in tasks if task.observation != "tokens"]
-    envs = sorted(
-        (task.env for task in tokens if task.env is not None),
-        key=lambda env: math.prod(env.observation_shape),
-    )
+    envs = [task.env for task in tokens if task.env is not None]
+    envs.sort(key=lambda env: math.prod(env.observation_shape))
 
     def speeds(observation: str, forms: Sequence[Task]) -> Iterator[Part]:
         for number in num_envs if forms else ():
-            yield Part(
-                f"speed_{observation}_{number}",
-                partial(measure, forms, [number], repeats, workers=WORKERS),
-            )
+            measurement = partial(measure, forms, [number], repeats, workers=WORKERS)
+            yield Part(f"speed_{observation}_{number}", measurement)
 
     yield from speeds("tokens", tokens)
     yield Part("kernels", partial(measure_kernels, tokens, max(num_envs), repeats))
@@ -59,15 +60,15 @@ def parts_of(
         yield Part(f"training_mlp_{env.name}", partial(measure_update, env, "mlp", repeats))
     yield from speeds("onehot", others)
     for index in sorted({0, len(envs) // 2, len(envs) - 1}) if envs else ():
-        yield Part(
-            f"training_cnn_{envs[index].name}", partial(measure_update, envs[index], "cnn", repeats)
-        )
+        env = envs[index]
+        yield Part(f"training_cnn_{env.name}", partial(measure_update, env, "cnn", repeats))
 
 
 def measure_update(env: Environment, network: Network, repeats: int) -> Training:
-    """Returns the parts of one update of IPPO. Raises ValueError where the game refuses it."""
+    """Returns the parts of one update of IPPO. Raises ValueError if the game doesn't allow it."""
+    num_envs, num_steps = TRAINED
     setups, refused = training_setups(
-        [(env.name, env)], [network], num_envs=TRAINED[0], num_steps=TRAINED[1]
+        [(env.name, env)], [network], num_envs=num_envs, num_steps=num_steps
     )
     if refused:
         raise ValueError("; ".join(refused))
@@ -77,21 +78,24 @@ def measure_update(env: Environment, network: Network, repeats: int) -> Training
 def measure_everything(
     parts: Sequence[Part], folder: Path, tell: Callable[[str], object] = print
 ) -> list[str]:
-    """Measures the parts in turn, each into `folder/NUMBER_NAME.json`: what is stopped, by a time limit for example, leaves the parts before.
+    """Measures the parts in turn, each into `folder/NUMBER_NAME.json`.
+
+    If it is stopped, the files of the parts before that stay.
 
     Args:
       parts: in order of importance.
       folder: a new one.
       tell: called with a line whenever a part begins or fails.
-    Returns a line for each part that has failed; the others went on.
+    Returns:
+      a line for each part that has failed.
     """
     folder.mkdir(parents=True)
     failed = []
     for number, part in enumerate(parts, start=1):
         tell(f"{number} of {len(parts)}: {part.name}")
         try:
-            write_found(folder / f"{number:02}_{part.name}.json", part.measure())
-        except Exception as error:  # whatever it is, the other parts are still worth measuring
+            write_figures(folder / f"{number:02}_{part.name}.json", part.measure())
+        except Exception as error:  # the other parts are still worth measuring
             failed.append(f"{part.name} failed: {type(error).__name__}: {error}")
             tell(failed[-1])
     return failed

@@ -1,4 +1,6 @@
-"""Measures whether a stopped and resumed training run ends bit for bit like one that was not stopped."""
+"""Measures whether a stopped and resumed training run ends bit for bit like one that was not
+stopped.
+"""
 
 import json
 import os
@@ -13,31 +15,30 @@ from typing import Any
 from sjdsl.bench.machine import describe_machine
 
 DETERMINISTIC = "--xla_gpu_deterministic_ops=true"
-OF_THE_CLOCK = frozenset(
-    {"seconds", "steps_per_second", "rollout_share"}
-)  # columns of the metrics that no two runs share
+# Columns of the metrics that differ between any two runs.
+OF_THE_CLOCK = frozenset({"seconds", "steps_per_second", "rollout_share"})
 UPDATES = 40
+# With the default network, which has convolutions.
 SETTINGS = {
     "total_timesteps": UPDATES * 64 * 128,
     "num_envs": 64,
     "num_steps": 128,
     "evaluate_every": 0,
-}  # of the network with convolutions
+}
 PATIENCE = 300.0  # seconds until a run is given up
 
 
 @dataclass(frozen=True)
 class Resume:
-    """A run of `updates` updates that was stopped after `stopped_after` of them and resumed, beside one that was never stopped.
-
-    `different`: what of the two is not the same, bit for bit: metrics by their column, policies by their file. Nothing: the same.
-    """
+    """A run of `updates` updates that was stopped after `stopped_after` of them and resumed, beside
+    one that was never stopped."""
 
     machine: dict[str, Any]
     name: str
     updates: int
     stopped_after: int
     flags: str
+    # Columns of the metrics and files of policies that aren't equal, bit for bit.
     different: tuple[str, ...]
     seconds: float
 
@@ -45,74 +46,76 @@ class Resume:
 def measure_resume(name: str) -> Resume:
     """Trains a game twice, once stopped half-way and resumed, and compares the ends.
 
-    Each run is a process of its own: the flag for deterministic operations has to be set before JAX starts.
+    Each run is a process of its own: the flag for deterministic operations has to be set before JAX
+      starts.
 
     Args:
       name: a bundled game, or a file.
-    Raises RuntimeError where a run fails, TimeoutExpired where it takes too long.
+    Raises RuntimeError if a run fails, TimeoutExpired if it takes too long.
     """
-    began = time.perf_counter()
-    flags = f"{os.environ.get('XLA_FLAGS', '')} {DETERMINISTIC}".strip()
-    environment = os.environ | {
-        "XLA_FLAGS": flags,
-        "XLA_PYTHON_CLIENT_MEM_FRACTION": "0.1",
-    }  # this process may hold the other memory
+    start = time.perf_counter()
+    environment = dict(os.environ)
+    environment["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {DETERMINISTIC}".strip()
+    # This process may hold the other memory.
+    environment["XLA_PYTHON_CLIENT_MEM_FRACTION"] = "0.1"
     with tempfile.TemporaryDirectory() as folder:
-        whole, stopped = Path(folder) / "whole", Path(folder) / "stopped"
-        for run, way in ((whole, "train"), (stopped, "stop"), (stopped, "resume")):
-            asked = [sys.executable, "-m", "bench.speed.resuming", name, str(run), way]
-            ended = subprocess.run(
-                asked,
+        whole = Path(folder) / "whole"
+        stopped = Path(folder) / "stopped"
+        for run, task in ((whole, "train"), (stopped, "stop"), (stopped, "resume")):
+            process = subprocess.run(
+                [sys.executable, "-m", "bench.speed.resuming", name, str(run), task],
                 env=environment,
                 text=True,
                 capture_output=True,
                 timeout=PATIENCE,
                 check=False,
             )
-            if ended.returncode != 0:
-                raise RuntimeError(
-                    f"to {way} failed: {(ended.stderr.strip().splitlines() or ['it said nothing'])[-1]}"
-                )
-        different, seconds = differences(whole, stopped), time.perf_counter() - began
+            if process.returncode != 0:
+                lines = process.stderr.strip().splitlines() or ["it said nothing"]
+                raise RuntimeError(f"to {task} failed: {lines[-1]}")
+        different = differences(whole, stopped)
+    seconds = time.perf_counter() - start
     return Resume(
         describe_machine(), name, UPDATES, UPDATES // 2, DETERMINISTIC, different, seconds
     )
 
 
 def differences(whole: Path, resumed: Path) -> tuple[str, ...]:
-    """Returns what of two run folders is not the same: columns of the metrics that do not depend on the clock, and policies."""
-    rows, others = (
-        [json.loads(line) for line in (run / "metrics.jsonl").read_text("utf-8").splitlines()]
-        for run in (whole, resumed)
-    )
-    found = [] if len(rows) == len(others) else [f"{len(rows)} and {len(others)} rows of metrics"]
-    columns = sorted(set().union(*rows, *others) - OF_THE_CLOCK)
-    found += [
-        column
-        for column in columns
-        if [row.get(column) for row in rows] != [row.get(column) for row in others]
-    ]
-    policies, of_other = (
-        {path.relative_to(run).as_posix(): path.read_bytes() for path in run.rglob("*.safetensors")}
-        for run in (whole, resumed)
-    )
-    return (
-        *found,
-        *(
-            name
-            for name in sorted(policies.keys() | of_other.keys())
-            if policies.get(name) != of_other.get(name)
-        ),
-    )
+    """Returns the columns of the metrics, but for those of the clock, and the policies that aren't
+    equal in two folders of runs."""
+    rows = _read_metrics(whole)
+    other_rows = _read_metrics(resumed)
+    different = []
+    if len(rows) != len(other_rows):
+        different.append(f"{len(rows)} and {len(other_rows)} rows of metrics")
+    for column in sorted(set().union(*rows, *other_rows) - OF_THE_CLOCK):
+        if [row.get(column) for row in rows] != [row.get(column) for row in other_rows]:
+            different.append(column)
+    policies = _read_policies(whole)
+    other_policies = _read_policies(resumed)
+    for name in sorted(policies.keys() | other_policies.keys()):
+        if policies.get(name) != other_policies.get(name):
+            different.append(name)
+    return tuple(different)
 
 
-def train_in_this_process(name: str, run: str, way: str) -> None:
+def _read_metrics(run: Path) -> list[dict[str, Any]]:
+    lines = (run / "metrics.jsonl").read_text("utf-8").splitlines()
+    return [json.loads(line) for line in lines]
+
+
+def _read_policies(run: Path) -> dict[str, bytes]:
+    files = run.rglob("*.safetensors")
+    return {path.relative_to(run).as_posix(): path.read_bytes() for path in files}
+
+
+def train_in_this_process(name: str, run: str, task: str) -> None:
     """Trains a game (`train`), only half of it (`stop`), or the rest of that (`resume`)."""
     from sjdsl import make
     from sjdsl.trainers import make_config, resume, train
 
     env = make(name)
-    if way == "resume":
+    if task == "resume":
         resume(env, run, progress="none")
     else:
         train(
@@ -120,7 +123,7 @@ def train_in_this_process(name: str, run: str, way: str) -> None:
             make_config(SETTINGS),
             run,
             progress="none",
-            callback=lambda update: way == "stop" and update.number == UPDATES // 2,
+            callback=lambda update: task == "stop" and update.number == UPDATES // 2,
         )
 
 

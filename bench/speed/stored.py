@@ -14,38 +14,43 @@ from bench.speed.training import Training
 from sjdsl.bench.timing import Report
 from sjdsl.files import read_json
 
-Found = Report | Substrates | Sweep | Training | Kernels | Resume
+Figures = Report | Substrates | Sweep | Training | Kernels | Resume
 
-_SORTS: dict[str, TypeAdapter[Any]] = {
-    sort.__name__.lower(): TypeAdapter(sort)
-    for sort in (Report, Substrates, Sweep, Training, Kernels, Resume)
+_CLASSES: dict[str, TypeAdapter[Any]] = {
+    class_.__name__.lower(): TypeAdapter(class_)
+    for class_ in (Report, Substrates, Sweep, Training, Kernels, Resume)
 }
 
 
-def read_found(path: Path) -> Found:
-    """Returns the figures of a file. Raises ValueError where it is not one that `write_found` wrote."""
+def read_figures(path: Path) -> Figures:
+    """Returns the figures of a file. Raises ValueError if `write_figures` didn't write it."""
     try:
         stored = read_json(path)
-        found: Found = _SORTS[stored.pop("sort")].validate_python(stored)
-        return found
+        figures: Figures = _CLASSES[stored.pop("sort")].validate_python(stored)
+        return figures
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ValueError(
             f"{path} holds no figures that sjdsl bench wrote ({type(error).__name__}: {error})"
         ) from None
 
 
-def joined(before: Found, found: Found) -> Found:
-    """Returns the figures of two files as one: speeds and updates one after the other. Raises ValueError where they aren't of that sort."""
-    if isinstance(before, Report) and isinstance(found, Report):
-        peaks = [
-            peak for peak in (before.device_peak_bytes, found.device_peak_bytes) if peak is not None
-        ]
-        rows = before.speeds + found.speeds, before.compilations + found.compilations
+def joined(first: Figures, second: Figures) -> Figures:
+    """Returns the figures of two files as one, speeds or updates one after the other.
+
+    Raises ValueError for figures of another class.
+    """
+    if isinstance(first, Report) and isinstance(second, Report):
+        peaks = (first.device_peak_bytes, second.device_peak_bytes)
         return replace(
-            found, speeds=rows[0], compilations=rows[1], device_peak_bytes=max(peaks, default=None)
+            second,
+            speeds=first.speeds + second.speeds,
+            compilations=first.compilations + second.compilations,
+            device_peak_bytes=max((peak for peak in peaks if peak is not None), default=None),
         )
-    if isinstance(before, Training) and isinstance(found, Training):
+    if isinstance(first, Training) and isinstance(second, Training):
         return replace(
-            found, splits=before.splits + found.splits, left_out=before.left_out + found.left_out
+            second,
+            splits=first.splits + second.splits,
+            left_out=first.left_out + second.left_out,
         )
-    raise ValueError(f"two files hold figures of one {type(found).__name__.lower()}")
+    raise ValueError(f"two files hold figures of one {type(second).__name__.lower()}")

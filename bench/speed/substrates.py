@@ -1,4 +1,5 @@
-"""The speed of Melting Pot's substrates, one after the other; figures are reported as soon as they are measured."""
+"""The speed of Melting Pot's substrates, one after the other; figures are reported as soon as they
+are measured."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -16,13 +17,17 @@ class Substrates(Report):
 
 
 def substrate_tasks(entries: Iterable[Substrate]) -> Iterator[Task]:
-    """Yields what is measured of each substrate, under the substrate's name; a game is compiled when its turn comes."""
+    """Yields the task of each substrate, under the substrate's name; compiles each game in its
+    turn.
+    """
     for entry in entries:
         yield game_task(make(entry.game, variant=entry.variant or None), entry.name)
 
 
 def short_steps(num_envs: int) -> int:
-    """Returns the number of steps in one timing: a fifth of that of a single game, as there are many substrates."""
+    """Returns the number of steps in one timing: a fifth of that of a single game, as there are
+    many substrates.
+    """
     return max(20, 8000 // num_envs)
 
 
@@ -34,23 +39,25 @@ def measure_substrates(
     steps: Callable[[int], int] = short_steps,
     tell: Callable[[str], object] = lambda _: None,
 ) -> Substrates:
-    """Returns the speeds of all tasks; each races against the yardstick alone, so that the ratio is of the same seconds.
+    """Returns the speeds of all tasks; each is measured with the yardstick alone, so that the ratio
+    is of the same seconds.
 
     Args:
-      tasks: taken one after the other.
+      tasks: measured one after the other.
       num_envs, repeats, steps, tell: as of `measure`.
-      keep: called after every task with all that has been measured, so that a run that is stopped leaves it behind.
+      keep: called with all figures so far after every task, so that nothing is lost if the run
+        stops.
     """
-    found = Substrates(describe_machine(), repeats, (), (), None)
+    total = Substrates(describe_machine(), repeats, (), (), None)
     for task in tasks:
-        own = measure([task], num_envs, repeats, steps, tell)
-        speeds = (*found.speeds, *(speed for speed in own.speeds if speed.name != YARDSTICK))
-        found = Substrates(
-            own.machine,
+        report = measure([task], num_envs, repeats, steps, tell)
+        speeds = [speed for speed in report.speeds if speed.name != YARDSTICK]
+        total = Substrates(
+            report.machine,
             repeats,
-            speeds,
-            (*found.compilations, *own.compilations),
-            own.device_peak_bytes,
+            (*total.speeds, *speeds),
+            (*total.compilations, *report.compilations),
+            report.device_peak_bytes,
         )
-        keep(found)
-    return found
+        keep(total)
+    return total

@@ -1,4 +1,6 @@
-"""Measures a parameter sweep: many values as arguments of one program, compared with one program for each value."""
+"""Measures a parameter sweep: many values as arguments of one program, compared with one program
+for each value.
+"""
 
 import time
 from collections.abc import Callable, Sequence
@@ -19,19 +21,19 @@ from sjdsl.library.parameters import build_params
 from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
 
-FACTORS = (
-    0.75,
-    1.25,
-)  # times the game's own value: narrow enough that the `require`s of most games still hold
+# Of the game's own value: narrow enough that the `require`s of most games still hold.
+FACTORS = (0.75, 1.25)
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """What `num_values` values of `param` cost, `num_envs` environments each; environment steps a second by round.
+    """The cost of `num_values` values of `param`, with `num_envs` environments each: environment
+    steps a second by round.
 
-    `together`: all in one program. `apart`: a program with the value as a constant, for so few of the values as
-    `apart_compile_s` has entries; the rounds take them in turn. `constant`: one such program with as many environments as
-    `together`, to show what it costs that values are arguments.
+    `together`: all in one program. `apart`: a program with the value as a constant, for some of the
+    values, one for each entry of `apart_compile_s`; the rounds run them in turn. `constant`: one
+    such program with as many environments as `together`, which shows the cost of values as
+    arguments.
     """
 
     machine: dict[str, Any]
@@ -58,72 +60,87 @@ def measure_sweep(
     apart: int = 3,
     tell: Callable[[str], object] = lambda _: None,
 ) -> Sweep:
-    """Returns what a sweep costs in one compilation and in many.
+    """Returns the cost of a sweep in one compilation and in many.
 
     Args:
       task: a game.
-      param, values: the parameter that is varied, and `Params` with each of its values (`swept_params`).
+      param, values: the parameter that is varied, and `Params` with each of its values
+        (`swept_params`).
       num_envs: environments of each value.
-      repeats, num_steps: rounds, and steps of one timing (by default `steps_for` as many environments as a program has).
+      repeats, num_steps: rounds, and steps of one timing (by default `steps_for` the number of
+        environments of a program).
       apart: how many of the programs with a constant are compiled and measured.
-      tell: called with a line whenever something has begun.
+      tell: called with a line at the start of each compilation and round.
     """
-    env, num_values, at_once = task.env, len(values), len(values) * num_envs
+    env = task.env
     if env is None:
         raise ValueError(f"{task.name} has no parameters")
-    many_steps, few_steps = num_steps or steps_for(at_once), num_steps or steps_for(num_envs)
+    num_values = len(values)
+    all_envs = num_values * num_envs
+    all_steps = num_steps or steps_for(all_envs)
+    few_steps = num_steps or steps_for(num_envs)
     tell(f"compiling one program for {num_values} values")
-    stacked = jax.tree.map(lambda *each: jnp.repeat(jnp.stack(each), num_envs, axis=0), *values)
-    together, together_s = _compiled(make_sweep_loop(env, at_once, many_steps), stacked)
-    few = [
-        values[index]
-        for index in np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)
-    ]
-    programs, seconds = [], []
-    for index, value in enumerate(few):
-        tell(f"compiling program {index + 1} of {len(few)} for one value each")
-        program, took = _compiled(_constant(env, value, num_envs, few_steps))
+    stacked = jax.tree.map(lambda *leaves: jnp.repeat(jnp.stack(leaves), num_envs, axis=0), *values)
+    together, together_s = _compiled(make_sweep_loop(env, all_envs, all_steps), stacked)
+    indices = np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)
+    programs = []
+    apart_compile_s = []
+    for number, index in enumerate(indices, start=1):
+        tell(f"compiling program {number} of {len(indices)} for one value each")
+        program, seconds = _compiled(_constant(env, values[index], num_envs, few_steps))
         programs.append(program)
-        seconds.append(took)
+        apart_compile_s.append(seconds)
     tell("compiling one program for one value")
-    constant, constant_s = _compiled(_constant(env, few[0], at_once, many_steps))
+    constant, constant_s = _compiled(_constant(env, values[indices[0]], all_envs, all_steps))
     loops: list[Callable[[Array], Array]] = [
         lambda key: together(key, stacked),
         constant,
         *programs,
     ]
-    env_steps = [at_once * many_steps] * 2 + [num_envs * few_steps] * len(programs)
-    many, same, *each = race(loops, env_steps, repeats, lambda n: tell(f"round {n} of {repeats}"))
-    in_turn = [len(rates) / sum(1 / rate for rate in rates) for rates in zip(*each, strict=True)]
-    measured = (
-        together_s,
-        tuple(many),
-        memory_of(together),
-        tuple(seconds),
-        tuple(in_turn),
-        constant_s,
-        tuple(same),
+    env_steps = [all_envs * all_steps] * 2 + [num_envs * few_steps] * len(programs)
+    together_rates, constant_rates, *rates_of_programs = race(
+        loops, env_steps, repeats, lambda number: tell(f"round {number} of {repeats}")
     )
-    return Sweep(describe_machine(), task.name, param, num_values, num_envs, *measured)
+    # All programs in turn: the harmonic mean of their rates in a round.
+    apart_rates = [
+        len(rates) / sum(1 / rate for rate in rates)
+        for rates in zip(*rates_of_programs, strict=True)
+    ]
+    return Sweep(
+        machine=describe_machine(),
+        name=task.name,
+        param=param,
+        num_values=num_values,
+        num_envs=num_envs,
+        together_compile_s=together_s,
+        together=tuple(together_rates),
+        together_memory_bytes=memory_of(together),
+        apart_compile_s=tuple(apart_compile_s),
+        apart=tuple(apart_rates),
+        constant_compile_s=constant_s,
+        constant=tuple(constant_rates),
+    )
 
 
 def swept_params(env: Environment, name: str, number: int) -> list[Any]:
-    """Returns `Params` with `number` values of one parameter: the game's own times evenly spaced factors.
+    """Returns `Params` with `number` values of one parameter: the game's own times evenly spaced
+    factors.
 
     A table is multiplied as a whole; whole numbers are rounded. Raises ValueError: no such
     parameter, or values the game does not admit.
     """
-    param = next((p for p in env.game.params if p.name == name), None)
-    if param is None:
-        names = [p.name for p in env.game.params]
-        raise ValueError(f"{env.name} has no parameter `{name}`{meant(name, names, 'it has')}")
+    params = {param.name: param for param in env.game.params}
+    if name not in params:
+        raise ValueError(f"{env.name} has no parameter `{name}`{meant(name, params, 'it has')}")
+    param = params[name]
     if param.type.kind == "word":
         raise ValueError(f"`{name}` is a word; only numbers can be swept")
     factors = np.linspace(*FACTORS, number)
     values = [_times(param.value, factor, param.type) for factor in factors.tolist()]
     if len(set(values)) < number:
         raise ValueError(
-            f"`{name}` has only {len(set(values))} different values near {param.value}, not {number}"
+            f"`{name}` has only {len(set(values))} different values near {param.value}, "
+            f"not {number}"
         )
     return [build_params(env.game, env.module, {name: value}) for value in values]
 
@@ -138,7 +155,9 @@ def _times(value: Any, factor: float, type_: ir.Type) -> Any:
 def make_sweep_loop(
     env: Environment, num_envs: int, num_steps: int
 ) -> Callable[[Array, Any], Array]:
-    """Returns the loop over environments with a value each, as a function of a key and the values."""
+    """Returns the loop over environments with a value each, as a function of a key and the
+    values.
+    """
 
     def run(key: Array, params: Any) -> Array:
         def step(states: Any, actions: Array, keys: Array) -> tuple[Any, Array, Array]:
@@ -154,14 +173,16 @@ def make_sweep_loop(
 def _constant(
     env: Environment, params: Any, num_envs: int, num_steps: int
 ) -> Callable[[Array], Array]:
-    """Returns the loop over environments with one value, a constant of the program; nothing traced for another is found again."""
-    return make_loop(
-        game_task(Environment(env.module, params, env.observation, env.game)), num_envs, num_steps
-    )
+    """Returns the loop over environments with one value, a constant of the program.
+
+    It has an environment of its own, so that JAX doesn't reuse a trace with another value.
+    """
+    new_env = Environment(env.module, params, env.observation, env.game)
+    return make_loop(game_task(new_env), num_envs, num_steps)
 
 
 def _compiled(loop: Callable[..., Array], *arguments: Any) -> tuple[Compiled, float]:
-    """Returns the program and the seconds it took: traced, lowered and compiled."""
-    began = time.perf_counter()
+    """Returns the program and the seconds to trace, lower and compile it."""
+    start = time.perf_counter()
     program = jax.jit(loop).lower(jax.random.key(0), *arguments).compile()
-    return program, time.perf_counter() - began
+    return program, time.perf_counter() - start

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from bench.speed.kernels import Kernels
 from bench.speed.resuming import Resume
-from bench.speed.stored import Found
+from bench.speed.stored import Figures
 from bench.speed.substrates import Substrates
 from bench.speed.sweep import Sweep
 from bench.speed.training import Split, Training
@@ -16,75 +16,80 @@ from sjdsl.bench.timing import Report
 TRAINED = ("game", "agents", "network", "algorithm", "sharing")
 
 
-def tables_of(found: Found) -> tuple[Table, ...]:
-    """Returns the tables of what was measured; comparisons only where there are two things to compare."""
-    match found:
+def tables_of(figures: Figures) -> tuple[Table, ...]:
+    """Returns the tables of figures; comparisons only where there is something to compare."""
+    match figures:
         case Sweep():
-            return (sweep_table(found),)
+            return (sweep_table(figures),)
         case Training():
-            return tuple(
-                table for table in (training_table(found), hours_table(found)) if table.rows
-            )
+            tables = (training_table(figures), hours_table(figures))
+            return tuple(table for table in tables if table.rows)
         case Kernels():
-            return (kernel_table(found),)
+            return (kernel_table(figures),)
         case Resume():
-            return (resume_table(found),)
-    return speed_tables(found)
+            return (resume_table(figures),)
+    return speed_tables(figures)
 
 
-def notes_of(found: Found) -> tuple[str, ...]:
-    """Returns what the tables do not say."""
-    match found:
+def notes_of(figures: Figures) -> tuple[str, ...]:
+    """Returns notes on the tables."""
+    match figures:
         case Training():
-            rate = f"{found.flops_per_s / 1e9:.0f}"
-            return (
-                f"a float32 matrix product does {rate} GFLOP/s here: the floor is an update's operations at that speed",
-                *(f"left out: {line}" for line in found.left_out),
+            floor = (
+                f"a float32 matrix product does {figures.flops_per_s / 1e9:.0f} GFLOP/s here: "
+                "the floor is an update's operations at that speed"
             )
+            return (floor, *(f"left out: {line}" for line in figures.left_out))
         case Kernels():
-            rate = f"{found.copied_bytes_per_s / 1e9:,.0f}"
-            return (
-                f"a large copy moves {rate} GB/s here, read and written: the share is what a step's least bytes would take at that speed",
+            share = (
+                f"a large copy moves {figures.copied_bytes_per_s / 1e9:,.0f} GB/s here, read and "
+                "written: the share is what a step's least bytes would take at that speed"
             )
+            return (share,)
         case Report():
-            return notes_of_speeds(found)
+            return notes_of_speeds(figures)
     return ()
 
 
-def section_of(found: Found) -> str:
-    """Returns the marks of a page between which these figures belong: `speed gpu`, `speed 2 devices cpu`, `sweep coins spawn cpu`;
-    of updates `training mlp gpu`, of others than IPPO with shared networks `training mlp ippo,mappo shared gpu`."""
-    match found:
+def section_of(figures: Figures) -> str:
+    """Returns the name of the section of a page for these figures.
+
+    Examples are `speed gpu`, `speed 2 devices cpu`, `sweep coins spawn cpu`; for updates
+    `training mlp gpu`, and with others than IPPO with shared networks
+    `training mlp ippo,mappo shared gpu`.
+    """
+    match figures:
         case Sweep():
-            what = f"sweep {found.name} {found.param}"
+            name = f"sweep {figures.name} {figures.param}"
         case Training():
-            networks, *learnt = (
-                ",".join(dict.fromkeys(getattr(split, name) for split in found.splits))
-                for name in ("network", "algorithm", "sharing")
-            )
-            what = (
-                f"training {networks}"
-                if learnt == ["ippo", "shared"]
-                else f"training {networks} {' '.join(learnt)}"
-            )
-        case Report() if type(found) is Report:
-            devices = found.machine["devices"]
-            what = "speed" if devices == 1 else f"speed {devices} devices"
+            networks = _listed(split.network for split in figures.splits)
+            algorithms = _listed(split.algorithm for split in figures.splits)
+            sharings = _listed(split.sharing for split in figures.splits)
+            name = f"training {networks}"
+            if (algorithms, sharings) != ("ippo", "shared"):
+                name += f" {algorithms} {sharings}"
+        case Report() if type(figures) is Report:
+            devices = figures.machine["devices"]
+            name = "speed" if devices == 1 else f"speed {devices} devices"
         case _:
-            what = {Kernels: "kernels", Resume: "resuming", Substrates: "substrates"}[type(found)]
-    return f"{what} {found.machine['platform']}"
+            names = {Kernels: "kernels", Resume: "resuming", Substrates: "substrates"}
+            name = names[type(figures)]
+    return f"{name} {figures.machine['platform']}"
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Returns names between commas, each once."""
+    return ",".join(dict.fromkeys(names))
 
 
 def sweep_table(sweep: Sweep) -> Table:
-    """Returns what many values cost in one program, and in one program each."""
+    """Returns the cost of many values in one program, and in a program for each value."""
     at_once = sweep.num_values * sweep.num_envs
-    apart_s = sum(sweep.apart_compile_s) / len(sweep.apart_compile_s)
     measured = len(sweep.apart_compile_s)
-    seconds = f"{apart_s * sweep.num_values:.1f} s"
+    mean = sum(sweep.apart_compile_s) / measured
+    seconds = f"{mean * sweep.num_values:.1f} s"
     if measured < sweep.num_values:
-        seconds = (
-            f"{seconds} extrapolated: {sweep.num_values} x {apart_s:.2f} s, the mean of {measured}"
-        )
+        seconds += f" extrapolated: {sweep.num_values} x {mean:.2f} s, the mean of {measured}"
     rows = (
         (
             "one program, values as arguments",
@@ -108,27 +113,37 @@ def sweep_table(sweep: Sweep) -> Table:
             _rate(sweep.constant),
         ),
     )
-    title = f"{sweep.num_values} values of {sweep.param} of {sweep.name}, {sweep.num_envs:,} environments each"
+    title = (
+        f"{sweep.num_values} values of {sweep.param} of {sweep.name}, "
+        f"{sweep.num_envs:,} environments each"
+    )
     headings = ("how", "programs", "compile", "envs at once", "env-steps/s")
     return Table(title, headings, rows)
 
 
 def training_table(training: Training) -> Table:
-    """Returns the parts of an update in medians, and how near it is to the least its matrices take."""
+    """Returns the shares of an update's parts, by medians, and that of the least time of its
+    matrices.
+    """
     rows = []
     for split in training.splits:
-        parts = (split.environments, split.rollout, split.learning, split.update)
-        played, acted, learnt, whole = (statistics.median(seconds) for seconds in parts)
-        shares = (f"{part / whole:.0%}" for part in (played, acted - played, learnt))
+        environments = statistics.median(split.environments)
+        rollout = statistics.median(split.rollout)
+        learning = statistics.median(split.learning)
+        update = statistics.median(split.update)
         floor = split.flops / training.flops_per_s
-        times = (
-            f"{split.compile_s:.1f} s",
-            thousands(split.env_steps_per_s),
-            _seconds(whole),
-            *shares,
-        )
         rows.append(
-            (*_training_labels(split), *times, f"{split.flops / 1e9:.3g}", f"{floor / whole:.0%}")
+            (
+                *_training_labels(split),
+                f"{split.compile_s:.1f} s",
+                thousands(split.env_steps_per_s),
+                _seconds(update),
+                f"{environments / update:.0%}",
+                f"{(rollout - environments) / update:.0%}",
+                f"{learning / update:.0%}",
+                f"{split.flops / 1e9:.3g}",
+                f"{floor / update:.0%}",
+            )
         )
     headings = (
         *TRAINED,
@@ -145,16 +160,21 @@ def training_table(training: Training) -> Table:
 
 
 def hours_table(training: Training) -> Table:
-    """Returns the hours of a long run at the speed of the updates; without rows unless `hours_to` is set."""
+    """Returns the hours of a long run at the speed of the updates; without rows unless `hours_to`
+    is set."""
+    env_steps = training.hours_to or 0
     rows = []
-    for split in training.splits if training.hours_to else ():
+    for split in training.splits if env_steps else ():
         hours = (
             f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
-            for value in split.hours_to(training.hours_to or 0)
+            for value in split.hours_to(env_steps)
         )
         rows.append((*_training_labels(split), thousands(split.env_steps_per_s), *hours))
     headings = (*TRAINED, "env-steps/s", "hours, median round", "fastest round", "slowest round")
-    title = f"hours of training for {training.hours_to or 0:,} environment steps of one seed, extrapolated from these updates"
+    title = (
+        f"hours of training for {env_steps:,} environment steps of one seed, "
+        "extrapolated from these updates"
+    )
     return Table(title, headings, tuple(rows), len(TRAINED))
 
 
@@ -179,21 +199,20 @@ def _seconds(seconds: float) -> str:
 
 
 def kernel_table(kernels: Kernels) -> Table:
-    """Returns what a step launches and moves, and how near it is to the bandwidth of a copy."""
+    """Returns the kernels and bytes of a step, and its share of the bandwidth of a copy."""
     rows = []
     for step in kernels.steps:
         seconds = statistics.median(step.seconds)
         share = step.least_bytes * step.num_envs / kernels.copied_bytes_per_s / seconds
-        labels = (step.name, str(step.num_agents), step.observation, f"{step.num_envs:,}")
-        moved = (
-            "" if math.isnan(step.accessed_bytes) else f"{step.accessed_bytes:,.0f}",
-            f"{step.least_bytes:,.0f}",
-        )
         rows.append(
             (
-                *labels,
+                step.name,
+                str(step.num_agents),
+                step.observation,
+                f"{step.num_envs:,}",
                 str(step.kernels),
-                *moved,
+                "" if math.isnan(step.accessed_bytes) else f"{step.accessed_bytes:,.0f}",
+                f"{step.least_bytes:,.0f}",
                 f"{seconds * 1e6:,.0f} µs",
                 thousands(step.num_envs / seconds),
                 f"{share:.1%}",
@@ -209,27 +228,22 @@ def kernel_table(kernels: Kernels) -> Table:
         "env-steps/s",
         "share of copy bandwidth",
     )
-    return Table(
-        "one step: kernels launched, bytes an environment moves, and the share of the copy bandwidth",
-        headings,
-        tuple(rows),
-        3,
+    title = (
+        "one step: kernels launched, bytes an environment moves, and the share of the copy "
+        "bandwidth"
     )
+    return Table(title, headings, tuple(rows), 3)
 
 
 def resume_table(resume: Resume) -> Table:
-    """Returns whether a run that was stopped ended as one that was not."""
-    same = "yes" if not resume.different else f"no: {', '.join(resume.different)}"
+    """Returns whether a run that was stopped ended like one that wasn't."""
+    same = f"no: {', '.join(resume.different)}" if resume.different else "yes"
     row = (resume.name, str(resume.updates), str(resume.stopped_after), resume.flags, same)
     headings = ("game", "updates", "stopped after", "flags", "same end, bit for bit")
-    return Table(
-        "a training run stopped and resumed, beside one that was never stopped",
-        headings,
-        (row,),
-        len(headings),
-    )
+    title = "a training run stopped and resumed, beside one that was never stopped"
+    return Table(title, headings, (row,), len(headings))
 
 
 def _rate(rates: tuple[float, ...]) -> str:
-    middle = sorted(rates)[len(rates) // 2]
-    return f"{thousands(middle)} ±{(max(rates) - min(rates)) / 2 / middle:.0%}"
+    median = sorted(rates)[len(rates) // 2]
+    return f"{thousands(median)} ±{(max(rates) - min(rates)) / 2 / median:.0%}"

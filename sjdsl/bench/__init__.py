@@ -1,4 +1,5 @@
-"""Benchmarks: environment steps per second of compiled games, compared with a hand-written game in the same process."""
+"""Benchmarks: environment steps per second of compiled games, compared with a hand-written game in
+the same process."""
 
 from sjdsl.bench.compilation import Compilation
 from sjdsl.bench.loop import Task, game_task, yardstick_task

@@ -1,4 +1,5 @@
-"""Compilation figures of one step: the size of the XLA program, the same on every machine, and the seconds to compile it."""
+"""Compilation figures of one step: the size of the XLA program, which is the same on every machine,
+and the seconds to compile it."""
 
 import re
 import time
@@ -13,20 +14,14 @@ from jax.stages import Lowered
 
 from sjdsl.runtime.env import Environment
 
-COUNTED = (
-    "scatter",
-    "gather",
-    "dynamic_slice",
-    "sort",
-    "while",
-    "case",
-)  # what XLA cannot fuse with its surroundings
+# Operations that XLA can't fuse with others.
+COUNTED = ("scatter", "gather", "dynamic_slice", "sort", "while", "case")
 REPEATS = 3  # compilations whose median is reported
 
 
 @dataclass(frozen=True)
 class Compilation:
-    """What XLA has to do for one `env.step` under `jit`."""
+    """The compilation of one `env.step` under `jit`."""
 
     name: str
     num_agents: int
@@ -37,7 +32,8 @@ class Compilation:
 
 
 def compile_step(env: Environment, name: str = "", repeats: int = REPEATS) -> Compilation:
-    """Returns the cost of compiling one step of a single environment (the median of some), and the size of what XLA is given."""
+    """Returns the seconds to compile one step of a single environment (the median of some), and the
+    size of the program."""
     seconds = median(_seconds_to_compile(env) for _ in range(repeats))
     text = lower_step(env).as_text()
     return Compilation(
@@ -51,32 +47,35 @@ def compile_step(env: Environment, name: str = "", repeats: int = REPEATS) -> Co
 
 
 def _seconds_to_compile(env: Environment) -> float:
-    """Returns XLA's time for a step that it has not seen before: a new function, and none of this process's programs."""
+    """Returns XLA's time for a step that isn't in its caches."""
     jax.clear_caches()
-    lowered = jax.jit(lambda key, state, actions: env._step(key, state, actions)).lower(
-        *_described(env)
-    )
-    began = time.perf_counter()
+    # A new function, of which JAX has no program.
+    new_step = jax.jit(lambda key, state, actions: env._step(key, state, actions))
+    lowered = new_step.lower(*_argument_shapes(env))
+    start = time.perf_counter()
     lowered.compile()
-    return time.perf_counter() - began
+    return time.perf_counter() - start
 
 
 def lower_step(env: Environment) -> Lowered:
-    """Returns one step of a single environment as XLA is given it."""
+    """Returns the program of one step of a single environment, before XLA compiles it."""
     step: Any = env.step
-    result: Lowered = step.lower(*_described(env))
+    result: Lowered = step.lower(*_argument_shapes(env))
     return result
 
 
-def _described(env: Environment) -> tuple[Any, Any, Any]:
-    """Returns what a step takes, as shapes."""
+def _argument_shapes(env: Environment) -> tuple[Any, Any, Any]:
+    """Returns the key, state and actions of a step; state and actions only as shapes."""
     key = jax.random.key(0)
-    return key, jax.eval_shape(env.reset, key)[1], jax.ShapeDtypeStruct((env.num_agents,), "int32")
+    _, state = jax.eval_shape(env.reset, key)
+    return key, state, jax.ShapeDtypeStruct((env.num_agents,), "int32")
 
 
 def count_operations(text: str, names: Iterable[str] = COUNTED) -> dict[str, int]:
-    """Returns how often each operation is written in StableHLO text; one in a function counts once, however often it is called."""
-    written = Counter(
-        re.findall(r'(?<!#)\bstablehlo\.(\w+)"?[ (]', text)
-    )  # `#stablehlo.gather<...>` is an attribute
-    return {name: written[name] for name in names}
+    """Returns how often each operation is written in StableHLO text.
+
+    An operation in a function counts once, however often the function is called.
+    """
+    # `#stablehlo.gather<...>` is an attribute, no operation.
+    counts = Counter(re.findall(r'(?<!#)\bstablehlo\.(\w+)"?[ (]', text))
+    return {name: counts[name] for name in names}

@@ -1,4 +1,6 @@
-"""The measured loop: random play of many environments, with the observations of every step written to memory."""
+"""The measured loop: random play of many environments, with the observations of every step written
+to memory.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,18 +19,16 @@ YARDSTICK = "yardstick"
 
 @dataclass(frozen=True)
 class Task:
-    """Something to be measured: `step(state, actions, key) -> (state, reward, observation)` of one environment.
-
-    `crowd` is the number of agents, if it isn't the game's own.
-    """
+    """An environment whose steps are measured."""
 
     name: str
     num_agents: int
     num_actions: int
     reset: Callable[[], Any]
+    # `(state, actions, key) -> (state, reward, observation)` of one environment.
     step: Callable[[Any, Array, Array], tuple[Any, Array, Array]]
     env: Environment | None = None
-    crowd: int | None = None
+    crowd: int | None = None  # the number of agents, if it isn't the game's own
 
     @property
     def observation(self) -> str:
@@ -43,7 +43,7 @@ def yardstick_task() -> Task:
 
 
 def game_task(env: Environment, name: str = "", crowd: int | None = None) -> Task:
-    """Returns `env.step`, its reset at the end of an episode included."""
+    """Returns the task of `env.step`, with its reset at the end of an episode."""
 
     def step(state: Any, actions: Array, key: Array) -> tuple[Any, Array, Array]:
         observation, state, reward, _, _ = env.step(key, state, actions)
@@ -58,21 +58,21 @@ def game_task(env: Environment, name: str = "", crowd: int | None = None) -> Tas
 def make_loop(
     task: Task, num_envs: int, num_steps: int, devices: int = 1
 ) -> Callable[[Array], Array]:
-    """Returns a function of a key that plays and returns the sum of all rewards and of the last observations.
+    """Returns a function of a key that plays and returns the sum of all rewards and of the last
+    observations.
 
     Args:
       num_envs: environments in all; each device plays its share of them.
     Raises ValueError if they can't be split evenly over the devices.
     """
-    each, left = divmod(num_envs, devices)
-    if left:
+    share, remainder = divmod(num_envs, devices)
+    if remainder:
         raise ValueError(f"{num_envs} environments can't be split evenly over {devices} devices")
 
     def run(key: Array) -> Array:
-        start = jax.tree.map(lambda x: jnp.broadcast_to(x, (each, *x.shape)), task.reset())
-        return play(
-            jax.vmap(task.step), start, (each, task.num_agents), task.num_actions, num_steps, key
-        )
+        start = jax.tree.map(lambda x: jnp.broadcast_to(x, (share, *x.shape)), task.reset())
+        shape = (share, task.num_agents)
+        return play(jax.vmap(task.step), start, shape, task.num_actions, num_steps, key)
 
     return run if devices == 1 else on_devices(run, devices)
 
@@ -87,37 +87,39 @@ def play(
 ) -> Array:
     """Returns the sum of all rewards and of the last observations of random play.
 
-    Each step's observations are written to memory and carried to the next, as a rollout would keep them. To sum them up in
-    each step instead costs more than some of the steps, the more so the more planes there are (docs/performance.md).
+    The observations of each step are written to memory and carried to the next, as a rollout would
+    keep them. To sum them up in each step instead costs more than some of the steps, the more so
+    the more planes there are (docs/performance.md).
 
     Args:
       step: `(states, actions, keys) -> (states, reward, observation)` of all environments.
       start: the first states.
-      shape: how many environments, how many agents.
+      shape: the numbers of environments and of agents.
     """
 
-    def body(
-        carry: tuple[Any, Array, Array, Array], nothing: None
-    ) -> tuple[tuple[Any, Array, Array, Array], None]:
-        state, _, total, key = carry
-        state, observation, reward, key = one(state, key)
-        return (state, observation, total + reward.sum(), key), nothing
-
-    def one(state: Any, key: Array) -> tuple[Any, Array, Array, Array]:
-        key, k_action, k_step = jax.random.split(key, 3)
-        action = jax.random.randint(k_action, shape, 0, num_actions)
-        state, reward, observation = step(state, action, jax.random.split(k_step, shape[0]))
+    def random_step(state: Any, key: Array) -> tuple[Any, Array, Array, Array]:
+        key, action_key, step_key = jax.random.split(key, 3)
+        action = jax.random.randint(action_key, shape, 0, num_actions)
+        state, reward, observation = step(state, action, jax.random.split(step_key, shape[0]))
         return state, observation, reward, key
 
-    seen = jax.eval_shape(one, start, key)[1]
-    nothing = jnp.zeros(seen.shape, seen.dtype)
-    _, observation, total, _ = jax.lax.scan(
-        body, (start, nothing, jnp.float32(0), key), None, num_steps
-    )[0]
+    def body(
+        carry: tuple[Any, Array, Array, Array], _input: None
+    ) -> tuple[tuple[Any, Array, Array, Array], None]:
+        state, _, total, key = carry
+        state, observation, reward, key = random_step(state, key)
+        return (state, observation, total + reward.sum(), key), None
+
+    _, observation_shape, _, _ = jax.eval_shape(random_step, start, key)
+    zeros = jnp.zeros(observation_shape.shape, observation_shape.dtype)
+    carry, _ = jax.lax.scan(body, (start, zeros, jnp.float32(0), key), None, num_steps)
+    _, observation, total, _ = carry
     result: Array = total + observation.astype(jnp.float32).sum()
     return result
 
 
 def steps_for(num_envs: int) -> int:
-    """Returns how many steps one timing takes: long enough for a clock, short enough to wait for."""
+    """Returns the number of steps of one timing: enough for an exact time, few enough to wait
+    for.
+    """
     return max(50, 40_000 // num_envs)

@@ -26,19 +26,21 @@ def markdown_table(table: Table) -> str:
 
 
 def replace_section(page: str, name: str, text: str) -> str:
-    """Returns the page with the text between the marks `<!-- name -->` and `<!-- end name -->` replaced.
+    """Returns the page with the text between the marks `<!-- name -->` and `<!-- end name -->`
+    replaced.
 
-    Raises ValueError where the page has no such marks.
+    Raises ValueError if the page has no such marks.
     """
-    opened, closed = f"<!-- {name} -->\n", f"<!-- end {name} -->"
-    marks = re.compile(f"({re.escape(opened)}).*?({re.escape(closed)})", re.DOTALL)
-    if not marks.search(page):
-        raise ValueError(
-            f"the page has no lines `{opened.strip()}` and `{closed}` to write between"
-        )
-    return marks.sub(lambda found: f"{found[1]}{text}{found[2]}", page, count=1)
+    start = f"<!-- {name} -->\n"
+    end = f"<!-- end {name} -->"
+    section = re.compile(f"({re.escape(start)}).*?({re.escape(end)})", re.DOTALL)
+    if not section.search(page):
+        raise ValueError(f"the page has no lines `{start.strip()}` and `{end}` to write between")
+    return section.sub(lambda match: f"{match[1]}{text}{match[2]}", page, count=1)
 
 
 def write_section(path: Path, name: str, text: str) -> None:
-    """Writes the text between the marks of the page. Raises ValueError where the page has no such marks."""
+    """Writes the text between the marks of a page. Raises ValueError if the page has no such
+    marks.
+    """
     write_whole(path, replace_section(path.read_text(encoding="utf-8"), name, text))

@@ -11,11 +11,9 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 
-def write_found(path: Path, found: "DataclassInstance") -> None:
-    """Writes all figures to a file, and which sort of measurement they are of; a half-written file never stands there."""
+def write_figures(path: Path, figures: "DataclassInstance") -> None:
+    """Writes figures to a file, with the name of their class in lower case; writes it whole or not
+    at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(
-        path,
-        json.dumps({"sort": type(found).__name__.lower(), **dataclasses.asdict(found)}, indent=2)
-        + "\n",
-    )
+    content = {"sort": type(figures).__name__.lower(), **dataclasses.asdict(figures)}
+    write_whole(path, json.dumps(content, indent=2) + "\n")

@@ -8,7 +8,7 @@ from sjdsl.bench.timing import Report, Speed
 
 
 class Table(NamedTuple):
-    """Rows of text under headings; the first `labels` columns are words, the others figures."""
+    """Rows of text under headings; the first `labels` columns are text, the others figures."""
 
     title: str
     headings: tuple[str, ...]
@@ -17,7 +17,7 @@ class Table(NamedTuple):
 
 
 class Form(NamedTuple):
-    """What a row is about."""
+    """The label of a row: a game, its number of agents and the form of its observations."""
 
     name: str
     num_agents: int
@@ -28,42 +28,44 @@ FORM = ("game", "agents", "observation")
 
 
 def speed_tables(report: Report) -> tuple[Table, ...]:
-    """Returns the tables of speeds; comparisons only where there are two things to compare."""
-    return tuple(
-        table
-        for table in (
-            speed_table(report),
-            processor_table(report),
-            cost_table(report),
-            relation_table(report),
-        )
-        if table.rows
+    """Returns the tables of speeds that have rows."""
+    tables = (
+        speed_table(report),
+        processor_table(report),
+        cost_table(report),
+        relation_table(report),
     )
+    return tuple(table for table in tables if table.rows)
 
 
 def notes_of_speeds(report: Report) -> tuple[str, ...]:
-    """Returns what was left out, and how much memory the device held, where it counts."""
-    peak = report.device_peak_bytes
-    memory = (
-        ()
-        if peak is None
-        else (f"the device held at most {peak / 1e9:.3g} GB while all this was measured",)
-    )
-    return (*report.left_out, *memory)
+    """Returns notes on tasks that were left out, and on the memory of the device, if it is
+    known.
+    """
+    if report.device_peak_bytes is None:
+        return report.left_out
+    peak = report.device_peak_bytes / 1e9
+    memory = f"the device held at most {peak:.3g} GB while all this was measured"
+    return (*report.left_out, memory)
 
 
 def speed_table(report: Report) -> Table:
-    """Returns one row a form: for each number of environments its speed, the spread of the rounds, and the ratio."""
+    """Returns a row for each form: its speed, the spread of the rounds and the ratio, for each
+    number of environments."""
     numbers = env_numbers(report)
     rows = []
     for form, speeds in grouped(report.speeds).items():
         rows.append((*_labels(form), *(speed_cell(speeds.get(number)) for number in numbers)))
-    title = f"environment steps a second: median of {report.repeats} rounds, spread, ratio to the yardstick round by round"
+    title = (
+        f"environment steps a second: median of {report.repeats} rounds, spread, "
+        "ratio to the yardstick round by round"
+    )
     return Table(title, (*FORM, *columns(numbers)), tuple(rows), len(FORM))
 
 
 def processor_table(report: Report) -> Table:
-    """Returns one row a form: for each number of environments its steps a second of processor time."""
+    """Returns a row for each form: for each number of environments its steps a second of
+    processor time."""
     numbers = env_numbers(report)
     rows = []
     for form, speeds in grouped(report.speeds).items():
@@ -72,12 +74,16 @@ def processor_table(report: Report) -> Table:
             for number in numbers
         ]
         rows.append((*_labels(form), *rates))
-    title = f"environment steps a second of processor time, of all cores together: median of {report.repeats} rounds"
+    title = (
+        "environment steps a second of processor time, of all cores together: "
+        f"median of {report.repeats} rounds"
+    )
     return Table(title, (*FORM, *columns(numbers)), tuple(rows), len(FORM))
 
 
 def cost_table(report: Report) -> Table:
-    """Returns one row a form: what compiling takes, how large one step is, and the memory the loop needs."""
+    """Returns a row for each form: the seconds of compiling, the size of one step, and the memory
+    of the loop."""
     numbers = env_numbers(report)
     steps = {
         Form(step.name, step.num_agents, step.observation): step for step in report.compilations
@@ -88,43 +94,34 @@ def cost_table(report: Report) -> Table:
         slowest = max(speed.loop_compile_s for speed in speeds.values())
         rows.append((*_labels(form), *_step_cells(steps.get(form)), f"{slowest:.1f} s", *memory))
     headings = (*FORM, "step compile", "StableHLO lines", "loop compile", *columns(numbers))
-    return Table(
-        "compile time and size of one step; compile time of the loop, and the memory it needs",
-        headings,
-        tuple(rows),
-        len(FORM),
-    )
+    title = "compile time and size of one step; compile time of the loop, and the memory it needs"
+    return Table(title, headings, tuple(rows), len(FORM))
 
 
 def relation_table(report: Report) -> Table:
-    """Returns how much longer a step takes with one-hot observations, and with a crowd, by game and number of environments."""
+    """Returns how many times as long a step takes with one-hot observations, and with a crowd."""
     numbers = env_numbers(report)
     by_form = grouped(report.speeds)
     crowds = {form: next(iter(speeds.values())).crowd for form, speeds in by_form.items()}
-    own = {(form.name, form.observation): form for form, crowd in crowds.items() if crowd is None}
+    # The forms with the game's own number of agents.
+    usual = {(form.name, form.observation): form for form, crowd in crowds.items() if crowd is None}
     rows = []
     for form, speeds in by_form.items():
         tokens = form._replace(observation="tokens")
         if form.observation != "tokens" and tokens in by_form:
-            rows.append(
-                (
-                    f"{form.name}, {form.num_agents} agents: {form.observation} to tokens",
-                    *_longer(speeds, by_form[tokens], numbers),
-                )
-            )
-        fewer = own.get((form.name.removesuffix("+crowd"), form.observation))
+            label = f"{form.name}, {form.num_agents} agents: {form.observation} to tokens"
+            rows.append((label, *_ratios(speeds, by_form[tokens], numbers)))
+        fewer = usual.get((form.name.removesuffix("+crowd"), form.observation))
         if crowds[form] is not None and fewer is not None:
-            said = (
-                f"{fewer.name}, {form.observation}: {form.num_agents} agents to {fewer.num_agents}"
-            )
-            rows.append((said, *_longer(speeds, by_form[fewer], numbers)))
-    return Table(
-        "how many times as long a step takes", ("of what to what", *columns(numbers)), tuple(rows)
-    )
+            agents = f"{form.num_agents} agents to {fewer.num_agents}"
+            label = f"{fewer.name}, {form.observation}: {agents}"
+            rows.append((label, *_ratios(speeds, by_form[fewer], numbers)))
+    headings = ("of what to what", *columns(numbers))
+    return Table("how many times as long a step takes", headings, tuple(rows))
 
 
 def thousands(rate: float) -> str:
-    """Returns `9.48k` or `1,293k`: three digits say all that a timing knows."""
+    """Returns `9.48k` or `1,293k`: a timing isn't more exact than three digits."""
     return f"{rate / 1000:,.0f}k" if rate >= 100_000 else f"{rate / 1000:.3g}k"
 
 
@@ -134,16 +131,15 @@ def env_numbers(report: Report) -> list[int]:
 
 def grouped(speeds: Iterable[Speed]) -> dict[Form, dict[int, Speed]]:
     """Returns the speeds by form, then by number of environments."""
-    found: dict[Form, dict[int, Speed]] = {}
+    by_form: dict[Form, dict[int, Speed]] = {}
     for speed in speeds:
-        found.setdefault(Form(speed.name, speed.num_agents, speed.observation), {})[
-            speed.num_envs
-        ] = speed
-    return found
+        form = Form(speed.name, speed.num_agents, speed.observation)
+        by_form.setdefault(form, {})[speed.num_envs] = speed
+    return by_form
 
 
 def columns(numbers: Iterable[int]) -> Iterable[str]:
-    return (f"{n:,} env{'s' if n > 1 else ''}" for n in numbers)
+    return ("1 env" if number == 1 else f"{number:,} envs" for number in numbers)
 
 
 def _labels(form: Form) -> tuple[str, str, str]:
@@ -151,19 +147,18 @@ def _labels(form: Form) -> tuple[str, str, str]:
 
 
 def speed_cell(speed: Speed | None) -> str:
-    """Returns a speed, its spread and its ratio; empty if there was no time to measure it."""
-    return (
-        ""
-        if speed is None
-        else f"{thousands(speed.env_steps_per_s)} ±{speed.spread:.0%} x{speed.ratio:.2f}"
-    )
+    """Returns a speed, its spread and its ratio; empty if it wasn't measured."""
+    if speed is None:
+        return ""
+    return f"{thousands(speed.env_steps_per_s)} ±{speed.spread:.0%} x{speed.ratio:.2f}"
 
 
 def _step_cells(step: Compilation | None) -> tuple[str, str]:
     return ("", "") if step is None else (f"{step.compile_s:.1f} s", f"{step.stablehlo_lines:,}")
 
 
-def _longer(speeds: dict[int, Speed], base: dict[int, Speed], numbers: list[int]) -> Iterable[str]:
+def _ratios(speeds: dict[int, Speed], base: dict[int, Speed], numbers: list[int]) -> Iterable[str]:
+    """Yields how many times as long a step takes as in `base`, for each number of environments."""
     both = base.keys() & speeds.keys()
     return (
         f"{base[n].env_steps_per_s / speeds[n].env_steps_per_s:.2f}" if n in both else ""

@@ -1,4 +1,6 @@
-"""Timing in rounds: every task is measured in turn, in one process, so that the results can be compared."""
+"""Timing in rounds: every task is measured in turn, in one process, so that the results can be
+compared.
+"""
 
 import statistics
 import time
@@ -19,11 +21,8 @@ from sjdsl.several import several
 
 @dataclass(frozen=True)
 class Speed:
-    """Environment steps a second of one task: the median of the rounds, the slowest and the fastest.
-
-    `ratio` is the median over rounds of the task's speed to the yardstick's in the same round. `memory_bytes` is what XLA
-    says the whole loop needs: the states, the observations of one step and everything in between. `env_steps_per_processor_s` is the
-    median of steps a second of processor time, of all cores together, which other programs hardly change.
+    """Environment steps a second of one task: the median of the rounds, the slowest and the
+    fastest.
     """
 
     name: str
@@ -34,9 +33,13 @@ class Speed:
     env_steps_per_s: float
     slowest: float
     fastest: float
+    # Median over rounds of the task's speed divided by the yardstick's in the same round.
     ratio: float
     loop_compile_s: float
+    # Of the whole loop, by XLA: the states, the observations of one step and everything in between.
     memory_bytes: int
+    # Median of steps a second of processor time, of all cores together, on which other programs
+    # have little effect.
     env_steps_per_processor_s: float
 
     @property
@@ -46,7 +49,7 @@ class Speed:
 
 
 class Round(NamedTuple):
-    """What one round took: seconds of the clock, and of all processors together."""
+    """The time of one round: seconds of the clock, and of all processors together."""
 
     env_steps: int
     seconds: float
@@ -59,22 +62,21 @@ class Round(NamedTuple):
 
     @property
     def rate_of_processor(self) -> float:
-        """Environment steps a second of processor time, which has ticks of its own."""
-        return self.env_steps / max(
-            self.processor_seconds, time.get_clock_info("process_time").resolution
-        )
+        """Environment steps a second of processor time, which is at least one tick of its clock."""
+        tick = time.get_clock_info("process_time").resolution
+        return self.env_steps / max(self.processor_seconds, tick)
 
 
 @dataclass(frozen=True)
 class Report:
-    """All figures of one run, and what they were measured on."""
+    """All figures of one run, and the machine."""
 
     machine: dict[str, Any]
     repeats: int
     speeds: tuple[Speed, ...]
     compilations: tuple[Compilation, ...]
     device_peak_bytes: int | None
-    left_out: tuple[str, ...] = ()  # what couldn't be measured, and why
+    left_out: tuple[str, ...] = ()  # notes on tasks that couldn't be measured
 
 
 def measure(
@@ -89,56 +91,54 @@ def measure(
     """Returns the speeds of all tasks and of the yardstick at each number of environments.
 
     Args:
-      tasks: what to measure beside the yardstick.
-      num_envs: how many environments play at once; each number is measured apart. Of tasks and numbers one may stand for itself.
-      repeats: rounds; in each every task is timed once.
+      tasks: one task or several, beside the yardstick.
+      num_envs: numbers of environments that play at once, one or several, measured one after
+        another.
+      repeats: rounds, in each of which every task is timed once.
       steps: number of environments -> steps of one timing.
-      tell: called with a line whenever something has begun.
-      workers: programs compiled at the same time. With more than one, seconds of compiling mean little, and one step of one environment
-        isn't compiled.
-      devices: over how many the environments are split (`bench.devices`); every number of environments is a multiple of it.
+      tell: called with a line at the start of each compilation and round.
+      workers: programs compiled at the same time. With more than one, seconds of compiling mean
+        little, and one step of one environment isn't compiled.
+      devices: the number of devices over which the environments are split (`bench.devices`), which
+        divides every number of environments.
     """
-    tasks, num_envs = several(tasks), several(num_envs)
     compilations = []
-    for task in tasks if workers == 1 else ():
+    for task in several(tasks) if workers == 1 else ():
         if task.env is not None:
             tell(f"compiling one step of {task.name}")
             compilations.append(compile_step(task.env, task.name))
     speeds: list[Speed] = []
-    everyone = [yardstick_task(), *tasks]
-    for number in num_envs:
+    all_tasks = [yardstick_task(), *several(tasks)]
+    for number in several(num_envs):
+        num_steps = steps(number)
 
-        def compile_one(task: Task, number: int = number) -> tuple[Compiled, float]:
+        def compile_task(
+            task: Task, number: int = number, num_steps: int = num_steps
+        ) -> tuple[Compiled, float]:
             tell(f"compiling {task.name} for {number} environments")
-            return compile_loop(task, number, steps(number), devices)
+            return compile_loop(task, number, num_steps, devices)
 
         def announce(round_number: int, number: int = number) -> None:
             tell(f"{number} environments, round {round_number} of {repeats}")
 
         with ThreadPoolExecutor(workers) as pool:
-            compiled = list(pool.map(compile_one, everyone))
-        rounds = timed_rounds(
-            [loop for loop, _ in compiled],
-            [number * steps(number)] * len(compiled),
-            repeats,
-            announce,
-        )
-        speeds += [
-            speed_of(task, number, own, rounds[0], made)
-            for task, own, made in zip(everyone, rounds, compiled, strict=True)
-        ]
-    return Report(
-        describe_machine(devices), repeats, tuple(speeds), tuple(compilations), device_peak_bytes()
-    )
+            compiled = list(pool.map(compile_task, all_tasks))
+        loops = [loop for loop, _ in compiled]
+        env_steps = [number * num_steps] * len(loops)
+        rounds = timed_rounds(loops, env_steps, repeats, announce)
+        for task, task_rounds, compilation in zip(all_tasks, rounds, compiled, strict=True):
+            speeds.append(speed_of(task, number, task_rounds, rounds[0], compilation))
+    machine = describe_machine(devices)
+    return Report(machine, repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
 
 
 def compile_loop(
     task: Task, num_envs: int, num_steps: int, devices: int = 1
 ) -> tuple[Compiled, float]:
     """Returns the measured loop and the seconds it took to compile."""
-    began = time.perf_counter()
+    start = time.perf_counter()
     loop = jax.jit(make_loop(task, num_envs, num_steps, devices)).lower(jax.random.key(0)).compile()
-    return loop, time.perf_counter() - began
+    return loop, time.perf_counter() - start
 
 
 def speed_of(
@@ -150,14 +150,22 @@ def speed_of(
 ) -> Speed:
     """Returns the speed of a task from its rounds and those of the yardstick."""
     loop, seconds = compiled
-    rates = [one.rate for one in rounds]
-    ratio = statistics.median(
-        own.rate / its.rate for own, its in zip(rounds, yardstick, strict=True)
-    )
-    figures = (statistics.median(rates), min(rates), max(rates), ratio, seconds, memory_of(loop))
-    of_processor = statistics.median(one.rate_of_processor for one in rounds)
+    rates = [round_.rate for round_ in rounds]
+    yardstick_rates = [round_.rate for round_ in yardstick]
+    ratios = [rate / other for rate, other in zip(rates, yardstick_rates, strict=True)]
     return Speed(
-        task.name, task.num_agents, task.observation, task.crowd, num_envs, *figures, of_processor
+        name=task.name,
+        num_agents=task.num_agents,
+        observation=task.observation,
+        crowd=task.crowd,
+        num_envs=num_envs,
+        env_steps_per_s=statistics.median(rates),
+        slowest=min(rates),
+        fastest=max(rates),
+        ratio=statistics.median(ratios),
+        loop_compile_s=seconds,
+        memory_bytes=memory_of(loop),
+        env_steps_per_processor_s=statistics.median(round_.rate_of_processor for round_ in rounds),
     )
 
 
@@ -167,10 +175,9 @@ def race(
     repeats: int,
     tell: Callable[[int], object],
 ) -> list[list[float]]:
-    """Returns environment steps a second by loop and round, as `timed_rounds`."""
-    return [
-        [one.rate for one in rounds] for rounds in timed_rounds(loops, env_steps, repeats, tell)
-    ]
+    """Returns environment steps a second by loop and round; see `timed_rounds`."""
+    by_loop = timed_rounds(loops, env_steps, repeats, tell)
+    return [[round_.rate for round_ in rounds] for rounds in by_loop]
 
 
 def timed_rounds(
@@ -179,29 +186,28 @@ def timed_rounds(
     repeats: int,
     tell: Callable[[int], object],
 ) -> list[list[Round]]:
-    """Returns the times by loop and round: in each round every loop runs once, for `env_steps` steps."""
+    """Returns the times by loop and round: in each round every loop runs once, for `env_steps`
+    steps.
+    """
     for loop in loops:
         loop(jax.random.key(1)).block_until_ready()  # the first call may be slower
     rounds: list[list[Round]] = [[] for _ in loops]
     for number in range(repeats):
         tell(number + 1)
-        for own, loop, number_of_steps in zip(rounds, loops, env_steps, strict=True):
+        for index, loop in enumerate(loops):
             key = jax.random.key(number)
-            began = time.perf_counter()
-            began_on_processor = time.process_time()
+            start = time.perf_counter()
+            processor_start = time.process_time()
             loop(key).block_until_ready()
-            own.append(
-                Round(
-                    number_of_steps,
-                    time.perf_counter() - began,
-                    time.process_time() - began_on_processor,
-                )
-            )
+            seconds = time.perf_counter() - start
+            processor_seconds = time.process_time() - processor_start
+            rounds[index].append(Round(env_steps[index], seconds, processor_seconds))
     return rounds
 
 
 def memory_of(compiled: Compiled) -> int:
-    """Returns the bytes XLA needs for a program: arguments, results and everything in between, its code aside."""
+    """Returns the bytes that XLA needs for a program: arguments, results and everything in between,
+    but not the code."""
     stats = compiled.memory_analysis()
     if stats is None:
         return 0

@@ -1,10 +1,13 @@
-"""The yardstick: a step of Commons Harvest (open) written by hand in JAX, with which compiled games are compared.
+"""The yardstick: a step of Commons Harvest (open) written by hand in JAX, with which compiled games
+are compared.
 
-It does the whole work of one environment step: turns, relative moves with collisions, eating, regrowth by neighbour count,
-the zap beam, respawn, and the 11 x 11 egocentric windows of seven agents. It is fast because a cell is one uint8 token instead
-of one-hot floats, and apples are a vector of 64 sites with a constant neighbour matrix. Each window is cut with one
-dynamic_slice and turned by selecting among four rotations. Collisions are N x N comparisons, unrolled, and nothing is sorted.
-It has no resets, and uses threefry. As a fixed measure it is not changed any more, not even to be faster.
+It does the whole work of one environment step: turns, relative moves with collisions, eating,
+regrowth by neighbour count, the zap beam, respawn, and the 11 x 11 egocentric windows of seven
+agents. It is fast because a cell is one uint8 token instead of one-hot floats, and apples are a
+vector of 64 sites with a constant neighbour matrix. Each window is cut with one dynamic_slice and
+turned by selecting among four rotations. Collisions are N x N comparisons, unrolled, and nothing is
+sorted. It has no resets, and uses threefry. As a fixed measure it is not changed any more, not even
+to be faster.
 """
 
 import jax
@@ -21,9 +24,8 @@ SPAWN_CELLS = (
     [(13, c) for c in range(2, 20)] + [(14, c) for c in range(1, 21)] + [(15, c) for c in range(22)]
 )
 
-State = tuple[
-    Array, Array, Array
-]  # position [7] int32, cell of the padded frame; heading [7] int32; ripe [64] bool
+# position [7] int32, cell of the padded frame; heading [7] int32; ripe [64] bool
+State = tuple[Array, Array, Array]
 
 
 def _apple_cells() -> list[tuple[int, int]]:
@@ -108,7 +110,9 @@ def _move(position: Array, heading: Array, action: Array, key: Array) -> Array:
 
 
 def _zap(position: Array, heading: Array, action: Array, key: Array) -> tuple[Array, Array, Array]:
-    """Returns the positions after those hit were sent to spawn cells, the cells of the beams, and who zapped."""
+    """Returns the positions after those hit were sent to spawn cells, the cells of the beams, and
+    who zapped.
+    """
     ahead, right = STEP[heading], STEP[(heading + 1) & 3]
     beam = jnp.stack(
         [
@@ -127,9 +131,8 @@ def _zap(position: Array, heading: Array, action: Array, key: Array) -> tuple[Ar
     taken = jnp.any((SPAWNS[:, None] == position[None]) & ~hit[None], 1)
     rank = jnp.where(taken, jnp.uint32(0xFFFFFFFF), jax.random.bits(key, (len(SPAWN_CELLS),)) >> 1)
     homes = []
-    for _ in range(
-        NUM_AGENTS
-    ):  # the smallest ranks one after another: much faster than a sort on a CPU
+    # The smallest ranks one after another: much faster than a sort on a CPU.
+    for _ in range(NUM_AGENTS):
         best = jnp.argmin(rank)
         homes.append(SPAWNS[best])
         rank = rank.at[best].set(jnp.uint32(0xFFFFFFFF))

@@ -96,7 +96,7 @@ def command(
         join_processes()
     if resumed is not None:
         total_timesteps = run.changes.get("total_timesteps")
-        allowed = BESIDE_RESUME
+        allowed: tuple[str, ...] = BESIDE_RESUME
         if total_timesteps is not None and len(run.changes) == 1:
             allowed += ("changes",)
         if refused := written_options(*allowed):

@@ -13,7 +13,9 @@ from sjdsl.trainers.policies.estimates import Estimate
 def diagram_text(diagram: Diagram) -> str:
     """Returns the diagram as text: both lines, the contrasts and the verdict."""
     cooperators, defectors = diagram.experiment.pools
-    lines = [("others who cooperate", "C: cooperating", "D: defecting", "D - C", "preferred")]
+    lines: list[tuple[str, ...]] = [
+        ("others who cooperate", "C: cooperating", "D: defecting", "D - C", "preferred")
+    ]
     cooperating = diagram.cooperating
     defecting = diagram.defecting
     for others, (difference, preferred) in enumerate(diagram.preferences):

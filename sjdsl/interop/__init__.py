@@ -1,1 +1,2 @@
-"""Adapters: compiled games for other libraries, one file for each library, each an optional extra of the package."""
+"""Adapters: compiled games for other libraries, a file and an optional extra of the package for
+each library."""

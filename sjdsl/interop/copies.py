@@ -1,4 +1,6 @@
-"""Copies of adapters, by `copy` and by `pickle`: created with the same arguments, and with the same state."""
+"""Copies of adapters, by `copy` and by `pickle`: created with the same arguments, and with the same
+state.
+"""
 
 from typing import Any, ClassVar, Self
 
@@ -11,21 +13,18 @@ class Copied:
     """
 
     KEPT: ClassVar[tuple[str, ...]] = ()
-    _made_with: tuple[tuple[Any, ...], dict[str, Any]]
+    _init_arguments: tuple[tuple[Any, ...], dict[str, Any]]
 
-    def __new__(cls, *args: Any, **arguments: Any) -> Self:
+    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         """Stores the arguments."""
-        made = super().__new__(cls)
-        made._made_with = args, arguments
-        return made
+        adapter = super().__new__(cls)
+        adapter._init_arguments = args, kwargs
+        return adapter
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (
-            _remake,
-            (type(self), *self._made_with),
-            {name: vars(self)[name] for name in self.KEPT},
-        )
+        state = {name: vars(self)[name] for name in self.KEPT}
+        return _create, (type(self), *self._init_arguments), state
 
 
-def _remake(adapter: Any, args: tuple[Any, ...], arguments: dict[str, Any]) -> Any:
-    return adapter(*args, **arguments)
+def _create(adapter: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
+    return adapter(*args, **kwargs)

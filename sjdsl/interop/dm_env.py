@@ -1,6 +1,6 @@
 """dm_env adapter: a compiled game with the interface of a Melting Pot substrate."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,18 +29,21 @@ with needs("dm_env"):
 
 Observation = dict[str, np.ndarray]
 ROLE = "default"
-OUTSIDE = 0  # in an observation: the look of what is off the map
+OUTSIDE = 0  # in an observation: the token of cells that are off the map
 TILE = 8  # pixels of a cell's side, as in Melting Pot
 
 
 class Substrate(Copied, dm_env.Environment):
-    """One environment of a game: actions, rewards and observations are lists, one entry a player.
+    """One environment of a game: actions, rewards and observations are lists, with an entry for
+    each player.
 
-    Observations: `RGB`, the player's window, `[rows * 8, cols * 8, 3]` uint8; of a substrate of Melting Pot, what else a player observes
-    there, such as `READY_TO_SHOOT`, `INVENTORY` or `STAMINA` (docs/meltingpot.md lists which are left out); of another game with actions
-    of its own, `READY_TO_SHOOT`, 1 if all of them are allowed; `COLLECTIVE_REWARD`, the sum of the step's rewards; `WORLD.RGB`, the whole
-    board. Rewards are raw. An episode's last step has discount 1 where it is cut off, 0 where the rules end it. A step after it, or before
-    `reset`, begins an episode, as dm_env has it.
+    Observations: `RGB`, the player's window, `[rows * 8, cols * 8, 3]` uint8; in a substrate of
+    Melting Pot, the other observations of a player there, such as `READY_TO_SHOOT`, `INVENTORY` or
+    `STAMINA` (docs/meltingpot.md lists which are left out); in another game with actions of its
+    own, `READY_TO_SHOOT`, 1 if all of them are allowed; `COLLECTIVE_REWARD`, the sum of the step's
+    rewards; `WORLD.RGB`, the whole board. Rewards are raw. The last step of an episode has discount
+    1 where it is cut off, 0 where the rules end it. As dm_env requires, a step after it, or before
+    `reset`, begins an episode.
     """
 
     KEPT = ("_key", "_state", "_events")
@@ -51,22 +54,23 @@ class Substrate(Copied, dm_env.Environment):
         """Makes the environment.
 
         Args:
-          game: of `sjdsl.make`, or the name of a substrate of Melting Pot, such as `territory__rooms`.
+          game: of `sjdsl.make`, or the name of a substrate of Melting Pot, such as
+            `territory__rooms`.
           arguments: of `sjdsl.make`; a variant is added to that of the substrate.
           seed: the seed of all episodes; by default a new one each time.
           tile: the side of a cell in pixels.
         Raises:
-          ValueError: a substrate that is not available yet, or a negative seed. TypeError: the seed isn't a whole number.
+          ValueError: a substrate that is not available yet, or a negative seed. TypeError: the seed
+            isn't a whole number.
         """
         self.env = _make(game, arguments)
         self._key = seeded_key(seed)
         entry = _entry(game, arguments)
         self._rules: Mapping[str, Any] | None = None if entry is None else entry.observations
         self._look = replace(make_look(self.env.game), tile=tile)
-        self._sees = jax.jit(self.env.module.observe)
-        self._own_actions = [
-            i for i, name in enumerate(self.env.action_names) if name not in BUILT_IN
-        ]
+        self._compute_observation = jax.jit(self.env.module.observe)
+        names = self.env.action_names
+        self._game_actions = [i for i, name in enumerate(names) if name not in BUILT_IN]
         self._state: Any = None
         self._events: list[tuple[str, Any]] = []
 
@@ -80,8 +84,8 @@ class Substrate(Copied, dm_env.Environment):
         self._key, key = jax.random.split(self._key)
         _, self._state = self.env.reset(key)
         self._events = []
-        nothing = np.zeros(self.env.num_agents)
-        return dm_env.TimeStep(dm_env.StepType.FIRST, list(nothing), 0.0, self._observe(nothing))
+        rewards = np.zeros(self.env.num_agents)
+        return dm_env.TimeStep(dm_env.StepType.FIRST, list(rewards), 0.0, self._observe(rewards))
 
     def step(self, action: Sequence[int]) -> dm_env.TimeStep:
         """Plays one step; `action` has one number for each player."""
@@ -100,13 +104,14 @@ class Substrate(Copied, dm_env.Environment):
         self._events = list(_events(info["events"]))
         kind = dm_env.StepType.LAST if bool(done) else dm_env.StepType.MID
         discount = 0.0 if bool(info["terminated"]) else 1.0
-        made = dm_env.TimeStep(kind, list(rewards), discount, self._observe(rewards))
+        timestep = dm_env.TimeStep(kind, list(rewards), discount, self._observe(rewards))
         if bool(done):
             self._state = None
-        return made
+        return timestep
 
     def events(self) -> list[tuple[str, Any]]:
-        """Returns the events of the last step: names, each with the player's number (None for an event without one) and the count."""
+        """Returns the events of the last step: names, each with the number of the player (None for
+        an event without one) and the count."""
         return list(self._events)
 
     def observation_spec(self) -> list[Mapping[str, specs.Array]]:
@@ -117,8 +122,8 @@ class Substrate(Copied, dm_env.Environment):
             "RGB": specs.Array((rows * tile, cols * tile, 3), np.uint8, "RGB")
         }
         shapes = jax.eval_shape(self.env.reset, self._key)[1]
-        nothing = jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), shapes)
-        for name, values in self._other_observations(nothing).items():
+        zeros = jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), shapes)
+        for name, values in self._other_observations(zeros).items():
             spec[name] = specs.Array(values.shape[1:], values.dtype, name)
         spec["COLLECTIVE_REWARD"] = specs.Array((), np.float64, "COLLECTIVE_REWARD")
         board = (self._look.height * tile, self._look.width * tile, 3)
@@ -151,34 +156,37 @@ class Substrate(Copied, dm_env.Environment):
         collective = np.array(rewards.sum())
         observations = []
         for player, window in enumerate(windows):
-            own = {name: np.asarray(values[player]) for name, values in others.items()}
-            observations.append(
-                {"RGB": window, **own, "COLLECTIVE_REWARD": collective, "WORLD.RGB": board}
-            )
+            observation = {"RGB": window}
+            for name, values in others.items():
+                observation[name] = np.asarray(values[player])
+            observation["COLLECTIVE_REWARD"] = collective
+            observation["WORLD.RGB"] = board
+            observations.append(observation)
         return observations
 
     def _other_observations(self, state: Any) -> dict[str, np.ndarray]:
         """Returns the players' other observations by name, `[N, …]` each."""
         if self._rules is not None:
             return {name: observe(self.env, state, rule) for name, rule in self._rules.items()}
-        if not self._own_actions:
+        if not self._game_actions:
             return {}
-        ready = np.all(np.asarray(self.env.allowed_actions(state))[:, self._own_actions], axis=1)
-        return {"READY_TO_SHOOT": ready.astype(np.float64)}
+        allowed = np.asarray(self.env.allowed_actions(state))
+        is_ready = np.asarray(allowed[:, self._game_actions].all(axis=1), np.float64)
+        return {"READY_TO_SHOOT": is_ready}
 
     def _windows(self, board: np.ndarray, snapshot: Snapshot) -> np.ndarray:
-        """Returns the window of each player on the board, black beyond its own window."""
+        """Returns the window of each player on the board, black where the player sees nothing."""
         game = self.env.game
         windows = draw_windows(board, snapshot, game.window, self._look.tile)
         if not game.window.views:
             return windows
-        content = np.asarray(self._sees(self._state, self.env.params))[:, 0]
+        content = np.asarray(self._compute_observation(self._state, self.env.params))[:, 0]
         return where_seen(content != OUTSIDE, windows)
 
 
 @dataclass(frozen=True)
 class Config:
-    """What is known about a game before it is built, by Melting Pot's names."""
+    """The properties of a game that don't need its state, under Melting Pot's names."""
 
     default_player_roles: tuple[str, ...]
     valid_roles: frozenset[str]
@@ -188,11 +196,14 @@ class Config:
 
 
 def get_config(game: str, **arguments: Any) -> Config:
-    """Returns the configuration of a game or a substrate; every player has the role `default` unless Melting Pot gives another."""
-    made = Substrate(game, **arguments)
-    names = tuple(name for name in made.observation_spec()[0] if name != "WORLD.RGB")
-    roles = _roles(game, made.env.num_agents)
-    return Config(roles, frozenset(roles), made.action_names, names, ("WORLD.RGB",))
+    """Returns the configuration of a game or a substrate.
+
+    Every player has the role `default` unless Melting Pot gives it another.
+    """
+    substrate = Substrate(game, **arguments)
+    names = tuple(name for name in substrate.observation_spec()[0] if name != "WORLD.RGB")
+    roles = _roles(game, substrate.env.num_agents)
+    return Config(roles, frozenset(roles), substrate.action_names, names, ("WORLD.RGB",))
 
 
 def build(
@@ -205,21 +216,22 @@ def build(
     """Returns the game or substrate with one player for each role.
 
     Raises:
-      ValueError: the game lacks a role, the roles are not those of its players in order, or it doesn't allow that number of players.
+      ValueError: the game lacks a role, the roles are not those of its players in order, or it
+        doesn't allow that number of players.
     """
     roles = several(roles)
     number = _make(game, arguments).num_agents
-    usual = _roles(game, number)
-    unknown = sorted(set(roles) - set(usual))
-    if unknown and set(usual) == {ROLE}:
+    default = _roles(game, number)
+    unknown = sorted(set(roles) - set(default))
+    if unknown and set(default) == {ROLE}:
         raise ValueError(f"there is no role `{unknown[0]}`; every player has the role `{ROLE}`")
     if unknown:
         raise ValueError(
-            f"there is no role `{unknown[0]}`; the roles are {', '.join(dict.fromkeys(usual))}"
+            f"there is no role `{unknown[0]}`; the roles are {', '.join(dict.fromkeys(default))}"
         )
-    if len(set(usual)) > 1 and tuple(roles) != usual:
-        raise ValueError(f"`{game}` has the roles {', '.join(usual)}; give them in this order")
-    if len(roles) != number:  # refused by games with a fixed number of agents
+    if len(set(default)) > 1 and roles != default:
+        raise ValueError(f"`{game}` has the roles {', '.join(default)}; give them in this order")
+    if len(roles) != number:  # a game with a fixed number of agents refuses another
         arguments["num_agents"] = len(roles)
     return Substrate(game, seed, tile, **arguments)
 
@@ -227,8 +239,9 @@ def build(
 def _make(game: str, arguments: Mapping[str, Any]) -> Environment:
     """Returns the environment of a substrate by its name there, or of any game.
 
-    `clean_up` names both: it means the substrate, or, with the argument `variant` (None: the plain game), the game.
-    Raises ValueError for a substrate that isn't available yet.
+    `clean_up` is the name of both: it means the substrate, or, with the argument `variant` (None:
+    the game without a variant), the game. Raises ValueError for a substrate that isn't available
+    yet.
     """
     entry = _entry(game, arguments)
     if entry is None:
@@ -242,25 +255,27 @@ def _make(game: str, arguments: Mapping[str, Any]) -> Environment:
 
 
 def _entry(game: str, arguments: Mapping[str, Any]) -> Entry | None:
-    """Returns the named substrate; None if the name is a game's."""
+    """Returns the named substrate; None if the name is that of a game."""
     entry = substrates().get(game)
-    return (
-        None
-        if entry is None or (game in bundled() and ("variant" in arguments or not entry.game))
-        else entry
-    )
+    if entry is None:
+        return None
+    is_game = game in bundled() and ("variant" in arguments or not entry.game)
+    return None if is_game else entry
 
 
 def _roles(game: str, number: int) -> tuple[str, ...]:
-    """Returns the roles of the players: Melting Pot's if it names them and the number is that of the substrate."""
+    """Returns the roles of the players: Melting Pot's if it names one for each, else `default`."""
     entry = substrates().get(game)
-    named = entry.roles if entry is not None else ()
-    return named if len(named) == number else (ROLE,) * number
+    if entry is not None and len(entry.roles) == number:
+        return entry.roles
+    return (ROLE,) * number
 
 
-def _events(counts: Mapping[str, Any]) -> Any:
+def _events(counts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     for name, count in counts.items():
         values = np.asarray(count)
-        for player, times in enumerate(values if values.ndim else [values]):
-            if times:
-                yield name, {"player": player if values.ndim else None, "times": int(times)}
+        if values.ndim == 0 and values:
+            yield name, {"player": None, "times": int(values)}
+        if values.ndim == 1:
+            for player in np.nonzero(values)[0]:
+                yield name, {"player": int(player), "times": int(values[player])}

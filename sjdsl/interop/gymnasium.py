@@ -1,4 +1,5 @@
-"""Gymnasium adapter: a compiled game as a vector environment with one sub-environment an agent, or for one agent."""
+"""Gymnasium adapter: a compiled game as a vector environment with a sub-environment for each agent,
+or as an environment of one agent."""
 
 from typing import Any
 
@@ -26,17 +27,19 @@ __all__ = ["AgentGame", "VectorGame", "environment_id"]
 
 
 class VectorGame(Copied, VectorEnv):
-    """`num_envs` environments of a game; sub-environment (slot) `b * num_agents + i` is agent i of environment b.
+    """`num_envs` environments of a game; sub-environment (slot) `b * num_agents + i` is agent i of
+    environment b.
 
-    Autoreset happens in the same step: `observations` are those of the new episode, the last ones of the old episode are in
-    `infos["final_obs"]`. Rewards are raw, float64. Infos have the events of the step.
+    Autoreset happens in the same step: `observations` are those of the new episode, the last ones
+    of the old episode are in `infos["final_obs"]`. Rewards are raw, float64. Infos have the events
+    of the step.
 
     Attributes:
       env: the `sjdsl.Environment`.
     """
 
     KEPT = ("_key", "_state", "closed", "_np_random", "_np_random_seed")
-    metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012, as Gymnasium has it
+    metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
     def __init__(
         self,
@@ -50,7 +53,8 @@ class VectorGame(Copied, VectorEnv):
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
-          num_envs: environments of the game; Gymnasium's `num_envs` of the result is this times the number of agents.
+          num_envs: environments of the game; Gymnasium's `num_envs` of the result is this times the
+            number of agents.
           common_reward: whether every agent gets the sum of its environment's rewards.
         Raises:
           ValueError: `num_envs` is less than 1.
@@ -64,30 +68,35 @@ class VectorGame(Copied, VectorEnv):
         self.single_action_space = spaces.Discrete(self.env.num_actions)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._common_reward, self.closed = common_reward, False
-        self._np_random, self._np_random_seed = None, None
+        self.closed = False
+        self._common_reward = common_reward
+        self._np_random = None
+        self._np_random_seed = None
         self._key: Any = None
         self._state: Any = None
-        self._begin, self._advance = jax.jit(self._reset), jax.jit(self._step)
-        self._look = jax.jit(jax.vmap(self.env.observe))
-        self._allowed = jax.jit(jax.vmap(self.env.allowed_actions))
+        self._jitted_reset = jax.jit(self._reset)
+        self._jitted_step = jax.jit(self._step)
+        self._jitted_observe = jax.jit(jax.vmap(self.env.observe))
+        self._jitted_allowed = jax.jit(jax.vmap(self.env.allowed_actions))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts all episodes; without a seed the random draws continue, or start anywhere the first time.
+        """Starts all episodes.
 
-        The same seed, one number, gives the same episodes under the same actions.
+        The same seed, one number, gives the same episodes under the same actions. Without a seed,
+        the random draws continue; the first time, the seed is random.
 
         Raises:
-          TypeError: the seed isn't one whole number, or there is an option. ValueError: the seed is negative.
+          TypeError: the seed isn't one whole number, or there is an option. ValueError: the seed is
+            negative.
         """
         if options:
             raise TypeError(f"there is no option `{next(iter(options))}`")
         super().reset(seed=checked_seed(seed))
         if seed is not None or self._key is None:
             self._key = seeded_key(seed)
-        self._key, observation, self._state = self._begin(self._key)
+        self._key, observation, self._state = self._jitted_reset(self._key)
         return self._windows(observation), {}
 
     def step(
@@ -97,60 +106,61 @@ class VectorGame(Copied, VectorEnv):
 
         Raises:
           RuntimeError: before the first reset, or after `close`.
-          TypeError: the actions aren't whole numbers. ValueError: they have another shape, or one is out of range.
+          TypeError: the actions aren't whole numbers. ValueError: they have another shape, or one
+            is
+            out of range.
         """
         if self.closed:
             raise RuntimeError("the environment is closed")
         if self._state is None:
             raise RuntimeError("call reset before step")
-        chosen = np.asarray(actions)
-        if chosen.shape != (self.num_envs,):
-            raise ValueError(f"expected actions of shape ({self.num_envs},), got {chosen.shape}")
-        chosen = numbers_of_actions(
-            chosen, self.env.num_actions, lambda slot: f" of slot {slot}"
-        ).reshape(self._shape)
-        self._key, observation, self._state, reward, info = self._advance(
-            self._key, self._state, chosen
+        actions = np.asarray(actions)
+        if actions.shape != (self.num_envs,):
+            raise ValueError(f"expected actions of shape ({self.num_envs},), got {actions.shape}")
+        numbers = numbers_of_actions(actions, self.env.num_actions, lambda slot: f" of slot {slot}")
+        self._key, observation, self._state, reward, info = self._jitted_step(
+            self._key, self._state, numbers.reshape(self._shape)
         )
-        terminated, truncated = (
-            np.repeat(info[name], self._shape[1]) for name in ("terminated", "truncated")
-        )
-        counts = by_name(
-            {name: np.asarray(count).reshape(-1) for name, count in info["events"].items()}
-        )
-        infos = self._infos(counts, terminated | truncated, info["terminal_state"])
+        terminated = np.repeat(info["terminated"], self.env.num_agents)
+        truncated = np.repeat(info["truncated"], self.env.num_agents)
+        counts = {name: np.asarray(count).reshape(-1) for name, count in info["events"].items()}
         return (
             self._windows(observation),
             np.asarray(reward, np.float64).reshape(-1),
             terminated,
             truncated,
-            infos,
+            self._infos(by_name(counts), terminated | truncated, info["terminal_state"]),
         )
 
     def action_masks(self) -> np.ndarray:
-        """Returns which actions each agent may take next, `[num_envs, num_actions]` bool. Raises RuntimeError before the first reset."""
+        """Returns which actions each agent may take next, `[num_envs, num_actions]` bool.
+
+        Raises RuntimeError before the first reset.
+        """
         if self._state is None:
             raise RuntimeError("call reset before action_masks")
-        return action_masks(self.env, self._state, self._allowed).reshape(self.num_envs, -1)
+        masks = action_masks(self.env, self._state, self._jitted_allowed)
+        return masks.reshape(self.num_envs, -1)
 
     def _infos(
         self, counts: dict[str, np.ndarray], ended: np.ndarray, last_states: Any
     ) -> dict[str, Any]:
-        """Returns arrays by name, each with `_name`, where it holds, as Gymnasium's own vector environments have them."""
-        going = counts | {f"_{name}": ~ended for name in counts}
+        """Returns arrays by name, in the form of Gymnasium's vector environments.
+
+        The array `_NAME` says in which slots the array `NAME` has values.
+        """
+        infos: dict[str, Any] = {**counts, **{f"_{name}": ~ended for name in counts}}
         if not ended.any():
-            return going
-        last = np.full(self.num_envs, None, object)
-        observations = self._windows(self._look(last_states))
+            return infos
+        final_observations = np.full(self.num_envs, None, object)
+        observations = self._windows(self._jitted_observe(last_states))
         for slot in np.nonzero(ended)[0]:
-            last[slot] = observations[slot]
-        events = counts | {f"_{name}": ended for name in counts}
-        return going | {
-            "final_obs": last,
-            "_final_obs": ended,
-            "final_info": events,
-            "_final_info": ended,
-        }
+            final_observations[slot] = observations[slot]
+        infos["final_obs"] = final_observations
+        infos["_final_obs"] = ended
+        infos["final_info"] = {**counts, **{f"_{name}": ended for name in counts}}
+        infos["_final_info"] = ended
+        return infos
 
     def _reset(self, key: Any) -> tuple[Any, Any, Any]:
         key, resets = jax.random.split(key)
@@ -158,23 +168,22 @@ class VectorGame(Copied, VectorEnv):
 
     def _step(self, key: Any, state: Any, actions: Any) -> tuple[Any, Any, Any, Any, Any]:
         """Returns rewards and events with an entry for each agent, `[B, N]`."""
-        key, steps = jax.random.split(key)
-        observation, state, reward, _, info = jax.vmap(self.env.step)(
-            jax.random.split(steps, self._shape[0]), state, actions
-        )
+        key, step_key = jax.random.split(key)
+        keys = jax.random.split(step_key, self._shape[0])
+        observation, state, reward, _, info = jax.vmap(self.env.step)(keys, state, actions)
         if self._common_reward:
             reward = jnp.broadcast_to(reward.sum(axis=-1, keepdims=True), reward.shape)
-        events = {
-            n: jnp.broadcast_to(c if c.ndim == 2 else c[:, None], self._shape)
-            for n, c in info["events"].items()
+        infos = {name: info[name] for name in ("terminated", "truncated", "terminal_state")}
+        infos["events"] = {
+            name: jnp.broadcast_to(count.reshape(self._shape[0], -1), self._shape)
+            for name, count in info["events"].items()
         }
-        kept = {name: info[name] for name in ("terminated", "truncated", "terminal_state")}
-        return key, observation, state, reward, {**kept, "events": events}
+        return key, observation, state, reward, infos
 
     def _windows(self, observation: Any) -> np.ndarray:
         """Returns `[num_envs, rows, cols, channels]` of `[B, N, channels, rows, cols]`."""
-        last = np.moveaxis(np.asarray(observation), 2, -1)
-        return np.ascontiguousarray(last).reshape(self.num_envs, *last.shape[2:])
+        windows = np.moveaxis(np.asarray(observation), 2, -1)
+        return np.ascontiguousarray(windows).reshape(self.num_envs, *windows.shape[2:])
 
 
 def environment_id(game: str) -> str:
@@ -182,7 +191,8 @@ def environment_id(game: str) -> str:
     return f"sjdsl/{''.join(word.capitalize() for word in game.split('_'))}-v0"
 
 
-for _name in bundled():  # `gymnasium.make("sjdsl/CleanUp-v0")`, once this module is imported
+# `gymnasium.make("sjdsl/CleanUp-v0")` works once this module is imported.
+for _name in bundled():
     if environment_id(_name) not in gymnasium.registry:
         gymnasium.register(
             environment_id(_name), "sjdsl.interop.gymnasium_agent:AgentGame", kwargs={"game": _name}

@@ -24,10 +24,9 @@ with needs("jaxmarl"):
     from jaxmarl.environments.multi_agent_env import MultiAgentEnv, State
 
 ByAgent = dict[str, Array]
-PREFIXES = (
-    "sjdsl_",
-    "sjdsl/",
-)  # of the names of our games in JaxMARL's registry: scripts name files by the first
+# The names of our games in JaxMARL's registry begin with these: the first is for scripts that name
+# files after them.
+PREFIXES = ("sjdsl_", "sjdsl/")
 
 
 @struct.dataclass
@@ -40,8 +39,9 @@ class GameState(State):
 class JaxMARLGame(Copied, MultiAgentEnv):
     """One environment of a game; agents are `agent_0`, `agent_1` and so on, and all end together.
 
-    Rewards are raw. Every leaf of the infos has shape `(num_agents,)`, as JaxMARL's scripts need it: events and metrics of the
-    step by name, `truncated` and `terminated`. Actions may have shape `()` or `(1,)`.
+    Rewards are raw. Every leaf of the infos has shape `(num_agents,)`, as JaxMARL's scripts need
+    it: events and metrics of the step by name, `truncated` and `terminated`. Actions may have shape
+    `()` or `(1,)`.
 
     Attributes:
       env: the `sjdsl.Environment`; max_steps: the length of an episode.
@@ -62,11 +62,19 @@ class JaxMARLGame(Copied, MultiAgentEnv):
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
-          flat: whether observations are vectors, as scripts with dense or recurrent networks need, or `[rows, cols, channels]`; float32.
-          world_state: adds `obs["world_state"]`, `[num_agents, size]`, for central critics: all observations, or the state's vector.
+          flat: whether observations are vectors, as scripts with dense or recurrent networks need,
+            or
+            `[rows, cols, channels]`; float32.
+          world_state: adds `obs["world_state"]`, `[num_agents, size]`, for central critics: all
+            observations, or the state's vector.
           common_reward: whether every agent gets the sum of all rewards.
-          shaped_reward: adds `info["shaped_reward"]`, zeros by agent, which scripts written for Overcooked remove.
-          terminal_observation: adds `info["terminal_observation"]`, `[num_agents, ...]`, which `step` would drop at an episode's end.
+          shaped_reward: adds `info["shaped_reward"]`, zeros by agent, which scripts written for
+            Overcooked remove.
+          terminal_observation: adds `info["terminal_observation"]`, `[num_agents, ...]`, which
+            `step`
+            would drop at an episode's end.
+        Raises:
+          ValueError: another `world_state`.
         """
         if world_state not in (None, "observations", "state"):
             raise ValueError(
@@ -75,17 +83,15 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         self.env = make_environment(game, observation=observation, **arguments)
         super().__init__(self.env.num_agents)
         self.max_steps = self.env.episode_length
-        self._flat, self._world_state = flat, world_state
-        self._common_reward, self._shaped_reward, self._terminal_observation = (
-            common_reward,
-            shaped_reward,
-            terminal_observation,
-        )
+        self._flat = flat
+        self._world_state = world_state
+        self._common_reward = common_reward
+        self._shaped_reward = shaped_reward
+        self._terminal_observation = terminal_observation
         _, channels, rows, cols = self.env.observation_shape
         shape = (rows * cols * channels,) if flat else (rows, cols, channels)
-        self.observation_spaces = dict.fromkeys(
-            self.agents, spaces.Box(0.0, float(channel_bounds(self.env).max()), shape, jnp.float32)
-        )
+        box = spaces.Box(0.0, float(channel_bounds(self.env).max()), shape, jnp.float32)
+        self.observation_spaces = dict.fromkeys(self.agents, box)
         self.action_spaces = dict.fromkeys(self.agents, spaces.Discrete(self.env.num_actions))
 
     @property
@@ -99,10 +105,10 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         roles = self.env.roles
         if roles is None:
             return {"agents": list(self.agents)}
-        return {
-            f"role_{role}": [a for a, r in zip(self.agents, roles, strict=True) if r == role]
-            for role in sorted(set(roles))
-        }
+        classes: dict[str, list[str]] = {f"role_{role}": [] for role in sorted(set(roles))}
+        for agent, role in zip(self.agents, roles, strict=True):
+            classes[f"role_{role}"].append(agent)
+        return classes
 
     def observation_space(self, agent: str | None = None) -> spaces.Box:
         """Returns the space of an agent; all agents have the same."""
@@ -117,7 +123,8 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         observations = jax.eval_shape(self.reset, jax.random.key(0))[0]
         if "world_state" not in observations:
             raise ValueError(
-                'there is no world state: make the environment with world_state="observations" or "state"'
+                "there is no world state: make the environment with "
+                'world_state="observations" or "state"'
             )
         result: int = observations["world_state"].shape[1]
         return result
@@ -136,13 +143,15 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         actions: Mapping[str, Array],
         reset_state: GameState | None = None,
     ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
-        """Plays one step; after a finished episode, returns the first state of the next, or `reset_state`."""
+        """Plays one step; after a finished episode, returns the first state of the next, or
+        `reset_state`.
+        """
         if reset_state is not None:
             result: tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]] = super().step(
                 key, state, actions, reset_state
             )
             return result
-        # The game computes resets only if an environment of a batch is done; the base class computes them in every step.
+        # The base class computes resets in every step, the game only if an environment is done.
         observation, game, reward, done, info = self.env.step(
             key, _game(state), self._actions(actions)
         )
@@ -190,11 +199,14 @@ class JaxMARLGame(Copied, MultiAgentEnv):
     def _observations(self, observation: Array, game: Any) -> ByAgent:
         windows = self._windows(observation)
         observations = self._by_agent(windows)
-        if self._world_state is not None:
-            world = (
-                self.env.state_vector(game) if self._world_state == "state" else windows.reshape(-1)
-            )
-            observations["world_state"] = jnp.broadcast_to(world, (self.num_agents, world.size))
+        match self._world_state:
+            case "state":
+                world = self.env.state_vector(game)
+            case "observations":
+                world = windows.reshape(-1)
+            case _:
+                return observations
+        observations["world_state"] = jnp.broadcast_to(world, (self.num_agents, world.size))
         return observations
 
     def _results(
@@ -212,7 +224,8 @@ class JaxMARLGame(Copied, MultiAgentEnv):
             infos["shaped_reward"] = dict.fromkeys(self.agents, jnp.float32(0))
         if self._terminal_observation:
             infos["terminal_observation"] = self._windows(info["terminal_observation"])
-        return self._by_agent(reward), {**dict.fromkeys(self.agents, done), "__all__": done}, infos
+        dones = {**dict.fromkeys(self.agents, done), "__all__": done}
+        return self._by_agent(reward), dones, infos
 
 
 def _state(game: Any, done: Array) -> GameState:
@@ -225,27 +238,26 @@ def _game(state: GameState) -> Any:
 
 
 def register() -> None:
-    """Makes `jaxmarl.make` know `sjdsl_NAME`, with the arguments of `JaxMARLGame`; calling it again changes nothing.
+    """Makes `jaxmarl.make` accept `sjdsl_NAME`, with the arguments of `JaxMARLGame`; calling it
+    again changes nothing.
 
-    NAME is a bundled game, as listed in `jaxmarl.registered_envs`, or the path of a `.sj` file. `sjdsl/NAME` is the same
-    game, but JaxMARL's scripts put the name of the environment into file names.
+    NAME is a bundled game, as listed in `jaxmarl.registered_envs`, or the path of a `.sj` file.
+    `sjdsl/NAME` is the same game, but JaxMARL's scripts put the name of the environment into file
+    names.
     """
-    known = registration.registered_envs
-    known.extend(
-        name
-        for name in (f"{prefix}{game}" for prefix in PREFIXES for game in bundled())
-        if name not in known
-    )
-    theirs = registration.make
-    if getattr(theirs, "makes_compiled_games", False):
+    registered = registration.registered_envs
+    names = [f"{prefix}{game}" for prefix in PREFIXES for game in bundled()]
+    registered.extend(name for name in names if name not in registered)
+    original_make = registration.make
+    if getattr(original_make, "makes_compiled_games", False):
         return
 
-    @wraps(theirs)
+    @wraps(original_make)
     def make(env_id: str, **env_kwargs: Any) -> Any:
         for prefix in PREFIXES:
             if env_id.startswith(prefix):
                 return JaxMARLGame(env_id.removeprefix(prefix), **env_kwargs)
-        return theirs(env_id, **env_kwargs)
+        return original_make(env_id, **env_kwargs)
 
     make.makes_compiled_games = True  # type: ignore[attr-defined]
     registration.make = make

@@ -19,20 +19,25 @@ with needs("pettingzoo"):
     from gymnasium import spaces
     from pettingzoo import ParallelEnv, register
 
-Figures = dict[str, dict[str, Any]]
+Infos = dict[str, dict[str, Any]]
 
 
 class ParallelGame(Copied, ParallelEnv):
     """One environment of a game; agents are `agent_0`, `agent_1` and so on, and all leave together.
 
-    Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"`; rewards are raw. An episode ends
-    by truncation, or by termination where the rules say `end`. Infos have the events of the step, and `action_mask`, `[num_actions]` int8,
-    the actions that are allowed next. An action out of range raises ValueError. Environments
-    can be copied and pickled with their state.
+    Observations are `[rows, cols, channels]` uint8, one-hot unless `observation="tokens"`; rewards
+    are raw. An episode ends by truncation, or by termination where the rules say `end`. Infos have
+    the events of the step, and `action_mask`, `[num_actions]` int8, the actions that are allowed
+    next. An action out of range raises ValueError. Environments can be copied and pickled with
+    their state.
     """
 
     KEPT = ("_key", "_state", "_returns", "agents")
-    metadata = {"name": "sjdsl_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012, as PettingZoo has it
+    metadata = {  # noqa: RUF012
+        "name": "sjdsl_v0",
+        "render_modes": list(RENDER_MODES),
+        "is_parallelizable": True,
+    }
 
     def __init__(
         self,
@@ -45,7 +50,9 @@ class ParallelGame(Copied, ParallelEnv):
 
         Args:
           game, observation, arguments: of `sjdsl.make`.
-          render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as a text; `rgb_array`, a picture.
+          render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as
+            a
+            text; `rgb_array`, a picture.
         """
         self.env = make(game, observation=observation, **arguments)
         self.metadata = {**type(self).metadata, "name": f"{self.env.name}_v0"}
@@ -58,14 +65,11 @@ class ParallelGame(Copied, ParallelEnv):
         self.action_spaces = {
             agent: spaces.Discrete(self.env.num_actions) for agent in self.possible_agents
         }
-        size = jax.eval_shape(
-            lambda key: self.env.state_vector(self.env.reset(key)[1]), jax.random.key(0)
-        ).shape
-        self.state_space = spaces.Box(-1.0, 1.0, size, np.float32)
-        self._vector, self._allowed = (
-            jax.jit(self.env.state_vector),
-            jax.jit(self.env.allowed_actions),
-        )
+        _, state = jax.eval_shape(self.env.reset, jax.random.key(0))
+        shape = jax.eval_shape(self.env.state_vector, state).shape
+        self.state_space = spaces.Box(-1.0, 1.0, shape, np.float32)
+        self._jitted_state_vector = jax.jit(self.env.state_vector)
+        self._jitted_allowed = jax.jit(self.env.allowed_actions)
         self._key: Any = None
         self._state: Any = None
         self._returns = np.zeros(self.env.num_agents)
@@ -81,8 +85,12 @@ class ParallelGame(Copied, ParallelEnv):
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, np.ndarray], Figures]:
-        """Starts an episode. The same seed gives the same episode under the same actions; without one, the random draws continue."""
+    ) -> tuple[dict[str, np.ndarray], Infos]:
+        """Starts an episode.
+
+        The same seed gives the same episode under the same actions; without one, the random draws
+        continue.
+        """
         del options
         if seed is not None or self._key is None:
             self._key = seeded_key(seed)
@@ -92,13 +100,12 @@ class ParallelGame(Copied, ParallelEnv):
         self.agents = self.possible_agents[:]
         if self.render_mode == "human":
             self.render()
-        return self._of_each(_channels_last(observation)), {
-            agent: {"action_mask": mask} for agent, mask in self._masks().items()
-        }
+        infos = {agent: {"action_mask": mask} for agent, mask in self._masks().items()}
+        return self._by_agent(_channels_last(observation)), infos
 
     def step(
         self, actions: Mapping[str, int]
-    ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], Figures]:
+    ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, bool], dict[str, bool], Infos]:
         """Plays one step; without agents, after an episode's end, nothing happens."""
         if not self.agents:
             if self._state is None:
@@ -120,23 +127,19 @@ class ParallelGame(Copied, ParallelEnv):
         )
         rewards = np.asarray(reward, np.float64)
         self._returns = self._returns + rewards
-        events, masks = (
-            {name: np.asarray(count) for name, count in by_name(info["events"]).items()},
-            self._masks(),
-        )
+        infos: Infos = {agent: {} for agent in self.agents}
+        for name, count in by_name(info["events"]).items():
+            counts = np.broadcast_to(count, (len(self.agents),))
+            for agent, number in zip(self.agents, counts, strict=True):
+                infos[agent][name] = int(number)
+        for agent, mask in self._masks().items():
+            infos[agent]["action_mask"] = mask
         results = (
-            self._of_each(_channels_last(observation)),
+            self._by_agent(_channels_last(observation)),
             {agent: float(value) for agent, value in zip(self.agents, rewards, strict=True)},
             dict.fromkeys(self.agents, bool(info["terminated"])),
             dict.fromkeys(self.agents, bool(info["truncated"])),
-            {
-                agent: {
-                    name: int(count[index] if count.ndim else count)
-                    for name, count in events.items()
-                }
-                | {"action_mask": masks[agent]}
-                for index, agent in enumerate(self.agents)
-            },
+            infos,
         )
         if bool(done):
             self.agents = []
@@ -148,10 +151,11 @@ class ParallelGame(Copied, ParallelEnv):
         """Returns the whole state as one vector, `[K]` float32."""
         if self._state is None:
             raise RuntimeError("call reset before state")
-        return np.asarray(self._vector(self._state))
+        return np.asarray(self._jitted_state_vector(self._state))
 
     def render(self) -> np.ndarray | str | None:
-        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; in mode `human` shows it and returns None."""
+        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; prints the text
+        and returns None in mode `human`."""
         return self._drawing.draw(self._state, self._returns)
 
     def close(self) -> None:
@@ -159,9 +163,10 @@ class ParallelGame(Copied, ParallelEnv):
 
     def _masks(self) -> dict[str, np.ndarray]:
         """Returns the actions that are allowed next, by agent."""
-        return self._of_each(action_masks(self.env, self._state, self._allowed).astype(np.int8))
+        masks = action_masks(self.env, self._state, self._jitted_allowed)
+        return self._by_agent(masks.astype(np.int8))
 
-    def _of_each(self, values: np.ndarray) -> dict[str, np.ndarray]:
+    def _by_agent(self, values: np.ndarray) -> dict[str, np.ndarray]:
         return dict(zip(self.agents, values, strict=True))
 
 
@@ -170,12 +175,11 @@ def parallel_env(game: str, **arguments: Any) -> ParallelGame:
     return ParallelGame(game, **arguments)
 
 
-for (
-    _name
-) in bundled():  # `pettingzoo.make("parallel", "sjdsl/coins-v0")`, once this module is imported
-    register("parallel", f"sjdsl/{_name}-v0", f"{__name__}:parallel_env", kwargs={"game": _name})
-
-
 def _channels_last(observation: Any) -> np.ndarray:
-    """Returns `[N, rows, cols, channels]` of an observation with planes first."""
+    """Returns `[N, rows, cols, channels]` of `[N, channels, rows, cols]`."""
     return np.ascontiguousarray(np.moveaxis(np.asarray(observation), 1, -1))
+
+
+# `pettingzoo.make("parallel", "sjdsl/coins-v0")` works once this module is imported.
+for _name in bundled():
+    register("parallel", f"sjdsl/{_name}-v0", f"{__name__}:parallel_env", kwargs={"game": _name})

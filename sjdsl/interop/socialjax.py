@@ -1,4 +1,6 @@
-"""SocialJax adapter: compiled games under the released suite's names, with its calls, scales and orders."""
+"""SocialJax adapter: compiled games under the released suite's names, with its calls, scales and
+orders.
+"""
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
@@ -20,39 +22,44 @@ from sjdsl.render.look import make_look
 from sjdsl.render.moment import take_snapshot
 from sjdsl.runtime.arguments import checked_actions
 
-# the suite's compass is turned round: `left` increases the column, `up` the row
+# The suite's compass is turned round: `left` increases the column, `up` the row.
 ACTIONS = {"turned round": (0, 1, 3, 2, 5, 4), "as ours": (0, 1, 2, 3, 4, 5)}
+COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit")  # keywords of all games
 VARIANT = "socialjax"
 
 
 @struct.dataclass
 class State:
-    """The state of the game, and the suite's counters: steps in this episode, episodes so far. frame: see `agent_locs`."""
+    """The state of the game, and the suite's counters."""
 
     game: Any
-    inner_t: Array
-    outer_t: Array
-    frame: tuple[int, int, bool] = struct.field(
-        pytree_node=False
-    )  # columns of the board, its border, whether the compass is turned
+    inner_t: Array  # () int32: steps in this episode
+    outer_t: Array  # () int32: episodes so far
+    # Columns of the board, the width of its border, and whether the compass is turned round.
+    frame: tuple[int, int, bool] = struct.field(pytree_node=False)
 
     @property
     def agent_locs(self) -> Array:
-        """Where the agents are, `[N, 3]` int32: row, column, heading by the suite's count, from 0 for its `up`, clockwise on its screen."""
-        cols, border, turned = self.frame
+        """The places of the agents, `[N, 3]` int32: row, column, heading.
+
+        Headings are numbered as in the suite: clockwise on its screen, from 0 for its `up`.
+        """
+        cols, border, is_turned = self.frame
         row, col = jnp.divmod(self.game.position.astype(jnp.int32), cols)
         heading = self.game.heading.astype(jnp.int32)
-        return jnp.stack(
-            [row - border, col - border, (2 - heading) % 4 if turned else heading], axis=-1
-        )
+        if is_turned:
+            heading = (2 - heading) % 4
+        return jnp.stack([row - border, col - border, heading], axis=-1)
 
 
 class SocialJaxGame(Copied):
-    """One environment: integer agents, `[N, rows, cols, channels]` float32 observations, rewards `[N]`, dones by "0", "1", … and "__all__".
+    """One environment: integer agents, `[N, rows, cols, channels]` float32 observations, rewards
+    `[N]`, dones by "0", "1", … and "__all__".
 
     Attributes:
-      agents: 0, 1, …; num_agents; env: the `sjdsl.Environment`; name; observation_spaces, action_spaces: empty, as those of the
-        suite's environments are, which its `CTRolloutManager` asks for.
+      agents: 0, 1, …; num_agents; env: the `sjdsl.Environment`; name; observation_spaces,
+        action_spaces: empty, like those of the suite's environments, which its `CTRolloutManager`
+        reads.
     """
 
     def __init__(
@@ -68,21 +75,19 @@ class SocialJaxGame(Copied):
         self.env = make_game(entry.game, VARIANT, observation="onehot", **arguments)
         self.num_agents = self.env.num_agents
         self.agents = list(range(self.num_agents))
-        self.num_inner_steps, self.num_outer_steps = num_inner_steps, num_outer_steps
+        self.num_inner_steps = num_inner_steps
+        self.num_outer_steps = num_outer_steps
         self.observation_spaces: dict[str, Any] = {}
         self.action_spaces: dict[str, Any] = {}
-        self._info, self._flat = entry.info, not cnn
-        self._frame = (
-            self.env.module.FRAME[1],
-            self.env.module.PAD,
-            entry.compass == "turned round",
-        )
+        self._info = entry.info
+        self._flat = not cnn
+        _, cols = self.env.module.FRAME
+        self._frame = (cols, self.env.module.PAD, entry.compass == "turned round")
         depth, self._channels = make_channels(self.env, entry)
         self._rewards = make_rewards(mode, self.num_agents, entry.scaled, entry.shared)
         kind = "shaped" if mode.inequity_aversion or mode.svo or mode.interest else "alone"
-        self._scale = (
-            self.num_agents if kind in entry.scaled and not mode.shared_rewards else 1
-        )  # of an agent's own reward, before shaping
+        is_scaled = kind in entry.scaled and not mode.shared_rewards
+        self._scale = self.num_agents if is_scaled else 1  # of a reward before shaping
         moves = ACTIONS[entry.compass]
         self._actions = jnp.asarray([*moves, *range(len(moves), self.env.num_actions)], jnp.int32)
         rows, cols = self.env.observation_shape[2:]
@@ -95,11 +100,13 @@ class SocialJaxGame(Copied):
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """The names of the suite's actions, by their effect on our map."""
+        """The names of the suite's actions by their effects on our map, in the suite's order."""
         return tuple(self.env.action_names[number] for number in self._actions.tolist())
 
     def observation_space(self, agent: int | str | None = None) -> tuple[Any, tuple[int, ...]]:
-        """Returns the space of an agent and its shape, a pair as in the suite; all agents have the same."""
+        """Returns the space of an agent and its shape, a pair as in the suite; all agents have the
+        same.
+        """
         del agent
         return make_box(0.0, 255.0, self._shape), self._shape
 
@@ -123,25 +130,26 @@ class SocialJaxGame(Copied):
         timestep: Any = 0,
         reset_state: State | None = None,
     ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
-        """Plays one step; after the last episode, returns the first state of the next, or `reset_state`.
+        """Plays one step; after the last episode, returns the first state of the next, or
+        `reset_state`.
 
         Args:
           actions: N numbers or arrays of shape `()` or `(1,)`, in the order of `agents`.
           timestep: the time step of the training, for a schedule of reward exchange.
         """
-        observation, game, reward, ended, info = self.env.step(
+        observation, game, reward, episode_done, info = self.env.step(
             key, state.game, self._our_actions(actions)
         )
-        made = self._after(state, game, ended)
-        over = made.outer_t >= self.num_outer_steps
-        made = replace(made, outer_t=jnp.where(over, 0, made.outer_t))
+        state = self._next_state(state, game, episode_done)
+        done = state.outer_t >= self.num_outer_steps
+        state = replace(state, outer_t=jnp.where(done, 0, state.outer_t))
         if reset_state is not None:
-            made = jax.tree.map(lambda new, old: jnp.where(over, new, old), reset_state, made)
-            observation = self.env.observe(made.game)
+            state = jax.tree.map(partial(jnp.where, done), reset_state, state)
+            observation = self.env.observe(state.game)
         return (
             self._observation(observation),
-            made,
-            *self._results(reward, over, info, actions, timestep),
+            state,
+            *self._results(reward, done, info, actions, timestep),
         )
 
     @partial(jax.jit, static_argnums=(0,))
@@ -149,19 +157,16 @@ class SocialJaxGame(Copied):
         self, key: Array, state: State, actions: Sequence[Array] | Array, timestep: Any = 0
     ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
         """As `step`, but keeps the last state of the last episode."""
-        _, game, reward, ended, info = self.env.step(key, state.game, self._our_actions(actions))
-        made = self._after(state, game, ended)
-        over = made.outer_t >= self.num_outer_steps
-        made = replace(
-            made,
-            game=jax.tree.map(
-                lambda last, new: jnp.where(over, last, new), info["terminal_state"], game
-            ),
+        _, game, reward, episode_done, info = self.env.step(
+            key, state.game, self._our_actions(actions)
         )
+        state = self._next_state(state, game, episode_done)
+        done = state.outer_t >= self.num_outer_steps
+        game = jax.tree.map(partial(jnp.where, done), info["terminal_state"], game)
         return (
-            self._observation(self.env.observe(made.game)),
-            made,
-            *self._results(reward, over, info, actions, timestep),
+            self._observation(self.env.observe(game)),
+            replace(state, game=game),
+            *self._results(reward, done, info, actions, timestep),
         )
 
     def get_obs(self, state: State) -> Array:
@@ -174,26 +179,25 @@ class SocialJaxGame(Copied):
 
         from sjdsl.render.board import draw_board
 
-        return draw_board(
-            make_look(self.env.game), take_snapshot(self.env, state.game, np.zeros(self.num_agents))
-        )
+        snapshot = take_snapshot(self.env, state.game, np.zeros(self.num_agents))
+        return draw_board(make_look(self.env.game), snapshot)
 
     def _our_actions(self, actions: Sequence[Array] | Array) -> Array:
-        """Returns the action numbers of our game; numbers out of range have no effect, as in the suite."""
-        given = self._stacked(actions)
-        known = (given >= 0) & (given < self.env.num_actions)
-        return jnp.where(known, self._actions[jnp.where(known, given, 0)], -1)
+        """Returns the action numbers of our game; numbers out of range have no effect, as in the
+        suite."""
+        numbers = self._stacked(actions)
+        in_range = (numbers >= 0) & (numbers < self.env.num_actions)
+        return jnp.where(in_range, self._actions[jnp.where(in_range, numbers, 0)], -1)
 
     def _stacked(self, actions: Sequence[Array] | Array) -> Array:
-        return checked_actions(
-            jnp.stack([jnp.reshape(action, ()) for action in actions]), self.num_agents
-        )
+        stacked = jnp.stack([jnp.reshape(action, ()) for action in actions])
+        return checked_actions(stacked, self.num_agents)
 
-    def _after(self, state: State, game: Any, ended: Array) -> State:
+    def _next_state(self, state: State, game: Any, episode_done: Array) -> State:
         return State(
             game,
-            jnp.where(ended, 0, state.inner_t + 1),
-            state.outer_t + ended.astype(jnp.int32),
+            jnp.where(episode_done, 0, state.inner_t + 1),
+            state.outer_t + episode_done.astype(jnp.int32),
             self._frame,
         )
 
@@ -204,10 +208,13 @@ class SocialJaxGame(Copied):
     def _results(
         self, raw: Array, done: Array, info: dict[str, Any], actions: Any, timestep: Any
     ) -> tuple[Array, dict[str, Array], dict[str, Array]]:
-        rewards, further = self._rewards(raw, timestep)
-        infos = {"original_rewards": self._scale * raw, "shaped_rewards": rewards, **further}
-        infos |= {name: self._figure(figure, info, actions) for name, figure in self._info.items()}
-        return rewards, {**{str(agent): done for agent in self.agents}, "__all__": done}, infos
+        rewards, infos = self._rewards(raw, timestep)
+        infos["original_rewards"] = self._scale * raw
+        infos["shaped_rewards"] = rewards
+        for name, figure in self._info.items():
+            infos[name] = self._figure(figure, info, actions)
+        dones = {**{str(agent): done for agent in self.agents}, "__all__": done}
+        return rewards, dones, infos
 
     def _figure(self, figure: Figure, info: dict[str, Any], actions: Any) -> Array:
         if figure.action is not None:
@@ -215,17 +222,22 @@ class SocialJaxGame(Copied):
             return (self._stacked(actions) == number).astype(jnp.float32)
         counts = {**info["metrics"], **info["events"]}
         value = jnp.asarray(counts[figure.of], jnp.float32)
-        value = value.sum() if figure.sum else value
-        known = {"agents": self.num_agents, "steps": self.num_inner_steps}
+        if figure.sum:
+            value = value.sum()
         for factor in figure.times:
-            value = value * (
-                factor
-                if isinstance(factor, int)
-                else known[factor]
-                if factor in known
-                else getattr(self.env.params, factor)
-            )
+            value = value * self._factor(factor)
         return jnp.broadcast_to(value, (self.num_agents,))
+
+    def _factor(self, factor: str | int) -> Any:
+        """Returns a number, or the number of this name: `agents`, `steps` or a parameter."""
+        match factor:
+            case int():
+                return factor
+            case "agents":
+                return self.num_agents
+            case "steps":
+                return self.num_inner_steps
+        return getattr(self.env.params, factor)
 
 
 def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
@@ -233,62 +245,60 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
 
     Args:
       env_id: one of `registered_envs`.
-      kwargs: `num_agents`, `num_inner_steps` (1000; lb_foraging 100), `num_outer_steps` (1), `cnn`, `jit`, `obs_size` (11; lb_foraging's
-        is `sight`, 8), `map_ASCII`, those that choose the reward (`socialjax_rewards.Mode`), and the game's own.
+      kwargs: `num_agents`, `num_inner_steps` (1000; lb_foraging 100), `num_outer_steps` (1), `cnn`,
+        `jit`, `obs_size` (11; lb_foraging's is `sight`, 8), `map_ASCII`, those that choose the
+        reward (`socialjax_rewards.Mode`), and the game's own.
     Raises:
-      ValueError: an unknown id or value. TypeError: an unknown keyword. Both messages list the known ones.
+      ValueError: an unknown id or value. TypeError: an unknown keyword. Both messages list the
+        known
+        ones.
     """
     if env_id not in entries():
         raise ValueError(f"there is no id `{env_id}`; the ids are {', '.join(entries())}")
-    entry, given = entries()[env_id], dict(kwargs)
-    modes = {field.name for field in fields(Mode)}
+    entry = entries()[env_id]
+    mode_names = {field.name for field in fields(Mode)}
     window, side = entry.window
-    known = {*modes, *entry.kwargs, *COMMON, window} | ({"map_ASCII"} if entry.letters else set())
-    unknown = sorted(set(given) - known)
-    if unknown:
-        raise TypeError(
-            f"`{env_id}` has no keyword `{unknown[0]}`; it has {', '.join(sorted(known))}"
-        )
-    if given.get(window, side) != side:
+    known = {*mode_names, *entry.kwargs, *COMMON, window}
+    if entry.letters:
+        known.add("map_ASCII")
+    for name in sorted(set(kwargs) - known):
+        raise TypeError(f"`{env_id}` has no keyword `{name}`; it has {', '.join(sorted(known))}")
+    if kwargs.get(window, side) != side:
         raise ValueError(
             f"{window} must be {side}; for another window, change the `observe` line of the game"
         )
-    steps = int(given.get("num_inner_steps", entry.steps))
-    params = {ours: given[theirs] for theirs, ours in entry.kwargs.items() if theirs in given}
+    steps = int(kwargs.get("num_inner_steps", entry.steps))
+    params = {ours: kwargs[theirs] for theirs, ours in entry.kwargs.items() if theirs in kwargs}
     arguments: dict[str, Any] = {"params": {"length": steps, **params}}
-    if given.get("num_agents") is not None:
-        arguments["num_agents"] = given["num_agents"]
-    if given.get("map_ASCII") is not None:
-        arguments["map"] = _our_map(given["map_ASCII"], entry.letters)
-    mode = Mode(
-        **{
-            "shared_rewards": entry.shared_rewards,
-            **{name: given[name] for name in modes & set(given)},
-        }
-    )
+    if kwargs.get("num_agents") is not None:
+        arguments["num_agents"] = kwargs["num_agents"]
+    if kwargs.get("map_ASCII") is not None:
+        arguments["map"] = _our_map(kwargs["map_ASCII"], entry.letters)
+    modes = {name: kwargs[name] for name in mode_names & set(kwargs)}
     return SocialJaxGame(
         entry,
-        mode,
+        Mode(**{"shared_rewards": entry.shared_rewards, **modes}),
         steps,
-        int(given.get("num_outer_steps", 1)),
-        bool(given.get("cnn", True)),
+        int(kwargs.get("num_outer_steps", 1)),
+        bool(kwargs.get("cnn", True)),
         **arguments,
     )
 
 
 def _our_map(rows: Sequence[str], letters: dict[str, str]) -> tuple[str, ...]:
-    """Returns a map of the suite in our glyphs; short rows end in blanks, as there."""
-    wrong = sorted(set("".join(rows)) - set(letters))
-    if wrong:
+    """Returns a map of the suite in our glyphs; as in the suite, short rows are filled with
+    blanks.
+    """
+    for letter in sorted(set("".join(rows)) - set(letters)):
         raise ValueError(
-            f"map_ASCII can't have the letter `{wrong[0]}`; its letters are {' '.join(map(repr, letters))}"
+            f"map_ASCII can't have the letter `{letter}`; "
+            f"its letters are {' '.join(map(repr, letters))}"
         )
     width = max(map(len, rows), default=0)
+    blank = letters.get(" ", "")
     return tuple(
-        "".join(letters[letter] for letter in row) + letters.get(" ", "") * (width - len(row))
-        for row in rows
+        "".join(letters[letter] for letter in row) + blank * (width - len(row)) for row in rows
     )
 
 
-COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit")
 registered_envs = tuple(entries())

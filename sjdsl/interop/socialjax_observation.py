@@ -13,7 +13,8 @@ TURNED = ("same heading", "turned left", "opposite", "turned right")
 
 
 def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array], Array]]:
-    """Returns the number of channels, and the function `(observation [N, C, rows, cols]) -> [N, rows, cols, C'] float32`.
+    """Returns the number of channels, and the function
+    `(observation [N, C, rows, cols]) -> [N, rows, cols, C'] float32`.
 
     Args:
       env: with one-hot observations.
@@ -21,40 +22,40 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
     if entry.layers:
         return len(entry.layers), partial(_layers, entry.layers, env.channel_names)
     index = {name: number for number, name in enumerate(env.channel_names)}
-    turned = (
-        TURNED if entry.headings == "left first" else (TURNED[0], TURNED[3], TURNED[2], TURNED[1])
-    )
-    headings = [f"agent: other {name}" for name in turned]
-    others: list[Source] = ["agent: self", headings, *headings]
-    rest: list[str] = []
+    same, left, opposite, right = TURNED
+    order = (same, left, opposite, right)
+    if entry.headings == "right first":
+        order = (same, right, opposite, left)
+    headings = [f"agent: other {heading}" for heading in order]
+    sources: list[Source] = ["agent: self", headings, *headings]
     for source in entry.rest:  # one channel, or one for each agent
-        rest += channels_of(source, env.num_agents) if source.startswith(EVERYONE) else [source]
+        if source.startswith(EVERYONE):
+            sources.extend(channels_of(source, env.num_agents))
+        else:
+            sources.append(source)
 
-    def any_of(observation: Array, source: Source) -> Array:
+    def plane_of(observation: Array, source: Source) -> Array:
         planes = [observation[:, index[name]] for name in channels_of(source, env.num_agents)]
         return sum(planes[1:], planes[0]) if planes else jnp.zeros_like(observation[:, 0])
 
     def channels(observation: Array) -> Array:
-        bare = observation[:, index["agent: none"]]
-        tiles = [any_of(observation, source) * bare for source in entry.tiles]
-        agents = [any_of(observation, source) for source in others]
-        further = [any_of(observation, source) for source in rest]
-        return jnp.stack(
-            [plane.astype(jnp.float32) for plane in (*tiles, *agents, *further)], axis=-1
-        )
+        has_no_agent = observation[:, index["agent: none"]]
+        planes = [plane_of(observation, source) * has_no_agent for source in entry.tiles]
+        planes += [plane_of(observation, source) for source in sources]
+        return jnp.stack([plane.astype(jnp.float32) for plane in planes], axis=-1)
 
-    return len(entry.tiles) + 2 + len(TURNED) + len(rest), channels
+    return len(entry.tiles) + len(sources), channels
 
 
 def _layers(layers: Sequence[Mapping[str, int]], names: Sequence[str], observation: Array) -> Array:
-    """Returns `[N, rows, cols, layers]` float32: weighted sums of channels. The observer's own channels count at its own cell only."""
+    """Returns weighted sums of channels, `[N, rows, cols, layers]` float32.
+
+    Channels of the observer itself, `agent.…`, count at its cell only.
+    """
     planes = {name: observation[:, number].astype(jnp.float32) for number, name in enumerate(names)}
-    own = planes["agent: self"]
-    sums = [
-        sum(
-            weight * planes[name] * (own if name.startswith("agent.") else 1.0)
-            for name, weight in layer.items()
-        )
-        for layer in layers
-    ]
+    is_self = planes["agent: self"]
+    for name in planes:
+        if name.startswith("agent."):
+            planes[name] = planes[name] * is_self
+    sums = [sum(weight * planes[name] for name, weight in layer.items()) for layer in layers]
     return jnp.stack(sums, axis=-1)

@@ -1,4 +1,6 @@
-"""SocialJax's reward modes at its scale: all but the common reward are multiplied by the number of agents."""
+"""SocialJax's reward modes at its scale: all but the common reward are multiplied by the number of
+agents.
+"""
 
 import math
 from collections.abc import Callable, Collection, Sequence
@@ -18,7 +20,10 @@ from sjdsl.trainers.algorithms.shaping import (
 
 @dataclass(frozen=True)
 class Mode:
-    """Keyword arguments that choose the reward, with the suite's names and defaults; the first flag that holds decides, in this order."""
+    """Keyword arguments that choose the reward, with the suite's names and defaults.
+
+    The first of the flags that is True decides, in this order.
+    """
 
     shared_rewards: bool = True
     inequity_aversion: bool = False
@@ -41,42 +46,38 @@ def make_rewards(
     """Returns the function `(raw [N], timestep) -> rewards [N], further infos`.
 
     Args:
-      scaled: which rewards are multiplied by the number of agents: `alone`: unshaped ones; `shaped`: before shaping.
+      scaled: which rewards are multiplied by the number of agents: `alone`: unshaped ones;
+        `shaped`:
+        those that are shaped, before shaping.
       shared: whether agents share the sum of their rewards, or its mean.
-    While nobody is rewarded, SVO deducts as in the suite, which sets the angle to 0; inequity aversion deducts nothing, by its formula.
+    While nobody is rewarded, SVO deducts as in the suite, which sets the angle to 0; inequity
+    aversion deducts nothing, by its formula.
     """
 
     def rewards(raw: Array, timestep: Array) -> tuple[Array, dict[str, Array]]:
-        whole = (num_agents if "shaped" in scaled else 1) * raw
         if mode.shared_rewards:
             return (common_mean(raw) if shared == "mean" else common_sum(raw)), {}
+        unshaped = num_agents * raw if "shaped" in scaled else raw
         if mode.inequity_aversion:
-            averse = inequity_averse(
-                whole, whole, mode.inequity_aversion_alpha, mode.inequity_aversion_beta
+            is_target = _is_target(mode.inequity_aversion_target_agents, num_agents)
+            shaped = inequity_averse(
+                unshaped, unshaped, mode.inequity_aversion_alpha, mode.inequity_aversion_beta
             )
-            return jnp.where(
-                _is_target(mode.inequity_aversion_target_agents, num_agents), averse, whole
-            ), {}
+            return jnp.where(is_target, shaped, unshaped), {}
         if mode.svo:
-            away = svo_deviation(
-                whole,
-                jnp.float32(math.radians(mode.svo_ideal_angle_degrees)),
-                at_rest="selfish",
-                quadrant=False,
-            )
-            sought = whole - num_agents * mode.svo_w * away
-            return jnp.where(_is_target(mode.svo_target_agents, num_agents), sought, whole), {
-                "svo_theta": _angles(whole)
-            }
+            is_target = _is_target(mode.svo_target_agents, num_agents)
+            angle = jnp.float32(math.radians(mode.svo_ideal_angle_degrees))
+            deviation = svo_deviation(unshaped, angle, at_rest="selfish", quadrant=False)
+            shaped = unshaped - num_agents * mode.svo_w * deviation
+            return jnp.where(is_target, shaped, unshaped), {"svo_theta": _angles(unshaped)}
         if mode.interest:
-            kept = jnp.float32(mode.s_interest)
+            share = jnp.float32(mode.s_interest)
             if mode.s_interest_schedule is not None:
                 schedule = jnp.asarray(mode.s_interest_schedule, jnp.float32)
-                kept = schedule[
-                    (jnp.asarray(timestep) // mode.s_interest_change_every) % len(schedule)
-                ]
-            return exchanged(whole, kept), {"s_interest": jnp.broadcast_to(kept, raw.shape)}
-        return (num_agents if "alone" in scaled else 1) * raw, {}
+                period = jnp.asarray(timestep) // mode.s_interest_change_every
+                share = schedule[period % len(schedule)]
+            return exchanged(unshaped, share), {"s_interest": jnp.broadcast_to(share, raw.shape)}
+        return (num_agents * raw if "alone" in scaled else raw), {}
 
     return rewards
 

@@ -9,8 +9,8 @@ from pydantic import BaseModel, ConfigDict
 from sjdsl.library.games_folder import games_folder
 
 FILE = "socialjax.toml"
-Source = str | list[str]  # the channels of ours that make one of theirs; "": always zero
-NOT_HERE = "not here: "  # the prefix of sources that hold something there and nothing here
+Source = str | list[str]  # the channels of ours that add up to one of theirs; "": always zero
+NOT_HERE = "not here: "  # the prefix of sources that only SocialJax has
 EVERYONE = "everyone."  # the prefix of sources with a channel for each agent
 
 
@@ -19,7 +19,8 @@ class _Row(BaseModel):
 
 
 class Figure(_Row):
-    """One number of the infos: an event or a metric (`of`), or whether an action was chosen; `sum`: over all agents."""
+    """One number of the infos: an event or a metric (`of`), or whether an action was chosen; `sum`:
+    over all agents."""
 
     of: str | None = None
     action: str | None = None
@@ -36,16 +37,14 @@ class Entry(_Row):
     headings: Literal["left first", "right first"] = "left first"
     compass: Literal["turned round", "as ours"] = "turned round"
     rest: list[str] = []
-    layers: list[
-        dict[str, int]
-    ] = []  # instead of tiles, agents and rest: numbers, each a sum of channels of ours
-    window: tuple[str, int] = (
-        "obs_size",
-        11,
-    )  # the keyword for its side, and the only value that there is here
+    # Instead of tiles, agents and rest: numbers, each a weighted sum of channels of ours.
+    layers: list[dict[str, int]] = []
+    # The keyword for the side of the window, and the only value that it may have.
+    window: tuple[str, int] = ("obs_size", 11)
     steps: int = 1000  # of an episode
     shared_rewards: bool = True  # by default
-    # which rewards are multiplied by the number of agents: those that are not shaped and, before they are, those that are
+    # Which rewards are multiplied by the number of agents: `alone`: those that aren't shaped;
+    # `shaped`: those that are, before shaping.
     scaled: tuple[Literal["alone", "shaped"], ...] = ("alone", "shaped")
     shared: Literal["sum", "mean"] = "sum"
     info: dict[str, Figure] = {}
@@ -62,12 +61,11 @@ def entries() -> dict[str, Entry]:
 
 def channels_of(source: Source, num_agents: int) -> list[str]:
     """Returns the channels of ours that a source reads."""
-    names = [source] if isinstance(source, str) else source
-    read = [name for name in names if name and not name.startswith(NOT_HERE)]
-    each = [
-        [f"everyone[{agent}].{name.removeprefix(EVERYONE)}" for agent in range(num_agents)]
-        if name.startswith(EVERYONE)
-        else [name]
-        for name in read
-    ]
-    return [name for names in each for name in names]
+    channels: list[str] = []
+    for name in [source] if isinstance(source, str) else source:
+        if name.startswith(EVERYONE):
+            field = name.removeprefix(EVERYONE)
+            channels += [f"everyone[{agent}].{field}" for agent in range(num_agents)]
+        elif name and not name.startswith(NOT_HERE):
+            channels.append(name)
+    return channels

@@ -1,4 +1,6 @@
-"""Bounds of observations; the spaces of the SocialJax adapter, whose library needn't be installed."""
+"""Bounds of observations; the spaces of the SocialJax adapter, whose library needn't be
+installed.
+"""
 
 import importlib
 import warnings
@@ -54,45 +56,49 @@ class Box:
 def channel_bounds(env: Environment) -> np.ndarray:
     """Returns the greatest value of each channel of an observation, `[C]` uint8; the least is 0.
 
-    A one-hot channel has 0 and 1, but for those of numbers, which are shown as they are.
+    A channel of one-hot observations is 0 or 1, but for that of a number, which has its values.
     """
     if env.observation == "tokens":
         return np.array([plane.high for plane in env.token_planes], np.uint8)
-    return np.array(
-        [
-            plane.high if plane.encoding == "number" else 1
-            for plane in env.token_planes
-            for _ in plane.channels
-        ],
-        np.uint8,
-    )
+    bounds: list[int] = []
+    for plane in env.token_planes:
+        bound = plane.high if plane.encoding == "number" else 1
+        bounds += [bound] * len(plane.channels)
+    return np.array(bounds, np.uint8)
 
 
 def window_high(env: Environment) -> np.ndarray:
-    """Returns the greatest value of each entry of what an agent sees, `[rows, cols, channels]` uint8."""
+    """Returns the greatest value of each entry of an agent's window, `[rows, cols, channels]`
+    uint8.
+    """
     _, _, rows, cols = env.observation_shape
     highs = channel_bounds(env)
     return np.broadcast_to(highs, (rows, cols, len(highs))).copy()
 
 
 def make_box(low: float, high: float, shape: tuple[int, ...]) -> Any:
-    """Returns a float32 box of the class that SocialJax's own wrappers test for, or of ours where it isn't installed."""
-    return space_classes()[0](low, high, shape)
+    """Returns a float32 box of the class that SocialJax's own wrappers test for, or of ours if it
+    isn't installed."""
+    box, _ = space_classes()
+    return box(low, high, shape)
 
 
 def make_discrete(n: int) -> Any:
-    """Returns the integers 0 .. n - 1, int32, as `make_box` does."""
-    made = space_classes()[1](n)
-    if made.dtype != jnp.int32:  # the suite's samples 64 bits, which JAX warns of
-        made.dtype = jnp.int32
-    return made
+    """Returns the integers 0 .. n - 1, int32, of the class that `make_box` would choose."""
+    _, discrete = space_classes()
+    space = discrete(n)
+    if space.dtype != jnp.int32:  # the suite's samples 64 bits, which JAX warns of
+        space.dtype = jnp.int32
+    return space
 
 
 @cache
 def space_classes() -> tuple[type, type]:
-    """Returns the classes of boxes and of discrete spaces: SocialJax's, else ours.
+    """Returns the classes of boxes and of discrete spaces: SocialJax's, or ours if it isn't
+    installed.
 
-    A package that is installed and cannot be imported, as an old SocialJax under a new JAX, is warned of and passed over.
+    Warns about a SocialJax that is installed but can't be imported, such as an old one with a new
+    JAX, and returns ours.
     """
     try:
         module = importlib.import_module(SUITE)
@@ -101,7 +107,8 @@ def space_classes() -> tuple[type, type]:
         pass
     except Exception as error:
         warnings.warn(
-            f"{SUITE} is installed but cannot be imported ({type(error).__name__}: {error}); its spaces are not used",
+            f"{SUITE} is installed but cannot be imported ({type(error).__name__}: {error}); "
+            "its spaces are not used",
             stacklevel=2,
         )
     return Box, Discrete

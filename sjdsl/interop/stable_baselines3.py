@@ -1,4 +1,6 @@
-"""Stable-Baselines3 adapter: a compiled game as a `VecEnv` with one slot for each agent of each environment."""
+"""Stable-Baselines3 adapter: a compiled game as a `VecEnv` with one slot for each agent of each
+environment.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -21,10 +23,12 @@ MASKS = "action_masks"
 class VecGame(VecEnv):
     """`num_envs` environments of a game; slot `b * num_agents + i` is agent i of environment b.
 
-    Observations are `[rows, cols, channels]` uint8 with their own bounds, so that Stable-Baselines3 uses them unchanged and stacks frames
-    along the channels. (Observations with the bounds 0 and 255 would be treated as pictures, divided by 255 and transposed.) One policy
-    plays all slots: parameters are shared. At an episode's end the observation is that of the next episode, and the slot's info has
-    `terminal_observation` and `TimeLimit.truncated`, from which Stable-Baselines3 bootstraps. Rewards are raw.
+    Observations are `[rows, cols, channels]` uint8 with their own bounds, so that Stable-Baselines3
+    uses them unchanged and stacks frames along the channels. (Observations with the bounds 0 and
+    255 would be treated as pictures, divided by 255 and transposed.) One policy plays all slots:
+    parameters are shared. At an episode's end the observation is that of the next episode, and the
+    slot's info has `terminal_observation` and `TimeLimit.truncated`, from which Stable-Baselines3
+    bootstraps. Rewards are raw.
 
     Attributes:
       env: the `sjdsl.Environment`.
@@ -38,7 +42,9 @@ class VecGame(VecEnv):
         common_reward: bool = False,
         **arguments: Any,
     ) -> None:
-        """Makes the environments. The arguments are those of `sjdsl.interop.gymnasium.VectorGame`."""
+        """Makes the environments. The arguments are those of
+        `sjdsl.interop.gymnasium.VectorGame`.
+        """
         self._vector = VectorGame(game, num_envs, observation, common_reward, **arguments)
         self.env = self._vector.env
         self.render_mode = None
@@ -52,9 +58,10 @@ class VecGame(VecEnv):
 
     def reset(self) -> np.ndarray:
         """Starts all episodes; a seed set by `seed` is used once."""
-        seed, self._seed = self._seed, None
         self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        return self._vector.reset(seed=seed)[0]
+        observations, _ = self._vector.reset(seed=self._seed)
+        self._seed = None
+        return observations
 
     def step_async(self, actions: np.ndarray) -> None:
         """Stores the actions for `step_wait`."""
@@ -65,23 +72,23 @@ class VecGame(VecEnv):
         if self._actions is None:
             raise RuntimeError("call step_async before step_wait")
         actions, self._actions = self._actions, None
-        observations, rewards, terminated, truncated, found = self._vector.step(actions)
-        last = found.pop("final_obs", np.full(self.num_envs, None))
-        found.pop("final_info", None)
-        counts = {name: values for name, values in found.items() if name[0] != "_"}
-        infos: list[dict[str, Any]] = [
-            {name: int(values[slot]) for name, values in counts.items()}
-            for slot in range(self.num_envs)
-        ]
+        observations, rewards, terminated, truncated, arrays = self._vector.step(actions)
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for slot in np.nonzero(terminated | truncated)[0]:
-            infos[slot] |= {
-                "terminal_observation": last[slot],
-                "TimeLimit.truncated": bool(truncated[slot]),
-            }
+            infos[slot]["terminal_observation"] = arrays["final_obs"][slot]
+            infos[slot]["TimeLimit.truncated"] = bool(truncated[slot])
+        for name, counts in arrays.items():
+            if name.startswith("_") or name in ("final_obs", "final_info"):
+                continue
+            for info, count in zip(infos, counts, strict=True):
+                info[name] = int(count)
         return observations, rewards.astype(np.float32), terminated | truncated, infos
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Sets the seed of the next reset, one number for all slots. Raises as `sjdsl.interop.calls.checked_seed`."""
+        """Sets the seed of the next reset, one number for all slots.
+
+        Raises the errors of `sjdsl.interop.calls.checked_seed`.
+        """
         self._seed = checked_seed(seed)
         return [seed] * self.num_envs
 
@@ -93,7 +100,9 @@ class VecGame(VecEnv):
         """Does nothing: there is nothing to release."""
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Returns an attribute of this object or of the game's environment, once for each requested slot."""
+        """Returns an attribute of this object or of the game's environment, once for each requested
+        slot.
+        """
         owner = self if attr_name in vars(self) or attr_name == MASKS else self.env
         return [getattr(owner, attr_name) for _ in self._get_indices(indices)]
 
@@ -111,7 +120,10 @@ class VecGame(VecEnv):
         indices: VecEnvIndices = None,
         **method_kwargs: Any,
     ) -> list[Any]:
-        """Slots are one program and have no methods but `action_masks`, which `MaskablePPO` of sb3-contrib calls."""
+        """Calls `action_masks`, as `MaskablePPO` of sb3-contrib does.
+
+        Raises AttributeError for any other method: slots are one program and have no methods.
+        """
         if method_name == MASKS and not method_args and not method_kwargs:
             return list(self.action_masks()[list(self._get_indices(indices))])
         raise AttributeError(

@@ -94,7 +94,7 @@ def _statement(statement: ir.Stmt, instance: Instance, writes: Writes) -> None:
             amount = 1 if statement.amount is None else evaluate(statement.amount, instance)
             agents: list[int | None] = [None]
             if statement.receiver is not None:
-                agents = sorted(agents_in(evaluate(statement.receiver, instance)))
+                agents = [*sorted(agents_in(evaluate(statement.receiver, instance)))]
             writes.tallies += [Counted(statement.event, key, agent, amount) for agent in agents]
         case ir.Send() | ir.Shift():
             _send(statement, instance, writes)

@@ -1,4 +1,6 @@
-"""Results of runs, sweeps, Schelling diagrams and cross-play as tables of pandas, and the report that is made of them."""
+"""Results of runs, sweeps, Schelling diagrams and cross-play as tables of pandas, and the report
+that is made of them.
+"""
 
 from typing import TYPE_CHECKING
 

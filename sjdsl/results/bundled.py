@@ -20,7 +20,9 @@ ROUNDING = 1e-5  # tolerance for numbers that were stored as float32
 
 @cache
 def _game(name: str, variant: str) -> ir.Game | None:
-    """Returns the current rules of a bundled game; None for another game, or a variant that no longer exists."""
+    """Returns the current rules of a bundled game; None for another game, or a variant that no
+    longer exists.
+    """
     if name not in bundled():
         return None
     try:
@@ -32,14 +34,18 @@ def _game(name: str, variant: str) -> ir.Game | None:
 
 
 def rules_now(name: str, variant: str) -> tuple[str, int] | None:
-    """Returns the current hash and number of agents of a bundled game; None for another game, or a variant that no longer exists."""
+    """Returns the current hash and number of agents of a bundled game; None for another game, or a
+    variant that no longer exists.
+    """
     game = _game(name, variant)
     return None if game is None else (game_hash(game), game.agents.number)
 
 
 @cache
 def variant_now(name: str, rules: str) -> str | None:
-    """Returns the variant of a bundled game with this hash, `""` for the game itself; None for other rules, or another game."""
+    """Returns the variant of a bundled game with this hash, `""` for the game itself; None for
+    other rules, or another game.
+    """
     if name not in bundled():
         return None
     variants = ["", *compose(read_source(find_game(name))).variants]
@@ -49,7 +55,9 @@ def variant_now(name: str, rules: str) -> str | None:
 
 
 def numbers_now(name: str, variant: str) -> dict[str, Any]:
-    """Returns the values of a bundled game's parameters by their Python names; none of another game."""
+    """Returns the values of a bundled game's parameters by their Python names; none of another
+    game.
+    """
     game = _game(name, variant)
     return (
         {} if game is None else {param_attribute(param.name): param.value for param in game.params}
@@ -57,13 +65,15 @@ def numbers_now(name: str, variant: str) -> dict[str, Any]:
 
 
 def other_numbers(described: Mapping[str, Any]) -> list[str]:
-    """Returns the numbers of a run's game that differ from those of the bundled game or variant with its rules, as `name=value`.
+    """Returns the numbers of a run's game that differ from those of the bundled game or variant
+    with its rules, as `name=value`.
 
     Args:
       described: the game in a manifest, with `name`, `hash` and `params`.
 
     Returns:
-      Those numbers; for the rules of no bundled variant, the ones that differ from the bundled game's; none for another game.
+      Those numbers; for the rules of no bundled variant, the ones that differ from the bundled
+      game's; none for another game.
     """
     variant = variant_now(described["name"], described["hash"])
     usual = numbers_now(described["name"], variant or "")
@@ -81,7 +91,8 @@ def as_assignment(name: str, value: Any) -> str:
 
 
 def is_usual(name: str, variant: str, param: str, value: Any) -> bool:
-    """Returns whether a bundled game, with a variant, has this value of a parameter by default; False for another game.
+    """Returns whether a bundled game, with a variant, has this value of a parameter by default;
+    False for another game.
 
     Args:
       param: its Python name, or `num_agents`.
@@ -110,7 +121,9 @@ def _is_numeric(value: Any) -> bool:
 
 
 def _same(value: Any, usual: Any) -> bool:
-    """Returns whether numbers are equal up to rounding; words of the language, which may be stored as numbers, count as equal."""
+    """Returns whether numbers are equal up to rounding; words of the language, which may be stored
+    as numbers, count as equal.
+    """
     try:
         before, now = np.asarray(usual, np.float64), np.asarray(value, np.float64)
     except (TypeError, ValueError):

@@ -62,9 +62,9 @@ class Cell:
         return ", ".join(filter(None, self.origins))
 
 
-def counted(number: int, what: str) -> str:
+def counted(number: int, noun: str) -> str:
     """Returns `1 seed`, `3 seeds`."""
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def number(value: float) -> str:
@@ -81,7 +81,9 @@ def short(value: float) -> str:
 
 
 def interval(mean: float, low: float | None, high: float | None) -> Figure:
-    """Returns `163.2 [160.1, 166.3]`; just the mean if a bound is None, NaN or infinite, as for one sample."""
+    """Returns `163.2 [160.1, 166.3]`; just the mean if a bound is None, NaN or infinite, as for one
+    sample.
+    """
     if low is None or high is None or not (math.isfinite(low) and math.isfinite(high)):
         return Figure(number(mean), {"mean": mean})
     return Figure(
@@ -93,7 +95,7 @@ def of_cell(cell: Cell | None) -> Figure:
     """Returns the figure of a cell: empty for None, `failed` if a seed has failed."""
     if cell is None:
         return EMPTY
-    behind = {
+    origin = {
         "seeds": cell.seeds,
         "failed": cell.failed,
         "steps": cell.steps,
@@ -101,23 +103,21 @@ def of_cell(cell: Cell | None) -> Figure:
         "run": cell.run,
     }
     if cell.estimate is None:
-        return Figure(
-            f"failed: {cell.failed} of {cell.seeds} seeds" if cell.seeds > 1 else "failed", behind
-        )
-    shown = interval(cell.estimate.mean, cell.estimate.low, cell.estimate.high)
-    return Figure(shown.text, {**shown.numbers, **behind})
+        seeds = f": {cell.failed} of {cell.seeds} seeds" if cell.seeds > 1 else ""
+        return Figure(f"failed{seeds}", origin)
+    figure = interval(cell.estimate.mean, cell.estimate.low, cell.estimate.high)
+    return Figure(figure.text, {**figure.numbers, **origin})
 
 
-def of_comparison(found: Comparison | None) -> tuple[Figure, Figure]:
+def of_comparison(comparison: Comparison | None) -> tuple[Figure, Figure]:
     """Returns a difference with its interval, and p; both empty for None."""
-    if found is None:
+    if comparison is None:
         return EMPTY, EMPTY
-    p = (
-        EMPTY
-        if found.p is None
-        else Figure("< 0.001" if found.p < 0.001 else number(found.p), {"": found.p})
-    )
-    return interval(found.difference, found.low, found.high), p
+    difference = interval(comparison.difference, comparison.low, comparison.high)
+    p = comparison.p
+    if p is None:
+        return difference, EMPTY
+    return difference, Figure("< 0.001" if p < 0.001 else number(p), {"": p})
 
 
 def unlike_settings(cells: Mapping[str, Cell | None], but: Collection[str] = ()) -> list[str]:
@@ -128,30 +128,34 @@ def unlike_settings(cells: Mapping[str, Cell | None], but: Collection[str] = ())
       but: settings that are meant to differ.
     """
     settings = {
-        place: json.loads(cell.settings) for place, cell in cells.items() if cell is not None
+        column: json.loads(cell.settings) for column, cell in cells.items() if cell is not None
     }
-    found = []
-    for name in sorted({name for own in settings.values() for name in own} - {*but}):
-        places: dict[str, list[str]] = {}
-        for place, own in settings.items():
-            places.setdefault(json.dumps(own[name]) if name in own else "the default", []).append(
-                place
+    names = {name for of_column in settings.values() for name in of_column}
+    sentences = []
+    for name in sorted(names.difference(but)):
+        columns: dict[str, list[str]] = {}  # value -> the columns that have it
+        for column, of_column in settings.items():
+            value = json.dumps(of_column[name]) if name in of_column else "the default"
+            columns.setdefault(value, []).append(column)
+        if len(columns) == 1:
+            continue
+        fresh = columns.get("the default", [])
+        if name == "init_from" and fresh:
+            trained = ", ".join(column for column in settings if column not in fresh)
+            sentences.append(
+                f"the seeds of {trained} started from a trained policy; "
+                f"those of {', '.join(fresh)} didn't."
             )
-        fresh = places.get("the default", [])
-        if name == "init_from" and fresh and len(places) > 1:
-            begun = ", ".join(place for place in settings if place not in fresh)
-            found.append(
-                f"the seeds of {begun} started from a trained policy; those of {', '.join(fresh)} didn't."
-            )
-        elif len(places) > 1:
-            said = (f"{value} in {', '.join(named)}" for value, named in places.items())
-            found.append(f"`{name}` is {'; '.join(said)}.")
-    return found
+        else:
+            values = [f"{value} in {', '.join(having)}" for value, having in columns.items()]
+            sentences.append(f"`{name}` is {'; '.join(values)}.")
+    return sentences
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of words and figures, with words in the first `labels` columns. Its CSV has the numbers of the figures."""
+    """A table of text and figures, with text in the first `labels` columns. Its CSV has the numbers
+    of the figures."""
 
     name: str  # of its CSV
     title: str
@@ -161,14 +165,13 @@ class Table:
 
     @property
     def records(self) -> list[dict[str, Any]]:
-        """Each row as numbers by column, such as `common mean` and `common low`; words unchanged."""
-        return [
-            {
-                f"{heading} {name}".strip(): value
-                for heading, cell in zip(self.headings, row, strict=True)
-                for name, value in (
-                    cell.numbers.items() if isinstance(cell, Figure) else [("", cell)]
-                )
-            }
-            for row in self.rows
-        ]
+        """Each row as numbers by column, such as `common mean` and `common low`; text unchanged."""
+        records = []
+        for row in self.rows:
+            record: dict[str, Any] = {}
+            for heading, cell in zip(self.headings, row, strict=True):
+                numbers = cell.numbers if isinstance(cell, Figure) else {"": cell}
+                for name, value in numbers.items():
+                    record[f"{heading} {name}".strip()] = value
+            records.append(record)
+        return records

@@ -508,16 +508,12 @@ def _stage(manifest: Mapping[str, Any], last: Mapping[str, Any]) -> dict[str, An
 def _check(row: Mapping[str, Any]) -> None:
     """Raises ValueError, TypeError or OverflowError for a value of the wrong type for its column."""
     for name, value in row.items():
-        of_kind = (
-            isinstance(value, str)
-            if name in TEXTS
-            else isinstance(value, int) and abs(value) < 2**63
-            if name in COUNTS
-            else True
-        )
-        if value is not None and not of_kind:
+        if value is None:
+            continue
+        is_count = isinstance(value, int) and abs(value) < 2**63
+        if (name in TEXTS and not isinstance(value, str)) or (name in COUNTS and not is_count):
             raise ValueError(f"its {name} is {value!r}")
-        if value is not None and name in NUMBERS:
+        if name in NUMBERS:
             float(value)
 
 
@@ -544,11 +540,9 @@ def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
     first, number = int(config["seed"]), int(config["seeds"])
     if not 1 <= number <= MOST_SEEDS:
         raise ValueError(f"it has {number} seeds")
-    return (
-        [(first, path)]
-        if number == 1
-        else [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
-    )
+    if number == 1:
+        return [(first, path)]
+    return [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
 
 
 def _steps(manifest: Mapping[str, Any]) -> int:
@@ -602,11 +596,11 @@ def _curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     steps, returns = figures(run_rows(folder), "collective_return")
     if not np.isfinite(returns).any():
         return np.zeros(0), np.zeros(0)
-    together = math.ceil(len(steps) / POINTS) * steps[0]  # environment steps of a point
-    ends = np.minimum(np.ceil(steps / together) * together, steps[-1])
+    steps_of_point = math.ceil(len(steps) / POINTS) * steps[0]
+    ends = np.minimum(np.ceil(steps / steps_of_point) * steps_of_point, steps[-1])
     known = np.isfinite(returns)
-    places = np.unique(ends[known])
-    return places, np.array([returns[known & (ends == place)].mean() for place in places])
+    points = np.unique(ends[known])
+    return points, np.array([returns[known & (ends == point)].mean() for point in points])
 
 
 def _evaluation(path: Path) -> tuple[dict[str, float], int]:

@@ -1,4 +1,6 @@
-"""A page of results as Markdown: sections with tables and pictures; and the files that go with it."""
+"""A page of results as Markdown: sections with tables and pictures; and the files that go with
+it.
+"""
 
 import csv
 import io
@@ -94,12 +96,11 @@ def file_texts(sections: Iterable[Section]) -> dict[str, str]:
 def drawn(sections: Iterable[Section]) -> dict[str, bytes]:
     """Returns each picture as PNG and SVG by file name."""
     files: dict[str, bytes] = {}
-    for picture in (picture for section in sections for picture in section.pictures):
-        drawing = picture.draw()
-        files |= {
-            f"{FIGURES}/{picture.name}.{ending}": picture_bytes(drawing, ending)
-            for ending in ENDINGS
-        }
+    for section in sections:
+        for picture in section.pictures:
+            drawing = picture.draw()
+            for ending in ENDINGS:
+                files[f"{FIGURES}/{picture.name}.{ending}"] = picture_bytes(drawing, ending)
     return files
 
 
@@ -108,10 +109,9 @@ def _csv(records: Sequence[dict[str, Any]]) -> str:
     names = list(dict.fromkeys(name for record in records for name in record))
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(names)
-    writer.writerows(
-        [f"{v:.6g}" if isinstance(v, float) else v for v in map(record.get, names)]
-        for record in records
-    )
+    for record in records:
+        values = [record.get(name) for name in names]
+        writer.writerow([f"{v:.6g}" if isinstance(v, float) else v for v in values])
     return text.getvalue()
 
 

@@ -15,7 +15,8 @@ ASKED = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_
 
 
 def preset_of(game: str, settings: Mapping[str, Any]) -> str:
-    """Returns the preset of this package that has the settings of a run, apart from the reward; `""` if there is none.
+    """Returns the preset of this package that has the settings of a run, apart from the reward;
+    `""` if there is none.
 
     If several presets have the same settings for a game, all are named: `overnight/two_cores`.
 

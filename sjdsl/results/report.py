@@ -15,26 +15,30 @@ from sjdsl.several import several
 
 PAGE, DATA = "report.md", "data"
 METHOD = (
-    "A cell is the mean over training seeds, with its 95 % interval (Student's t) in brackets. A single seed has no interval. "
+    "A cell is the mean over training seeds, with its 95 % interval (Student's t) in brackets. A "
+    "single seed has no interval. "
     "A cell with a diverged seed (non-finite loss) has failed, and has no mean. "
-    "Returns are summed over agents, and averaged over the episodes in which the last policy of a seed was evaluated.",
-    "Seeds with different settings are never averaged. `rules 1a2b3c` (the start of a hash) marks results under an older version of the game's rules.",
+    "Returns are summed over agents, and averaged over the episodes in which the last policy of a "
+    "seed was evaluated.",
+    "Seeds with different settings are never averaged. `rules 1a2b3c` (the start of a hash) marks "
+    "results under an older version of the game's rules.",
 )
 
 
 @dataclass(frozen=True)
 class Report:
-    """What was written: the numbers of runs, seeds, tables and pictures; notes: what is left out or needs care, a sentence each."""
+    """The numbers of runs, seeds, tables and pictures in a report."""
 
     runs: int
     seeds: int
     tables: int
     pictures: int
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # results that are left out or need care, a sentence each
 
 
 def write_report(sources: Path | Sequence[Path], output: Path, command: str) -> Report:
-    """Writes the page, its tables and data as CSV, and its pictures as PNG and SVG, each file atomically.
+    """Writes the page, its tables and data as CSV, and its pictures as PNG and SVG, each file
+    atomically.
 
     Args:
       sources: a folder or several, as `load` takes them.
@@ -44,44 +48,41 @@ def write_report(sources: Path | Sequence[Path], output: Path, command: str) -> 
       ResultsError: as `load`; or the folder holds something.
     """
     if output.exists() and (not output.is_dir() or any(output.iterdir())):
-        raise ResultsError(
-            f"`{output}` is {'not empty' if output.is_dir() else 'a file, expected a folder'}; name another place"
-        )
+        fault = "not empty" if output.is_dir() else "a file, expected a folder"
+        raise ResultsError(f"`{output}` is {fault}; name another place")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResultsWarning)
         frame, curves = load_both(several(sources))
     notes = [
         str(warning.message) for warning in caught if issubclass(warning.category, ResultsWarning)
     ]
-    few = [run for _, rows in games(frame) for run, seeds in rows.groupby("run") if len(seeds) < 2]
-    notes += (
-        [f"too few seeds for an interval, which needs at least two: {', '.join(few)}"]
-        if few
-        else []
-    )
+    few: list[str] = []  # runs without an interval
+    for _, rows in games(frame):
+        few += [run for run, seeds in rows.groupby("run") if len(seeds) < 2]
+    if few:
+        notes.append(f"too few seeds for an interval, which needs at least two: {', '.join(few)}")
     sections = report_sections(frame, curves)
-    contents: dict[str, bytes] = {
-        name: text.encode() for name, text in file_texts(sections).items()
-    }
+    tables = file_texts(sections)
     pictures = drawn(sections)
-    contents |= pictures | {
+    data = (
+        f"The data behind the page are in [{DATA}]({DATA}): "
+        "the same command on them makes the page again."
+    )
+    page = page_text("Results", f"Written by `{command}`.", sections, (*METHOD, data), notes)
+    contents = {
+        **{name: text.encode() for name, text in tables.items()},
+        **pictures,
         f"{DATA}/{RESULTS}": write_frame(frame).encode(),
         f"{DATA}/{CURVES}": write_frame(curves).encode(),
+        PAGE: page.encode(),
     }
-    method = (
-        *METHOD,
-        f"The data behind the page are in [{DATA}]({DATA}): the same command on them makes the page again.",
-    )
-    page = page_text("Results", f"Written by `{command}`.", sections, method, notes)
-    contents[PAGE] = page.encode()
     for name, content in contents.items():
         (output / name).parent.mkdir(parents=True, exist_ok=True)
         write_whole(output / name, content)
-    seeds = int((frame.record == "seed").sum())
     return Report(
-        frame.run.replace("", None).nunique(),
-        seeds,
-        len(file_texts(sections)),
-        len(pictures) // 2,
-        tuple(notes),
+        runs=frame.run.replace("", None).nunique(),
+        seeds=int((frame.record == "seed").sum()),
+        tables=len(tables),
+        pictures=len(pictures) // 2,
+        notes=tuple(notes),
     )

@@ -1,4 +1,6 @@
-"""The sections of a report: each is a function of the table of results, and makes its tables and pictures."""
+"""The sections of a report: each is a function of the table of results, and makes its tables and
+pictures.
+"""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -35,33 +37,39 @@ if TYPE_CHECKING:
     import pandas as pd
 
 BEHIND = "seeds, steps, preset, hardware"
-SHORT_NAMES = "A policy's name is the part of its path that tells it apart in its game; the CSV has whole paths."
-OF_POLICIES = (
-    ", of these policies only"  # intervals over episodes say nothing about other training seeds
+SHORT_NAMES = (
+    "A policy's name is the part of its path that tells it apart in its game; the CSV has whole "
+    "paths."
 )
-Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # words, and two cells
-Scores = Mapping[
-    Any, Mapping[str, tuple[Cell, np.ndarray]]
-]  # game -> way of training -> its cell, and the scores of its seeds
+# Intervals over episodes say nothing about other training seeds.
+OF_POLICIES = ", of these policies only"
+Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # labels, and two cells
+# game -> way of training -> its cell, and the scores of its seeds
+Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]
 
 
 def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
-    """Yields the ways of training in one game, in words, and their seeds; if two have the same words, the settings that differ are added."""
+    """Yields the ways of training in one game, in words, and their seeds.
+
+    If two have the same words, the settings that differ are added.
+    """
     runs = [(in_words(seeds.iloc[0]), seeds) for _, seeds in rows.groupby("run")]
     for words, seeds in sorted(runs, key=lambda pair: (pair[0].casefold(), pair[1].iloc[0].run)):
-        own = seeds.iloc[0]
+        first = seeds.iloc[0]
         others = [
-            other.iloc[0] for name, other in runs if name == words and other.iloc[0].run != own.run
+            other.iloc[0]
+            for name, other in runs
+            if name == words and other.iloc[0].run != first.run
         ]
-        settings = [_all_settings(row) for row in (own, *others)]
-        apart = [
-            name for name in differing(settings) if name in settings[0] or name.startswith(OWN)
-        ]
-        values = [as_written(settings[0].get(name, "default")) or "none" for name in apart]
-        said = ", ".join(f"{name} {value}" for name, value in zip(apart, values, strict=True))
-        if others and not said:
-            said = own.run[-8:]
-        yield words + (f" ({said})" if said else ""), seeds
+        settings = _all_settings(first)
+        names = differing([settings, *map(_all_settings, others)])
+        parts = []
+        for name in names:
+            if name in settings or name.startswith(OWN):
+                parts.append(f"{name} {as_written(settings.get(name, 'default')) or 'none'}")
+        if others and not parts:
+            parts.append(first.run[-8:])
+        yield f"{words} ({', '.join(parts)})" if parts else words, seeds
 
 
 def _all_settings(row: Any) -> dict[str, Any]:
@@ -72,10 +80,11 @@ def _all_settings(row: Any) -> dict[str, Any]:
 def returns(frame: "pd.DataFrame") -> Section:
     """Returns the section on the return of each way of training in each game."""
     rows = []
-    for setting, own in games(frame):
-        for words, seeds in ways(own):
+    for setting, of_game in games(frame):
+        for words, seeds in ways(of_game):
             cell = cell_of(seeds)
-            rows += [(setting.label, words, of_cell(cell), cell.origin)] if cell is not None else []
+            if cell is not None:
+                rows.append((setting.label, words, of_cell(cell), cell.origin))
     table = Table(
         "returns",
         "Collective return",
@@ -91,64 +100,51 @@ def compared_table(
 ) -> Table:
     """Returns a table of pairs of cells, with their difference, its 95 % interval, and p."""
     rows: list[tuple[str | Figure, ...]] = []
-    for said, first, second in lines:
-        known = (
-            first is not None
-            and second is not None
-            and first.estimate is not None
-            and second.estimate is not None
-        )
-        found = (
-            compare(first.values, second.values)
-            if known and first is not None and second is not None
-            else None
-        )
-        behind = "; ".join(
-            dict.fromkeys(cell.origin for cell in (first, second) if cell is not None)
-        )
-        rows.append((*said, of_cell(first), of_cell(second), *of_comparison(found), behind))
-    return Table(
-        name,
-        title,
-        (*words, *columns, f"{columns[1]} - {columns[0]}", "p (Welch)", BEHIND),
-        rows,
-        len(words),
-    )
+    for labels, first, second in lines:
+        comparison = None
+        if first and second and first.estimate is not None and second.estimate is not None:
+            comparison = compare(first.values, second.values)
+        origins = dict.fromkeys(cell.origin for cell in (first, second) if cell is not None)
+        figures = (of_cell(first), of_cell(second), *of_comparison(comparison))
+        rows.append((*labels, *figures, "; ".join(origins)))
+    difference = f"{columns[1]} - {columns[0]}"
+    headings = (*words, *columns, difference, "p (Welch)", BEHIND)
+    return Table(name, title, headings, rows, len(words))
 
 
 def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
-    """Returns the section with a picture for each game: the mean over seeds with a band for its 95 % interval (Student's t)."""
+    """Returns the section with a picture for each game: the mean over seeds with a band for its 95
+    % interval (Student's t).
+    """
     pictures = []
     colours: dict[str, str] = {}  # a way of training has one in all games
-    for setting, own in games(frame):
-        whole = own[~own.run.isin(own[own.status == "failed"].run)]
+    for setting, of_game in games(frame):
+        failed = of_game[of_game.status == "failed"].run
         lines = []
-        for words, seeds in ways(whole):
-            if (line := _line(words, curves[curves.run == seeds.iloc[0].run])) is not None:
-                lines.append(
-                    replace(line, colour=colours.setdefault(words, line_colour(len(colours))))
-                )
+        for words, seeds in ways(of_game[~of_game.run.isin(failed)]):
+            line = _line(words, curves[curves.run == seeds.iloc[0].run])
+            if line is not None:
+                colour = colours.setdefault(words, line_colour(len(colours)))
+                lines.append(replace(line, colour=colour))
         if lines:
             name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
-            seeds_of = {
-                line.label.rpartition(", ")[2] for line in lines
-            }  # told once if all have as many
-            if len(seeds_of) == 1:
+            seed_counts = {line.label.rpartition(", ")[2] for line in lines}
+            samples = "seeds"
+            if len(seed_counts) == 1:  # the note has the number, not each label
+                (samples,) = seed_counts
                 lines = [replace(line, label=line.label.rpartition(", ")[0]) for line in lines]
-            note = f"Lines: means over {seeds_of.pop() if len(seeds_of) == 1 else 'seeds'}. Bands: 95 % intervals."
-            draw = partial(
-                draw_panels,
-                split_lines(lines, "collective return of an episode"),
-                setting.label,
-                note,
-            )
+            note = f"Lines: means over {samples}. Bands: 95 % intervals."
+            panels = split_lines(lines, "collective return of an episode")
+            draw = partial(draw_panels, panels, setting.label, note)
             pictures.append(Picture(name, setting.label, draw))
     text = [
-        "Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no band."
+        "Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no "
+        "band."
     ]
     if (frame.algorithm == "vdn").any():
         text.append(
-            "The curves of VDN are from episodes in which it explores. The tables evaluate its last policies without exploration."
+            "The curves of VDN are from episodes in which it explores. The tables evaluate its "
+            "last policies without exploration."
         )
     if (frame.status == "failed").any():
         text.append("Ways of training with a failed seed have no curve.")
@@ -156,7 +152,9 @@ def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
 
 
 def _line(words: str, points: "pd.DataFrame") -> Line | None:
-    """Returns the curve of a run at the steps that all of its seeds have; None if there are none."""
+    """Returns the curve of a run at the steps that all of its seeds have; None if there are
+    none.
+    """
     by_step = points.pivot(index="env_steps", columns="seed", values="collective_return").dropna()
     if by_step.empty:
         return None
@@ -164,131 +162,138 @@ def _line(words: str, points: "pd.DataFrame") -> Line | None:
     steps, values = by_step.index.to_numpy(float), by_step.to_numpy(float)
     if values.shape[1] < 2:
         return Line(label, steps, values[:, 0])
-    found = [estimate(row) for row in values]
-    mean, low, high = (
-        np.array([getattr(figure, end) for figure in found]) for end in ("mean", "low", "high")
-    )
+    estimates = [estimate(row) for row in values]
+    mean = np.array([figure.mean for figure in estimates])
+    low = np.array([figure.low for figure in estimates])
+    high = np.array([figure.high for figure in estimates])
     return Line(label, steps, mean, low, high, least=float(values.min()))
 
 
 def over_games(frame: "pd.DataFrame") -> Section:
-    """Returns the section on statistics over games, with scores between a random policy and the best way of training in each game."""
+    """Returns the section on statistics over games, with scores between a random policy and the
+    best way of training in each game.
+    """
     scores = {}
-    for setting, own in games(frame):
-        cells = {words: cell for words, seeds in ways(own) if (cell := cell_of(seeds)) is not None}
-        best = max(
-            (cell.estimate.mean for cell in cells.values() if cell.estimate is not None),
-            default=0.0,
-        )
+    for setting, of_game in games(frame):
+        cells = {}
+        for words, seeds in ways(of_game):
+            cell = cell_of(seeds)
+            if cell is not None:
+                cells[words] = cell
+        estimates = [cell.estimate for cell in cells.values() if cell.estimate is not None]
+        best = max((figure.mean for figure in estimates), default=0.0)
         scores[setting.label] = scored(frame, setting, best, cells)
-    what = "A score is (return - random) / (best - random): 0 is a random policy, 1 the best way of training here."
-    return section_over_games(scores, what, chosen_games(scores))
+    definition = (
+        "A score is (return - random) / (best - random): "
+        "0 is a random policy, 1 the best way of training here."
+    )
+    return section_over_games(scores, definition, chosen_games(scores))
 
 
 def scored(
     frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[str, Cell]
 ) -> dict[str, tuple[Cell, np.ndarray]]:
-    """Returns the scores of cells with at least two seeds, between a random policy and `best`; empty if no random policy was played."""
-    random = frame[
-        (frame.record == "random") & (frame.game == setting.game) & (frame.hash == setting.hash)
-    ].collective_return
-    if random.empty or setting.params or best <= random.iloc[-1]:
+    """Returns the scores of cells with at least two seeds, between a random policy and `best`;
+    empty if no random policy was played."""
+    is_random = frame.record == "random"
+    of_game = (frame.game == setting.game) & (frame.hash == setting.hash)
+    random_returns = frame[is_random & of_game].collective_return
+    if random_returns.empty or setting.params or best <= random_returns.iloc[-1]:
         return {}
-    zero = random.iloc[-1]
-    several = {
-        way: cell
-        for way, cell in cells.items()
-        if cell.estimate is not None and len(cell.values) > 1
-    }
-    return {
-        way: (cell, (np.array(cell.values) - zero) / (best - zero)) for way, cell in several.items()
-    }
+    random = random_returns.iloc[-1]
+    scores = {}
+    for way, cell in cells.items():
+        if cell.estimate is not None and len(cell.values) > 1:
+            scores[way] = (cell, (np.array(cell.values) - random) / (best - random))
+    return scores
 
 
-def section_over_games(scores: Scores, what: str, chosen: Sequence[str]) -> Section:
-    """Returns the section on ways of training with at least two seeds in each of the chosen games; surplus seeds are left out."""
+def section_over_games(scores: Scores, definition: str, chosen: Sequence[str]) -> Section:
+    """Returns the section on ways of training with at least two seeds in each of the chosen games;
+    surplus seeds are left out. `definition`: of the scores, a sentence."""
     text = [
-        f"{what} The 95 % intervals are from resampling the seeds of each game (stratified bootstrap). Scores describe the games together, not "
-        "any one of them."
+        f"{definition} The 95 % intervals are from resampling the seeds of each game (stratified "
+        "bootstrap). Scores describe the games together, not any one of them."
     ]
-    tables, behind, remarks, left_out = {}, {}, [], []
-    for way in sorted({way for found in scores.values() for way in found}):
-        there = sum(way in scores[game] for game in chosen)
-        if there < len(chosen):
-            left_out.append(f"{way} ({there} of {len(chosen)})")
+    tables = {}
+    behind = {}
+    remarks = []
+    left_out = []
+    for way in sorted({way for of_game in scores.values() for way in of_game}):
+        number = sum(way in scores[game] for game in chosen)
+        if number < len(chosen):
+            left_out.append(f"{way} ({number} of {len(chosen)})")
             continue
         cells, values = zip(*(scores[game][way] for game in chosen), strict=True)
         fewest = min(map(len, values))
         if max(map(len, values)) > fewest:
             remarks.append(
-                f"* For {way}, only the first {fewest} seeds of each game are used, as some games have no more."
+                f"* For {way}, only the first {fewest} seeds of each game are used, as some games "
+                "have no more."
             )
-        tables[way] = np.stack([each[:fewest] for each in values], axis=1)
+        tables[way] = np.stack([of_game[:fewest] for of_game in values], axis=1)
         steps = sorted({cell.steps for cell in cells})
         lengths = " to ".join(dict.fromkeys((short(steps[0]), short(steps[-1]))))
-        origins = list(dict.fromkeys(", ".join(filter(None, cell.origins[2:])) for cell in cells))
+        origins = dict.fromkeys(", ".join(filter(None, cell.origins[2:])) for cell in cells)
         behind[way] = (
-            f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, {' and '.join(origins)}"
+            f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, "
+            f"{' and '.join(origins)}"
         )
     if len(chosen) < 2 or not tables:
-        none = "Too few results yet: this takes at least two games with a random policy, and a way of training with two seeds in each."
+        none = (
+            "Too few results yet: this takes at least two games with a random policy, and a way of "
+            "training with two seeds in each."
+        )
         return Section("Over games", (*text, none))
     if left_out:
         remarks.append(
             f"* Left out, because they were not run in all of these games: {'; '.join(left_out)}."
         )
-    text += [f"Games: {'; '.join(chosen)}.", *(["\n".join(remarks)] if remarks else [])]
+    text.append(f"Games: {'; '.join(chosen)}.")
+    if remarks:
+        text.append("\n".join(remarks))
     means = [
-        (way, interval(*found), behind[way]) for way, found in interquartile_means(tables).items()
+        (way, interval(*mean), behind[way]) for way, mean in interquartile_means(tables).items()
     ]
-    made = [
-        Table(
-            "over_games",
-            "Interquartile mean of the scores",
-            ("way of training", "interquartile mean", BEHIND),
-            means,
-        )
-    ]
+    title = "Interquartile mean of the scores"
+    headings = ("way of training", "interquartile mean", BEHIND)
+    section_tables = [Table("over_games", title, headings, means)]
     if len(tables) > 1:
-        title = "Probability that a seed of the first way earns more than one of the second, averaged over games"
-        rows = [
-            (first, second, interval(*found))
-            for (first, second), found in improvements(tables).items()
-        ]
-        made.append(
-            Table("improvement", title, ("way of training", "over", "probability"), rows, 2)
+        title = (
+            "Probability that a seed of the first way earns more than one of the second, "
+            "averaged over games"
         )
-    picture = Picture(
-        "performance_profiles", "performance profiles", partial(draw_profiles, tables)
-    )
-    return Section("Over games", tuple(text), tuple(made), (picture,))
+        rows = [
+            (first, second, interval(*probability))
+            for (first, second), probability in improvements(tables).items()
+        ]
+        headings = ("way of training", "over", "probability")
+        section_tables.append(Table("improvement", title, headings, rows, 2))
+    draw = partial(draw_profiles, tables)
+    picture = Picture("performance_profiles", "performance profiles", draw)
+    return Section("Over games", tuple(text), tuple(section_tables), (picture,))
 
 
 def chosen_games(scores: Mapping[Any, Mapping[str, Any]]) -> list[Any]:
-    """Returns the set of at least two games that keeps the most pairs of a game and a way of training; empty if there is none.
+    """Returns the set of at least two games that keeps the most pairs of a game and a way of
+    training; empty if there is none.
 
-    If possible, at least two ways have all of the games. Ties go to more games, then to the first in their order. Only sets of games that
-    some ways have in common are considered, as larger ones would not have more ways.
+    If possible, at least two ways have all of the games. Ties go to more games, then to the first
+    in their order. Only sets of games that some ways have in common are considered, as larger ones
+    wouldn't have more ways.
     """
     order = list(scores)
-    played = {
-        way: frozenset(game for game in order if way in scores[game])
-        for found in scores.values()
-        for way in found
-    }
+    all_ways = {way for of_game in scores.values() for way in of_game}
+    games_of_ways = [frozenset(game for game in order if way in scores[game]) for way in all_ways]
     common: set[frozenset[Any]] = set()
-    for own in played.values():
-        common |= {own} | {own & other for other in common}
+    for games_of_way in games_of_ways:
+        common |= {games_of_way} | {games_of_way & other for other in common}
     sets = [[game for game in order if game in chosen] for chosen in common if len(chosen) > 1]
 
     def worth(chosen: Sequence[Any]) -> tuple[Any, ...]:
-        number = sum(set(chosen) <= own for own in played.values())
-        return (
-            number > 1,
-            number * len(chosen),
-            len(chosen),
-            [-order.index(game) for game in chosen],
-        )
+        number = sum(set(chosen) <= games_of_way for games_of_way in games_of_ways)
+        position = [-order.index(game) for game in chosen]
+        return number > 1, number * len(chosen), len(chosen), position
 
     return max(sets, key=worth, default=[])
 
@@ -297,9 +302,11 @@ def diagrams(frame: "pd.DataFrame") -> Section:
     """Returns the section on the contrasts and the verdict of each Schelling diagram."""
     rows = diagram_rows(of_record(frame, "diagram"))
     text = [
-        "A: all cooperate minus all defect. B: cooperating together minus cooperating alone. Fear: defecting minus cooperating while the "
+        "A: all cooperate minus all defect. B: cooperating together minus cooperating alone. "
+        "Fear: defecting minus cooperating while the "
         "others defect. Greed: the same while the others cooperate.",
-        "The four intervals hold jointly at 95 %. In a dilemma, A and B are above 0, and so is fear or greed.",
+        "The four intervals hold jointly at 95 %. In a dilemma, A and B are above 0, and so is "
+        "fear or greed.",
         SHORT_NAMES,
         *(
             f"{setting_of(row).label}: {row.caution}"
@@ -320,10 +327,11 @@ def of_record(frame: "pd.DataFrame", record: str) -> Iterator[Any]:
 def diagram_rows(diagrams: Iterable[Any]) -> list[tuple[str | Figure, ...]]:
     """Returns the table cells of diagrams, with short names of the policies of each game."""
     rows: list[tuple[str | Figure, ...]] = []
-    for _, of_game in groupby(diagrams, attrgetter("game")):
-        found = list(of_game)
-        names = short_names(name for row in found for name in (row.cooperators, row.defectors))
-        rows += [_diagram_row(row, names) for row in found]
+    for _, group in groupby(diagrams, attrgetter("game")):
+        of_game = list(group)
+        policies = [row.cooperators for row in of_game] + [row.defectors for row in of_game]
+        names = short_names(policies)
+        rows += [_diagram_row(row, names) for row in of_game]
     return rows
 
 
@@ -355,29 +363,22 @@ def _sample_text(row: Any) -> str:
 def cross_play(frame: "pd.DataFrame") -> Section:
     """Returns the section on the return of an agent of each policy in each mixture."""
     rows: list[tuple[str | Figure, ...]] = []
-    for _, of_game in groupby(of_record(frame, "mixture"), attrgetter("game")):
-        found = list(of_game)
-        names = short_names(row.policy for row in found)
-        for row in found:
-            mixture = Figure(_renamed(row.mixture, names), {"": row.mixture})
-            earned = interval(row["mean"], row.low, row.high)
+    for _, group in groupby(of_record(frame, "mixture"), attrgetter("game")):
+        of_game = list(group)
+        names = short_names(row.policy for row in of_game)
+        for row in of_game:
             rows.append(
                 (
                     setting_of(row).label,
-                    mixture,
+                    Figure(_renamed(row.mixture, names), {"": row.mixture}),
                     _named(names[row.policy], row.policy),
-                    earned,
+                    interval(row["mean"], row.low, row.high),
                     _sample_text(row),
                 )
             )
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
-    table = Table(
-        "cross_play",
-        "Return of an agent of a policy in a mixture, with its 95 % interval",
-        headings,
-        rows,
-        3,
-    )
+    title = "Return of an agent of a policy in a mixture, with its 95 % interval"
+    table = Table("cross_play", title, headings, rows, 3)
     return Section("Cross-play", (SHORT_NAMES,), (table,) if rows else ())
 
 

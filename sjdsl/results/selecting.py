@@ -76,8 +76,8 @@ def select(frame: "pd.DataFrame", **wanted: Any) -> "pd.DataFrame":
 def cell_of(frame: "pd.DataFrame", figure: str = "collective_return") -> Cell | None:
     """Returns the table cell of seeds of one game; None if none have the figure.
 
-    Seeds with different settings are never averaged: of several runs, the cell is that of the one with the most steps, then the most seeds,
-    then the settings of a preset.
+    Seeds with different settings are never averaged: of several runs, the cell is that of the one
+    with the most steps, then the most seeds, then the settings of a preset.
     """
     cells = [
         cell for _, rows in frame.groupby("run") if (cell := _of_run(rows, figure)) is not None
@@ -102,7 +102,8 @@ def _of_run(rows: "pd.DataFrame", figure: str) -> Cell | None:
 
 
 def in_words(row: Any, sharing: bool = True) -> str:
-    """Returns a way of training in words: `IPPO, exchange 0.5`, `IPPO, SVO 45°, weight 0.4`, `MAPPO, common, separate parameters`.
+    """Returns a way of training in words: `IPPO, exchange 0.5`, `IPPO, SVO 45°, weight 0.4`,
+    `MAPPO, common, separate parameters`.
 
     Args:
       row: of a seed.

@@ -1,4 +1,6 @@
-"""The settings of training and the numbers of games in which loaded runs differ, as columns of their own."""
+"""The settings of training and the numbers of games in which loaded runs differ, as columns of
+their own.
+"""
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -47,7 +49,8 @@ GAME_NUMBERS = "numbers"  # a column while results are loaded: the numbers of a 
 
 
 def settings_of(row: Any) -> dict[str, Any]:
-    """Returns the settings of a seed's training that have no column in each table, by name; without those that nothing read.
+    """Returns the settings of a seed's training that have no column in each table, by name; without
+    those that nothing read.
 
     A setting of the user's own is `own.NAME`; there are only those that were set.
     """
@@ -79,7 +82,9 @@ def settings_of(row: Any) -> dict[str, Any]:
 
 @cache
 def _usual(algorithm: str) -> tuple[Mapping[str, Any], Mapping[str, Only]]:
-    """Returns the settings of an algorithm by default, and those that aren't always read; none if this version doesn't know it."""
+    """Returns the settings of an algorithm by default, and those that aren't always read; none if
+    this version doesn't know it.
+    """
     with suppress(ConfigError):
         return stored_config({"algorithm": algorithm}).model_dump(mode="json"), dependent_settings(
             class_of(algorithm)
@@ -105,7 +110,9 @@ def numbers_of(game: Mapping[str, Any], asked: Mapping[str, Any]) -> str:
 
 
 def stored_numbers(row: Mapping[str, Any]) -> str:
-    """Returns the same for a row of a stored table, from its column `params` and the bundled game with its rules."""
+    """Returns the same for a row of a stored table, from its column `params` and the bundled game
+    with its rules.
+    """
     variant = variant_now(row["game"], row["hash"])
     usual = {} if variant is None else numbers_now(row["game"], variant)
     single = {
@@ -154,7 +161,8 @@ def _differs(name: str, tables: Iterable[Mapping[str, Any]], unset_counts: bool)
 
 
 def with_settings(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Returns a table of results with a column, after `settings`, for each setting and each number of a game in which its runs differ.
+    """Returns a table of results with a column, after `settings`, for each setting and each number
+    of a game in which its runs differ.
 
     Args:
       frame: with the index 0, 1, 2 and so on, and the column `GAME_NUMBERS`, which is left out.
@@ -189,7 +197,9 @@ def with_settings(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def column_of(values: Sequence[Any]) -> "pd.Series":
-    """Returns a column of values that may be None: whole numbers as `Int64`, numbers as floats, true and false as `boolean`, else texts."""
+    """Returns a column of values that may be None: whole numbers as `Int64`, numbers as floats,
+    true and false as `boolean`, else texts.
+    """
     sorts = {type(value) for value in values if value is not None}
     if sorts == {bool}:
         return pd.Series(values, dtype="boolean")

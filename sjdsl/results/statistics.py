@@ -1,4 +1,6 @@
-"""Statistics of results: Welch's test of two cells by SciPy, and figures over games by rliable (Agarwal et al. 2021)."""
+"""Statistics of results: Welch's test of two cells by SciPy, and figures over games by rliable
+(Agarwal et al. 2021).
+"""
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,9 +21,8 @@ if TYPE_CHECKING:
 
 CONFIDENCE = 0.95
 RESAMPLES = 2000
-SEED = (
-    0  # of the resamples of each way of training, so that its interval doesn't depend on the others
-)
+# Of the resamples of each way of training, so that its interval doesn't depend on the others.
+SEED = 0
 POINTS = 101  # of a performance profile
 Interval = tuple[float, float, float]  # the estimate, and the bounds of its 95 % interval
 Scores = Mapping[str, np.ndarray]  # way of training -> [seeds, games]
@@ -40,7 +41,8 @@ class Comparison:
 def compare(first: Sequence[float], second: Sequence[float]) -> Comparison:
     """Returns the mean of `second` minus the mean of `first`, over the seeds of each.
 
-    If neither varies, the interval has no width and p is 1 or 0, never NaN. Source: Welch 1947, by `scipy.stats.ttest_ind`.
+    If neither varies, the interval has no width and p is 1 or 0, never NaN. Source: Welch 1947, by
+    `scipy.stats.ttest_ind`.
 
     Raises:
       ValueError: one of them has no seed.
@@ -55,9 +57,8 @@ def compare(first: Sequence[float], second: Sequence[float]) -> Comparison:
         exact = float(after[0] - before[0])  # the means of equal values may be rounded
         return Comparison(exact, exact, exact, float(exact == 0))
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore", RuntimeWarning
-        )  # about a side that hardly varies, which is fine
+        # SciPy warns about a side that hardly varies, which is fine.
+        warnings.simplefilter("ignore", RuntimeWarning)
         test = stats.ttest_ind(after, before, equal_var=False)
         bounds = test.confidence_interval(CONFIDENCE)
     return Comparison(difference, float(bounds.low), float(bounds.high), float(test.pvalue))
@@ -77,16 +78,22 @@ def _rliable() -> Iterator[Any]:
 
 
 def _estimated(scores: Any, figure: Callable[..., float]) -> Interval:
-    """Returns a statistic of `[seeds, games]` scores, or of a pair of them, with its interval from resampling the seeds of each game."""
+    """Returns a statistic of `[seeds, games]` scores, or of a pair of them, with its interval from
+    resampling the seeds of each game."""
+
+    def statistic(*resampled: np.ndarray) -> np.ndarray:
+        return np.array([figure(*resampled)])
+
     with _rliable() as library:
-        means, bounds = library.get_interval_estimates(
-            {"": scores}, lambda *drawn: np.array([figure(*drawn)]), reps=RESAMPLES
-        )
-    return float(means[""][0]), float(bounds[""][0][0]), float(bounds[""][1][0])
+        means, bounds = library.get_interval_estimates({"": scores}, statistic, reps=RESAMPLES)
+    low, high = bounds[""]
+    return float(means[""][0]), float(low[0]), float(high[0])
 
 
 def interquartile_means(scores: Scores) -> dict[str, Interval]:
-    """Returns the mean of the middle half of the scores of each way of training, over seeds and games together."""
+    """Returns the mean of the middle half of the scores of each way of training, over seeds and
+    games together.
+    """
     return {
         way: _estimated(table, lambda drawn: stats.trim_mean(drawn, 0.25, axis=None))
         for way, table in scores.items()
@@ -94,26 +101,31 @@ def interquartile_means(scores: Scores) -> dict[str, Interval]:
 
 
 def improvements(scores: Scores) -> dict[tuple[str, str], Interval]:
-    """Returns the probability that a seed of one way of training scores more than one of another, averaged over games, by pair."""
-    pairs = permutations(scores, 2)
+    """Returns the probability that a seed of one way of training scores more than one of another,
+    averaged over games, by pair.
+    """
     return {
         (first, second): _estimated((scores[first], scores[second]), probability_of_improvement)
-        for first, second in pairs
+        for first, second in permutations(scores, 2)
     }
 
 
 def probability_of_improvement(first: np.ndarray, second: np.ndarray) -> float:
-    """Returns the share of pairs of seeds of two `[seeds, games]` tables in which the first has more; ties count half.
+    """Returns the share of pairs of seeds of two `[seeds, games]` tables in which the first has
+    more; ties count half.
 
-    It equals `rliable.metrics.probability_of_improvement`, which computes a whole Mann-Whitney test for each game: for five ways of training
-    in four games, that took 138 seconds of processor time instead of 2.5.
+    It equals `rliable.metrics.probability_of_improvement`, which computes a whole Mann-Whitney test
+    for each game: for five ways of training in four games, that took 138 seconds of processor time
+    instead of 2.5.
     """
     one, other = first[:, None], second[None]
     return float(np.mean((one > other) + 0.5 * (one == other)))
 
 
 def draw_profiles(scores: Scores) -> "Figure":
-    """Returns the share of seeds and games above each score, by way of training, with 95 % bands: at most five to a plot."""
+    """Returns the share of seeds and games above each score, by way of training, with 95 % bands:
+    at most five to a plot.
+    """
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
     flat = np.concatenate([table.ravel() for table in scores.values()])
@@ -122,8 +134,9 @@ def draw_profiles(scores: Scores) -> "Figure":
     colour = {way: line_colour(number) for number, way in enumerate(scores)}
     with plot_style():
         figure = Figure(figsize=(max(7.0, 5.6 * len(groups)), 3.8), layout="constrained")
-        for place, group in enumerate(groups, 1):
-            axes, labels = figure.add_subplot(1, len(groups), place), list[Label]()
+        for index, group in enumerate(groups, 1):
+            axes = figure.add_subplot(1, len(groups), index)
+            labels = []
             for way in group:
                 with _rliable() as library:
                     profile, band = library.create_performance_profile(
@@ -131,9 +144,8 @@ def draw_profiles(scores: Scores) -> "Figure":
                     )
                 axes.plot(scale, profile[way], color=colour[way], label=way)
                 axes.fill_between(scale, *band[way], color=colour[way], alpha=0.2, linewidth=0)
-                labels.append(
-                    Label(way, float(profile[way].mean()), colour[way])
-                )  # the ends of all lines are near 0
+                # Labels are at the means, as all lines end near 0.
+                labels.append(Label(way, float(profile[way].mean()), colour[way]))
             axes.set(xlabel="score", ylabel="share of seeds and games above it", ylim=(0, 1.02))
             name_lines(axes, labels)
         note_below(figure, "Bands: 95 % intervals.")

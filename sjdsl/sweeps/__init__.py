@@ -1,4 +1,6 @@
-"""Sweeps: many training runs over axes of a configuration or a game, resumable, on one machine or on many."""
+"""Sweeps: many training runs over axes of a configuration or a game, resumable, on one machine or
+on many.
+"""
 
 from typing import TYPE_CHECKING
 

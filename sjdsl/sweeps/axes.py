@@ -1,4 +1,4 @@
-"""The axes of a sweep: what varies, read from `NAME=v,v,…`."""
+"""The axes of a sweep, read from `NAME=v,v,…`."""
 
 import json
 from collections.abc import Mapping
@@ -18,9 +18,11 @@ SEEDS = ("seed", "seeds")  # every cell has all seeds, so neither is an axis
 
 @dataclass(frozen=True)
 class Axis:
-    """What varies, and the values it takes, one or several: as they were written, or as they are."""
+    """A setting that varies, and its values, one or several: as texts, or as they are."""
 
-    name: str  # a key of the configuration, `own.NAME`, `variant`, or `param.NAME`, NAME a number of the game, `table[word]` included
+    # A key of the configuration, `own.NAME`, `variant`, or `param.NAME`: NAME is a number of the
+    # game, or an entry of a table, `table[word]`.
+    name: str
     values: Any  # becomes a tuple
 
     def __post_init__(self) -> None:
@@ -28,7 +30,8 @@ class Axis:
 
 
 def read_axis(text: str) -> Axis:
-    """Returns the axis of `NAME=v,v,…`; commas inside brackets belong to a value: `svo_angle=[45,90],[0,90]`.
+    """Returns the axis of `NAME=v,v,…`; commas inside brackets belong to a value:
+    `svo_angle=[45,90],[0,90]`.
 
     Raises:
       ExperimentError: the text has another form, or there is no such axis.
@@ -37,14 +40,16 @@ def read_axis(text: str) -> Axis:
     values = tuple(value.strip() for value in split_values(listed))
     if not equals or not name.strip() or not all(values):
         raise ExperimentError(
-            f"`{text}` must have the form NAME=value,value,… with at least one value, as in reward=individual,common"
+            f"`{text}` must have the form NAME=value,value,… with at least one value, "
+            "as in reward=individual,common"
         )
     return Axis(check_name(name.strip()), values)
 
 
 def split_values(text: str) -> list[str]:
     """Returns the parts of a text between its commas; commas inside brackets don't count."""
-    parts, depth = [""], 0
+    parts = [""]
+    depth = 0
     for character in text:
         depth += (character in "[({") - (character in "])}")
         if character == "," and depth == 0:
@@ -62,27 +67,28 @@ def check_name(name: str) -> str:
         )
     if any(name.startswith(prefix) and name != prefix for prefix in (PARAM, OWN)):
         return name
-    known = [
-        *dict.fromkeys(key for keys in KEYS_OF.values() for key in keys if key not in SEEDS),
-        VARIANT,
-    ]
+    keys = {key for keys in KEYS_OF.values() for key in keys}
+    known = [*sorted(keys.difference(SEEDS)), VARIANT]
     if name not in known:
-        near = meant(name, [*known, PARAM, OWN], "")
-        raise ExperimentError(
-            f"there is no axis `{name}`{near or ': an axis is a key of the configuration (`sjdsl train --keys` lists them), own.NAME, variant, or param.NAME'}"
+        hint = meant(name, [*known, PARAM, OWN], "") or (
+            ": an axis is a key of the configuration (`sjdsl train --keys` lists them), own.NAME, "
+            "variant, or param.NAME"
         )
+        raise ExperimentError(f"there is no axis `{name}`{hint}")
     return name
 
 
 def as_configured(value: Any) -> Any:
-    """Returns the value of a configuration key as its own type reads it: without the brackets that kept its commas together."""
-    return (
-        value[1:-1] if isinstance(value, str) and value[:1] + value[-1:] in ("[]", "()") else value
-    )
+    """Returns the value of a configuration key without the brackets that kept its commas
+    together.
+    """
+    if isinstance(value, str) and value[:1] + value[-1:] in ("[]", "()"):
+        return value[1:-1]
+    return value
 
 
 def as_number(value: Any) -> Any:
-    """Returns the value of one of a game's numbers: what it is in JSON, or a word."""
+    """Returns the value of a number of a game: a text as JSON, or unchanged if it isn't JSON."""
     try:
         return json.loads(value) if isinstance(value, str) else value
     except ValueError:
@@ -91,11 +97,8 @@ def as_number(value: Any) -> Any:
 
 def with_number(params: Mapping[str, Any], path: str, value: Any) -> dict[str, Any]:
     """Returns numbers of a game with one of them set; `regrow[red]` is an entry of a table."""
-    name, *words = path.replace("]", "").split("[")
-    if not words:
-        return {**params, name: value}
-    inner = params.get(name, {})
-    return {
-        **params,
-        name: with_number(inner if isinstance(inner, Mapping) else {}, "[".join(words), value),
-    }
+    name, *keys = path.replace("]", "").split("[")
+    if keys:
+        table = params.get(name, {})
+        value = with_number(table if isinstance(table, Mapping) else {}, "[".join(keys), value)
+    return {**params, name: value}

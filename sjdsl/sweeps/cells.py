@@ -1,4 +1,5 @@
-"""The cells of a sweep: each is one game and one configuration, with all its seeds, and a folder that is an ordinary run."""
+"""The cells of a sweep: each is one game and one configuration with all seeds, and its folder is
+that of an ordinary run."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -21,12 +22,12 @@ from sjdsl.trainers.settings.preset import Preset, load_preset
 if TYPE_CHECKING:
     from sjdsl.trainers.runs.loggers import LoggerName
 
-LONGEST = 120  # characters of a cell's name, which names its folder
-OTHERS = ("map", "num_agents")  # arguments of the environment that can't be axes
+MAX_NAME = 120  # characters of a cell's name, which is that of its folder
+FIXED = ("map", "num_agents")  # arguments of the environment that can't be axes
 UNUSUAL = re.compile(r"[^A-Za-z0-9._\-]+")
 
-# A game's name or file, its variant and its numbers, and, by name, `map` and `num_agents` if they are set -> the arguments of `sjdsl.make`,
-# and the name and the hash of the game.
+# A game's name or file, its variant and its numbers, and, by name, `map` and `num_agents` if they
+# are set -> the arguments of `sjdsl.make`, and the name and the hash of the game.
 Describe = Callable[..., tuple[dict[str, Any], str, str]]
 
 
@@ -46,7 +47,9 @@ class CellStage(BaseModel):
         return config.num_updates * config.steps_per_update
 
     def configuration(self) -> Config:
-        """Returns its configuration; nothing it names is imported. Raises ConfigError if this version doesn't know it."""
+        """Returns its configuration; nothing it names is imported. Raises ConfigError if this
+        version doesn't know it.
+        """
         return stored_config(self.config)
 
 
@@ -70,7 +73,9 @@ class Cell(CellStage):
         return range(config.seed, config.seed + config.seeds)
 
     def require_code(self) -> None:
-        """Checks that the caller has allowed the code its configurations name. Raises NotAllowed."""
+        """Checks that the caller has allowed the code its configurations name. Raises
+        NotAllowed.
+        """
         for stage in self.stages:
             require_code(stage.configuration(), f"the cell {self.name} of a sweep", to_act=False)
 
@@ -86,18 +91,18 @@ class Cell(CellStage):
 
 @dataclass(frozen=True)
 class SweepSpec:
-    """What a sweep trains. Of games, axes and loggers one may stand for itself."""
+    """The games, axes and settings of a sweep. A single game, axis or logger needs no list."""
 
     games: Sequence[str]  # names, or files
     axes: Sequence[Axis] = ()
-    settings: Mapping[str, Any] = field(
-        default_factory=dict
-    )  # of the configuration, of all cells; `seed` and `seeds` among them
+    # Settings of the configuration for all cells, with `seed` and `seeds`.
+    settings: Mapping[str, Any] = field(default_factory=dict)
     preset: str | None = None
     variant: str | None = None
     params: Mapping[str, Any] = field(default_factory=dict)  # numbers of the game
     episodes: int = 30  # in the evaluation of each seed's last policy
-    loggers: "Sequence[LoggerName]" = ()  # where else the metrics of cells that start from now on go: tensorboard, wandb
+    # Where else the metrics go, for cells that haven't begun: tensorboard, wandb.
+    loggers: "Sequence[LoggerName]" = ()
     map: str | None = None  # a file
     num_agents: int | None = None
 
@@ -116,54 +121,58 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
     Raises:
       ExperimentError: the values don't fit each other, the algorithm or the game.
     """
+    point = ", ".join(f"{name} {value}" for name, value in chosen.items())
+    where = f"{Path(game).stem} with {point}"
     keys = {
         name: as_configured(value)
         for name, value in chosen.items()
         if name != VARIANT and not name.startswith(PARAM)
     }
     changes = {**spread(spec.settings), **keys}
-    where = (
-        f"{Path(game).stem} with {', '.join(f'{name} {value}' for name, value in chosen.items())}"
-    )
-    asked = {*keys}  # whether some cell reads each setting of all cells is for the plan to check
+    # Of the settings of all cells, the plan checks whether some cell reads them.
+    asked = set(keys)
     try:
-        preset = (
-            load_preset(spec.preset, changes, game, asked)
-            if spec.preset is not None
-            else Preset(game, {}, make_config(changes, asked=asked))
-        )
-        preset.refuse_of_stages([*_set_in_game(spec), *(name.partition("[")[0] for name in chosen)])
+        if spec.preset is None:
+            preset = Preset(game, {}, make_config(changes, asked=asked))
+        else:
+            preset = load_preset(spec.preset, changes, game, asked)
+        names = [name.partition("[")[0] for name in chosen]
+        preset.refuse_of_stages([*_set_in_game(spec), *names])
     except ConfigError as error:
         raise ExperimentError(f"{where}: {error}") from None
     stages = []
     for stage in (*preset.earlier, preset):
         try:
-            provenance, own_name, digest = _describe_stage(
+            provenance, game_name, digest = _describe_stage(
                 game, stage.environment, chosen, spec, describe
             )
         except ValueError as error:
             raise ExperimentError(f"{where}: {error}") from None
-        stages.append(
-            CellStage(
-                hash=digest, provenance=provenance, config=stage.config.model_dump(mode="json")
-            )
-        )
+        config = stage.config.model_dump(mode="json")
+        stages.append(CellStage(hash=digest, provenance=provenance, config=config))
     *earlier, last = stages
-    listed = spread(last.config)
-    values: dict[str, Any] = {}  # each written in one way: 0.5 for `.50`
+    settings = spread(last.config)
+    values: dict[str, Any] = {}  # in one form: 0.5 for `.50`
     for name, value in chosen.items():
-        known = listed.get(name, as_number(value) if name.startswith(PARAM) else value)
-        values[name] = (
-            known[0] if name in listed and isinstance(known, list) and len(known) == 1 else known
-        )
+        if name in settings:
+            value = settings[name]
+            if isinstance(value, list) and len(value) == 1:
+                (value,) = value
+        elif name.startswith(PARAM):
+            value = as_number(value)
+        values[name] = value
     return Cell(
-        name=name_of(own_name, values), game=own_name, values=values, earlier=earlier, **dict(last)
+        name=name_of(game_name, values),
+        game=game_name,
+        values=values,
+        earlier=earlier,
+        **dict(last),
     )
 
 
 def _set_in_game(spec: SweepSpec) -> list[str]:
-    """Returns what a sweep sets in the game of all its cells, by the names of arguments; numbers as `param.X`."""
-    arguments = [name for name in (VARIANT, *OTHERS) if getattr(spec, name) is not None]
+    """Returns the arguments that a sweep sets in the games of all cells; numbers as `param.X`."""
+    arguments = [name for name in (VARIANT, *FIXED) if getattr(spec, name) is not None]
     return [*arguments, *(f"{PARAM}{name}" for name in spec.params)]
 
 
@@ -174,17 +183,22 @@ def _describe_stage(
     spec: SweepSpec,
     describe: Describe,
 ) -> tuple[dict[str, Any], str, str]:
-    """Returns what `describe` does of the game of a stage. preset: arguments of the environment."""
+    """Returns the result of `describe` for the game of a stage.
+
+    `preset` has the arguments of the environment in the preset.
+    """
     params = {**preset.get("params", {}), **spec.params}
+    arguments = dict(preset)
+    for name in (VARIANT, *FIXED):
+        if getattr(spec, name) is not None:
+            arguments[name] = getattr(spec, name)
     for name, value in chosen.items():
-        if name.startswith(PARAM):
+        if name == VARIANT:
+            arguments[VARIANT] = value
+        elif name.startswith(PARAM):
             params = with_number(params, name.removeprefix(PARAM), as_number(value))
-    arguments = {
-        name: value for name in (VARIANT, *OTHERS) if (value := getattr(spec, name)) is not None
-    }
-    arguments = {**preset, **arguments}
-    others = {name: arguments[name] for name in OTHERS if name in arguments}
-    return describe(game, chosen.get(VARIANT, arguments.get(VARIANT)), params, **others)
+    fixed = {name: arguments[name] for name in FIXED if name in arguments}
+    return describe(game, arguments.get(VARIANT), params, **fixed)
 
 
 def name_of(game: str, values: Mapping[str, Any]) -> str:
@@ -193,15 +207,16 @@ def name_of(game: str, values: Mapping[str, Any]) -> str:
         f"{_in_folder_name(name.removeprefix(PARAM))}-{_in_folder_name(value)}"
         for name, value in values.items()
     ]
-    whole = "_".join([game, *parts])
-    return (
-        whole
-        if len(whole) <= LONGEST
-        else f"{whole[:LONGEST]}_{sha256(whole.encode()).hexdigest()[:8]}"
-    )
+    name = "_".join([game, *parts])
+    if len(name) <= MAX_NAME:
+        return name
+    return f"{name[:MAX_NAME]}_{sha256(name.encode()).hexdigest()[:8]}"
 
 
 def _in_folder_name(value: Any) -> str:
-    value = short_name(value) if isinstance(value, str) else value
-    text = f"{value:g}" if isinstance(value, float) else str(value)
-    return UNUSUAL.sub("-", text).strip("-") if not isinstance(value, int | float) else text
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, int):
+        return str(value)
+    text = short_name(value) if isinstance(value, str) else str(value)
+    return UNUSUAL.sub("-", text).strip("-")

@@ -63,7 +63,7 @@ class Progress:
 
 
 def describe_sweep(spec: SweepSpec, cells: Sequence[Cell]) -> dict[str, Any]:
-    """Returns the content of `sweep.json` for a sweep, before it is merged with what the folder holds."""
+    """Returns the content of `sweep.json` for a sweep in a new folder."""
     return {
         "format": FORMAT,
         "episodes": spec.episodes,
@@ -74,7 +74,7 @@ def describe_sweep(spec: SweepSpec, cells: Sequence[Cell]) -> dict[str, Any]:
 
 
 def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the new content of `sweep.json`: the wanted sweep added to the one in the folder.
+    """Returns the new content of `sweep.json`: the wanted sweep added to the stored one.
 
     Raises:
       ExperimentError: the folder holds something else; nothing in it is changed.
@@ -82,86 +82,95 @@ def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
     wanted = plain(wanted)
     if folder.exists() and not folder.is_dir():
         raise ExperimentError(f"{folder} is a file, and a sweep is a folder; name another")
-    before = read_json(folder / SWEEP)
-    if before is None and (folder / SWEEP).exists():
+    stored = read_json(folder / SWEEP)
+    if stored is None and (folder / SWEEP).exists():
         raise ExperimentError(
-            f"{folder / SWEEP} is damaged and can't be read. Name another folder, or remove this one"
+            f"{folder / SWEEP} is damaged and can't be read. "
+            "Name another folder, or remove this one"
         )
-    if before is None:
-        inside = (
-            sorted(path.name for path in folder.iterdir() if not path.name.endswith(UNFINISHED))
-            if folder.is_dir()
-            else []
-        )
-        if inside:
+    if stored is None:
+        names = []
+        if folder.is_dir():
+            paths = [path for path in folder.iterdir() if not path.name.endswith(UNFINISHED)]
+            names = sorted(path.name for path in paths)
+        if names:
             raise ExperimentError(
-                f"{folder} is not empty and holds no sweep to resume ({', '.join(inside[:3])}); name another folder"
+                f"{folder} is not empty and holds no sweep to resume ({', '.join(names[:3])}); "
+                "name another folder"
             )
         return dict(wanted)
-    if fault := _fault(before, wanted):
-        advice = "Ask for other cells with all else as it was, the games' files included, or name another folder"
-        raise ExperimentError(f"{folder} holds another sweep: {fault}. {advice}")
-    return {**before, "loggers": wanted["loggers"], "cells": {**before["cells"], **wanted["cells"]}}
+    if difference := _difference(stored, wanted):
+        raise ExperimentError(
+            f"{folder} holds another sweep: {difference}. Ask for other cells with all else as it "
+            "was, the games' files included, or name another folder"
+        )
+    return {**stored, "loggers": wanted["loggers"], "cells": {**stored["cells"], **wanted["cells"]}}
 
 
-def _fault(before: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
-    """Returns the first difference for which the wanted sweep can't be added to the one from before; empty if there is none."""
-    if fault := _format_fault(before):
+def _difference(stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
+    """Returns the first reason why the wanted sweep can't be added to the stored one; empty if
+    there is none."""
+    if fault := _format_fault(stored):
         return fault
-    if fault := first_difference(
-        *({key: sweep[key] for key in ("episodes", "versions")} for sweep in (before, wanted))
-    ):
-        return fault
-    for cell in cells_of(before):
+    for key in ("episodes", "versions"):
+        if difference := first_difference({key: stored[key]}, {key: wanted[key]}):
+            return difference
+    for cell in cells_of(stored):
         if cell.name not in wanted["cells"]:
             continue
-        if fault := first_difference(
-            _without_paths(cell.described()), _without_paths(wanted["cells"][cell.name])
-        ):
-            return f"its cell {cell.name} has {fault}"
+        known = _without_paths(cell.described())
+        if difference := first_difference(known, _without_paths(wanted["cells"][cell.name])):
+            return f"its cell {cell.name} has {difference}"
     return ""
 
 
 def _without_paths(described: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns what `sweep.json` says of a cell, without where its game and map are: they are identified by the hash of the rules."""
-    kept = {
-        name: value
-        for name, value in described["provenance"].items()
-        if name not in ("game", "map")
-    }
+    """Returns the description of a cell without the paths of its game and map, which the hash of
+    the rules identifies."""
+    provenance = dict(described["provenance"])
+    provenance.pop("game", None)
+    provenance.pop("map", None)
     earlier = [_without_paths(stage) for stage in described.get("earlier", ())]
-    return {**described, "provenance": kept, "earlier": earlier}
+    return {**described, "provenance": provenance, "earlier": earlier}
 
 
 def read_sweep(folder: Path) -> dict[str, Any]:
-    """Returns the content of a sweep's `sweep.json`. Raises ExperimentError if the folder is not a sweep's."""
-    found = read_json(folder / SWEEP)
-    if found is None:
+    """Returns the content of `sweep.json`. Raises ExperimentError if the folder isn't that of a
+    sweep.
+    """
+    content = read_json(folder / SWEEP)
+    if content is None:
         raise ExperimentError(f"{folder} is not the folder of a sweep: it has no readable {SWEEP}")
-    if fault := _format_fault(found):
+    if fault := _format_fault(content):
         raise ExperimentError(f"{folder} is not the folder of a sweep: {fault}")
-    return found
+    return content
 
 
-def _format_fault(known: Mapping[str, Any]) -> str:
-    """Returns what is wrong with the content of a `sweep.json`; empty if nothing is."""
-    where: tuple[str, ...] = ()
+def _format_fault(content: Mapping[str, Any]) -> str:
+    """Returns the first fault in the content of a `sweep.json`; empty if there is none."""
+    path: tuple[str, ...] = ()
     try:
-        _Sweep.model_validate(known)
-        for name, described in known["cells"].items():
-            where = ("cells", name)
+        _Sweep.model_validate(content)
+        for name, described in content["cells"].items():
+            path = ("cells", name)
             for stage in Cell.read(name, described).stages:
                 stage.configuration()
     except ValidationError as error:
-        fault = error.errors()[0]
-        return f"the format of its {SWEEP} is not {FORMAT}, for in `{'.'.join(map(str, (*where, *fault['loc'])))}`: {fault['msg']}"
+        first = error.errors()[0]
+        key = ".".join(map(str, (*path, *first["loc"])))
+        reason = first["msg"]
     except ConfigError as error:
-        return f"the format of its {SWEEP} is not {FORMAT}, for in `{'.'.join((*where, 'config'))}`: {error}"
-    return ""
+        key = ".".join((*path, "config"))
+        reason = str(error)
+    else:
+        return ""
+    return f"the format of its {SWEEP} is not {FORMAT}, for in `{key}`: {reason}"
 
 
 def write_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
-    """Adds the wanted sweep to `sweep.json`, which is written only if that changes it; returns its content."""
+    """Adds the wanted sweep to `sweep.json`, which is written only if that changes it; returns its
+    content.
+    """
     known = merged(folder, wanted)
     folder.mkdir(parents=True, exist_ok=True)
     if known != read_json(folder / SWEEP):
@@ -176,7 +185,8 @@ def cells_of(known: Mapping[str, Any]) -> list[Cell]:
 
 
 def cell_at(folder: Path | str) -> tuple[Path, dict[str, Any], Cell]:
-    """Returns the folder of a sweep, the content of its `sweep.json`, and the cell in a folder `DIR/cells/NAME`.
+    """Returns the folder of a sweep, the content of its `sweep.json`, and the cell in a folder
+    `DIR/cells/NAME`.
 
     Raises:
       ExperimentError: it isn't the folder of a cell of a sweep.
@@ -231,25 +241,22 @@ def is_done(folder: Path, cell: Cell, episodes: int) -> bool:
     """Whether a cell's run is finished, with every seed, and each is evaluated."""
     path = run_dir(folder, cell)
     return is_finished(path) and all(
-        evaluation_of(own, seed, episodes) is not None
-        for seed, own in seed_dirs(path, cell).items()
+        evaluation_of(seed_dir, seed, episodes) is not None
+        for seed, seed_dir in seed_dirs(path, cell).items()
     )
 
 
 def evaluation_of(path: Path, seed: int, episodes: int) -> StoredEvaluation | None:
     """Returns the evaluation of a seed's last policy from which the sweep reads its results.
 
-    None if it is missing, damaged, or replaced by another: `sjdsl evaluate` writes the same file, with other seeds or episodes.
+    None if it is missing, damaged, or replaced by another: `sjdsl evaluate` writes the same file,
+    with other seeds or episodes.
     """
-    found = read_evaluation(path / EVALUATION)
-    if found is None or (found.policy, found.seed, found.greedy, found.episodes) != (
-        "last",
-        seed,
-        None,
-        episodes,
-    ):
+    evaluation = read_evaluation(path / EVALUATION)
+    if evaluation is None or evaluation.policy != "last" or evaluation.greedy is not None:
         return None
-    return found
+    is_same = evaluation.seed == seed and evaluation.episodes == episodes
+    return evaluation if is_same else None
 
 
 def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:
@@ -258,11 +265,12 @@ def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:
 
 
 def diverged_in(path: Path) -> str:
-    """Returns which seeds of a run diverged when, in words; empty if none did, in any stage."""
-    diverged = [
-        entry for folder in stage_folders(path) for entry in manifest_of(folder).get("diverged", ())
-    ]
-    return describe_divergence({entry["seed"]: entry["update"] for entry in diverged})
+    """Returns in words which seeds of a run diverged, and when, in any stage; empty if none did."""
+    updates = {}
+    for folder in stage_folders(path):
+        for entry in manifest_of(folder).get("diverged", ()):
+            updates[entry["seed"]] = entry["update"]
+    return describe_divergence(updates)
 
 
 def record_failure(folder: Path, cell: Cell, reason: str) -> None:
@@ -273,21 +281,19 @@ def record_failure(folder: Path, cell: Cell, reason: str) -> None:
 
 
 def retry(folder: Path, cell: Cell) -> None:
-    """Lets a failed cell run again from its last checkpoint, or from the start if no checkpoint could help.
+    """Lets a failed cell run again from its last checkpoint, or from the start if none could help.
 
-    That is so if a loss wasn't finite, the manifest can't be read, or the run finished and the last policy of a seed is lost. Then the old
-    files are moved aside.
+    None helps if a loss wasn't finite, the manifest can't be read, or the run finished and the last
+    policy of a seed is lost. Then the old files are moved aside.
     """
     path = run_dir(folder, cell)
     manifest = manifest_of(path)
-    has_policies = all(
-        (seed / POLICIES / f"last{SUFFIX}").is_file() for seed in seed_dirs(path, cell).values()
-    )
-    if path.is_dir() and (
-        not manifest
-        or diverged_in(path)
-        or (manifest.get("status") == FINISHED and not has_policies)
-    ):
+    last_policies = [
+        seed_dir / POLICIES / f"last{SUFFIX}" for seed_dir in seed_dirs(path, cell).values()
+    ]
+    lacks_policy = not all(policy.is_file() for policy in last_policies)
+    is_lost = manifest.get("status") == FINISHED and lacks_policy
+    if path.is_dir() and (not manifest or diverged_in(path) or is_lost):
         number = 1
         while (aside := folder / FAILED / f"{cell.name}_{number}").exists():
             number += 1
@@ -296,7 +302,9 @@ def retry(folder: Path, cell: Cell) -> None:
 
 
 def steps_of(cell: Cell) -> int:
-    """Returns the environment steps of each seed of a cell in all stages, rounded up to whole updates."""
+    """Returns the environment steps of each seed of a cell in all stages, rounded up to whole
+    updates.
+    """
     return sum(stage.steps for stage in cell.stages)
 
 
@@ -306,4 +314,6 @@ def as_text(value: Any) -> str:
         return ";".join(map(as_text, value))
     if isinstance(value, Mapping):
         return json.dumps(value)
-    return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:g}"
+    return "" if value is None else str(value)

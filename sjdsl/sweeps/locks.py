@@ -1,17 +1,20 @@
-"""The lock of a cell: only one process runs it. The system releases the lock however the process ends."""
+"""The lock of a cell: only one process runs it. The system releases the lock however the process
+ends.
+"""
 
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
 LOCKS = "locks"  # folder of a sweep
-PATIENCE = (
-    1.0  # seconds: a process that only checks whether a cell is running holds its lock for far less
-)
+# Seconds. A process that only checks whether a cell is running holds its lock for far less.
+PATIENCE = 1.0
 
 
 def take(sweep: Path, name: str) -> FileLock | None:
-    """Takes the lock of a cell and returns it, for the caller to release; None if another process has it."""
+    """Takes the lock of a cell and returns it, for the caller to release; None if another process
+    has it.
+    """
     (sweep / LOCKS).mkdir(exist_ok=True)
     lock = FileLock(_path(sweep, name))
     try:

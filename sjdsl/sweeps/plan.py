@@ -11,7 +11,7 @@ from sjdsl.sweeps.cells import Cell, Describe, SweepSpec, make_cell
 from sjdsl.trainers.settings.config import KEYS_OF, only_of_others
 from sjdsl.trainers.settings.own_settings import OWN, spread
 
-MOST = 10_000  # cells
+MAX_CELLS = 10_000
 
 
 def plan_sweep(spec: SweepSpec, describe: Describe) -> tuple[Cell, ...]:
@@ -33,15 +33,17 @@ def plan_sweep(spec: SweepSpec, describe: Describe) -> tuple[Cell, ...]:
 
 
 def _check_angles(cells: Sequence[Cell]) -> None:
-    """Raises ExperimentError if cells of SVO with weight 0 differ in their angle alone: they would be the same run."""
-    known: dict[str, Cell] = {}
+    """Raises ExperimentError if cells of SVO with weight 0 differ in their angle only: they would
+    be the same run."""
+    first: dict[str, Cell] = {}
     for cell in cells:
         if "svo_angle" not in cell.values or cell.config.get("svo_weight") != 0:
             continue
         others = {name: value for name, value in cell.values.items() if name != "svo_angle"}
-        if known.setdefault(f"{cell.game} {others}", cell) is not cell:
+        if first.setdefault(f"{cell.game} {others}", cell) is not cell:
             raise ExperimentError(
-                f"{cell.name}: `svo_angle` has no effect while `svo_weight` is 0; sweep over weights above 0"
+                f"{cell.name}: `svo_angle` has no effect while `svo_weight` is 0; "
+                "sweep over weights above 0"
             )
 
 
@@ -50,11 +52,12 @@ def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
     configurations = [stage.configuration() for cell in cells for stage in cell.stages]
     unread = [config.unread for config in configurations]
     for name in spread(spec.settings):
-        if name.startswith(OWN) and not any(
-            name.removeprefix(OWN) in dict(config.own) for config in configurations
-        ):
+        own_name = name.removeprefix(OWN)
+        is_taken = any(own_name in dict(config.own) for config in configurations)
+        if name.startswith(OWN) and not is_taken:
             raise ExperimentError(
-                f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your own takes it"
+                f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your "
+                "own takes it"
             )
         if all(only_of_others(name, type(config)) for config in configurations):
             owners = " and ".join(algorithm for algorithm, keys in KEYS_OF.items() if name in keys)
@@ -65,40 +68,42 @@ def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
         ):
             mark = next(of_cell[name] for of_cell in unread if name in of_cell)
             raise ExperimentError(
-                f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is {mark.values}"
+                f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is "
+                f"{mark.values}"
             )
 
 
 def _check(spec: SweepSpec) -> None:
-    """Raises ExperimentError for what can be refused before a game is read."""
+    """Raises ExperimentError for mistakes that show before a game is read."""
     if not spec.games:
         raise ExperimentError(
-            "name the games to train in, as in `sjdsl sweep coins clean_up --axis reward=individual,common --run DIR`"
+            "name the games to train in, as in "
+            "`sjdsl sweep coins clean_up --axis reward=individual,common --run DIR`"
         )
     if twice := _first_repeated([Path(game).stem for game in spec.games]):
         raise ExperimentError(f"the game `{twice}` is named twice; cells are named by their games")
     if twice := _first_repeated([axis.name for axis in spec.axes]):
         raise ExperimentError(
-            f"the axis `{twice}` is given twice; name all its values at once: --axis {twice}=value,value"
+            f"the axis `{twice}` is given twice; name all its values at once: "
+            f"--axis {twice}=value,value"
         )
     if not spec.axes:
         raise ExperimentError("say what varies: --axis NAME=value,value,…")
-    if empty := [axis.name for axis in spec.axes if not axis.values]:
-        raise ExperimentError(f"the axis `{empty[0]}` has no values; name one or more")
-    fixed = {
-        *spread(spec.settings),
-        *(f"{PARAM}{name}" for name in spec.params),
-        *([VARIANT] if spec.variant is not None else []),
-    }
+    fixed = {*spread(spec.settings), *(f"{PARAM}{name}" for name in spec.params)}
+    if spec.variant is not None:
+        fixed.add(VARIANT)
     for axis in spec.axes:
+        if not axis.values:
+            raise ExperimentError(f"the axis `{axis.name}` has no values; name one or more")
         if axis.name in fixed:
             raise ExperimentError(
                 f"`{axis.name}` is an axis, and is also set for all cells; do only one of the two"
             )
     number = len(spec.games) * math.prod(len(axis.values) for axis in spec.axes)
-    if number > MOST:
+    if number > MAX_CELLS:
         raise ExperimentError(
-            f"this sweep has {number:,} cells, and {MOST:,} are the most; make the axes shorter"
+            f"this sweep has {number:,} cells, and {MAX_CELLS:,} are the most; "
+            "make the axes shorter"
         )
 
 
@@ -108,15 +113,17 @@ def _first_repeated(names: Sequence[str]) -> str | None:
 
 def _check_names(cells: Sequence[Cell]) -> None:
     """Raises ExperimentError if two cells would have the same folder."""
-    known: dict[str, Cell] = {}
+    first: dict[str, Cell] = {}
     for cell in cells:
-        other = known.setdefault(cell.name, cell)
+        other = first.setdefault(cell.name, cell)
         if other is cell:
             continue
         if other.values == cell.values:
             raise ExperimentError(
-                f"two cells are the same: {cell.name} is asked for twice; name each value of an axis once"
+                f"two cells are the same: {cell.name} is asked for twice; "
+                "name each value of an axis once"
             )
         raise ExperimentError(
-            f"two cells would have the same folder, {cell.name}: {dict(other.values)} and {dict(cell.values)}"
+            f"two cells would have the same folder, {cell.name}: "
+            f"{dict(other.values)} and {dict(cell.values)}"
         )

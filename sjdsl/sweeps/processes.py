@@ -1,7 +1,9 @@
-"""Processes of this machine that run cells side by side, each with its share of the cores, and of the GPUs.
+"""Processes of this machine that run cells side by side, each with its share of the cores, and of
+the GPUs.
 
-XLA starts a thread for every core that a process may use. Two processes with a thread on each core wait for one another at every
-operation that is divided among threads; with cores of its own each waits for nobody (docs/sweeps.md has the measurement).
+XLA starts a thread for every core that a process may use. Two processes with a thread on each core
+wait for one another at every operation that is divided among threads; with cores of its own, each
+waits for nobody (docs/sweeps.md has the measurement).
 """
 
 import multiprocessing
@@ -25,9 +27,11 @@ def run_in_processes(
     gpus: Sequence[str] = (),
     run: Callable[[Path, Watch], Any] = run_cell,
 ) -> bool:
-    """Runs the cells in these folders in processes that share them: each goes through all, and runs those that nobody runs or has run.
+    """Runs the cells in these folders in several processes.
 
-    Their lines go to standard error. Returns whether all came to the end; one that is killed, or whose disk is full, leaves its cell stopped.
+    Each process goes through all cells, and runs those that no other process is running or has run.
+    Its lines go to standard error. Returns whether all processes came to the end; one that is
+    killed, or whose disk is full, leaves its cell stopped.
     """
     spawn = multiprocessing.get_context("spawn")
     number = min(workers, len(folders))
@@ -35,15 +39,13 @@ def run_in_processes(
     processes = [
         spawn.Process(target=_run_all, args=(run, folders, cores), daemon=True) for cores in shares
     ]
-    signal.pthread_sigmask(
-        signal.SIG_BLOCK, {signal.SIGINT}
-    )  # they inherit this: Ctrl-C is for this process, which then ends them
+    # The processes inherit this: Ctrl-C is for this process, which then ends them.
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         try:
-            for process, variables in zip(
-                processes, variables_of_workers(gpus, number), strict=True
-            ):
-                with with_variables(variables):  # they are set before JAX is imported there
+            variables_of_each = variables_of_workers(gpus, number)
+            for process, variables in zip(processes, variables_of_each, strict=True):
+                with with_variables(variables):  # they are set before the process imports JAX
                     process.start()
         finally:
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
@@ -59,7 +61,8 @@ def run_in_processes(
 
 
 def shares_of(cores: Sequence[int], workers: int) -> list[tuple[int, ...]]:
-    """Returns the cores of each of `workers` processes: equal shares to within one core; all cores for each if there are too few."""
+    """Returns the cores of each of `workers` processes: equal shares to within one core; all cores
+    for each if there are too few."""
     if workers > len(cores):
         return [tuple(cores)] * workers
     bounds = [len(cores) * number // workers for number in range(workers + 1)]
@@ -67,7 +70,8 @@ def shares_of(cores: Sequence[int], workers: int) -> list[tuple[int, ...]]:
 
 
 def _usable_cores() -> list[int]:
-    """Returns the cores that this process may use; none if the system doesn't let a process choose (Linux does)."""
+    """Returns the cores that this process may use; none if the system (unlike Linux) doesn't let a
+    process choose."""
     return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 
@@ -75,7 +79,9 @@ def _usable_cores() -> list[int]:
 def _run_all(
     run: Callable[[Path, Watch], Any], folders: Sequence[Path], cores: Sequence[int]
 ) -> None:
-    """Runs cells in this process, which has not started JAX yet: that starts as many threads as it has cores."""
+    """Runs cells in this process, in which JAX hasn't started yet: it starts a thread for each
+    core.
+    """
     if cores:
         os.sched_setaffinity(0, cores)
     watch = Watch(tell=lambda line: print(line, file=sys.stderr, flush=True))

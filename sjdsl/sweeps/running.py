@@ -1,4 +1,4 @@
-"""A whole sweep: plans it, runs what is left, and writes its table."""
+"""A whole sweep: plans it, runs the cells that aren't done, and writes its table."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -50,55 +50,72 @@ def sweep(
     again: bool = False,
     watch: Watch = ALONE,
 ) -> Outcome:
-    """Runs a sweep, or resumes it: cells that are done stay, stopped ones resume from their last checkpoint.
+    """Runs a sweep, or resumes it: cells that are done stay, stopped ones resume from their last
+    checkpoint.
 
     Args:
-      spec: what to train. Values that the folder doesn't have yet are added to it.
+      spec: the games, axes and settings. Cells that the folder doesn't have yet are added to it.
       folder: of the sweep; new, empty, or of the same sweep.
-      describe: returns the arguments of an environment, its name and its hash; None: by `sjdsl.make`.
-      workers: processes on this machine, at most; 1: this one. If it has NVIDIA GPUs, each of several has one of them, or shares it, and
-        this process computes on the CPU from then on.
+      describe: returns the arguments of an environment, its name and its hash; None: by
+        `sjdsl.make`.
+      workers: processes on this machine, at most; 1: this one. If it has NVIDIA GPUs, each of
+        several
+        has one of them, or shares it, and this process computes on the CPU from then on.
       again: whether to try failed cells again.
-      watch: shows the progress of runs in this process, and gets a line for each event; other processes write theirs to standard error.
+      watch: shows the progress of runs in this process, and gets a line for each event; other
+        processes write theirs to standard error.
     Raises:
-      ExperimentError: the specification is inconsistent, or the folder holds something else. DiskError, OSError: the disk is full;
-      the same call resumes the sweep.
+      ExperimentError: the specification is inconsistent, or the folder holds something else.
+        DiskError, OSError: the disk is full; the same call resumes the sweep.
     """
     path = Path(folder).resolve()
     gpus = gpus_for_workers(workers)
-    cells = _prepared(spec, path, describe)
+    cells = _prepare(spec, path, describe)
     if gpus:
         watch.tell(describe_shares(gpus, min(workers, len(cells))))
-    for cell in cells if again else ():
-        if (
-            progress_of(path, cell, spec.episodes).state == "failed"
-            and (lock := take(path, cell.name)) is not None
-        ):
-            try:
-                retry(path, cell)
-            finally:
-                lock.release()
+    if again:
+        _retry_failed(path, cells, spec.episodes)
     _run(path, cells, spec.episodes, workers, gpus, watch)
     write_results(path, read_sweep(path))
-    states = {cell.name: progress_of(path, cell, spec.episodes) for cell in cells}
-    return Outcome(
-        path,
-        tuple(name for name, found in states.items() if found.state == "done"),
-        {name: found.reason for name, found in states.items() if found.state == "failed"},
-        tuple(name for name, found in states.items() if found.state not in ("done", "failed")),
-    )
+    done = []
+    failed = {}
+    stopped = []
+    for cell in cells:
+        progress = progress_of(path, cell, spec.episodes)
+        match progress.state:
+            case "done":
+                done.append(cell.name)
+            case "failed":
+                failed[cell.name] = progress.reason
+            case _:
+                stopped.append(cell.name)
+    return Outcome(path, tuple(done), failed, tuple(stopped))
+
+
+def _retry_failed(folder: Path, cells: Sequence[Cell], episodes: int) -> None:
+    """Lets failed cells run again, unless another process is running them."""
+    for cell in cells:
+        if progress_of(folder, cell, episodes).state != "failed":
+            continue
+        lock = take(folder, cell.name)
+        if lock is not None:
+            try:
+                retry(folder, cell)
+            finally:
+                lock.release()
 
 
 def prepare(spec: SweepSpec, folder: Path | str, describe: Describe | None = None) -> list[Path]:
-    """Writes `sweep.json` and returns the folders of all cells, for `run_cell` in any process on any machine.
+    """Writes `sweep.json` and returns the folders of all cells, for `run_cell` in any process on
+    any machine.
 
     Arguments and errors are those of `sweep`.
     """
     path = Path(folder).resolve()
-    return [run_dir(path, cell) for cell in _prepared(spec, path, describe)]
+    return [run_dir(path, cell) for cell in _prepare(spec, path, describe)]
 
 
-def _prepared(spec: SweepSpec, path: Path, describe: Describe | None) -> tuple[Cell, ...]:
+def _prepare(spec: SweepSpec, path: Path, describe: Describe | None) -> tuple[Cell, ...]:
     """Writes `sweep.json`; returns the cells."""
     cells = plan_sweep(spec, describe or describe_with_make)
     check_sweep(spec, cells, path)
@@ -107,31 +124,27 @@ def _prepared(spec: SweepSpec, path: Path, describe: Describe | None) -> tuple[C
 
 
 def check_sweep(spec: SweepSpec, cells: Sequence[Cell], folder: Path) -> None:
-    """Raises ExperimentError if a logger, a folder or a configuration is refused; nothing has been written."""
+    """Raises ExperimentError for a logger, a folder or a configuration that can't be used.
+
+    Nothing is written.
+    """
     check_loggers(spec.loggers)
     merged(folder, describe_sweep(spec, cells))
     checked = set()
     for cell in cells:
-        kind = repr(
-            [
-                (
-                    one.hash,
-                    {
-                        key: value
-                        for key, value in one.config.items()
-                        if not isinstance(value, float)
-                    },
-                )
-                for one in cell.stages
-            ]
-        )
+        kind = repr([(stage.hash, _without_floats(stage.config)) for stage in cell.stages])
         if kind in checked:
-            continue  # floats alone don't decide what fits
+            continue
         checked.add(kind)
         try:
             check_stages(stages_of(cell, folder))
         except (ConfigError, PolicyError) as error:
             raise ExperimentError(f"{cell.name}: {error}") from None
+
+
+def _without_floats(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the settings that decide whether a configuration fits a game."""
+    return {key: value for key, value in config.items() if not isinstance(value, float)}
 
 
 def describe_with_make(
@@ -142,17 +155,14 @@ def describe_with_make(
     num_agents: int | None = None,
 ) -> tuple[dict[str, Any], str, str]:
     """Returns the arguments of a game's environment, its name and its hash."""
-    path = Path(game)
-    name = str(path.resolve()) if path.suffix else game
-    file = map and str(Path(map).resolve())
-    provenance = {
-        "game": name,
+    provenance: dict[str, Any] = {
+        "game": str(Path(game).resolve()) if Path(game).suffix else game,
         "variant": variant,
-        "map": file,
+        "map": map and str(Path(map).resolve()),
         "num_agents": num_agents,
         "params": dict(params),
     }
-    env = sjdsl.make(name, variant, num_agents, params, file)
+    env = sjdsl.make(**provenance)
     return provenance, env.name, env.hash
 
 
@@ -164,19 +174,19 @@ def _run(
     gpus: Sequence[str],
     watch: Watch,
 ) -> None:
-    """Runs cells until each is done or has failed, in this process or another; or until a process that it has started was killed."""
+    """Runs cells until each is done or has failed, in this process or another, or until a process
+    that it has started is killed."""
     reported: set[str] = set()
     while True:
         states = {cell.name: progress_of(folder, cell, episodes).state for cell in cells}
-        left = [
-            run_dir(folder, cell) for cell in cells if states[cell.name] in ("waiting", "stopped")
-        ]
+        waiting = [name for name, state in states.items() if state in ("waiting", "stopped")]
         running = [name for name, state in states.items() if state == "running"]
-        if workers > 1 and len(left) > (0 if gpus else 1):
-            if not run_in_processes(left, workers, gpus):
+        paths = [run_dir(folder, cell) for cell in cells if cell.name in waiting]
+        if workers > 1 and len(paths) > (0 if gpus else 1):
+            if not run_in_processes(paths, workers, gpus):
                 return
-        elif left:
-            for path in left:
+        elif paths:
+            for path in paths:
                 run_cell(path, watch)
         elif running:
             for name in running:

@@ -1,4 +1,6 @@
-"""The table of a sweep, `results.csv`: made from the folders of its cells whenever one of them ends."""
+"""The table of a sweep, `results.csv`: made from the folders of its cells whenever one of them
+ends.
+"""
 
 import csv
 import io
@@ -7,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.files import write_whole
+from sjdsl.sweeps.cells import Cell
 from sjdsl.sweeps.folder import (
     as_text,
     cells_of,
@@ -16,7 +19,7 @@ from sjdsl.sweeps.folder import (
     run_dir,
     seed_dirs,
 )
-from sjdsl.trainers.policies.stored_evaluation import RETURN, Figure
+from sjdsl.trainers.policies.stored_evaluation import RETURN, Figure, StoredEvaluation
 from sjdsl.trainers.runs.stages import reward_label
 
 RESULTS = "results.csv"
@@ -44,81 +47,87 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
     rows = []
     for cell in cells_of(known):
         path = run_dir(folder, cell)
-        seeds = seed_dirs(path, cell) if is_finished(path) else {}
+        if not is_finished(path):
+            continue
         evaluations = {
-            seed: evaluation_of(own, seed, known["episodes"]) for seed, own in seeds.items()
+            seed: evaluation_of(seed_dir, seed, known["episodes"])
+            for seed, seed_dir in seed_dirs(path, cell).items()
         }
         if None in evaluations.values():
             continue
+        manifest = manifest_of(path)
         for seed, evaluation in evaluations.items():
             assert evaluation is not None
-            manifest = manifest_of(path)
-            updates, device = manifest["updates"], manifest.get("device", {})
-            place = {"cell": cell.name, "game": cell.game, "hash": cell.hash}
-            way = {key: cell.config.get(key) for key in ("algorithm", "sharing")} | {
-                "variant": cell.provenance.get("variant")
-            }
-            way["reward"] = reward_label(cell.config["reward"], bool(cell.earlier))
-            run = {
-                "seed": seed,
-                "updates": updates,
-                "env_steps": sum(stage.steps for stage in cell.earlier)
-                + updates * cell.configuration().steps_per_update,
-                "episodes": evaluation.episodes,
-                "hardware": f"{device.get('platform', '?')} x{device.get('count', '?')}: {device.get('kind', '?')}",
-            }
-            texts = {key: as_text(value) for key, value in {**cell.values, **place, **way}.items()}
-            rows.append(
-                texts
-                | {key: str(value) for key, value in run.items()}
-                | figures(evaluation.summary)
-            )
+            rows.append(_row(cell, manifest, seed, evaluation))
     return rows
 
 
+def _row(cell: Cell, manifest: Mapping[str, Any], seed: int, evaluation: StoredEvaluation) -> Row:
+    updates = manifest["updates"]
+    earlier_steps = sum(stage.steps for stage in cell.earlier)
+    device = manifest.get("device", {})
+    platform, count, kind = (device.get(key, "?") for key in ("platform", "count", "kind"))
+    values = {
+        **cell.values,
+        "cell": cell.name,
+        "game": cell.game,
+        "hash": cell.hash,
+        "algorithm": cell.config.get("algorithm"),
+        "sharing": cell.config.get("sharing"),
+        "variant": cell.provenance.get("variant"),
+        "reward": reward_label(cell.config["reward"], bool(cell.earlier)),
+    }
+    run = {
+        "seed": str(seed),
+        "updates": str(updates),
+        "env_steps": str(earlier_steps + updates * cell.configuration().steps_per_update),
+        "episodes": str(evaluation.episodes),
+        "hardware": f"{platform} x{count}: {kind}",
+    }
+    texts = {name: as_text(value) for name, value in values.items()}
+    return {**texts, **run, **figures(evaluation.summary)}
+
+
 def figures(summary: Mapping[str, Figure]) -> Row:
-    """Returns the means of an evaluation under the names of metrics: `event eaten of agent 0` is `event_eaten_agent_0`."""
+    """Returns the means of an evaluation under the names of metrics.
+
+    `event eaten of agent 0` is `event_eaten_agent_0`.
+    """
     values = {
         name.replace(" of agent ", "_agent_").replace(" ", "_"): figure.mean
         for name, figure in summary.items()
     }
-    values |= {
-        "collective_return_low": summary[RETURN].low,
-        "collective_return_high": summary[RETURN].high,
-    }
+    values["collective_return_low"] = summary[RETURN].low
+    values["collective_return_high"] = summary[RETURN].high
     return {name: "" if value is None else repr(float(value)) for name, value in values.items()}
 
 
 def write_results(folder: Path, known: Mapping[str, Any]) -> None:
     """Writes `results.csv`, whole or not at all.
 
-    Another process may write it at the same time, from what it read before this one's cell was done. So the folders are read again
-    afterwards, and the table written again until they agree: the last process to write has read everything.
+    Another process may write it at the same time, and may have read the folders before this
+    process's cell was done. So this process reads the folders again afterwards, and writes the
+    table again until
+    both agree: the last process to write has read everything.
     """
     text = result_table(results(folder, known))
     for _ in range(10):
         write_whole(folder / RESULTS, text.encode())
-        again = result_table(results(folder, known))
-        if again == text:
+        new_text = result_table(results(folder, known))
+        if new_text == text:
             return
-        text = again
+        text = new_text
 
 
 def result_table(rows: Sequence[Row]) -> str:
-    """Returns `results.csv`: first the columns of the cell, then its axes, its run, and its figures."""
-    others = [
-        name
-        for name in dict.fromkeys(name for row in rows for name in row)
-        if name not in (*OF_CELL, *OF_RUN, *FIRST)
-    ]
+    """Returns `results.csv`: first the columns of the cell, then its axes, its run, and its
+    figures.
+    """
+    names = dict.fromkeys(name for row in rows for name in row)
+    others = [name for name in names if name not in (*OF_CELL, *OF_RUN, *FIRST)]
     figures_by_kind = [name for kind in KINDS for name in others if name.startswith(kind)]
-    columns = (
-        *OF_CELL,
-        *(name for name in others if name not in figures_by_kind),
-        *OF_RUN,
-        *FIRST,
-        *figures_by_kind,
-    )
+    axes = [name for name in others if name not in figures_by_kind]
+    columns = (*OF_CELL, *axes, *OF_RUN, *FIRST, *figures_by_kind)
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, restval="", lineterminator="\n")
     writer.writeheader()

@@ -1,4 +1,5 @@
-"""Runs cells: however many processes call `run_cell` on a folder, on any machine, the cell runs once, and resumes if it was stopped."""
+"""Runs cells: however many processes call `run_cell` on a folder, on any machine, the cell runs
+once, and resumes if it was stopped."""
 
 import gc
 import json
@@ -67,48 +68,45 @@ ALONE = Watch()
 
 
 def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
-    """Runs the cell in a folder `DIR/cells/NAME` of a sweep, unless it is done, has failed, or is running in another process.
+    """Runs the cell in a folder `DIR/cells/NAME` of a sweep, unless it is done, has failed, or is
+    running in another process.
 
     A cell that was stopped resumes from its last checkpoint. The table of the sweep is updated.
 
     Returns:
       the cell's state afterwards: `done`, `failed`, or `running` (elsewhere).
     Raises:
-      DiskError, OSError: the disk is full; what was written before stays. ExperimentError: the folder isn't a cell of a sweep. NotAllowed:
-      the cell needs code that the caller hasn't allowed (`allow_code`).
+      DiskError, OSError: the disk is full; the files written before stay.
+      ExperimentError: the folder isn't a cell of a sweep.
+      NotAllowed: the cell needs code that the caller hasn't allowed (`allow_code`).
     """
     sweep, known, cell = cell_at(folder)
     cell.require_code()
     for stage in cell.stages:
         make_config(stage.config, asked=())  # imports the code that it names
     episodes = known["episodes"]
-    lock = None if progress_of(sweep, cell, episodes).state in OVER else take(sweep, cell.name)
-    ran = False
-    if lock is not None:
-        try:
-            if (
-                progress_of(sweep, cell, episodes).state not in OVER
-            ):  # another process may have finished it meanwhile
-                ran = True
-                _run(sweep, cell, known, watch)
-        finally:
-            lock.release()
+    has_run = False
+    if progress_of(sweep, cell, episodes).state not in OVER:
+        lock = take(sweep, cell.name)
+        if lock is not None:
+            try:
+                # Another process may have finished the cell before this one had the lock.
+                if progress_of(sweep, cell, episodes).state not in OVER:
+                    has_run = True
+                    _run(sweep, cell, known, watch)
+            finally:
+                lock.release()
     known = read_sweep(sweep)  # another process may have added cells
     write_results(sweep, known)
     progress = progress_of(sweep, cell, episodes)
-    if ran and progress.state == "done":
-        returns = [
-            float(row["collective_return"])
-            for row in results(sweep, known)
-            if row["cell"] == cell.name
-        ]
+    if has_run and progress.state == "done":
+        rows = [row for row in results(sweep, known) if row["cell"] == cell.name]
+        returns = [float(row["collective_return"]) for row in rows]
         seeds = f"mean of {len(returns)} seeds" if len(returns) > 1 else "one seed"
-        watch.tell(
-            f"{cell.name}: done, collective return {sum(returns) / len(returns):.4g} ({seeds})"
-        )
-    elif ran and progress.state == "failed":
+        watch.tell(f"{cell.name}: done, collective return {np.mean(returns):.4g} ({seeds})")
+    elif has_run and progress.state == "failed":
         watch.tell(f"{cell.name}: {progress.summary}")
-    jax.clear_caches()  # compiled programs would fill the memory in the course of a long sweep
+    jax.clear_caches()  # in a long sweep, compiled programs would fill the memory
     gc.collect()
     return progress.state
 
@@ -121,15 +119,13 @@ def _run(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> Non
             _train(sweep, cell, known, watch)
     except (DiskError, OSError):
         raise
-    except (
-        Exception
-    ) as error:  # code of the user's own may raise anything: the other cells continue
+    except Exception as error:
+        # The user's own code may raise anything; the other cells continue.
         if _is_open(sweep, cell):
-            record_failure(
-                sweep,
-                cell,
-                str(error) if isinstance(error, REFUSALS) else f"{type(error).__name__}: {error}",
-            )
+            reason = str(error)
+            if not isinstance(error, REFUSALS):
+                reason = f"{type(error).__name__}: {error}"
+            record_failure(sweep, cell, reason)
     _finish(sweep, cell, known["episodes"])
 
 
@@ -142,7 +138,7 @@ def _is_open(sweep: Path, cell: Cell) -> bool:
 def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> None:
     path = run_dir(sweep, cell)
     *earlier, last = stages_of(cell, sweep)
-    _clear_half_begun(path)
+    _remove_unstarted(path)
     if (path / MANIFEST).is_file():
         watch.tell(f"{cell.name}: training, {resumption(last_checkpoint(path))}")
         resume(
@@ -167,22 +163,24 @@ def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> N
         )
 
 
-def _clear_half_begun(path: Path) -> None:
-    """Removes the files of a run that was stopped before it wrote its manifest: the policy it starts with, its stages and its lock.
+def _remove_unstarted(path: Path) -> None:
+    """Removes the files of a run that was stopped before it wrote its manifest: the policy that it
+    starts with, its stages and its lock.
 
     Raises ExperimentError if there are other files; they stay.
     """
     if not path.is_dir() or (path / MANIFEST).is_file():
         return
-    inside = sorted(found.name for found in path.iterdir())
-    ours = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK, STAGES}
-    others = [name for name in inside if name not in ours and not name.endswith(UNFINISHED)]
+    names = sorted(file.name for file in path.iterdir())
+    written_first = {START, str(Path(START).with_suffix(".json")), MANIFEST, LOCK, STAGES}
+    others = [name for name in names if name not in written_first and not name.endswith(UNFINISHED)]
     if others:
         raise ExperimentError(
-            f"{path} holds {', '.join(others[:3])} but no {MANIFEST}; --retry moves it aside and starts again"
+            f"{path} holds {', '.join(others[:3])} but no {MANIFEST}; "
+            "--retry moves it aside and starts again"
         )
     shutil.rmtree(path / STAGES, ignore_errors=True)
-    for name in inside:
+    for name in names:
         (path / name).unlink(missing_ok=True)
 
 
@@ -202,34 +200,35 @@ def _finish(sweep: Path, cell: Cell, episodes: int) -> None:
 
 
 def evaluate_cell(sweep: Path, cell: Cell, episodes: int) -> None:
-    """Plays episodes with the last policy of each seed, and writes `evaluation.json` as `sjdsl train` does, unless it is there already.
+    """Plays episodes with the last policy of each seed, and writes `evaluation.json` as `sjdsl
+    train` does; seeds that have one are skipped.
 
     Raises:
       PolicyError: a policy can't be read. ExperimentError: a return is not finite.
     """
-    path, env = run_dir(sweep, cell), environment_of(cell, sweep)
+    path = run_dir(sweep, cell)
+    env = environment_of(cell, sweep)
     provenance = json.dumps(located_in(sweep, cell), sort_keys=True)
-    trained_as = stored_config(manifest_of(path).get("config", cell.config))
-    for seed, own in seed_dirs(path, cell).items():
-        if evaluation_of(own, seed, episodes) is not None:
+    config = stored_config(manifest_of(path).get("config", cell.config))
+    for seed, seed_dir in seed_dirs(path, cell).items():
+        if evaluation_of(seed_dir, seed, episodes) is not None:
             continue
-        play = _evaluator(provenance, acting_kind(trained_as), episodes)
-        parameters, described = read_parameters(policy_path(own, "last"), env)
-        played = play(evaluation_key(seed), parameters)
-        if not np.isfinite(played.returns).all():
+        play = _evaluator(provenance, acting_kind(config), episodes)
+        parameters, description = read_parameters(policy_path(seed_dir, "last"), env)
+        evaluation = play(evaluation_key(seed), parameters)
+        if not np.isfinite(evaluation.returns).all():
             raise ExperimentError(
-                f"the returns of the last policy of seed {seed} are not finite, so they have no mean"
+                f"the returns of the last policy of seed {seed} are not finite, "
+                "so they have no mean"
             )
-        save_evaluation(
-            played,
-            own / EVALUATION,
-            {"policy": "last", "update": described.update, "seed": seed, "greedy": None},
-        )
+        about = {"policy": "last", "update": description.update, "seed": seed, "greedy": None}
+        save_evaluation(evaluation, seed_dir / EVALUATION, about)
 
 
 @lru_cache(maxsize=4)
 def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, Any], Evaluation]:
-    """Returns an evaluator of policies with one network in one game, compiled once for all seeds and cells that share them."""
+    """Returns an evaluator of policies with one network in one game, compiled once for all seeds
+    and cells that share them."""
     env = _environment(provenance)
     config = stored_config(json.loads(acting))
     return make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), episodes)
@@ -266,8 +265,8 @@ def environment_of(cell: CellStage, sweep: Path) -> Any:
     env = _environment(json.dumps(located_in(sweep, cell), sort_keys=True))
     if env.hash != cell.hash:
         raise ExperimentError(
-            f"the rules of {env.name} have changed since the sweep began: {cell.hash} then, {env.hash} now; "
-            "restore the file, or start another sweep"
+            f"the rules of {env.name} have changed since the sweep began: {cell.hash} then, "
+            f"{env.hash} now; restore the file, or start another sweep"
         )
     return env
 

@@ -41,7 +41,7 @@ def state_differences(
     for sort, herd in herds(world).items():
         suffix = f" of {sort.name}" if sort.what == "mover" else ""
         cells = np.asarray(getattr(state, attribute_of("position", sort))).tolist()
-        compiled = [_row_and_col(env, cell) for cell in cells]
+        compiled = [_row_and_col(env, cell) if cell else None for cell in cells]
         interpreted = [None if place is None else tuple(place) for place in herd.position]
         places.insert(0, (f"places{suffix}", compiled, interpreted))
         ticks = [away.ticks if away else 0 for away in herd.away]
@@ -60,16 +60,16 @@ def state_differences(
         if compiled != interpreted
     ]
     for declared in all_fields(game):
-        values = np.asarray(getattr(state, attribute_name(declared)))
+        stored = np.asarray(getattr(state, attribute_name(declared)))
         expected = np.asarray(stored_values(declared, world))
         if not expected.size:  # an empty list of rows doesn't have the length of the rows
-            expected = expected.reshape(values.shape)
+            expected = expected.reshape(stored.shape)
         if declared.type.kind == "real":
-            is_same = np.allclose(values, expected, rtol=close, atol=close)
+            is_same = np.allclose(stored, expected, rtol=close, atol=close)
         else:
-            is_same = values.tolist() == expected.tolist()
+            is_same = stored.tolist() == expected.tolist()
         if not is_same:
-            differences.append(shown(attribute_name(declared), values.tolist(), expected.tolist()))
+            differences.append(shown(attribute_name(declared), stored.tolist(), expected.tolist()))
     seen = np.asarray(seen)
     expected = interpreter_view.observe(game, world)
     if seen.shape != expected.shape:
@@ -81,13 +81,11 @@ def state_differences(
     return differences
 
 
-def _row_and_col(env: Environment, cell: int) -> tuple[int, int] | None:
-    """Returns the row and column of a compiled state's cell number; None for 0, which is no
-    cell.
-    """
+def _row_and_col(env: Environment, cell: int) -> tuple[int, int]:
+    """Returns the row and column of a compiled state's cell number; 0 is no cell."""
     _, cols = env.module.FRAME
     row, col = divmod(cell, cols)
-    return (row - env.module.PAD, col - env.module.PAD) if cell else None
+    return row - env.module.PAD, col - env.module.PAD
 
 
 def shown(name: str, compiled: Any, interpreted: Any) -> str:

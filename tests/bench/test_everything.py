@@ -10,12 +10,12 @@ from bench.speed.__main__ import main
 from bench.speed.everything import Part, measure_everything
 from bench.speed.kernels import Kernels, StepKernels
 from bench.speed.resuming import Resume, differences
-from bench.speed.stored import Found, joined, read_found
+from bench.speed.stored import Figures, joined, read_figures
 from bench.speed.sweep import Sweep
 from bench.speed.tables import tables_of
 from bench.speed.training import Split, Training
 from sjdsl.bench import Compilation, Report, Speed
-from sjdsl.bench.stored import write_found
+from sjdsl.bench.stored import write_figures
 
 MACHINE = {
     "platform": "gpu",
@@ -49,15 +49,15 @@ SWEEP = Sweep(
 )
 
 
-def fail() -> Found:
+def fail() -> Figures:
     raise RuntimeError("out of memory")
 
 
 @pytest.mark.parametrize("found", [speeds(8, 7), speeds(8), TRAINING, KERNELS, RESUME, SWEEP])
-def test_figures_are_read_back_as_they_were(found: Found, tmp_path: Path) -> None:
-    write_found(tmp_path / "figures.json", found)
-    assert read_found(tmp_path / "figures.json") == found
-    assert tables_of(read_found(tmp_path / "figures.json")) == tables_of(found)
+def test_figures_are_read_back_as_they_were(found: Figures, tmp_path: Path) -> None:
+    write_figures(tmp_path / "figures.json", found)
+    assert read_figures(tmp_path / "figures.json") == found
+    assert tables_of(read_figures(tmp_path / "figures.json")) == tables_of(found)
     assert [path.name for path in tmp_path.iterdir()] == ["figures.json"]
 
 
@@ -67,11 +67,11 @@ def test_figures_are_read_back_as_they_were(found: Found, tmp_path: Path) -> Non
 def test_other_files_are_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "figures.json").write_text(text)
     with pytest.raises(ValueError, match="holds no figures that sjdsl bench wrote"):
-        read_found(tmp_path / "figures.json")
+        read_figures(tmp_path / "figures.json")
 
 
 def test_what_was_measured_survives_a_failure_and_a_stop(tmp_path: Path) -> None:
-    def stop() -> Found:
+    def stop() -> Figures:
         raise KeyboardInterrupt
 
     parts = [
@@ -85,7 +85,7 @@ def test_what_was_measured_survives_a_failure_and_a_stop(tmp_path: Path) -> None
     with pytest.raises(KeyboardInterrupt):
         measure_everything(parts, tmp_path / "stopped", lambda _: None)
     for folder in ("whole", "stopped"):
-        assert {path.name: read_found(path) for path in (tmp_path / folder).iterdir()} == {
+        assert {path.name: read_figures(path) for path in (tmp_path / folder).iterdir()} == {
             "01_few.json": speeds(1),
             "03_kernels.json": KERNELS,
         }
@@ -132,7 +132,7 @@ def test_a_page_is_made_of_the_files(tmp_path: Path) -> None:
     assert "kernels gpu" in CliRunner().invoke(main, asked).output
     assert page.read_text() == "<!-- speed gpu -->\n<!-- end speed gpu -->\n"
     assert (
-        "is there already" in CliRunner().invoke(main, ["everything", str(tmp_path / "gpu")]).output
+        "exists already" in CliRunner().invoke(main, ["everything", str(tmp_path / "gpu")]).output
     )
 
 

@@ -7,11 +7,11 @@ import pytest
 from click.testing import CliRunner
 
 from bench.speed.__main__ import main
-from bench.speed.stored import read_found
+from bench.speed.stored import read_figures
 from bench.speed.substrates import Substrates, measure_substrates, substrate_tasks
 from bench.speed.tables import section_of, tables_of
 from sjdsl.bench import Task, game_task
-from sjdsl.bench.stored import write_found
+from sjdsl.bench.stored import write_figures
 from sjdsl.library.substrates import written_substrates
 from sjdsl.runtime.env import Environment
 
@@ -27,8 +27,8 @@ def test_a_run_that_is_stopped_keeps_the_rows_it_has(
     kept: list[Substrates] = []
     with pytest.raises(KeyboardInterrupt):
         measure_substrates(tasks(), (1, 2), 1, kept.append, steps=lambda _: 2)
-    write_found(tmp_path / "found.json", kept[-1])
-    found = read_found(tmp_path / "found.json")
+    write_figures(tmp_path / "found.json", kept[-1])
+    found = read_figures(tmp_path / "found.json")
     assert found == kept[-1]
     assert section_of(found) == "substrates cpu"
     speeds, costs = tables_of(found)

@@ -43,10 +43,12 @@ def test_last_observations_of_episodes() -> None:
         assert ("final_obs" in info) == ended
         if ended:
             assert info["_final_obs"].all() and not info["_own_coins"].any()
-            again = env._advance(key, state, actions_of(env, step).reshape(2, 2).astype(np.int32))
-            last = np.moveaxis(np.asarray(env._look(again[4]["terminal_state"])), 2, -1).reshape(
-                observation.shape
+            again = env._jitted_step(
+                key, state, actions_of(env, step).reshape(2, 2).astype(np.int32)
             )
+            last = np.moveaxis(
+                np.asarray(env._jitted_observe(again[4]["terminal_state"])), 2, -1
+            ).reshape(observation.shape)
             np.testing.assert_array_equal(np.stack(list(info["final_obs"])), last)
             assert not np.array_equal(last, observation)
             np.testing.assert_array_equal(

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from bench.speed.training import Split, Training
-from sjdsl.bench.stored import write_found
+from sjdsl.bench.stored import write_figures
 from sjdsl.bench.timing import Report, Speed
 from sjdsl.results import ResultsWarning
 from sjdsl.results.loading import load_both
@@ -286,7 +286,7 @@ def write_speeds(path: Path, rates: Mapping[tuple[str, int | None, int], float])
         )
         for (game, crowd, number), rate in rates.items()
     ]
-    write_found(path, Report(MACHINE, 5, (yardstick, *speeds), (), None))
+    write_figures(path, Report(MACHINE, 5, (yardstick, *speeds), (), None))
 
 
 def write_training(path: Path, seconds: Mapping[str, Sequence[float]]) -> None:
@@ -295,7 +295,7 @@ def write_training(path: Path, seconds: Mapping[str, Sequence[float]]) -> None:
         Split(game, 2, "mlp", 64, 125, 1.0, tuple(rounds), (1.0,), (1.0,), (1.0,), 1e9)
         for game, rounds in seconds.items()
     )
-    write_found(path, Training(MACHINE, 1e9, splits))
+    write_figures(path, Training(MACHINE, 1e9, splits))
 
 
 SPAWNS = {"params": {"spawn_iron": 0.0004, "spawn_gold": "1.6e-4"}}

@@ -76,7 +76,7 @@ def test_stages_of_a_run_that_has_hardly_begun_are_cleared(tmp_path: Path) -> No
     (tmp_path / "stages/1").mkdir(parents=True)
     (tmp_path / "stages/1/manifest.json").touch()
     (tmp_path / ".lock").touch()
-    work._clear_half_begun(tmp_path)
+    work._remove_unstarted(tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -24,7 +24,7 @@ VISIBLE, RESERVING = "CUDA_VISIBLE_DEVICES", "XLA_PYTHON_CLIENT_PREALLOCATE"
 @pytest.fixture(autouse=True)
 def driver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "driver").touch()
-    monkeypatch.setattr(module, "DRIVERS", (tmp_path / "driver",))
+    monkeypatch.setattr(module, "DEVICES", (tmp_path / "driver",))
     for name in module.MEMORY:
         monkeypatch.delenv(name, raising=False)
 
@@ -59,7 +59,7 @@ def test_gpus_are_those_that_jax_uses_and_the_user_has_listed(
 
 
 def test_without_a_driver_nothing_is_started(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "DRIVERS", ("/no/such/driver",))
+    monkeypatch.setattr(module, "DEVICES", ("/no/such/driver",))
     monkeypatch.setattr(subprocess, "run", None)
     assert usable_gpus() == []
 
