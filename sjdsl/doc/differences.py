@@ -45,7 +45,7 @@ def _values(old: Mapping[str, Any], new: Mapping[str, Any], unit: str = "") -> l
     """Returns a line for each value that differs; those with old names come first."""
     unit_text = f" ({unit})" if unit else ""
     lines = []
-    for name in old | new:
+    for name in {**old, **new}:
         before = _value_text(old.get(name))
         after = _value_text(new.get(name))
         if before is None and after is not None:
@@ -188,7 +188,7 @@ def _texts(
     old_composition, old_declared = old
     new_composition, new_declared = new
     differing: list[str] = []
-    for name in old_declared | new_declared:
+    for name in {**old_declared, **new_declared}:
         before = written_text(old_composition, old_declared.get(name, ()))
         after = written_text(new_composition, new_declared.get(name, ()))
         if TOKEN.findall(before) != TOKEN.findall(after):

@@ -344,7 +344,7 @@ def _members(tokens: Sequence[Token], names: Names, bound: dict[str, Owners]) ->
         for symbol in arguments:
             yield Offer(symbol.owner, "action", 1, Symbol("action", symbol.owner))
     for owner in owners or ("agent",):
-        attributes = CELL_ATTRIBUTES
+        attributes: tuple[str, ...] = CELL_ATTRIBUTES
         if owner == "agent":
             attributes = AGENT_ATTRIBUTES
         elif isinstance(names.nodes.get(Symbol("name", owner)), ast.Movers):
