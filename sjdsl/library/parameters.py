@@ -59,15 +59,15 @@ def plain_number(value: Any) -> Any:
 
 
 def build_params(
-    game: ir.Game, module: "GameModule", given: Values, check_requires: bool = True
+    game: ir.Game, module: "GameModule", changes: Values, check_requires: bool = True
 ) -> Any:
     """Returns the game's `Params` with some values replaced.
 
     The arguments and errors are those of `param_values`.
     """
-    values = param_values(game, given, check_requires)
+    values = param_values(game, changes, check_requires)
     defaults = module.default_params()
-    changed = {param: values[param.name] for param in game.params if param.name in given}
+    changed = {param: values[param.name] for param in game.params if param.name in changes}
     return defaults.replace(**_arrays(defaults, changed))
 
 
@@ -131,11 +131,11 @@ def _decoded(name: str, value: Any, type_: ir.Type) -> Any:
     return type_.words[value]
 
 
-def param_values(game: ir.Game, given: Values, check_requires: bool = True) -> dict[str, Any]:
+def param_values(game: ir.Game, changes: Values, check_requires: bool = True) -> dict[str, Any]:
     """Returns the value of every param by name, some replaced; indexed ones as nested tuples.
 
     Args:
-      given: by name, a number or an enum value. For an indexed param it is a mapping from enum
+      changes: by name, a number or an enum value. For an indexed param it is a mapping from enum
         values, numbers or numbers of agents, whole or in part, or nested sequences in the order of
         its entries.
       check_requires: whether the `require`s of the game must hold.
@@ -144,15 +144,15 @@ def param_values(game: ir.Game, given: Values, check_requires: bool = True) -> d
       ValueError: a name or an enum value is unknown, a value is outside its limits, a `require`
         fails, whole numbers of the rules could leave int32, or an episode would have no step.
     """
-    values = _replaced(game, given)
-    _check_together(game, values, given, check_requires)
+    values = _replaced(game, changes)
+    _check_together(game, values, changes, check_requires)
     return values
 
 
-def _replaced(game: ir.Game, given: Values) -> dict[str, Any]:
-    """Returns the value of every param; each of those given is checked alone."""
+def _replaced(game: ir.Game, changes: Values) -> dict[str, Any]:
+    """Returns the value of every param; each changed one is checked alone."""
     values = {p.name: p.value for p in game.params}
-    for name, value in given.items():
+    for name, value in changes.items():
         param = next((p for p in game.params if p.name == name), None)
         if param is None:
             raise ValueError(f"the game has no parameter `{name}`{meant(name, values, 'it has')}")
@@ -160,26 +160,26 @@ def _replaced(game: ir.Game, given: Values) -> dict[str, Any]:
     return values
 
 
-def _check_together(game: ir.Game, values: Values, given: Values, check_requires: bool) -> None:
+def _check_together(game: ir.Game, values: Values, changes: Values, check_requires: bool) -> None:
     """Raises ValueError if a `require` fails, or if a whole number could leave int32."""
     for check in game.checks:
         if check_requires and check.sort == "require" and not holds(check.values[0], values):
             raise ValueError(
                 f"these parameters fail a check of the game: require {expression(check.values[0])}"
             )
-    problems = beyond_int32(game, values) if given else []
+    problems = beyond_int32(game, values) if changes else []
     if problems:
         place = f"{problems[0].span.file}:{problems[0].span.line}"
-        raise ValueError(f"{_limit(game, values, given)}: {problems[0].message} ({place})")
+        raise ValueError(f"{_limit(game, values, changes)}: {problems[0].message} ({place})")
 
 
-def _limit(game: ir.Game, values: Values, given: Values) -> str:
-    """Returns which of the given values is too large or too small, and what it may be at most.
+def _limit(game: ir.Game, values: Values, changes: Values) -> str:
+    """Returns which of the changed values is too large or too small, and what it may be at most.
 
     The limit holds with the other values as they are.
     """
     for param in game.params:
-        if param.name not in given or not isinstance(param.value, int):
+        if param.name not in changes or not isinstance(param.value, int):
             continue
 
         def is_playable(number: int, name: str = param.name) -> bool:
@@ -190,7 +190,7 @@ def _limit(game: ir.Game, values: Values, given: Values) -> str:
             nearest = boundary(param.value, value, is_playable)
             side = "most" if value > nearest else "least"
             return f"`{param.name}` is {value}, and can be {nearest} at {side}"
-    numbers = ", ".join(f"{name}: {values[name]}" for name in given)
+    numbers = ", ".join(f"{name}: {values[name]}" for name in changes)
     return f"with these parameters a whole number leaves 32 bits ({numbers})"
 
 

@@ -74,17 +74,15 @@ class Environment:
         self.observation = observation
         self.game = game
         self._admit = admit
-        self.name, self.title, self.hash = module.NAME, module.TITLE, module.HASH
-        self.num_agents, self.num_actions, self.action_names = (
-            module.NUM_AGENTS,
-            len(module.ACTIONS),
-            module.ACTIONS,
-        )
+        self.name = module.NAME
+        self.title = module.TITLE
+        self.hash = module.HASH
+        self.num_agents = module.NUM_AGENTS
+        self.num_actions = len(module.ACTIONS)
+        self.action_names = module.ACTIONS
         self.forbids_actions = module.FORBIDS_ACTIONS
-        self.token_planes, self.channel_names = (
-            module.TOKEN_PLANES,
-            channel_names(module.TOKEN_PLANES),
-        )
+        self.token_planes = module.TOKEN_PLANES
+        self.channel_names = channel_names(module.TOKEN_PLANES)
         depth = len(self.token_planes if observation == "tokens" else self.channel_names)
         self.observation_shape: tuple[int, int, int, int] = (self.num_agents, depth, *module.WINDOW)
         self.observation_dtype = np.dtype(np.uint8)

@@ -140,7 +140,8 @@ def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
     Numbers nearer to 0 than 2^-126 are 0.
     """
     top, bottom = _bits(dividend), _bits(divisor)
-    above, below = _significand(top), _significand(bottom)
+    above = _significand(top)
+    below = _significand(bottom)
     smaller = above < below
     rest = (above << smaller.astype(jnp.uint32)) - below
     quotient = jnp.ones_like(rest)
