@@ -1,7 +1,8 @@
-"""Static geometry: tables of a padded map, computed once, on NumPy, when a module is loaded.
+"""Static geometry: tables of a padded map, and where a beam ends at a wall (`lane_reach`).
 
 The padding keeps windows and shapes in the frame. A cell is its index in the padded frame,
-`(row + pad) * columns + column + pad`; cell 0, in the padding, is nowhere.
+`(row + pad) * columns + column + pad`; cell 0, in the padding, is nowhere. All tables are NumPy
+arrays, computed once, when a module is loaded.
 """
 
 from collections.abc import Mapping, Sequence
