@@ -57,9 +57,9 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
             text = " or ".join(look.actions[number] for number in look.acting[label]) or label
             entries.setdefault(text, (Beam(PALE, colour, ALL_SIDES), text))
     on_ground: set[Picture] = set()
-    for drawing, _ in entries.values():
-        if isinstance(drawing, Drawing):
-            on_ground |= {*drawing.objects}
+    for symbol, _ in entries.values():
+        if isinstance(symbol, Drawing):
+            on_ground |= {*symbol.objects}
     for figure, text in figure_entries(look, shown):
         value = text.rpartition(": ")[2]
         is_explained = value in entries and figure.badges and figure.badges[-1] in on_ground
