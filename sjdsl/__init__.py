@@ -1,4 +1,4 @@
-"""sjdsl: a compiler for sequential social dilemmas. A readable `.sj` file becomes a fast, jittable JAX environment."""
+"""sjdsl, a compiler for sequential social dilemmas: from a `.sj` file to a JAX environment."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Packages that do not come with sjdsl itself: the message where one is missing, which names the extra that brings it."""
+"""Optional packages: the error for a missing one names the extra that installs it."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,14 +15,14 @@ class MissingExtra(ModuleNotFoundError):
 
 
 def require(extra: str, *modules: str) -> None:
-    """Raises MissingExtra where one of the modules that an extra brings is not installed: before work begins that would be lost."""
+    """Raises MissingExtra if a module of an extra isn't installed, before work is lost."""
     for module in modules:
         if not is_installed(module):
             raise MissingExtra(module, extra)
 
 
 def is_installed(module: str) -> bool:
-    """Whether a module can be imported; it isn't yet."""
+    """Returns whether a module can be imported, without importing it."""
     return find_spec(module) is not None
 
 

@@ -1,4 +1,4 @@
-"""Lazy imports: public names of a package are imported on first use, so that nothing waits for JAX without need."""
+"""Lazy imports: a package's public names are imported on first use, as JAX loads slowly."""
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -7,22 +7,22 @@ from typing import Any
 
 
 def lazy_names(package: str, names: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
-    """Returns the `__getattr__` of a package (PEP 562), which raises AttributeError for all other names; sets its `__all__` and `__dir__`.
+    """Returns the `__getattr__` of a package (PEP 562), and sets its `__all__` and `__dir__`.
 
     Args:
       package: its `__name__`.
-      names: the public names of each module inside the package: `{"factory": ("make",)}`.
+      names: module inside the package -> its public names: `{"factory": ("make",)}`.
     """
-    homes = {name: module for module, own in names.items() for name in own}
+    modules = {name: module for module, public in names.items() for name in public}
 
     def load(name: str) -> Any:
-        if name not in homes:
+        if name not in modules:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value = getattr(import_module(f"{package}.{homes[name]}"), name)
+        value = getattr(import_module(f"{package}.{modules[name]}"), name)
         setattr(sys.modules[package], name, value)
         return value
 
-    here = vars(sys.modules[package])
-    here["__all__"] = sorted(homes)
-    here["__dir__"] = lambda: sorted({*here, *homes})
+    variables = vars(sys.modules[package])
+    variables["__all__"] = sorted(modules)
+    variables["__dir__"] = lambda: sorted({*variables, *modules})
     return load

@@ -3,14 +3,16 @@
 from collections.abc import Iterable
 from difflib import SequenceMatcher
 
-ALIKE = 0.66  # the least share of letters that two names must have in common: two of three
+LEAST_SIMILARITY = 0.66  # of a name and a suggestion: two of three letters in common
 
 
 def meant(name: str, known: Iterable[str], those: str = "there are") -> str:
-    """Returns the end of a message about an unknown name: the nearest known ones, or all of them; nothing if none are known.
+    """Returns the end of a message about an unknown name: the nearest known ones, or all of them.
+
+    It is "" if none are known.
 
     Args:
-      those: how the list of all begins: `; the bundled games are coins, clean_up`; empty for no list.
+      those: the beginning of the list of all, such as `the bundled games are`; "" for no list.
     """
     names = list(dict.fromkeys(known))
     near = nearest(name, names)
@@ -20,21 +22,20 @@ def meant(name: str, known: Iterable[str], those: str = "there are") -> str:
 
 
 def nearest(name: str, candidates: Iterable[str]) -> tuple[str, ...]:
-    """Returns the other candidates that are most like `name`: several if they are equally so, none if none is close enough to be meant."""
-    best = ALIKE
+    """Returns the other candidates that are most like `name`, none if none is close enough."""
+    best = LEAST_SIMILARITY
     near: list[str] = []
     matcher = SequenceMatcher(b=name)
     for candidate in sorted(set(candidates) - {name}):
         matcher.set_seq1(candidate)
-        if (
-            matcher.real_quick_ratio() < best or matcher.quick_ratio() < best
-        ):  # they are never less than `ratio`, which is slow
+        # `ratio` is slow, and never larger than these.
+        if matcher.real_quick_ratio() < best or matcher.quick_ratio() < best:
             continue
-        alike = matcher.ratio()
-        if alike > best:
-            best = alike
+        similarity = matcher.ratio()
+        if similarity > best:
+            best = similarity
             near = []
-        if alike == best:
+        if similarity == best:
             near.append(candidate)
     return tuple(near)
 

@@ -1,6 +1,6 @@
 """Names paths by the parts in which they differ."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import takewhile
 from pathlib import Path
 
@@ -8,21 +8,25 @@ from pathlib import Path
 def short_names(names: Iterable[str]) -> dict[str, str]:
     """Returns a short name for each path among some names; no two are the same.
 
-    It is the path without what all of them end in, and without the folders that aren't needed to tell them apart: `a` for `runs/a/cell`
-    beside `runs/b/cell`. Other names, such as `random`, stay as they are.
+    It is the path without the end that all paths share, and without leading folders that aren't
+    needed: `a` for `runs/a/cell` beside `runs/b/cell`. Other names, such as `random`, don't change.
     """
-    whole = dict.fromkeys(names)
-    paths = {name: parts for name in whole if len(parts := Path(name).parts) > 1}
-    if not paths:
-        return {name: name for name in whole}
-    from_the_end = zip(*(parts[::-1] for parts in paths.values()), strict=False)
-    ending = sum(
-        1 for _ in takewhile(lambda parts: len(paths) > 1 and len({*parts}) == 1, from_the_end)
-    )
-    ending = min(ending, *(len(parts) - 1 for parts in paths.values()))
-    kept = {name: parts[: len(parts) - ending] for name, parts in paths.items()}
-    for depth in range(1, max(map(len, kept.values())) + 1):
-        short = {name: str(Path(*kept[name][-depth:])) if name in kept else name for name in whole}
-        if len({*short.values()}) == len(whole):
+    names = list(dict.fromkeys(names))
+    paths = {name: Path(name).parts for name in names}
+    paths = {name: parts for name, parts in paths.items() if len(parts) > 1}
+    num_shared = _num_shared_at_end(list(paths.values()))
+    kept = {name: parts[: len(parts) - num_shared] for name, parts in paths.items()}
+    for depth in range(1, max(map(len, kept.values()), default=0) + 1):
+        short = {name: str(Path(*kept[name][-depth:])) if name in kept else name for name in names}
+        if len({*short.values()}) == len(names):
             return short
-    return {name: name for name in whole}  # two of them are the same path, written differently
+    return {name: name for name in names}  # no paths, or two ways to write one path
+
+
+def _num_shared_at_end(paths: Sequence[tuple[str, ...]]) -> int:
+    """Returns how many last parts all paths share, at most all but one of a path."""
+    if len(paths) < 2:
+        return 0
+    columns = zip(*(path[::-1] for path in paths), strict=False)
+    num_shared = sum(1 for _ in takewhile(lambda parts: len({*parts}) == 1, columns))
+    return min(num_shared, *(len(path) - 1 for path in paths))

@@ -1,4 +1,4 @@
-"""SIGTERM, which clusters, containers and `timeout` send, ends work as Ctrl-C does: what was done is kept."""
+"""SIGTERM, which clusters, containers and `timeout` send, ends work as Ctrl-C does."""
 
 import signal
 import threading
@@ -10,7 +10,7 @@ TERMINATED = 128 + signal.SIGTERM  # the exit status of a process that SIGTERM e
 
 
 class Terminated(SystemExit, KeyboardInterrupt):
-    """SIGTERM, for whatever handles Ctrl-C; where nothing does, Python exits with its status and prints no traceback."""
+    """SIGTERM, as an exception. Code that handles Ctrl-C handles it; else Python exits quietly."""
 
     def __init__(self) -> None:
         super().__init__(TERMINATED)
@@ -20,12 +20,10 @@ class Terminated(SystemExit, KeyboardInterrupt):
 def raising_on_sigterm() -> Iterator[None]:
     """Makes SIGTERM raise `Terminated` in the main thread until the block ends.
 
-    Off the main thread, and where the process ignores or handles it already, nothing changes.
+    In another thread, and if the process ignores or handles it already, nothing changes.
     """
-    if (
-        threading.current_thread() is not threading.main_thread()
-        or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL
-    ):
+    is_main_thread = threading.current_thread() is threading.main_thread()
+    if not is_main_thread or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
         yield
         return
     signal.signal(signal.SIGTERM, _terminate)
@@ -36,13 +34,12 @@ def raising_on_sigterm() -> Iterator[None]:
 
 
 def sigterm_raises() -> bool:
-    """Whether SIGTERM raises `Terminated` at present."""
+    """Returns whether SIGTERM raises `Terminated` now."""
     return signal.getsignal(signal.SIGTERM) is _terminate
 
 
 def _terminate(number: int, frame: FrameType | None) -> None:
     del number, frame
-    signal.signal(
-        signal.SIGTERM, signal.SIG_IGN
-    )  # `timeout` sends it to the process, then to its group
+    # `timeout` sends it twice, to the process and to its group.
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise Terminated

@@ -1,4 +1,4 @@
-"""The release and where the project lives, alone in a file so that whoever prints them imports nothing else."""
+"""The release and the project's address, in their own file so that nothing else is imported."""
 
 __version__ = "0.1.0"
 HOMEPAGE = "https://github.com/sjdsl/sjdsl"

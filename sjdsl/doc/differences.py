@@ -45,7 +45,7 @@ def _values(old: Mapping[str, Any], new: Mapping[str, Any], unit: str = "") -> l
     """Returns a line for each value that differs; those with old names come first."""
     unit_text = f" ({unit})" if unit else ""
     lines = []
-    for name in old | new:
+    for name in {**old, **new}:
         before = _value_text(old.get(name))
         after = _value_text(new.get(name))
         if before is None and after is not None:
@@ -76,7 +76,8 @@ def _numbers(old: Written, new: Written) -> list[str]:
     lines: list[str] = []
     for name in old_numbers | new_numbers:
         if name in old_numbers and name in new_numbers:
-            before, after = old_numbers[name], new_numbers[name]
+            before = old_numbers[name]
+            after = new_numbers[name]
             old_entries = _entries(name, before.value, before.type.by)
             new_entries = _entries(name, after.value, after.type.by)
             lines += _values(old_entries, new_entries, unit_of(after))
@@ -113,8 +114,10 @@ def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> dict[str, Any]:
 
 
 def _map(old: ir.Game, new: ir.Game) -> list[str]:
-    old_cells, new_cells = _cells(old), _cells(new)
-    old_size, new_size = _map_size(old), _map_size(new)
+    old_cells = _cells(old)
+    new_cells = _cells(new)
+    old_size = _map_size(old)
+    new_size = _map_size(new)
     lines = _values(old_size, new_size)
     lines += _values(_cell_counts(old_cells), _cell_counts(new_cells))
     if old_size["size"] == new_size["size"]:
@@ -188,7 +191,7 @@ def _texts(
     old_composition, old_declared = old
     new_composition, new_declared = new
     differing: list[str] = []
-    for name in old_declared | new_declared:
+    for name in {**old_declared, **new_declared}:
         before = written_text(old_composition, old_declared.get(name, ()))
         after = written_text(new_composition, new_declared.get(name, ()))
         if TOKEN.findall(before) != TOKEN.findall(after):

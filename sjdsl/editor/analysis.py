@@ -160,7 +160,7 @@ class Analyses:
         return analysis
 
     def readable(self, uri: str) -> Analysis | None:
-        """Returns the last analysis in which a text had no syntax error, None if it always had."""
+        """Returns the last analysis in which a text had no syntax error, None if there is none."""
         self.of(uri)
         return self._readable.get(uri)
 

@@ -174,13 +174,12 @@ def _files(tokens: Sequence[Token], document: Document) -> list[Offer]:
         is_inside = any(path.resolve().is_relative_to(root) for root in allowed)  # links may leave
         if is_inside and path.is_dir() and not path.name.startswith("."):
             folders.append(path)
-    files = [
-        file
-        for folder in folders
-        for file in sorted(folder.glob(f"*{suffix}"))
-        if file.resolve() != document.path
-    ]
-    return [Offer(file.relative_to(top).as_posix(), "file") for file in files[:MAX_FILES]]
+    offers: list[Offer] = []
+    for folder in folders:
+        for file in sorted(folder.glob(f"*{suffix}")):
+            if file.resolve() != document.path:
+                offers.append(Offer(file.relative_to(top).as_posix(), "file"))
+    return offers[:MAX_FILES]
 
 
 def _detail(offer: Offer, analysis: Analysis | None) -> str:
@@ -344,7 +343,7 @@ def _members(tokens: Sequence[Token], names: Names, bound: dict[str, Owners]) ->
         for symbol in arguments:
             yield Offer(symbol.owner, "action", 1, Symbol("action", symbol.owner))
     for owner in owners or ("agent",):
-        attributes = CELL_ATTRIBUTES
+        attributes: tuple[str, ...] = CELL_ATTRIBUTES
         if owner == "agent":
             attributes = AGENT_ATTRIBUTES
         elif isinstance(names.nodes.get(Symbol("name", owner)), ast.Movers):

@@ -33,12 +33,10 @@ def declarations(
     texts = [analysis]
     if all(symbol.space != "local" for symbol in wanted):
         texts += _bases(analysis, analyses)
-    return [
-        (text, o)
-        for text in texts
-        for o in text.occurrences
-        if o.declares and wanted & {*o.symbols}
-    ]
+    declaring: list[tuple[Analysis, Occurrence]] = []
+    for text in texts:
+        declaring += [(text, o) for o in text.occurrences if o.declares and wanted & {*o.symbols}]
+    return declaring
 
 
 def everywhere(

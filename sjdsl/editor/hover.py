@@ -4,6 +4,7 @@ from typing import Any
 
 from lsprotocol import types
 
+from sjdsl.compiler import ir
 from sjdsl.compiler.ast.names import Occurrence
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.operations import FUNCTIONS
@@ -55,7 +56,8 @@ def _description(analysis: Analysis, occurrence: Occurrence, analyses: Analyses)
     symbol = occurrence.symbols[0]
     if analysis.build is not None and symbol.space == "name":
         game = analysis.build.game
-        for number in (*game.sizes, *game.params):
+        numbers: list[ir.Size | ir.Param] = [*game.sizes, *game.params]
+        for number in numbers:
             if number.name == symbol.name:
                 value = table_value(number.value, number.type.by)
                 paragraphs.append(f"{code(symbol.name)} is {value} ({unit_of(number)})")

@@ -142,7 +142,7 @@ def _add_braces(
 
 
 def _is_item(sort: Sort | None, token: Token, rules: set[str]) -> bool:
-    """Returns whether an item of a container begins with a token, with which nodes begin."""
+    """Returns whether a token begins an item of a container. `rules`: the nodes it begins."""
     match sort:
         case "block":
             return bool(rules & STATEMENTS)
@@ -155,7 +155,7 @@ def _is_item(sort: Sort | None, token: Token, rules: set[str]) -> bool:
 
 
 def _sort_of_braces(first: Token, rules: set[str]) -> Sort | None:
-    """Returns what braces contain, by the first token inside and the nodes that begin with it."""
+    """Returns what braces contain. `first`: the token inside; `rules`: the nodes it begins."""
     if first.type == "RBRACE" or rules & STATEMENTS:
         return "block"
     if first.type == "STRING":

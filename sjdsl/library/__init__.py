@@ -1,1 +1,1 @@
-"""Games by name: bundled ones and those of files, read once, with their parameters, and the environment made of one."""
+"""Games by name or file, their parameters, and the environments made from them."""

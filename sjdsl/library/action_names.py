@@ -1,22 +1,21 @@
-"""Reads names of actions that stand in a row, such as `zap, offer(1, 2), stay`."""
+"""Reads lists of actions, such as `zap, offer(1, 2), stay`."""
 
 import re
 
-_INSIDE = r"(?![^()]*\))"  # not between the brackets of an action with arguments
+_NOT_IN_BRACKETS = r"(?![^()]*\))"
 
 
-def split_actions(text: str, apart: str = ",") -> list[str]:
-    """Returns the names in a text as the game spells them, without layout; a missing one is empty.
+def split_actions(text: str, separator: str = ",") -> list[str]:
+    """Returns the names in a text as the game spells them; a missing one is "".
 
     Args:
-      apart: the pattern of what stands between two names; inside the brackets of an action it is part of its name.
+      separator: a pattern; inside the brackets of an action with arguments, it doesn't separate.
     """
-    found = []
-    for name in re.split(apart + _INSIDE, text):
-        action, bracket, arguments = name.strip().partition("(")
-        found.append(
-            f"{action.strip()}({', '.join(a.strip() for a in arguments.rstrip(') ').split(','))})"
-            if bracket
-            else action
-        )
-    return found
+    names = []
+    for item in re.split(separator + _NOT_IN_BRACKETS, text):
+        name, bracket, rest = item.strip().partition("(")
+        if bracket:
+            arguments = [argument.strip() for argument in rest.rstrip(") ").split(",")]
+            name = f"{name.strip()}({', '.join(arguments)})"
+        names.append(name)
+    return names

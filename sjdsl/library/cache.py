@@ -1,8 +1,9 @@
-"""The cache on disk: generated modules, by rule hash and compiler version, and programs compiled by JAX."""
+"""The cache on disk: generated modules, by rule hash and compiler version, and JAX's programs."""
 
 import hashlib
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from sjdsl.files import write_whole
@@ -10,10 +11,13 @@ from sjdsl.version import __version__
 
 
 def cache_folder() -> Path | None:
-    """Returns where generated modules are kept: `$SJDSL_CACHE`, else the user's cache folder; None for a user without a home."""
-    given = os.environ.get("SJDSL_CACHE")
-    if given:
-        return Path(given)
+    """Returns the folder of the cache: `$SJDSL_CACHE`, else in the user's cache folder.
+
+    It is None for a user without a home.
+    """
+    folder = os.environ.get("SJDSL_CACHE")
+    if folder:
+        return Path(folder)
     base = os.environ.get("XDG_CACHE_HOME")
     if base:
         return Path(base) / "sjdsl"
@@ -23,16 +27,19 @@ def cache_folder() -> Path | None:
         return None
 
 
-def cached_text(key: str, make: Callable[[], str]) -> tuple[str, str]:
-    """Returns the module's text and the name of the file it is kept in.
+def cached_text(key: str, build: Callable[[], str]) -> tuple[str, str]:
+    """Returns the text of a module and the path of its file in the cache.
 
-    Two processes may write one entry at once: each writes a file of its own and renames it into place. A damaged entry is made
-    again. No folder, or one that cannot be written to, means no cache, not an error.
+    Several processes may write one entry at once. A damaged entry is built again. If there is no
+    folder, or it can't be written, nothing is cached.
+
+    Args:
+      build: returns the text if it isn't in the cache.
     """
     name = f"{key}_{__version__}_{_compiler_digest()}.py"
     folder = cache_folder()
     if folder is None:
-        return make(), name
+        return build(), name
     path = folder / name
     try:
         digest, _, text = path.read_text(encoding="utf-8").partition("\n")
@@ -40,20 +47,19 @@ def cached_text(key: str, make: Callable[[], str]) -> tuple[str, str]:
             return text, str(path)
     except (OSError, UnicodeDecodeError):
         pass
-    text = make()
-    try:
+    text = build()
+    with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, f"# {hashlib.sha256(text.encode()).hexdigest()}\n{text}")
-    except OSError:
-        pass
     return text, str(path)
 
 
 def keep_programs() -> None:
-    """Has JAX keep in the cache folder what it compiles in this process, for the next; to be called before JAX is imported.
+    """Lets JAX cache what it compiles in this process; to be called before JAX is imported.
 
-    JAX's own variables go before: JAX_COMPILATION_CACHE_DIR names another folder, JAX_ENABLE_COMPILATION_CACHE=false keeps nothing. A
-    folder that cannot be made, or a user without a home, means no cache. What is damaged in it JAX compiles again.
+    JAX's own variables have priority: JAX_COMPILATION_CACHE_DIR names another folder,
+    JAX_ENABLE_COMPILATION_CACHE=false turns the cache off. If the folder can't be made, nothing is
+    cached. JAX compiles again what is damaged.
     """
     cache = cache_folder()
     if cache is None:
@@ -67,11 +73,9 @@ def keep_programs() -> None:
 
 
 def _compiler_digest() -> str:
-    """Returns 8 digits that change with the compiler's own sources, so that work on it never meets old entries."""
-    folder = Path(__file__).parents[1]
+    """Returns 8 digits that change with the compiler's sources, so that old entries aren't used."""
+    folder = Path(__file__).parents[1] / "compiler"
     digest = hashlib.sha256()
-    for path in sorted(
-        [*(folder / "compiler").rglob("*.py"), *(folder / "compiler").rglob("*.j2")]
-    ):
+    for path in sorted([*folder.rglob("*.py"), *folder.rglob("*.j2")]):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:8]

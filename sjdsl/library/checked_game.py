@@ -1,4 +1,4 @@
-"""Checks a game with the arguments of `sjdsl.make`, without JAX, which takes seconds to load."""
+"""Builds a checked game from the arguments of `sjdsl.make`, without JAX, which loads slowly."""
 
 from collections.abc import Mapping
 from importlib.resources.abc import Traversable
@@ -26,23 +26,25 @@ def build_game(
     map: str | Path | tuple[str, ...] | None = None,
     placed_by_hand: bool = False,
 ) -> tuple[Build, dict[str, Any]]:
-    """Returns a checked game and its run-time numbers; arguments and errors as of `sjdsl.make`.
+    """Returns a checked game and its run-time numbers.
 
-    `placed_by_hand`: a test puts agents and movers on the map, which needs no cells to send them to.
+    Args:
+      placed_by_hand: whether a test puts agents and movers on the map, so that the map needs no
+        cells to send them to. The other arguments, and the errors, are those of `sjdsl.make`.
     """
     _check_types(game, variant, params)
     source = read_source(find_game(game))
     composition = compose(source, split_variants(variant))
     num_agents = None if num_agents is None else plain_number(num_agents)
     sizes, run_time = split_sizes(*composition.number_names(), dict(params or {}))
-    made = build_composition(
-        composition, Overrides(sizes, num_agents, *map_rows(map, source), placed_by_hand)
-    )
-    if num_agents is not None and made.game.agents.number != num_agents:
+    overrides = Overrides(sizes, num_agents, *map_rows(map, source), placed_by_hand)
+    build = build_composition(composition, overrides)
+    if num_agents is not None and build.game.agents.number != num_agents:
         raise ValueError(
-            f"{num_agents} agents are asked for, but a size among the numbers says {made.game.agents.number}"
+            f"{num_agents} agents are asked for, but a size among the numbers says "
+            f"{build.game.agents.number}"
         )
-    return made, run_time
+    return build, run_time
 
 
 def split_variants(text: str | None) -> tuple[str, ...]:
@@ -51,11 +53,11 @@ def split_variants(text: str | None) -> tuple[str, ...]:
 
 
 def _check_types(game: Any, variant: Any, params: Any) -> None:
-    """Raises TypeError for an argument of `make` that cannot be meant."""
+    """Raises TypeError for an argument of `make` of a wrong type."""
     if isinstance(game, Traversable) and not isinstance(game, PathLike):
         raise TypeError(
-            f"`{game}` is inside an archive, not a file on disk: unpack it, or open the folder of the game and its maps by "
-            "`importlib.resources.as_file`"
+            f"`{game}` is inside an archive, not a file on disk: unpack it, or open the folder of "
+            "the game and its maps by `importlib.resources.as_file`"
         )
     if not isinstance(game, str | PathLike):
         raise TypeError(f"a game is a name or the path of a .sj file, not {game!r}")
@@ -72,13 +74,21 @@ def _check_types(game: Any, variant: Any, params: Any) -> None:
 def map_rows(
     map: str | Path | tuple[str, ...] | None, source: Source
 ) -> tuple[tuple[str, ...] | None, tuple[Span, ...]]:
-    """Returns the rows of a map given by its file or by itself, and where they stand; the legend is asked later."""
+    """Returns the rows of a map, with their spans.
+
+    Args:
+      map: the rows, or the file that has them.
+      source: the game, for errors.
+
+    Raises:
+      TypeError, FileNotFoundError: it is neither. CompileError: the file can't be a map.
+    """
     if map is None:
         return None, ()
     if isinstance(map, tuple | list):
-        odd = [row for row in map if not isinstance(row, str)]
-        if odd:
-            raise TypeError(f"a row of a map is a text, not {odd[0]!r}")
+        for row in map:
+            if not isinstance(row, str):
+                raise TypeError(f"a row of a map is a text, not {row!r}")
         return tuple(map), row_spans(map, "map")
     if not isinstance(map, str | PathLike):
         raise TypeError(f"a map is a text file or a tuple of its rows, not {map!r}")

@@ -33,74 +33,78 @@ def make(
       game: the name of a bundled game, or a path to any `.sj` file.
       variant: a variant of the file; several, applied left to right, as `"a+b"`.
       num_agents: instead of the file's number; compile-time.
-      params: numbers of the game by name. A `param` changes the environment's default `Params`; a `size` is compile-time.
+      params: numbers of the game by name. A `param` changes the environment's default `Params`; a
+        `size` is compile-time.
       map: another map for the game's legend: a text file, or its rows.
-      observation: `tokens` or `onehot`, uint8 both.
+      observation: `tokens` or `onehot`, both uint8.
+
     Raises:
-      CompileError: everything that is wrong with the file, each with its place. FileNotFoundError, ValueError, TypeError: the
-        arguments. RuntimeError: the process was forked from one that had made an environment.
+      CompileError: with every mistake in the file and its place.
+      FileNotFoundError, ValueError, TypeError: an argument is wrong.
+      RuntimeError: the process was forked from one that had made an environment.
     """
     return environment_of(*build_game(game, variant, num_agents, params, map), observation)
 
 
 def environment_of(
-    made: Build, params: Mapping[str, Any], observation: Encoding = "tokens"
+    build: Build, params: Mapping[str, Any], observation: Encoding = "tokens"
 ) -> Environment:
-    """Returns the environment of a checked game with some parameters replaced. Raises CompileError, ValueError as `make` does."""
+    """Returns the environment of a checked game with some params replaced.
+
+    Raises CompileError, ValueError or RuntimeError as `make` does.
+    """
     if _jax_is_used_in not in (None, os.getpid()):
         raise RuntimeError(
-            "this process was forked from one that uses JAX, where JAX would wait for ever: start processes by `spawn` or `forkserver`, "
-            'such as gymnasium.make_vec(…, vectorization_mode="async", vector_kwargs={"context": "spawn"})'
+            "this process was forked from one that uses JAX, where JAX would wait for ever: start "
+            "processes by `spawn` or `forkserver`, such as gymnasium.make_vec(…, "
+            'vectorization_mode="async", vector_kwargs={"context": "spawn"})'
         )
-    text, file = cached_text(
-        f"{made.game.name}_{printed_digest(made.game.rules)}", lambda: compile_rules(made)
-    )
-    module = load_module(text, file, made.game.name)
-    admit = partial(admitted_params, made.game, module)
-    return Environment(
-        module, build_params(made.game, module, params), observation, made.game, admit
-    )
+    game = build.game
+    key = f"{game.name}_{printed_digest(game.rules)}"
+    text, file = cached_text(key, lambda: compile_rules(build))
+    module = load_module(text, file, game.name)
+    admit = partial(admitted_params, game, module)
+    return Environment(module, build_params(game, module, params), observation, game, admit)
 
 
 class GeneratedModule(ModuleType):
-    """A module of a game, which with its states and parameters can be copied and pickled: by its text."""
+    """The module of a game. It can be copied and pickled, as can its states and params."""
 
     def __init__(self, text: str, file: str, name: str) -> None:
         super().__init__(f"sjdsl.generated.{name}")
         self.__file__ = file
-        self._made_of = text, file, name
+        self._load_arguments = text, file, name
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return load_module, self._made_of
+        return load_module, self._load_arguments
 
 
-def _value_of(module: ModuleType, kind: str, values: tuple[Any, ...]) -> Any:
-    """Returns a state, parameters or an outcome of a game, as `pickle` reads them."""
-    return getattr(module, kind)(*values)
+def _unpickled(module: ModuleType, type_name: str, values: tuple[Any, ...]) -> Any:
+    """Returns a state, params or an outcome of a game."""
+    return getattr(module, type_name)(*values)
 
 
-_jax_is_used_in: int | None = None  # the process that loaded a module first
+_jax_is_used_in: int | None = None  # the process that first loaded a module
 
 
 @lru_cache(maxsize=256)
 def load_module(text: str, file: str, name: str) -> ModuleType:
-    """Returns a generated module; its lines show in tracebacks. The same text is the same module: its states are of one type."""
+    """Returns a generated module, whose lines appear in tracebacks.
+
+    One text is one module, so that its states have one type.
+    """
     global _jax_is_used_in
     _jax_is_used_in = _jax_is_used_in or os.getpid()
     module = GeneratedModule(text, file, name)
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
-    with (
-        jax.ensure_compile_time_eval()
-    ):  # its tables are constants, also when a game is made while another function is traced
+    # Its tables have to be constants even if another function is being traced.
+    with jax.ensure_compile_time_eval():
         exec(compile(text, file, "exec"), module.__dict__)
 
-    def reduced(value: Any) -> tuple[Any, ...]:
-        return _value_of, (
-            module,
-            type(value).__name__,
-            tuple(getattr(value, field.name) for field in fields(value)),
-        )
+    def reduce(value: Any) -> tuple[Any, ...]:
+        values = tuple(getattr(value, field.name) for field in fields(value))
+        return _unpickled, (module, type(value).__name__, values)
 
-    for kind in ("Params", "State", "Outcome"):
-        getattr(module, kind).__reduce__ = reduced
+    for type_name in ("Params", "State", "Outcome"):
+        getattr(module, type_name).__reduce__ = reduce
     return module

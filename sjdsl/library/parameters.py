@@ -1,4 +1,4 @@
-"""Run-time parameters from Python: values by name, checked against the limits and `require`s of the game."""
+"""Run-time params from Python, checked against the limits and `require`s of the game."""
 
 from collections.abc import Mapping, Sequence
 from math import isclose
@@ -20,77 +20,80 @@ if TYPE_CHECKING:
     from sjdsl.runtime.module import GameModule
 
 Values = Mapping[str, Any]
-ROUNDING = 2.0**-24  # a limit that is rounded to float32 is still inside
+ROUNDING = 2.0**-24  # relative: a limit rounded to float32 is still accepted
 
 
 def split_sizes(
-    game_sizes: Sequence[str], params: Sequence[str], given: Values
+    size_names: Sequence[str], param_names: Sequence[str], values: Values
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Returns the given values that are sizes (fixed when compiled) and those that are parameters.
+    """Returns the values of sizes, which are fixed when the game is compiled, and those of params.
 
-    Raises ValueError for a name the game does not have, and for None; TypeError for what is no name.
+    Raises:
+      ValueError: the game has no such name, or a value is None. TypeError: a name isn't a text.
     """
-    sizes, rest = {}, {}
-    for name, value in given.items():
+    sizes: dict[str, Any] = {}
+    params: dict[str, Any] = {}
+    names = [*size_names, *param_names]
+    for name, value in values.items():
         if not isinstance(name, str):
             raise TypeError(
-                f"params has names of numbers of the game, not {name!r}; it has {', '.join([*game_sizes, *params])}"
+                f"params has names of numbers of the game, not {name!r}; it has {', '.join(names)}"
             )
         if value is None:
             raise ValueError(f"`{name}` is None: give it a number, or leave it out")
-        if name in game_sizes:
+        if name in size_names:
             sizes[name] = plain_number(value)
-        elif name in params:
-            rest[name] = value
+        elif name in param_names:
+            params[name] = value
         else:
-            raise ValueError(
-                f"the game has no number `{name}`{meant(name, [*game_sizes, *params], 'it has')}"
-            )
-    return sizes, rest
+            raise ValueError(f"the game has no number `{name}`{meant(name, names, 'it has')}")
+    return sizes, params
 
 
 def plain_number(value: Any) -> Any:
-    """Returns a number of NumPy or JAX, or an array of one without axes, as Python's own; anything else as it is."""
+    """Returns a number of NumPy or JAX, or an array of shape `[]`, as one of Python.
+
+    Anything else is returned unchanged.
+    """
     return value.item() if hasattr(value, "item") and np.ndim(value) == 0 else value
 
 
 def build_params(
-    game: ir.Game, module: "GameModule", given: Values, check_requires: bool = True
+    game: ir.Game, module: "GameModule", changes: Values, check_requires: bool = True
 ) -> Any:
-    """Returns the game's `Params` with some values replaced; arguments and errors are those of `param_values`."""
-    values = param_values(game, given, check_requires)
+    """Returns the game's `Params` with some values replaced.
+
+    The arguments and errors are those of `param_values`.
+    """
+    values = param_values(game, changes, check_requires)
     defaults = module.default_params()
-    return defaults.replace(
-        **_arrays(
-            defaults, {param: values[param.name] for param in game.params if param.name in given}
-        )
-    )
+    changed = {param: values[param.name] for param in game.params if param.name in changes}
+    return defaults.replace(**_arrays(defaults, changed))
 
 
 def _arrays(defaults: Any, values: Mapping[ir.Param, Any]) -> dict[str, Any]:
-    """Returns values as arrays of the dtypes of the game, by their attributes."""
+    """Returns values as arrays with the dtypes of the game, by the names of their attributes."""
     import jax
     import jax.numpy as jnp
 
-    found = {}
-    with (
-        jax.ensure_compile_time_eval()
-    ):  # known numbers stay known where another function is traced
+    arrays = {}
+    # Known numbers have to stay known even if another function is being traced.
+    with jax.ensure_compile_time_eval():
         for param, value in values.items():
             attribute = param_attribute(param.name)
-            found[attribute] = jnp.asarray(
-                np.array(param_value(value, param.type)), getattr(defaults, attribute).dtype
-            )
-    return found
+            dtype = getattr(defaults, attribute).dtype
+            arrays[attribute] = jnp.asarray(np.array(param_value(value, param.type)), dtype)
+    return arrays
 
 
 def admitted_params(game: ir.Game, module: "GameModule", params: Any) -> Any:
-    """Returns a `Params` of the game if the game takes its values; Python's numbers in it become arrays.
+    """Returns a `Params` if the game accepts its values; Python's numbers in it become arrays.
 
-    What a traced array holds is not known yet. If there is one, only the other values are looked at, each by itself: no `require`, and not
-    whether whole numbers stay in int32.
+    The values of traced arrays aren't known yet. If there are any, each other value is checked
+    alone: neither a `require` nor whether whole numbers stay in int32.
 
-    Raises ValueError: as `param_values`, and for the shape or dtype of an array.
+    Raises:
+      ValueError: as `param_values`, and for the shape or dtype of an array.
     """
     import jax
 
@@ -98,53 +101,58 @@ def admitted_params(game: ir.Game, module: "GameModule", params: Any) -> Any:
 
     defaults = module.default_params()
     check_arrays(params, defaults)
-    given, numbers, traced = {}, [], False
+    known: dict[str, Any] = {}
+    numbers: list[ir.Param] = []  # that aren't arrays yet
     for param in game.params:
         leaf = getattr(params, param_attribute(param.name))
         if isinstance(leaf, jax.core.Tracer):
-            traced = True
             continue
         value = np.asarray(leaf).tolist()
-        given[param.name] = (
-            _decoded(param.name, value, param.type) if param.type.kind == "word" else value
-        )
-        numbers += [] if isinstance(leaf, jax.Array) else [param]
-    values = _replaced(game, given)
-    if not traced:
-        _check_together(game, values, given, check_requires=True)
+        if param.type.kind == "word":
+            value = _decoded(param.name, value, param.type)
+        known[param.name] = value
+        if not isinstance(leaf, jax.Array):
+            numbers.append(param)
+    values = _replaced(game, known)
+    if len(known) == len(game.params):
+        _check_together(game, values, known, check_requires=True)
     return params.replace(**_arrays(defaults, {param: values[param.name] for param in numbers}))
 
 
 def _decoded(name: str, value: Any, type_: ir.Type) -> Any:
-    """Returns words by their numbers."""
+    """Returns the enum values with some numbers. Raises ValueError if there is none."""
     if isinstance(value, list):
-        return [_decoded(name, v, type_) for v in value]
+        return [_decoded(name, entry, type_) for entry in value]
     if not 0 <= value < len(type_.words):
         raise ValueError(
-            f"`{name}` is the number of a word, 0 .. {len(type_.words) - 1} ({', '.join(type_.words)}), not {value}"
+            f"`{name}` is the number of a word, 0 .. {len(type_.words) - 1} "
+            f"({', '.join(type_.words)}), not {value}"
         )
     return type_.words[value]
 
 
-def param_values(game: ir.Game, given: Values, check_requires: bool = True) -> dict[str, Any]:
-    """Returns the value of every parameter of the game by name, some replaced; tables as nested tuples.
+def param_values(game: ir.Game, changes: Values, check_requires: bool = True) -> dict[str, Any]:
+    """Returns the value of every param by name, some replaced; indexed ones as nested tuples.
 
     Args:
-      given: by name: a number, a word, or for a table a mapping (whole or in part) by word, by number or by the number of an agent,
-        or nested sequences in the order of its entries.
-      check_requires: whether a `require` of the game must hold.
-    Raises ValueError: unknown name or word, a value outside its limits, a `require` of the game that no longer holds, whole numbers of the
-      rules that could leave int32, an episode without a step.
+      changes: by name, a number or an enum value. For an indexed param it is a mapping from enum
+        values, numbers or numbers of agents, whole or in part, or nested sequences in the order of
+        its entries.
+      check_requires: whether the `require`s of the game must hold.
+
+    Raises:
+      ValueError: a name or an enum value is unknown, a value is outside its limits, a `require`
+        fails, whole numbers of the rules could leave int32, or an episode would have no step.
     """
-    values = _replaced(game, given)
-    _check_together(game, values, given, check_requires)
+    values = _replaced(game, changes)
+    _check_together(game, values, changes, check_requires)
     return values
 
 
-def _replaced(game: ir.Game, given: Values) -> dict[str, Any]:
-    """Returns the value of every parameter, each of those given looked at by itself."""
+def _replaced(game: ir.Game, changes: Values) -> dict[str, Any]:
+    """Returns the value of every param; each changed one is checked alone."""
     values = {p.name: p.value for p in game.params}
-    for name, value in given.items():
+    for name, value in changes.items():
         param = next((p for p in game.params if p.name == name), None)
         if param is None:
             raise ValueError(f"the game has no parameter `{name}`{meant(name, values, 'it has')}")
@@ -152,72 +160,83 @@ def _replaced(game: ir.Game, given: Values) -> dict[str, Any]:
     return values
 
 
-def _check_together(game: ir.Game, values: Values, given: Values, check_requires: bool) -> None:
-    """Raises ValueError for values that do not go together, or that the rules cannot be played with."""
+def _check_together(game: ir.Game, values: Values, changes: Values, check_requires: bool) -> None:
+    """Raises ValueError if a `require` fails, or if a whole number could leave int32."""
     for check in game.checks:
         if check_requires and check.sort == "require" and not holds(check.values[0], values):
             raise ValueError(
                 f"these parameters fail a check of the game: require {expression(check.values[0])}"
             )
-    problems = beyond_int32(game, values) if given else []
+    problems = beyond_int32(game, values) if changes else []
     if problems:
         place = f"{problems[0].span.file}:{problems[0].span.line}"
-        raise ValueError(f"{_limit(game, values, given)}: {problems[0].message} ({place})")
+        raise ValueError(f"{_limit(game, values, changes)}: {problems[0].message} ({place})")
 
 
-def _limit(game: ir.Game, values: Values, given: Values) -> str:
-    """Returns which of the given values is too large (or too small), and what it can be with the others as they are."""
+def _limit(game: ir.Game, values: Values, changes: Values) -> str:
+    """Returns which of the changed values is too large or too small, and what it may be at most.
+
+    The limit holds with the other values as they are.
+    """
     for param in game.params:
-        own, value = param.value, values[param.name]
+        if param.name not in changes or not isinstance(param.value, int):
+            continue
 
-        def is_played(number: int, name: str = param.name) -> bool:
+        def is_playable(number: int, name: str = param.name) -> bool:
             return not beyond_int32(game, {**values, name: number})
 
-        if param.name in given and isinstance(own, int) and is_played(own):
-            nearest = boundary(own, value, is_played)
-            return f"`{param.name}` is {value}, and can be {nearest} at {'most' if value > nearest else 'least'}"
-    return (
-        "with these parameters a whole number leaves 32 bits ("
-        + ", ".join(f"{name}: {values[name]}" for name in given)
-        + ")"
-    )
+        if is_playable(param.value):
+            value = values[param.name]
+            nearest = boundary(param.value, value, is_playable)
+            side = "most" if value > nearest else "least"
+            return f"`{param.name}` is {value}, and can be {nearest} at {side}"
+    numbers = ", ".join(f"{name}: {values[name]}" for name in changes)
+    return f"with these parameters a whole number leaves 32 bits ({numbers})"
 
 
-def _merged(name: str, before: Any, value: Any, by: tuple[Level, ...], type_: ir.Type) -> Any:
+def _merged(name: str, old: Any, value: Any, by: tuple[Level, ...], type_: ir.Type) -> Any:
+    """Returns the checked value of a param, with the old entries that it leaves out.
+
+    Args:
+      name: of the param or entry, for errors.
+      by: its indices.
+    """
     if not by:
         return _checked(name, value, type_)
-    names = by[0].keys
+    keys = by[0].keys
     if isinstance(value, Mapping):
-        given = {str(key): entry for key, entry in value.items()}
-        unknown = [key for key in given if key not in names]
-        if unknown:
-            raise ValueError(f"`{name}` has no entry `{unknown[0]}`; its {_entries_text(by[0])}")
-        inner = {
-            key: _merged(f"{name}[{key}]", before[names.index(key)], entry, by[1:], type_)
-            for key, entry in given.items()
-        }
-        return tuple(inner.get(key, before[i]) for i, key in enumerate(names))
+        entries = {str(key): entry for key, entry in value.items()}
+        for key in entries:
+            if key not in keys:
+                raise ValueError(f"`{name}` has no entry `{key}`; its {_entries_text(by[0])}")
+        return tuple(
+            _merged(f"{name}[{key}]", old_entry, entries[key], by[1:], type_)
+            if key in entries
+            else old_entry
+            for key, old_entry in zip(keys, old, strict=True)
+        )
     listed = value.tolist() if hasattr(value, "tolist") else value
-    if not isinstance(listed, Sequence) or isinstance(listed, str) or len(listed) != len(names):
-        raise ValueError(f"`{name}` wants {len(names)} values: its {_entries_text(by[0])}")
+    if not isinstance(listed, Sequence) or isinstance(listed, str) or len(listed) != len(keys):
+        raise ValueError(f"`{name}` wants {len(keys)} values: its {_entries_text(by[0])}")
     return tuple(
-        _merged(f"{name}[{key}]", before[i], listed[i], by[1:], type_)
-        for i, key in enumerate(names)
+        _merged(f"{name}[{key}]", old_entry, entry, by[1:], type_)
+        for key, old_entry, entry in zip(keys, old, listed, strict=True)
     )
 
 
-def _entries_text(level: Level) -> str:
-    """Returns what the entries of a table are."""
-    if level.sort == "word":
-        return f"words are {', '.join(level.names)}"
-    return (
-        f"entries are {level}"
-        if level.sort == "number"
-        else f"entries are the agents 0 .. {len(level) - 1}"
-    )
+def _entries_text(index: Level) -> str:
+    """Returns what the entries of an index are."""
+    match index.sort:
+        case "word":
+            return f"words are {', '.join(index.names)}"
+        case "number":
+            return f"entries are {index}"
+        case _:
+            return f"entries are the agents 0 .. {len(index) - 1}"
 
 
 def _checked(name: str, value: Any, type_: ir.Type) -> Any:
+    """Returns a value as a number of Python or an enum value, if the type has it."""
     if type_.kind == "word":
         if value not in type_.words:
             raise ValueError(f"`{name}` is one of {', '.join(type_.words)}, not {value!r}")
@@ -227,13 +246,14 @@ def _checked(name: str, value: Any, type_: ir.Type) -> Any:
         raise ValueError(f"`{name}` is a number ({type_.unit}), not {value!r}")
     if type_.kind == "int" and isinstance(number, float) and not number.is_integer():
         raise ValueError(f"`{name}` is a whole number ({type_.unit}), not {value!r}")
-    low, high = max(type_.low, -MAX_VALUE), min(type_.high, MAX_VALUE)
+    low = max(type_.low, -MAX_VALUE)
+    high = min(type_.high, MAX_VALUE)
     nearest = min(max(number, low), high)
-    rounded = (
+    is_rounded = (
         type_.kind == "real"
         and abs(number) <= 2 * MAX_VALUE
         and isclose(number, nearest, rel_tol=ROUNDING)
     )
-    if number != nearest and not rounded:
+    if number != nearest and not is_rounded:
         raise ValueError(f"`{name}` is {number}, outside {number_text(low)} .. {number_text(high)}")
     return int(number) if type_.kind == "int" else float(number)

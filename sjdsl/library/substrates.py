@@ -1,4 +1,4 @@
-"""Reads `games/meltingpot.toml`, the table of Melting Pot's substrates: which bundled game and variant each of them is here."""
+"""Reads `games/meltingpot.toml`: which game and variant each of Melting Pot's substrates is."""
 
 import tomllib
 from collections.abc import Mapping
@@ -18,12 +18,12 @@ class Substrate:
     """A substrate of Melting Pot 2.
 
     Attributes:
-      name: Melting Pot's.
-      game: the bundled game it is; empty if it has not been written.
-      variant: of that game; empty for the game as it is.
-      roles: the players' roles there, in the order of our agents; empty where all are `default`.
-      observations: what a player observes there beside its picture, by its name there, and what it is made of here: a rule of
-        `sjdsl.interop.melting_pot_observations`.
+      name: in Melting Pot.
+      game: the bundled game, "" if it hasn't been written.
+      variant: of that game, "" for none.
+      roles: of Melting Pot's players, in the order of our agents; none if all are `default`.
+      observations: Melting Pot's name of an observation other than the picture -> a rule of
+        `sjdsl.interop.melting_pot_observations` that computes it.
     """
 
     name: str
@@ -35,7 +35,11 @@ class Substrate:
 
 @cache
 def substrates() -> dict[str, Substrate]:
-    """Returns all substrates by name, those that have not been written among them. Raises ValueError for a key that means nothing."""
+    """Returns all substrates by name, also those that haven't been written.
+
+    Raises:
+      ValueError: the table has an unknown key.
+    """
     table = tomllib.loads((games_folder() / FILE).read_text(encoding="utf-8"))
     return {name: _substrate(name, entry) for name, entry in table.items()}
 
@@ -45,7 +49,11 @@ def _substrate(name: str, entry: dict[str, Any]) -> Substrate:
         raise ValueError(f"{FILE}: `{name}` has no key `{key}`{meant(key, sorted(KEYS))}")
     roles = tuple(role for role, number in entry.get("roles", {}).items() for _ in range(number))
     return Substrate(
-        name, entry.get("game", ""), entry.get("variant", ""), roles, entry.get("observations", {})
+        name=name,
+        game=entry.get("game", ""),
+        variant=entry.get("variant", ""),
+        roles=roles,
+        observations=entry.get("observations", {}),
     )
 
 

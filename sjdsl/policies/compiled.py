@@ -83,8 +83,8 @@ class Chooser:
         actions = jnp.full(self._env.num_agents, self._stay, jnp.int32)
         undecided = present
         for rule in self._rules:
-            applies, ruled = self._follow(rule, reframed, poses, present, undecided, bits)
-            actions = jnp.where(undecided & applies, ruled, actions)
+            applies, followed = self._follow(rule, reframed, poses, present, undecided, bits)
+            actions = jnp.where(undecided & applies, followed, actions)
             undecided = undecided & ~applies
         return actions
 

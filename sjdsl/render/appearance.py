@@ -173,8 +173,8 @@ def _flashing_cells(
 ) -> set[Cell]:
     """Returns the cells where something was taken, cleaned or hit in the last step.
 
-    That is where an object is gone from under an agent or a mark, where an agent is held for the
-    first time, and from where an agent or a mover was sent away.
+    That is where an object has gone from under an agent or a mark, where an agent is held since
+    that step, and from where an agent or a mover was sent away.
     """
     positions = _positions(snapshot)
     earlier_positions = _positions(before)

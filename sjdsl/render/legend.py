@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice, product
+from itertools import chain, islice, product
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from sjdsl.render.appearance import (
 from sjdsl.render.colours import PALE, WORDS, agent_colour
 from sjdsl.render.look import FieldLook, KindLook, Look, Rule
 from sjdsl.render.moment import Snapshot
+from sjdsl.render.usual import Picture
 
 MAX_STATES = 4096  # combinations of enum values that are tried
 MAX_COMBINED = 8  # combinations of one kind in a legend; if there are more, each value stands alone
@@ -55,12 +56,10 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
         if shown is None or any(marked_cells(snapshot, label) for snapshot in shown):
             text = " or ".join(look.actions[number] for number in look.acting[label]) or label
             entries.setdefault(text, (Beam(PALE, colour, ALL_SIDES), text))
-    on_ground = {
-        picture
-        for drawing, _ in entries.values()
-        if isinstance(drawing, Drawing)
-        for picture in drawing.objects
-    }
+    on_ground: set[Picture] = set()
+    for symbol, _ in entries.values():
+        if isinstance(symbol, Drawing):
+            on_ground |= {*symbol.objects}
     for figure, text in figure_entries(look, shown):
         value = text.rpartition(": ")[2]
         is_explained = value in entries and figure.badges and figure.badges[-1] in on_ground
@@ -74,12 +73,10 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
     return list(entries.values())
 
 
-def cell_entries(
-    look: Look, shown: Sequence[Snapshot] | None = None
-) -> Iterator[tuple[Drawing, str]]:
+def cell_entries(look: Look) -> Iterator[tuple[Drawing, str]]:
     """Yields the kinds, what their looks say, and the fields that are drawn without a look."""
     for kind in look.kinds:
-        yield from _entries_of(kind, shown)
+        yield from _entries_of(kind, None)
 
 
 def _entries_of(kind: KindLook, shown: Sequence[Snapshot] | None) -> list[tuple[Drawing, str]]:
@@ -147,13 +144,10 @@ def _is_state(state: Key) -> Occurs:
 
 def _plain_text(kind: KindLook) -> str:
     """Returns the text of a cell in which each field has its plain value."""
-    values = [
-        text
-        for field in kind.fields
-        for value, text in _values(field, kind.fields)
-        if value == field.plain
-    ]
-    return f"{kind.name}: {', '.join(values)}" if values else kind.name
+    texts: list[str] = []
+    for field in kind.fields:
+        texts += [text for value, text in _values(field, kind.fields) if value == field.plain]
+    return f"{kind.name}: {', '.join(texts)}" if texts else kind.name
 
 
 def _combined_text(kind: KindLook, state: Key) -> str:
@@ -271,7 +265,8 @@ def _values(field: FieldLook, fields: Sequence[FieldLook]) -> Iterator[tuple[int
         case "edge":
             yield 1, field.name
         case _:
-            elsewhere = {word for other in fields if other is not field for word in other.words}
+            others = (other.words for other in fields if other is not field)
+            elsewhere = set(chain.from_iterable(others))
             for number, word in enumerate(field.words):
                 if field.is_drawn(number):
                     yield number, f"{field.name} {word}" if word in elsewhere else word

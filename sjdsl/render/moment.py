@@ -132,7 +132,8 @@ def _observed_defines(env: "Environment", state: Any, row: np.ndarray) -> dict[s
     is_there = row >= 0
     if not names or not is_there.any():
         return {}
-    observe = _compiled_observe(env.module)
+    module: Any = env.module
+    observe = _compiled_observe(module)
     observation = np.asarray(observe(state, env.params))[int(np.argmax(is_there))]
     defines = {}
     for number, plane in enumerate(planes(env.game)):

@@ -75,14 +75,14 @@ class Placed:
 class Status:
     """The layout below the board.
 
-    width: pixels; world, own: items of the world and of one agent; column: pixels between agents;
+    width: pixels; world, agent: items of the world and of one agent; column: pixels between agents;
     per_line: agents in a line.
     """
 
     look: Look
     width: int
     world: tuple[Placed, ...]
-    own: tuple[Placed, ...]
+    agent: tuple[Placed, ...]
     column: int
     per_line: int
 
@@ -90,7 +90,7 @@ class Status:
     def height(self) -> int:
         """Pixels of the picture."""
         rows = -(-self.look.num_agents // self.per_line)
-        return LINE * (1 + _count_lines(self.world) + rows * _count_lines(self.own)) + 4
+        return LINE * (1 + _count_lines(self.world) + rows * _count_lines(self.agent)) + 4
 
     def draw(self, snapshot: Snapshot) -> Image.Image:
         """Returns the picture of one moment."""
@@ -109,11 +109,11 @@ class Status:
         for agent, figure in enumerate(draw_figures(self.look, snapshot)["agent"]):
             row, place = divmod(agent, self.per_line)
             left = MARGIN + place * self.column
-            top = agents_top + row * LINE * _count_lines(self.own)
+            top = agents_top + row * LINE * _count_lines(self.agent)
             body = Image.fromarray(draw_figure(replace(figure, heading=0, badges=()), SWATCH))
             picture.paste(body, (left, top), body)
             left += SWATCH + BETWEEN
-            for placed in self.own:
+            for placed in self.agent:
                 text = placed.item.text(snapshot, agent)
                 _draw_item(picture, placed.item, text, left + placed.left, top + LINE * placed.line)
         return picture
@@ -137,21 +137,21 @@ def make_status(look: Look, width: int, shown: Sequence[Snapshot] | None = None)
     for reading in look.world:
         item = Item(label=reading.name, reading=reading)
         world.append(replace(item, room=widest(item, [None], UNKNOWN_WIDTH)))
-    own = [Item(room=max(NUMBER_WIDTH, widest(Item(), agents, 0)))]
+    of_agent = [Item(room=max(NUMBER_WIDTH, widest(Item(), agents, 0)))]
     for field in look.held:
         for entry in range(len(field.words)):
             item = Item(label="" if entry else field.name, field=field, entry=entry)
             room = max(NUMBER_WIDTH - BETWEEN, widest(item, agents, 0))
-            own.append(replace(item, room=room))
+            of_agent.append(replace(item, room=room))
     for reading in look.own:
         item = Item(label=reading.name, reading=reading)
-        own.append(replace(item, room=widest(item, agents, NUMBER_WIDTH)))
+        of_agent.append(replace(item, room=widest(item, agents, NUMBER_WIDTH)))
     line = width - 2 * MARGIN
-    placed_own = tuple(_flow(own, line - SWATCH - BETWEEN))
-    right_edge = max(placed.left + placed.item.width for placed in placed_own)
+    placed = tuple(_flow(of_agent, line - SWATCH - BETWEEN))
+    right_edge = max(p.left + p.item.width for p in placed)
     column = SWATCH + BETWEEN + right_edge + GAP
     per_line = max(1, line // column)
-    return Status(look, width, tuple(_flow(world, line)), placed_own, column, per_line)
+    return Status(look, width, tuple(_flow(world, line)), placed, column, per_line)
 
 
 def _flow(items: Sequence[Item], width: int) -> Iterator[Placed]:

@@ -112,9 +112,12 @@ def usual_words(field: ir.VarField, taken: bool, first: int = 0) -> tuple[Pictur
     words = field.type.words
     field_sprite = named_sprite(field.name)
     pictures: list[Picture] = []
-    for number, (word, colour) in enumerate(zip(words, word_colours(words), strict=True), -1):
+    for number, (word, colour) in enumerate(zip(words, word_colours(words), strict=True)):
         word_sprite = named_sprite(word)
-        unnamed = TAKEN[number % len(TAKEN)] if taken else SHAPES[(number + first) % len(SHAPES)]
+        if taken:
+            unnamed = TAKEN[(number - 1) % len(TAKEN)]
+        else:
+            unnamed = SHAPES[(number - 1 + first) % len(SHAPES)]
         sprite = word_sprite or field_sprite or unnamed
         is_named = word_sprite is not None or (field_sprite is not None and len(words) == 2)
         picture = Picture(sprite, colour)

@@ -45,7 +45,7 @@ def play_episodes(
                 yield _cut(episode_seed, jax.tree.map(partial(_entry, index), steps))
 
 
-def _entry(index: int, array: np.ndarray) -> np.ndarray:
+def _entry(index: int, array: Any) -> Any:
     return array[index]
 
 

@@ -1,4 +1,4 @@
-"""Auto-reset: starts the next episode in environments whose episode ended, at low cost if none did."""
+"""Auto-reset: starts the next episode where one has ended, at low cost if none has."""
 
 from collections.abc import Callable
 from functools import partial
@@ -33,7 +33,7 @@ def reset_where(
 def _always_computed(
     reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State
 ) -> State:
-    """The form for GPUs, where a reset takes a few kernels more, and a branch would wait for the host."""
+    """The form for GPUs: a reset costs a few kernels, but a branch would wait for the host."""
     stored = lax.optimization_barrier(done)
     return jax.tree.map(
         lambda new, old: jnp.where(stored if jnp.ndim(old) else done, new, old),
@@ -45,10 +45,10 @@ def _always_computed(
 def _if_any_is_done(
     reset: Callable[[Params, Array], State], done: Array, words: Array, params: Params, state: State
 ) -> State:
-    """The form for CPUs: for a batch the resets are computed only if some environment is done.
+    """The form for CPUs: resets of a batch are computed only if an environment is done.
 
-    A `select` in every step would cost more than most phases. A second `vmap` around turns the choice back into a select; the values are
-    the same. So does a derivative, in both modes.
+    A `select` in every step would cost more than most phases. A second `vmap` around it, or a
+    derivative, turns the choice back into a select, with the same values.
     """
 
     def plain(done: Array, words: Array, params: Params, state: State) -> State:
@@ -80,7 +80,7 @@ def _if_any_is_done(
 
         return either(jnp.any(done), fresh, lambda: state), jax.tree.map(lambda _: True, state)
 
-    choose = jax.custom_jvp(cheap)  # of a rule for batches alone JAX takes no derivative backwards
+    choose = jax.custom_jvp(cheap)  # JAX has no reverse-mode derivative of a `custom_vmap`
 
     @choose.defjvp
     def derivative(values: Any, changes: Any) -> tuple[State, State]:

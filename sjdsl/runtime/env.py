@@ -1,4 +1,4 @@
-"""The environment interface: reset, step and auto-reset of one compiled game, ready for `jit`, `vmap` and `scan`."""
+"""The environment interface: reset and step of one compiled game, for `jit`, `vmap` and `scan`."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -27,7 +27,9 @@ from sjdsl.runtime.tokens import to_channels
 State = Any
 Params = Any
 Info = dict[str, Any]
-ALIKE = 8  # episodes that must begin with the same roles: chance roles of two agents would pass once in 2^7 games at most
+# Episodes that have to begin with the same roles. Roles of two agents that are drawn at random pass
+# with a probability of 2^-7 at most.
+NUM_STARTS = 8
 Admit = Callable[[Params], Params]
 Step = Callable[..., tuple[Array, State, Array, Array, Info]]
 Encoding = Literal["tokens", "onehot"]  # of observations
@@ -40,11 +42,13 @@ class Environment:
       name, title, hash: the game; two games share a hash if and only if their rules are equal.
       num_agents, num_actions, action_names, episode_length: as the rules have them.
       forbids_actions: whether `allowed_actions` is ever false: the game has a `forbid`.
-      observation_shape: `(N, P, rows, cols)` for tokens, `(N, C, rows, cols)` for onehot; observation_dtype: uint8.
-      token_planes: what each of the P planes means; channel_names: names of the C one-hot channels.
+      observation_shape: `(N, P, rows, cols)` for tokens, `(N, C, rows, cols)` for onehot.
+      observation_dtype: uint8.
+      token_planes: the meaning of each of the P planes; channel_names: of the C one-hot channels.
       params: the run-time parameters, a pytree; the defaults of `reset` and `step`.
-      module: the generated code, or a namespace of its names; game: the typed rules (`sjdsl.compiler.ir.Game`) for tools that
-        read them, None where there is no compiler. Playing reads the module alone.
+      module: the generated code, or a namespace of its names, all that playing needs.
+      game: the typed rules (`sjdsl.compiler.ir.Game`) for tools that read them, None without a
+        compiler.
     """
 
     def __init__(
@@ -55,7 +59,14 @@ class Environment:
         game: Any = None,
         admit: Admit | None = None,
     ) -> None:
-        """Raises ValueError for an observation that is neither `tokens` nor `onehot`. `admit`: checks the values given to `with_params`."""
+        """Compiles nothing yet.
+
+        Args:
+          admit: checks the values that are passed to `with_params`.
+
+        Raises:
+          ValueError: `observation` is neither `tokens` nor `onehot`.
+        """
         if observation not in ("tokens", "onehot"):
             raise ValueError(f"observation is `tokens` or `onehot`, not {observation!r}")
         self.module = module
@@ -63,17 +74,15 @@ class Environment:
         self.observation = observation
         self.game = game
         self._admit = admit
-        self.name, self.title, self.hash = module.NAME, module.TITLE, module.HASH
-        self.num_agents, self.num_actions, self.action_names = (
-            module.NUM_AGENTS,
-            len(module.ACTIONS),
-            module.ACTIONS,
-        )
+        self.name = module.NAME
+        self.title = module.TITLE
+        self.hash = module.HASH
+        self.num_agents = module.NUM_AGENTS
+        self.num_actions = len(module.ACTIONS)
+        self.action_names = module.ACTIONS
         self.forbids_actions = module.FORBIDS_ACTIONS
-        self.token_planes, self.channel_names = (
-            module.TOKEN_PLANES,
-            channel_names(module.TOKEN_PLANES),
-        )
+        self.token_planes = module.TOKEN_PLANES
+        self.channel_names = channel_names(module.TOKEN_PLANES)
         depth = len(self.token_planes if observation == "tokens" else self.channel_names)
         self.observation_shape: tuple[int, int, int, int] = (self.num_agents, depth, *module.WINDOW)
         self.observation_dtype = np.dtype(np.uint8)
@@ -87,18 +96,22 @@ class Environment:
 
     @property
     def episode_length(self) -> int:
-        """Steps until truncation under `params`; also inside `jit`, where a number of the file would else be traced."""
+        """Steps until truncation under `params`, as a number also inside `jit`."""
         with jax.ensure_compile_time_eval():
             return int(self.module.episode_length(self.params))
 
     def with_params(self, params: Params) -> "Environment":
-        """Returns the same game with other run-time parameters: arrays as in `env.params`, or Python's numbers.
+        """Returns the same game with other run-time parameters.
 
-        They may be traced, by `jax.vmap` for example; of these only shape and dtype are checked. In an environment of `make` all others are as
-        `make(params=…)` takes them.
+        In an environment of `make`, values are checked as those of `make(params=…)`; of traced
+        ones, only shape and dtype are.
+
+        Args:
+          params: arrays as in `env.params`, perhaps traced by `jax.vmap`, or Python's numbers.
 
         Raises:
-          TypeError: parameters of another game. ValueError: a shape or dtype that is not the parameter's, a value that the game does not take.
+          TypeError: they are parameters of another game.
+          ValueError: a shape or dtype is wrong, or the game doesn't accept a value.
         """
         check_params(self.module, self.params, params)
         if self._admit is None:
@@ -108,7 +121,7 @@ class Environment:
         return Environment(self.module, params, self.observation, self.game, self._admit)
 
     def _given(self, params: Params | None) -> Params:
-        """Returns the parameters to play with. They are traced, mostly: their values are not looked at."""
+        """Returns the parameters to play with, mostly traced ones, whose values aren't checked."""
         if params is None:
             return self.params
         check_params(self.module, self.params, params)
@@ -116,11 +129,14 @@ class Environment:
         return params
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Lets it be copied and pickled: the compiled functions are made anew."""
+        """Lets it be copied and pickled, without the compiled functions."""
         return Environment, (self.module, self.params, self.observation, self.game, self._admit)
 
     def __repr__(self) -> str:
-        return f"<sjdsl.Environment {self.name} {self.hash}: {self.num_agents} agents, {self.num_actions} actions, {self.observation}>"
+        return (
+            f"<sjdsl.Environment {self.name} {self.hash}: {self.num_agents} agents, "
+            f"{self.num_actions} actions, {self.observation}>"
+        )
 
     def _reset(self, key: Array, params: Params | None = None) -> tuple[Array, State]:
         """Returns the first observation and state of an episode.
@@ -128,8 +144,9 @@ class Environment:
         Args:
           key: a typed key, or two uint32 words (old style).
           params: instead of `env.params`.
+
         Raises:
-          TypeError, ValueError: something else than one key, or parameters of another game.
+          TypeError, ValueError: `key` isn't one key, or these are parameters of another game.
         """
         params = self._given(params)
         state = self.module.reset(params, key_words(key))
@@ -138,21 +155,25 @@ class Environment:
     def _step(
         self, key: Array, state: State, actions: Array, params: Params | None = None
     ) -> tuple[Array, State, Array, Array, Info]:
-        """One step; a finished episode is followed by the first state of the next.
+        """Takes one step; a finished episode is followed by the first state of the next.
 
         Args:
-          key: consumed; the step's draws (and those of a reset) come from it alone.
+          key: consumed; all draws of the step, and of a reset, come from it.
           state: of `reset` or `step`.
           actions: `[N]` int, numbers of `action_names`; any other number of int32 is `stay`.
           params: instead of `env.params`.
+
         Returns:
-          observation (of the state returned); state; reward `[N]` float32, raw; done bool; info: `truncated`, `terminated` bool,
-          `events` int32 `[N]` or scalar counts of this step, `metrics` float32 scalars, `terminal_observation` and
-          `terminal_state` (before the reset; they cost nothing under `jit` when unused).
+          observation of the state returned; state; reward `[N]` float32 of the game; done bool;
+          info: `truncated`, `terminated` bool, `events` int32 `[N]` or scalar counts of this step,
+          `metrics` float32 scalars, `terminal_observation` and `terminal_state` (before the reset;
+          they cost nothing under `jit` when unused).
+
         Raises:
-          TypeError: actions are not whole numbers; a key, a state or parameters that are none of this game.
-          ValueError: there is not one action for each agent, or one is beyond int32 (traced ones JAX cuts off to 32 bits before); a
-            batch of keys or states.
+          TypeError: actions aren't whole numbers, or the key, the state or the parameters aren't
+            those of this game.
+          ValueError: there isn't one action for each agent; an action is beyond int32, unless it is
+            traced; or there are several keys or states.
         """
         params = self._given(params)
         words = key_words(key)
@@ -165,7 +186,7 @@ class Environment:
     def _step_env(
         self, key: Array, state: State, actions: Array, params: Params | None = None
     ) -> tuple[Array, State, Array, Array, Info]:
-        """As `step`, without the reset."""
+        """Does what `step` does, without the reset."""
         params = self._given(params)
         state, reward, done, info = self._transition(key_words(key), state, actions, params)
         info["terminal_observation"] = observation = self._observe(state, params)
@@ -191,23 +212,20 @@ class Environment:
         return state, out.reward, truncated | out.ended, info
 
     def _events(self, out: Any) -> dict[str, Array]:
-        """Returns the counts of a step by event; a `by` event gives `name[word]` for each word."""
-        counts = (
-            (name, getattr(out, attribute), entry) for name, attribute, entry in self.module.EVENTS
-        )
-        return {
-            name: count if entry is None else count[..., entry] for name, count, entry in counts
-        }
+        """Returns the counts of a step by event; of an indexed one, `name[entry]` of each entry."""
+        counts: dict[str, Array] = {}
+        for name, attribute, entry in self.module.EVENTS:
+            count = getattr(out, attribute)
+            counts[name] = count if entry is None else count[..., entry]
+        return counts
 
     def _observe(self, state: State, params: Params | None = None) -> Array:
         """Returns the observation of a state."""
         check_state(self.module, state)
         tokens = self._tokens(state, self._given(params))
-        return (
-            tokens
-            if self.observation == "tokens"
-            else to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
-        )
+        if self.observation == "tokens":
+            return tokens
+        return to_channels(tokens, self.token_planes, jnp.dtype(jnp.uint8))
 
     def allowed_actions(self, state: State, params: Params | None = None) -> Array:
         """Returns which actions each agent may take: `[N, A]` bool."""
@@ -215,28 +233,30 @@ class Environment:
         return self.module.allowed_actions(state, self._given(params))
 
     def state_vector(self, state: State, params: Params | None = None) -> Array:
-        """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic; what is in it: `runtime/state_vector.py`."""
+        """Returns the whole state as `[K]` float32 from -1 to 1, for a central critic.
+
+        Its entries are described in `runtime/state_vector.py`.
+        """
         row, col = self.cells(state)
-        return state_vector(
-            self.module, state, row, col, self.module.episode_length(self._given(params))
-        )
+        length = self.module.episode_length(self._given(params))
+        return state_vector(self.module, state, row, col, length)
 
     @property
     def roles(self) -> tuple[int, ...] | None:
-        """The role of each agent, as numbers from 0: a field of the agents called `role` that every episode begins with alike.
+        """The role of each agent, from 0: the values of the agents' field `role`.
 
-        None if there is no such field, or it changes: by a rule, or from episode to episode.
+        None if there is no such field, a rule changes it, or episodes begin with different roles.
         """
         if self.module.ROLE is None:
             return None
         states = jax.vmap(lambda key: self.reset(key)[1])(
-            jax.vmap(jax.random.key)(jnp.arange(ALIKE))
+            jax.vmap(jax.random.key)(jnp.arange(NUM_STARTS))
         )
         roles = np.asarray(getattr(states, self.module.ROLE))
         return tuple(int(role) for role in roles[0]) if (roles == roles[0]).all() else None
 
     def cells(self, state: State) -> tuple[Array, Array]:
-        """Returns the (row, col) of each agent on the map, int32 `[N]` each; negative for those who are away."""
+        """Returns row and column of each agent, int32 `[N]` each, negative for those away."""
         _, cols = self.module.FRAME
         pad = self.module.PAD
         return state.position // cols - pad, state.position % cols - pad
@@ -250,11 +270,6 @@ def _refusing(step: Any) -> Step:
         refuse_beyond_int32(actions)
         return step(key, state, actions, params)
 
-    for name in (
-        "lower",
-        "trace",
-        "eval_shape",
-        "clear_cache",
-    ):  # of a function that JAX has compiled
+    for name in ("lower", "trace", "eval_shape", "clear_cache"):  # methods of JAX's functions
         setattr(refusing, name, getattr(step, name))
     return refusing

@@ -1,20 +1,20 @@
-"""The keys that the seed of an episode gives: for its start, its steps and the agents' choices, whatever plays or shows the episode."""
+"""The keys of an episode that follow from its seed: for its start, its steps, agents' choices."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-CHOICES = (
-    2**32 - 1
-)  # folded into the seed's key for the agents' choices; the start has 0, the steps 1, 2, 3, …
+# Folded into the seed's key for the agents' choices; the start has 0, the steps 1, 2, 3, …
+CHOICES = 2**32 - 1
 Key = TypeVar("Key")
 
 
 @dataclass(frozen=True)
 class EpisodeKeys(Generic[Key]):
-    """The keys of one episode, by JAX (`jax.random.fold_in`) or in plain integers (`sjdsl.trace.jax_random`).
+    """The keys of one episode.
 
-    key: that of the seed. fold_in: `(key, number) -> key`.
+    key: of the seed; fold_in: `(key, number) -> key`, of JAX (`jax.random.fold_in`) or of plain
+    integers (`sjdsl.trace.jax_random`).
     """
 
     key: Key
@@ -29,5 +29,5 @@ class EpisodeKeys(Generic[Key]):
         return self.fold_in(self.key, number + 1)
 
     def of_choices(self, number: Any) -> Key:
-        """Returns the key of what agents choose before a step, by its number from 0."""
+        """Returns the key of the agents' choices in a step, by its number from 0."""
         return self.fold_in(self.fold_in(self.key, CHOICES), number)

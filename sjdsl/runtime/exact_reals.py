@@ -1,8 +1,10 @@
-"""Arithmetic of reals that decide something: each operation rounds once, to the nearest float32 (docs/semantics.md, section 4).
+"""Arithmetic of reals that decide something: each operation rounds once, to the nearest float32.
 
-XLA leaves no other real as it is written: it contracts a product and a sum to one operation, divides by a constant by multiplying, adds
-and multiplies constants first, adds up in any order, and on GPUs divides with an error of up to two units in the last place. It does so
-across phases, and differently where a parameter is a constant of the program and where it is an argument.
+The rule is in docs/semantics.md, section 4. XLA computes other reals differently from how they are
+written: it contracts a product and a sum to one operation, multiplies by the inverse of a constant
+divisor, adds and multiplies constants first, sums in any order, and on GPUs divides with an error
+of up to two units in the last place. It does so across phases, and differently for a param that is
+a constant of the program and for one that is an argument.
 """
 
 import jax
@@ -16,12 +18,14 @@ BIAS = 127
 SPECIAL = 255  # exponent of infinity
 INFINITE = SPECIAL << FRACTION
 DIGIT = 12  # bits of a digit of a fixed-point number
-DIGITS = 28  # from the last bit of the least normal float32 to above those of infinity, and room for sums
-ABOVE = 288  # where the bits of infinity stand: finite terms can't cancel it
+DIGITS = (
+    28  # from the last bit of the least normal float32 to those of infinity, with room for sums
+)
+ABOVE = 288  # place of the bits of infinity, which finite terms can't cancel
 
 
 def exactly(value: Array) -> Array:
-    """Returns a real as it is. What reads it isn't merged with the operation that has computed it.
+    """Returns a real unchanged; XLA can't merge its use with the operation that has computed it.
 
     Args:
       value: any shape, float32.
@@ -30,13 +34,13 @@ def exactly(value: Array) -> Array:
 
 
 def divided(dividend: Array | float, divisor: Array | float) -> Array:
-    """Returns the quotient of two reals, float32: correctly rounded if both and it are normal numbers."""
+    """Returns the quotient of two reals, float32, correctly rounded if all three are normal."""
     top, bottom = jnp.asarray(dividend, jnp.float32), jnp.asarray(divisor, jnp.float32)
     return by_platform(_divided_on_cpu, _divided_on_gpu, top, bottom)
 
 
 def exact_ramp(value: Array, zero_at: Array, one_at: Array) -> Array:
-    """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1, as the operations are written."""
+    """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1, rounded as written."""
     return jnp.clip(divided(value - zero_at, one_at - zero_at), 0.0, 1.0)
 
 
@@ -47,7 +51,7 @@ def exact_mix(row: Array) -> Array:
 
 
 def sum_in_order(terms: Array, axis: int) -> Array:
-    """Returns the sum of reals along an axis, float32: each addition rounds, the first terms first."""
+    """Returns the sum of reals along an axis, float32, added in order, each addition rounded."""
     first, *others = jnp.moveaxis(terms, axis, 0)
     total: Array = exactly(first)
     for term in others:
@@ -56,7 +60,7 @@ def sum_in_order(terms: Array, axis: int) -> Array:
 
 
 def exact_sum(values: Array, axis: int | tuple[int, ...]) -> Array:
-    """Returns the sum of reals along axes: exact, then rounded once.
+    """Returns the exact sum of reals along axes, rounded once.
 
     Args:
       values: float32, at most 2^19 along the axes.
@@ -68,10 +72,11 @@ def exact_sum(values: Array, axis: int | tuple[int, ...]) -> Array:
 
 @jax.jit  # one function of the program for each shape
 def fixed_point(values: Array) -> Array:
-    """Returns reals as fixed-point numbers, whose sums are exact in any order: `[...]` float32 -> `[..., 28]` int32.
+    """Returns reals as fixed-point numbers: `[...]` float32 -> `[..., 28]` int32.
 
-    A number is its digits in base 2^12, each with the sign of the number, the least significant first. Up to 2^19 may be added, digit by
-    digit. Numbers nearer to 0 than 2^-126 are 0.
+    Their sums are exact in any order. A number is its digits in base 2^12, each with the sign of
+    the number, the least significant first. Up to 2^19 numbers may be added, digit by digit.
+    Numbers nearer to 0 than 2^-126 are 0.
     """
     bits = _bits(values)[..., None]
     exponent = _exponent(bits)
@@ -88,7 +93,7 @@ def fixed_point(values: Array) -> Array:
 
 @jax.jit  # as above
 def rounded(sums: Array) -> Array:
-    """Returns the float32 nearest to sums of fixed-point numbers, of two the even one: `[..., 28]` int32 -> `[...]` float32."""
+    """Returns the nearest float32 of fixed-point sums, of two the even: `[..., 28]` -> `[...]`."""
     negative = _carried(sums)[1] < 0
     digits, _ = _carried(jnp.where(negative[..., None], -sums, sums))
     number = jnp.arange(DIGITS, dtype=jnp.int32).reshape((1,) * negative.ndim + (-1,))
@@ -102,9 +107,10 @@ def rounded(sums: Array) -> Array:
     length = _exponent(_bits(high.astype(jnp.float32))) - (BIAS - 1)
     more = jnp.clip(
         FRACTION + 1 - length, 0, DIGIT - 1
-    )  # bits of the third digit that the significand has
+    )  # bits of the third digit in the significand
     significand = high << more | third >> (DIGIT - more)
-    rest, half = third & ((1 << (DIGIT - more)) - 1), 1 << (DIGIT - 1 - more)
+    rest = third & ((1 << (DIGIT - more)) - 1)
+    half = 1 << (DIGIT - 1 - more)
     is_odd = (significand & 1) == 1
     up = (rest > half) | ((rest == half) & (below | is_odd))
     place = DIGIT * (top - 1) - more
@@ -112,8 +118,9 @@ def rounded(sums: Array) -> Array:
 
 
 def _carried(sums: Array) -> tuple[Array, Array]:
-    """Returns digits of 0 .. 2^12 - 1, and what is carried beyond the last: negative if the number is."""
-    carry, digits = jnp.zeros_like(sums[..., 0]), []
+    """Returns digits of 0 .. 2^12 - 1, and the carry beyond the last: negative if the number is."""
+    carry = jnp.zeros_like(sums[..., 0])
+    digits = []
     for place in range(DIGITS):
         carried = sums[..., place] + carry
         digits.append(carried & (2**DIGIT - 1))
@@ -122,18 +129,19 @@ def _carried(sums: Array) -> tuple[Array, Array]:
 
 
 def _divided_on_cpu(dividend: Array, divisor: Array) -> Array:
-    return dividend / _real(
-        _bits(divisor) + _zero(dividend)
-    )  # not by a constant, by whose inverse XLA would multiply
+    # XLA would multiply by the inverse of a constant divisor.
+    not_constant = _real(_bits(divisor) + _zero(dividend))
+    return dividend / not_constant
 
 
 def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
-    """Divides significands as whole numbers: the first bit, then 8 at a time, the last of which says how to round.
+    """Divides significands as whole numbers: the first bit, then 8 at a time; the last rounds.
 
     Numbers nearer to 0 than 2^-126 are 0.
     """
     top, bottom = _bits(dividend), _bits(divisor)
-    above, below = _significand(top), _significand(bottom)
+    above = _significand(top)
+    below = _significand(bottom)
     smaller = above < below
     rest = (above << smaller.astype(jnp.uint32)) - below
     quotient = jnp.ones_like(rest)
@@ -156,7 +164,11 @@ def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
 
 
 def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
-    """Returns float32s. significand: 2^23 .. 2^24, of which 2^24 counts as the next exponent. What is too small is 0, too large infinity."""
+    """Returns float32 numbers; too small ones are 0, too large ones infinity.
+
+    Args:
+      significand: 2^23 .. 2^24, where 2^24 counts as the next exponent.
+    """
     bits = ((exponent - 1).astype(jnp.uint32) << jnp.uint32(FRACTION)) + significand
     size = jnp.where(
         exponent <= 0, jnp.uint32(0), jnp.where(exponent >= SPECIAL, jnp.uint32(INFINITE), bits)
@@ -165,7 +177,10 @@ def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
 
 
 def _zero(value: Array) -> Array:
-    """Returns zeros, uint32, of the shape of an array: a square has no remainder 2 modulo 5, which compilers don't know."""
+    """Returns zeros, uint32, of the shape of an array, as computed values.
+
+    No square has the remainder 2 modulo 5, which compilers don't know.
+    """
     part = _bits(value) & jnp.uint32(0x7FFF)
     square = part * part
     result: Array = (square - square // jnp.uint32(5) * jnp.uint32(5) == 2).astype(jnp.uint32)

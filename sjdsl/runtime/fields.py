@@ -6,11 +6,16 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class StateField:
-    """One attribute of a generated module's State: a variable of agents, of cells of one kind, or of the world.
+    """One attribute of a generated module's State: a field of agents, of cells, or of the world.
 
-    encoding `word`: the number of one of `size` words; `agent`: the number of an agent, -1 for nobody; `agents`: bit i for agent i, of more
-    than 32 agents bit i % 32 of number i // 32 along the last axis; `cell`: 256 times the row and the column, -1 for nowhere; `place`:
-    the cell of a mover in the padded frame, 0 for nowhere; `condition`: bool; `number`: from `low` to `high`, None where it has no limits.
+    Encodings:
+      word: the number of one of `size` enum values.
+      agent: the number of an agent, -1 for nobody.
+      agents: bit i for agent i; of more than 32 agents, bit i % 32 of entry i // 32.
+      cell: 256 times the row plus the column, -1 for nowhere.
+      place: the cell of a mover in the padded frame, 0 for nowhere.
+      condition: bool.
+      number: from `low` to `high`, None without limits.
     """
 
     attribute: str

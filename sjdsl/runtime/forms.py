@@ -1,7 +1,9 @@
-"""Kernels in two forms, one for CPUs and one for GPUs, that give the same bits: generated code says what is computed, and not how.
+"""Kernels in two forms, for CPUs and for GPUs, with equal results.
 
-A CPU likes loops that end early and branches that are not taken; it computes what it has in its caches again and again. A GPU wants few
-kernels, each of much independent work, and none that waits for the result of another (docs/performance.md, "Estimated by a model").
+Generated code determines what is computed, not how. On a CPU, loops that end early and branches
+that aren't taken are cheap, and so is computing values in the cache again. A GPU is fast with few
+kernels of much independent work, none of which waits for another (docs/performance.md, "Estimated
+by a model").
 """
 
 from collections.abc import Callable
@@ -11,30 +13,30 @@ import jax
 from jax import lax
 
 T = TypeVar("T")
-forced = jax.make_user_context(
-    None
-)  # `with forced("gpu"):` and `with forced("cpu"):` choose the form, whatever the platform
+# `with forced("gpu"):` and `with forced("cpu"):` choose the form, whatever the platform.
+forced = jax.make_user_context(None)
 
 
 def by_platform(cpu: Callable[..., T], gpu: Callable[..., T], *arguments: Any) -> T:
-    """Returns what a kernel makes of its arguments, in the form for the platform that the program is compiled for.
+    """Returns the result of a kernel in the form for the platform of the compiled program.
 
-    Where JAX has only CPUs the other form is not even traced. To compile for a GPU on such a machine, use `with forced("gpu"):`.
+    If JAX has only CPUs, the other form isn't traced. To compile for a GPU on such a machine, use
+    `with forced("gpu"):`.
     """
-    chosen = forced.value or ("cpu" if jax.default_backend() == "cpu" else None)
-    if chosen is not None:
-        return {"cpu": cpu, "gpu": gpu}[chosen](*arguments)
+    form = forced.value or ("cpu" if jax.default_backend() == "cpu" else None)
+    if form is not None:
+        return {"cpu": cpu, "gpu": gpu}[form](*arguments)
     result: T = lax.platform_dependent(
-        *arguments, cpu=_all_in("cpu", cpu), default=_all_in("gpu", gpu)
+        *arguments, cpu=_in_form("cpu", cpu), default=_in_form("gpu", gpu)
     )
     return result
 
 
-def _all_in(form: str, kernel: Callable[..., Any]) -> Callable[..., Any]:
-    """Returns a kernel in a form, with those that it calls."""
+def _in_form(form: str, kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """Returns a kernel that is traced in a form, with the kernels that it calls."""
 
-    def called(*arguments: Any) -> Any:
+    def traced(*arguments: Any) -> Any:
         with forced(form):
             return kernel(*arguments)
 
-    return called
+    return traced

@@ -1,7 +1,8 @@
-"""Static geometry: tables of a padded map, so that no window or shape leaves it, and where a beam ends at a wall (`lane_reach`).
+"""Static geometry: tables of a padded map, and where a beam ends at a wall (`lane_reach`).
 
-A cell is its index in the padded frame, `(row + pad) * columns + column + pad`; cell 0, in the padding, is nowhere. Everything
-here runs once, when a module is loaded, on NumPy arrays.
+The padding keeps windows and shapes in the frame. A cell is its index in the padded frame,
+`(row + pad) * columns + column + pad`; cell 0, in the padding, is nowhere. All tables are NumPy
+arrays, computed once, when a module is loaded.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,40 +21,39 @@ def frame_size(rows: Rows, pad: int) -> tuple[int, int]:
 
 def cells_of(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
     """Returns the cells with one of the glyphs in reading order: `[S]` int32."""
-    columns = len(rows[0]) + 2 * pad
-    found = [
-        (r + pad) * columns + c + pad
-        for r, row in enumerate(rows)
-        for c, g in enumerate(row)
-        if g in glyphs
-    ]
-    return np.array(found, np.int32)
+    _, columns = frame_size(rows, pad)
+    cells = []
+    for r, row in enumerate(rows):
+        cells += [(r + pad) * columns + c + pad for c, glyph in enumerate(row) if glyph in glyphs]
+    return np.array(cells, np.int32)
 
 
 def numbers_among(rows: Rows, group: str, glyphs: str) -> np.ndarray:
-    """Returns the number, among the cells with one of `glyphs`, of each cell of a group, in reading order: `[S + 1]` int32.
+    """Returns the index of each cell of a group among those with one of `glyphs`: `[S + 1]` int32.
 
-    It is past their end for the other cells, and for the entry after the last cell.
+    Cells are in reading order. The index is past the end for the other cells, and for one more
+    entry after the last cell.
     """
-    chosen = np.array([g in glyphs for row in rows for g in row if g in group] + [False])
-    return np.where(chosen, np.cumsum(chosen) - 1, chosen.sum()).astype(np.int32)
+    is_among = np.array([g in glyphs for g in "".join(rows) if g in group] + [False])
+    return np.where(is_among, np.cumsum(is_among) - 1, is_among.sum()).astype(np.int32)
 
 
 def reading_order(rows: Rows, kinds: Sequence[str]) -> np.ndarray:
-    """Returns where each cell of a group, in reading order, stands if the cells of its kinds follow each other: `[S]` int32.
+    """Returns the index of each cell of a group in an order by kind: `[S]` int32.
+
+    The cells of each kind, and the entries of the result, are in reading order.
 
     Args:
-      kinds: the glyphs of each kind.
+      kinds: the glyphs of each kind of the group.
     """
-    kind_of = [
-        number for row in rows for g in row for number, glyphs in enumerate(kinds) if g in glyphs
-    ]
-    return np.argsort(np.argsort(kind_of, kind="stable")).astype(np.int32)
+    kind_of_glyph = {glyph: number for number, glyphs in enumerate(kinds) for glyph in glyphs}
+    kind_of_cell = [kind_of_glyph[g] for g in "".join(rows) if g in kind_of_glyph]
+    return np.argsort(np.argsort(kind_of_cell, kind="stable")).astype(np.int32)
 
 
 def values_of(rows: Rows, values: Mapping[str, float], dtype: str) -> np.ndarray:
     """Returns the value of each cell whose glyph has one, in reading order: `[S]`."""
-    return np.array([values[g] for row in rows for g in row if g in values], dtype)
+    return np.array([values[g] for g in "".join(rows) if g in values], dtype)
 
 
 def painted(rows: Rows, pad: int, values: Mapping[str, int]) -> np.ndarray:
@@ -74,16 +74,18 @@ def inside(rows: Rows, pad: int) -> np.ndarray:
 
 def blocking(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
     """Returns which cells of the frame have one of the glyphs: `[cells]` bool."""
-    frame = np.zeros(frame_size(rows, pad)[0] * frame_size(rows, pad)[1], bool)
+    height, width = frame_size(rows, pad)
+    frame = np.zeros(height * width, bool)
     frame[cells_of(rows, pad, glyphs)] = True
     return frame
 
 
 def around_edges(rows: Rows, pad: int) -> np.ndarray:
-    """Returns, for a map that wraps, the cell of the map that each cell of the frame is: `[2 * cells]` int32.
+    """Returns, for a map that wraps, the cell of the map at each cell of the frame: `[2 * cells]`.
 
-    The second half is cell 1, where nobody ever is: there lie the cells that `shape_offsets` leaves out. Not cell 0, the place of
-    those who have none: they would be in every shape that has more cells than the map. So the margin is at least one cell.
+    The result is int32. Its second half is for the cells that `shape_offsets` leaves out: cell 1,
+    in the padding of at least one cell, where nobody ever is. Cell 0 is the position of those that
+    are away, who would be in every shape with more cells than the map.
     """
     height, width = frame_size(rows, pad)
     row = (np.arange(height) - pad) % len(rows) + pad
@@ -93,7 +95,7 @@ def around_edges(rows: Rows, pad: int) -> np.ndarray:
 
 
 def site_numbers(rows: Rows, pad: int, cells: np.ndarray) -> np.ndarray:
-    """Returns each cell's number among `cells`, past their end for all others: `[cells of the frame]` int32."""
+    """Returns the index among `cells` of each cell of the frame, past the end for others: int32."""
     height, width = frame_size(rows, pad)
     table = np.full(height * width, len(cells), np.int32)
     table[cells] = np.arange(len(cells))
@@ -103,43 +105,49 @@ def site_numbers(rows: Rows, pad: int, cells: np.ndarray) -> np.ndarray:
 def next_cells(rows: Rows, pad: int, glyphs: str, wraps: bool = False) -> np.ndarray:
     """Returns where a step leads, `[cells * 4]` int32 by cell and direction.
 
-    The cell itself where the step leaves the map (if it does not wrap) or enters a cell with one of the glyphs.
+    It is the cell itself if the step leaves a map that doesn't wrap, or enters a cell with one of
+    the glyphs.
     """
     _, width = frame_size(rows, pad)
-    open_ = inside(rows, pad) & ~blocking(rows, pad, glyphs)
-    cells = np.arange(open_.size)
-    table = np.stack([cells] * 4, 1)
-    here = np.flatnonzero(inside(rows, pad))
-    for direction, (dr, dc) in enumerate(DIRECTIONS):
-        target = here + dr * width + dc
-        target = around_edges(rows, pad)[target] if wraps else target
-        table[here, direction] = np.where(open_[target], target, here)
+    on_map = inside(rows, pad)
+    enterable = on_map & ~blocking(rows, pad, glyphs)
+    table = np.stack([np.arange(on_map.size)] * 4, 1)
+    cells = np.flatnonzero(on_map)
+    for direction, (down, right) in enumerate(DIRECTIONS):
+        target = cells + down * width + right
+        if wraps:
+            target = around_edges(rows, pad)[target]
+        table[cells, direction] = np.where(enterable[target], target, cells)
     return table.reshape(-1).astype(np.int32)
 
 
 def shape_offsets(
     rows: Rows, pad: int, cells: Sequence[tuple[int, int]], wraps: bool = False
 ) -> np.ndarray:
-    """Returns what to add to an agent's cell for each heading and (ahead, right) of a shape: `[4, K]` int32.
+    """Returns what to add to an agent's cell to reach each cell of a shape: `[4, K]` int32.
 
-    wraps: of cells of the shape that are one cell of such a map all but the first are left out, and so is the agent's own cell but for
-    (0, 0). What is added there leads to nowhere in `around_edges`.
+    Args:
+      cells: (ahead, right) of the shape.
+      wraps: whether the map's edges are joined. Of cells of the shape that are the same cell of the
+        map all but the first are left out, and so is the agent's cell, except as (0, 0). Their
+        offset leads to nowhere in `around_edges`.
     """
     height, width = frame_size(rows, pad)
     table = np.zeros((4, len(cells)), np.int32)
     for heading in range(4):
-        met = {(0, 0)}
+        used = {(0, 0)}
         for number, (down, right) in enumerate(turned(cells, heading)):
-            place = (down % len(rows), right % len(rows[0]))
-            again = wraps and place in met and (down, right) != (0, 0)
-            table[heading, number] = height * width if again else down * width + right
-            met.add(place)
+            cell = (down % len(rows), right % len(rows[0]))
+            is_left_out = wraps and cell in used and (down, right) != (0, 0)
+            table[heading, number] = height * width if is_left_out else down * width + right
+            used.add(cell)
     return table
 
 
 def turned(cells: Sequence[tuple[int, int]], heading: int) -> list[tuple[int, int]]:
-    """Returns how many rows down and columns to the right each (ahead, right) is for one who faces a heading."""
-    ahead, right = DIRECTIONS[heading], DIRECTIONS[(heading + 1) % 4]
+    """Returns the (rows down, columns to the right) of each (ahead, right) with a heading."""
+    ahead = DIRECTIONS[heading]
+    right = DIRECTIONS[(heading + 1) % 4]
     return [(a * ahead[0] + c * right[0], a * ahead[1] + c * right[1]) for a, c in cells]
 
 
@@ -151,47 +159,52 @@ def lane_reach(
     glyphs: str,
     wraps: bool = False,
 ) -> np.ndarray:
-    """Returns which shape cells are on the map and not behind a cell with one of the glyphs, which ends its lane.
+    """Returns which cells of a shape are on the map and not behind one that ends its lane.
 
     Args:
       offsets: `[4, K]` of `shape_offsets`; lanes: number of cells of each lane, in order.
+      glyphs: of the cells that end lanes.
+
     Returns:
       `[cells * 4]` bits, bit k for shape cell k: uint8 for up to 8 cells, else uint32.
     """
-    blocked, on_map = blocking(rows, pad, glyphs), inside(rows, pad)
-    here = np.flatnonzero(on_map)
+    ends_lane = blocking(rows, pad, glyphs)
+    on_map = inside(rows, pad)
+    cells = np.flatnonzero(on_map)
     bits = np.zeros((on_map.size, 4), np.uint64)
     if wraps:
-        blocked, on_map = (cells[around_edges(rows, pad)] for cells in (blocked, on_map))
+        ends_lane = ends_lane[around_edges(rows, pad)]
+        on_map = on_map[around_edges(rows, pad)]
     for heading in range(4):
         number = 0
         for length in lanes:
-            live = np.ones(here.size, bool)
+            is_open = np.ones(cells.size, bool)
             for _ in range(length):
-                target = here + offsets[heading, number]
-                bits[here, heading] |= (live & on_map[target]).astype(np.uint64) << np.uint64(
-                    number
-                )
-                live &= ~blocked[target]
+                target = cells + offsets[heading, number]
+                is_reached = (is_open & on_map[target]).astype(np.uint64)
+                bits[cells, heading] |= is_reached << np.uint64(number)
+                is_open &= ~ends_lane[target]
                 number += 1
     return bits.reshape(-1).astype(np.uint8 if offsets.shape[1] <= 8 else np.uint32)
 
 
 def neighbours(cells: np.ndarray, numbers: np.ndarray, offsets: np.ndarray) -> np.ndarray:
-    """Returns, for each cell, the numbers of the cells of an undirected shape around it: `[S, K]` int32.
+    """Returns the indices of the cells of an undirected shape around each cell: `[S, K]` int32.
 
     Args:
-      numbers: of `site_numbers`; where the map wraps, its entries for the cells of `around_edges`.
+      numbers: of `site_numbers`; if the map wraps, its entries for the cells of `around_edges`.
     """
     result: np.ndarray = numbers[cells[:, None] + offsets[0][None]]
     return result
 
 
 def near_masks(around: np.ndarray, size: int) -> np.ndarray:
-    """Returns `[ceil(size / 32), S]` uint32: bit k of word w is set if cell 32 w + k is a neighbour.
+    """Returns the neighbours of each cell as bits, `[ceil(size / 32), S]` uint32.
+
+    Bit k of entry w is set if cell 32 w + k is a neighbour.
 
     Args:
-      around: `[S, K]` int, numbers of the neighbours, `size` for none.
+      around: `[S, K]` int, indices of the neighbours, `size` for none.
       size: number of cells that can be neighbours.
     """
     masks = np.zeros((-(-size // 32), len(around)), np.uint32)
@@ -204,7 +217,7 @@ def near_masks(around: np.ndarray, size: int) -> np.ndarray:
 def view_offsets(
     rows: Rows, pad: int, ahead: int, behind: int, left: int, right: int
 ) -> np.ndarray:
-    """Returns what to add to an agent's cell for each heading and cell of its window, row by row: `[4, V]` int32."""
+    """Returns what to add to an agent's cell to reach each cell of its window: `[4, V]` int32."""
     return shape_offsets(rows, pad, _view(ahead, behind, left, right))
 
 
@@ -214,22 +227,26 @@ def view_steps(ahead: int, behind: int, left: int, right: int) -> np.ndarray:
 
 
 def view_steps_around(rows: Rows, ahead: int, behind: int, left: int, right: int) -> np.ndarray:
-    """Returns how many steps each cell of a window is from the agent on a map that wraps, for each heading: `[4, V]` int32."""
+    """Returns the steps to each cell of a window if the map wraps, by heading: `[4, V]` int32."""
     height, width = len(rows), len(rows[0])
-    views = [turned(_view(ahead, behind, left, right), heading) for heading in range(4)]
-    return np.array(
-        [
-            [min(r % height, -r % height) + min(c % width, -c % width) for r, c in cells]
-            for cells in views
-        ],
-        np.int32,
-    )
-
-
-def view_cells(ahead: int, behind: int, left: int, right: int, *own: int) -> np.ndarray:
-    """Returns which cells of a window are in one with other sides (`own`: ahead, behind, left, right): `[V]` bool."""
     view = _view(ahead, behind, left, right)
-    return np.array([-own[1] <= a <= own[0] and -own[2] <= c <= own[3] for a, c in view])
+    steps = np.zeros((4, len(view)), np.int32)
+    for heading in range(4):
+        for number, (down, across) in enumerate(turned(view, heading)):
+            num_rows = min(down % height, -down % height)
+            num_cols = min(across % width, -across % width)
+            steps[heading, number] = num_rows + num_cols
+    return steps
+
+
+def view_cells(ahead: int, behind: int, left: int, right: int, *sides: int) -> np.ndarray:
+    """Returns which cells of a window are also in a smaller one: `[V]` bool.
+
+    Args:
+      sides: of the smaller window: ahead, behind, left, right.
+    """
+    view = _view(ahead, behind, left, right)
+    return np.array([-sides[1] <= a <= sides[0] and -sides[2] <= c <= sides[3] for a, c in view])
 
 
 def _view(ahead: int, behind: int, left: int, right: int) -> list[tuple[int, int]]:
@@ -238,12 +255,12 @@ def _view(ahead: int, behind: int, left: int, right: int) -> list[tuple[int, int
 
 
 def own_cells(rows: Rows, ahead: int, behind: int, left: int, right: int) -> np.ndarray:
-    """Returns which cells of a window show the observer's own on a map that wraps, for each heading: `[4, V]` bool."""
-    own: np.ndarray = view_steps_around(rows, ahead, behind, left, right) == 0
-    return own
+    """Returns which cells of a window are the observer's on a map that wraps: `[4, V]` bool."""
+    result: np.ndarray = view_steps_around(rows, ahead, behind, left, right) == 0
+    return result
 
 
 def own_cell(rows: int, columns: int, row: int, column: int) -> np.ndarray:
-    """Returns which cell of its window is the observer's own: `[rows * columns]` bool."""
+    """Returns which cell of its window is the observer's: `[rows * columns]` bool."""
     result: np.ndarray = np.arange(rows * columns) == row * columns + column
     return result

@@ -1,4 +1,7 @@
-"""Line of sight at run time: where a beam ends at cells whose state decides it (constant walls: `geometry.lane_reach`), and whom it meets."""
+"""Line of sight at run time: where a beam ends at cells whose state decides it, and whom it meets.
+
+For cells that always end beams, see `geometry.lane_reach`.
+"""
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,19 +13,20 @@ from sjdsl.runtime.bits import WIDTH, as_bits
 def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
     """Returns which shape cells a lane reaches when some cells end lanes.
 
-    A cell is not reached if one before it in its lane ends the lane. All cells ask at once, of bits where they fit into a word: a walk
-    from cell to cell would be a program many times as long.
+    A cell isn't reached if one before it ends its lane. All cells are computed at once, on bits if
+    they fit into 32: a loop over cells would be a program many times as long.
 
     Args:
       blocked: `[..., K]` bool, cells that are the last of their lane.
       on_map: `[..., K]` bool, cells that exist.
       first: `[K]` bool, first cells of the lanes; constant: not traced.
     """
-    starts, ends = np.asarray(first), blocked & on_map
-    cell, lane = np.arange(starts.size), np.cumsum(starts)
-    before = (lane[:, None] == lane) & (
-        cell < cell[:, None]
-    )  # [k, j]: j comes before k in its lane
+    starts = np.asarray(first)
+    ends = blocked & on_map
+    cell = np.arange(starts.size)
+    lane = np.cumsum(starts)
+    # [k, j]: j comes before k in its lane.
+    before = (lane[:, None] == lane) & (cell < cell[:, None])
     if starts.size > WIDTH:
         return on_map & ~jnp.any(
             ends[..., None, :] & before.reshape((1,) * (ends.ndim - 1) + before.shape), axis=-1
@@ -34,19 +38,19 @@ def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
 def nearest_in_lanes(
     eligible: Array, numbers: Array, lanes: tuple[int, ...]
 ) -> tuple[Array, Array]:
-    """Returns the number at the nearest eligible cell of each lane of a shape, and in which lanes there is one.
+    """Returns the number at the nearest eligible cell of each lane, and which lanes have one.
 
     Args:
-      eligible: `[..., K]` bool, of the cells of the shape: lane by lane, each nearest first.
+      eligible: `[..., K]` bool, of the cells of the shape: lane by lane, the nearest first.
       numbers: `[..., K]`, of the same cells.
       lanes: how many cells each of the L lanes has.
+
     Returns:
-      `[..., L]` of the dtype of `numbers`, anything in lanes without an eligible cell, and `[..., L]` bool.
+      `[..., L]` of the dtype of `numbers`, undefined in lanes without an eligible cell, and
+      `[..., L]` bool.
     """
     shape = (*eligible.shape[:-1], len(lanes), max(lanes))
-    if min(lanes) != max(
-        lanes
-    ):  # shorter lanes are made as long as the longest, by cells that are not eligible
+    if min(lanes) != max(lanes):  # shorter lanes are padded with cells that aren't eligible
         ends = np.cumsum(lanes)[:, None]
         cell = ends - np.array(lanes)[:, None] + np.arange(max(lanes))
         eligible = eligible[..., np.minimum(cell, ends - 1).reshape(-1)] & (cell < ends).reshape(

@@ -1,4 +1,4 @@
-"""The contents of a generated module: all that an environment knows of its game."""
+"""The contents of a generated module: all that an environment needs to know of its game."""
 
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -23,18 +23,16 @@ class GameModule(Protocol):
     FRAME: tuple[int, int]  # rows and columns of the map with that
     WINDOW: tuple[int, int]  # rows and columns that an agent sees
     TOKEN_PLANES: tuple[TokenPlane, ...]
-    EVENTS: tuple[
-        tuple[str, str, int | None], ...
-    ]  # counts of a step: name, attribute of Outcome, entry of its last axis
-    FIELDS: tuple[StateField, ...]  # declared variables, in the order of the state vector
+    # Counts of a step: name, attribute of Outcome, entry of its last axis.
+    EVENTS: tuple[tuple[str, str, int | None], ...]
+    FIELDS: tuple[StateField, ...]  # declared fields, in the order of the state vector
     ROLE: str | None  # attribute of State with the agents' roles, if no step writes it
 
     default_params: Callable[[], Any]
     initial_state: Callable[[], Any]  # all that is declared; nobody stands on the map
-    reset: Callable[[Any, Array], Any]  # params, words -> state
-    step: Callable[
-        [Any, Array, Any, Array], tuple[Any, Any]
-    ]  # state, actions [N], params, words -> state, outcome
+    reset: Callable[[Any, Array], Any]  # params, key words -> state
+    # state, actions [N], params, key words -> state, outcome
+    step: Callable[[Any, Array, Any, Array], tuple[Any, Any]]
     observe: Callable[[Any, Any], Array]  # state, params -> [N, P, rows, columns] uint8
     measures: Callable[[Any, Any], dict[str, Array]]  # state, params -> float32 scalars
     allowed_actions: Callable[[Any, Any], Array]  # state, params -> [N, A] bool

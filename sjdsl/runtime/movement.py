@@ -1,4 +1,4 @@
-"""Movement of all agents at once: a collision on a cell is settled at random, swaps are blocked, chains and cycles work."""
+"""Movement of all agents at once: collisions are settled at random, swaps are blocked."""
 
 from functools import partial
 
@@ -8,19 +8,22 @@ from jax import Array, lax
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.varying import settled
 
-PACKED = 32  # agents up to which a GPU walks along chains of movers inside a few words
+PACKED = 32  # agents up to which a GPU follows chains of movers in a few words of 32 bits
 
 
 def resolve(position: Array, target: Array, word: Array, exchange: bool = False) -> Array:
     """Returns the cells after all agents have moved at once.
 
-    Stayers keep their cells; of several movers to one cell the one with the largest rank wins; swaps are blocked unless `exchange`; a
-    mover whose target stays occupied stays. Following, and cycles of three or more, work.
+    Of several movers to one cell the one with the largest rank wins. Swaps are blocked unless
+    `exchange`. A mover whose target stays occupied stays. Following, and cycles of three or more,
+    are possible.
 
     Args:
-      position: `[N]` int32, different cells (agents that are nowhere share cell 0 and have target 0).
-      target: `[N]` int32, the cell each agent wants; its own for a stayer.
-      word: `[N]` uint32, one random number an agent; the rank is the number with its low 8 bits replaced by the agent's id.
+      position: `[N]` int32, different cells, except that agents that are away have cell 0.
+      target: `[N]` int32, the cell each agent wants, its position if it stays.
+      word: `[N]` uint32, one random number an agent; the rank is the number with its low 8 bits
+        replaced by the agent's id.
+
     Returns:
       `[N]` int32.
     Source: the resolver of SocialJax 1.2, stated in the manual ("Movement").
@@ -40,7 +43,7 @@ def resolve(position: Array, target: Array, word: Array, exchange: bool = False)
 
 
 def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> Array:
-    """The form for GPUs: each agent follows those it waits for, as far as there are agents, in a table that is kept in a few words."""
+    """The form for GPUs: each agent follows the chain of those it waits for, in a table of bits."""
     n = position.shape[0]
     index = jnp.arange(n, dtype=jnp.uint32)
     rank = (word & jnp.uint32(0xFFFFFF00)) | index
@@ -49,35 +52,38 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     lost = (target[:, None] == target[None, :]) & moving[None, :] & (rank[None, :] > rank[:, None])
     if not exchange:
         lost = lost | (into & ((target[None, :] == position[:, None]) & moving[None, :]))
-    # one sum for both: the number of the one that is waited for, one up, and above it how many reasons there are to stay
+    # One sum for two values: in the low 8 bits the agent that is waited for, plus 1; above them the
+    # number of reasons to stay.
     reasons = jnp.where(into, index[None, :] + 1, jnp.uint32(0)) + jnp.where(
         lost, jnp.uint32(256), jnp.uint32(0)
     )
-    said = jnp.sum(reasons, axis=1, dtype=jnp.uint32)
+    sums = jnp.sum(reasons, axis=1, dtype=jnp.uint32)
     bits = max(1, (n - 1).bit_length())
-    follows = jnp.where((said & 255) == 0, index, (said & 255) - 1)
-    stays = ((said >= 256) | ~moving).astype(jnp.uint32)
+    follows = jnp.where((sums & 255) == 0, index, (sums & 255) - 1)
+    stays = ((sums >= 256) | ~moving).astype(jnp.uint32)
     entry = lax.optimization_barrier((follows | (stays << bits)).astype(jnp.uint8)).astype(
         jnp.uint32
     )
-    some = 32 // (bits + 1)  # entries of a word
-    places = jnp.arange(some, dtype=jnp.uint32) * jnp.uint32(bits + 1)
+    per_word = 32 // (bits + 1)
+    shifts = jnp.arange(per_word, dtype=jnp.uint32) * jnp.uint32(bits + 1)
     table = [
-        jnp.sum(entry[k : k + some] << places[: n - k], dtype=jnp.uint32) for k in range(0, n, some)
+        jnp.sum(entry[first : first + per_word] << shifts[: n - first], dtype=jnp.uint32)
+        for first in range(0, n, per_word)
     ]
-    at, stuck = index, jnp.zeros(n, jnp.uint32)
+    agent = index
+    stuck = jnp.zeros(n, jnp.uint32)
     for _ in range(n):
-        held = table[0]
+        word = table[0]
         for number, other in enumerate(table[1:], 1):
-            held = jnp.where(at >= number * some, other, held)
-        found = held >> ((at % some) * jnp.uint32(bits + 1))
-        stuck = stuck | ((found >> bits) & 1)
-        at = found & jnp.uint32((1 << bits) - 1)
+            word = jnp.where(agent >= number * per_word, other, word)
+        entry_of_agent = word >> ((agent % per_word) * jnp.uint32(bits + 1))
+        stuck = stuck | ((entry_of_agent >> bits) & 1)
+        agent = entry_of_agent & jnp.uint32((1 << bits) - 1)
     return jnp.where(stuck != 0, position, target)
 
 
 def _by_spreading(position: Array, target: Array, word: Array, exchange: bool) -> Array:
-    """The form for CPUs: who stays is told to those who wait for it, again and again, as one word of bits."""
+    """The form for CPUs: all who wait for somebody that stays are marked, until no more are."""
     n = position.shape[0]
     index = jnp.arange(n, dtype=jnp.uint32)
     rank = (word & jnp.uint32(0xFFFFFF00)) | index
@@ -90,7 +96,7 @@ def _by_spreading(position: Array, target: Array, word: Array, exchange: bool) -
 
 
 def _spread(into: Array, lost: Array) -> Array:
-    """Returns `lost` with all who wait, directly or through others, for the cell of one who stays: `[N]` bool."""
+    """Returns `lost` and all who wait, directly or through others, for one of them: `[N]` bool."""
     n = lost.shape[0]
     if n > 31:
 

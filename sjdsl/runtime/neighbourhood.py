@@ -1,4 +1,4 @@
-"""Reads fields of the cells around each cell: as shifted copies where the map is a full rectangle, else by number."""
+"""Reads fields of the cells around each cell: as shifted copies if possible, else by index."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import reduce
@@ -19,14 +19,14 @@ _FOLDS: dict[str, Callable[[Array, Array], Array]] = {
 
 
 def looked_up(values: Array, cells: Array) -> Array:
-    """Returns the entry of each of many cells: `values[cells]`, but what computes the values is computed once for each of them.
+    """Returns `values[cells]`, where each value is computed once.
 
-    XLA for CPUs computes what is indexed anew for every index, be it the 20 rounds of a random number. It does so for no
-    concatenation (docs/performance.md).
+    XLA for CPUs computes an indexed value again for every index, be it the 20 rounds of a random
+    number; it doesn't if the values are concatenated (docs/performance.md).
 
     Args:
       values: `[S, ...]`.
-      cells: any shape, int32; past the end: the entry means nothing.
+      cells: any shape, int32; the result is undefined for S, one past the end.
     """
     entries: Array = (
         jnp.concatenate([values, values[:1]])
@@ -37,11 +37,12 @@ def looked_up(values: Array, cells: Array) -> Array:
 
 
 def entries_at(table: Array, places: Array) -> Array:
-    """Returns the entry of each row at a place of its own, computed once for all who look something up by it.
+    """Returns one entry of each row, computed once, however often it is read.
 
     Args:
       table: `[S, K]`.
       places: `[S]` int32, below K.
+
     Returns:
       `[S]`.
     """
@@ -56,25 +57,29 @@ def over_neighbours(
     *fields: Array,
     around: Array | None = None,
 ) -> Array:
-    """Returns the sum, greatest, least or disjunction, over the cells around each cell, of what `of_cell` computes.
+    """Returns a sum, maximum, minimum or disjunction of `of_cell` over the cells around each cell.
 
-    The function is applied once for each cell of the shape, to all cells at once. Where the cells have numbers in a full rectangle,
-    their fields are shifted copies, of which XLA makes vector instructions; it makes none of lookups by numbers (docs/performance.md).
+    The function is applied once for each cell of the shape, to all cells at once. If the cells fill
+    a rectangle, their fields are shifted copies, for which XLA has vector instructions; it has none
+    for lookups (docs/performance.md).
 
     Args:
-      fold: what is done with the values; a sum of booleans counts them.
-      table: `[S, K]` int32, constant: the numbers of the cells around each cell; past the end: none.
-      of_cell: `(numbers [C], a field [C] for each of fields) -> [C]`, bool or int32; of numbers past the end the fields mean nothing.
-      fields: `[M, ...]` each, by the numbers in the table.
-      around: `[C]` int32, the rows of the table that are asked for; None: all, C = S.
+      fold: how values are combined; a sum of booleans counts them.
+      table: `[S, K]` int32, constant: the indices of the cells around each cell, past the end for
+        none.
+      of_cell: `(indices [C], a field [C] for each of fields) -> [C]`, bool or int32; fields are
+        undefined for indices past the end.
+      fields: `[M, ...]` each, by the indices in the table.
+      around: `[C]` int32, the rows of the table to use, None for all: C = S.
+
     Returns:
-      `[C]` int32, or bool of `any`.
+      `[C]` int32, or bool for `any`.
     """
     numbers = np.asarray(table)
     cells = _beside(numbers, fields) if around is None else _beside_some(numbers, fields, around)
     count = jnp.uint8 if numbers.shape[1] < 256 else jnp.int32
 
-    @jax.jit  # one function in the program, called for each cell of the shape; XLA puts it in place
+    @jax.jit  # one function of the program, called for each cell of the shape; XLA inlines it
     def once(*cell: Array) -> Array:
         value = of_cell(*cell)
         if fold == "sum" and value.dtype == bool:
@@ -87,7 +92,7 @@ def over_neighbours(
 
 
 def _beside(numbers: np.ndarray, fields: Sequence[Array]) -> Iterator[tuple[Array, ...]]:
-    """Yields, for one cell of the shape after another, its number beside each cell, and its fields."""
+    """Yields, for each cell of the shape, the index of it beside each cell, and its fields."""
     steps = _steps(numbers, len(fields[0]))
     if steps is None or len(fields[0]) != len(numbers):
         for column in numbers.T:
@@ -108,21 +113,16 @@ def _beside(numbers: np.ndarray, fields: Sequence[Array]) -> Iterator[tuple[Arra
 def _beside_some(
     numbers: np.ndarray, fields: Sequence[Array], around: Array
 ) -> Iterator[tuple[Array, ...]]:
-    """Yields the same for some cells."""
+    """Yields what `_beside` does, for some cells."""
     size = len(fields[0])
     steps = _steps(numbers, size)
-    longer = [jnp.concatenate([values, values[:1]]) for values in fields]
-    there = jnp.asarray(
-        np.sum(
-            (numbers < size) << np.arange(numbers.shape[1], dtype=np.uint32),
-            axis=1,
-            dtype=np.uint32,
-        )
-    )[around]
+    padded = [jnp.concatenate([values, values[:1]]) for values in fields]
+    bits = (numbers < size) << np.arange(numbers.shape[1], dtype=np.uint32)
+    exists = jnp.asarray(np.sum(bits, axis=1, dtype=np.uint32))[around]
 
     @jax.jit
     def beside(place: int, step: int) -> Array:
-        return jnp.where((there >> place) & 1 == 1, around + step, size)
+        return jnp.where((exists >> place) & 1 == 1, around + step, size)
 
     for place, column in enumerate(numbers.T):
         number = jnp.asarray(column)[around] if steps is None else beside(place, steps[place])
@@ -130,18 +130,23 @@ def _beside_some(
             number,
             *(
                 values.at[number].get(mode="promise_in_bounds", wrap_negative_indices=False)
-                for values in longer
+                for values in padded
             ),
         )
 
 
 def _steps(numbers: np.ndarray, size: int) -> list[int] | None:
-    """Returns how far the cells of the shape are, by number, if each is as far from all cells that have it and less than all cells are."""
-    found = [
-        np.unique(column[there] - there)
-        for column in numbers.T
-        for there in [np.flatnonzero(column < size)]
-    ]
-    if numbers.shape[1] > 32 or any(len(steps) > 1 or np.any(abs(steps) > size) for steps in found):
+    """Returns the difference of indices between a cell and each cell of the shape beside it.
+
+    It is None if one of these isn't the same for all cells, or is larger than the number of cells.
+    """
+    if numbers.shape[1] > 32:
         return None
-    return [int(steps[0]) if len(steps) else 0 for steps in found]
+    steps = []
+    for column in numbers.T:
+        cells = np.flatnonzero(column < size)
+        differences = np.unique(column[cells] - cells)
+        if len(differences) > 1 or np.any(abs(differences) > size):
+            return None
+        steps.append(int(differences[0]) if len(differences) else 0)
+    return steps

@@ -8,8 +8,10 @@ from typing import Literal
 class TokenPlane:
     """One uint8 plane of an observation.
 
-    encoding `word`: value v means `labels[v]`; `bits`: bit k means `labels[k]`; `number`: the value itself, 0 .. `high`.
-    uniform: the value is the same in all cells of a window, as for a field of the observer; networks and rollouts need it only once.
+    encoding: of a `word` plane, value v means `labels[v]`; of a `bits` plane, bit k means
+    `labels[k]`; a `number` plane has numbers, 0 .. `high`.
+    uniform: whether the value is the same in all cells of a window, as for a field of the observer;
+    networks and rollouts need it only once.
     """
 
     name: str
@@ -20,12 +22,10 @@ class TokenPlane:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the one-hot channels this plane becomes, in order."""
-        return (
-            (self.name,)
-            if self.encoding == "number"
-            else tuple(f"{self.name}: {label}" for label in self.labels)
-        )
+        """Names of the plane's one-hot channels, in order."""
+        if self.encoding == "number":
+            return (self.name,)
+        return tuple(f"{self.name}: {label}" for label in self.labels)
 
 
 def channel_names(planes: tuple[TokenPlane, ...]) -> tuple[str, ...]:

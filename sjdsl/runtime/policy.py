@@ -1,4 +1,4 @@
-"""Policies: functions `(key, observation [N, ...]) -> actions [N] int32` of one environment, with memory or without."""
+"""Policies: functions `(key, observation [N, ...]) -> actions [N] int32`, perhaps with memory."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,10 +11,11 @@ from jax import Array
 
 @dataclass(frozen=True)
 class MemoryPolicy:
-    """A policy that remembers: `act(memory, key, observation) -> memory, actions`, from `start` at each episode's first step.
+    """A policy with memory: `act(memory, key, observation) -> memory, actions`.
 
-    With `reads_allowed` it also gets the actions that the game allows: `act(memory, key, observation, allowed)`, `[N, A]` bool, of
-    `env.allowed_actions(state)`. With `reads_state` the true state comes last: `act(memory, key, observation, state)`.
+    start: the memory before each episode's first step.
+    reads_allowed: whether `act` also gets the actions that the game allows, `[N, A]` bool, of
+    `env.allowed_actions(state)`; reads_state: whether the true state is its last argument.
     """
 
     start: Any
@@ -23,24 +24,26 @@ class MemoryPolicy:
     reads_state: bool = False
 
     def needs(self, allowed: Any, state: Any) -> tuple[Any, ...]:
-        """Returns what its `act` reads besides memory, key and observation, in order."""
-        return (
-            *((allowed,) if self.reads_allowed else ()),
-            *((state,) if self.reads_state else ()),
-        )
+        """Returns the arguments of `act` behind memory, key and observation."""
+        arguments = []
+        if self.reads_allowed:
+            arguments.append(allowed)
+        if self.reads_state:
+            arguments.append(state)
+        return tuple(arguments)
 
     def given(self, needed: tuple[Any, ...]) -> tuple[Any, Any]:
-        """Returns what is allowed and the state, of what `needs` gave; None for what was not needed."""
-        return (needed[0] if self.reads_allowed else None), (
-            needed[-1] if self.reads_state else None
-        )
+        """Returns the allowed actions and the state among what `needs` returned, None without."""
+        allowed = needed[0] if self.reads_allowed else None
+        state = needed[-1] if self.reads_state else None
+        return allowed, state
 
 
 Policy = Callable[[Array, Array], Array] | MemoryPolicy
 
 
 def with_memory(policy: Policy) -> MemoryPolicy:
-    """Returns any policy as one with memory; a function's is empty."""
+    """Returns any policy as one with memory; that of a function is empty."""
     if isinstance(policy, MemoryPolicy):
         return policy
     return MemoryPolicy((), lambda memory, key, observation: (memory, policy(key, observation)))
@@ -49,37 +52,39 @@ def with_memory(policy: Policy) -> MemoryPolicy:
 def take_actions(
     env: Any, policy: MemoryPolicy, memory: Any, key: Array, observation: Array, state: Any
 ) -> tuple[Any, Array]:
-    """Returns the policy's memory and its actions `[N]` in a state of one environment; `observation` is what is seen of the state."""
+    """Returns a policy's new memory and its actions `[N]`, from a state and its observation."""
     allowed = env.allowed_actions(state) if policy.reads_allowed else None
     return policy.act(memory, key, observation, *policy.needs(allowed, state))
 
 
 def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]]) -> MemoryPolicy:
-    """Returns the policy under which the agents of each part act by its policy; those of no part take action 0.
+    """Returns a policy in which the agents of each part follow the part's policy.
+
+    Agents of no part take action 0.
 
     Args:
-      parts: `(numbers of agents, policy)`. A policy sees the observations of all agents, and gives actions for all.
+      parts: `(numbers of agents, policy)`; a policy gets the observations of all agents, and
+        returns actions of all.
     """
     policies = [(list(agents), with_memory(policy)) for agents, policy in parts]
     reads_allowed = any(policy.reads_allowed for _, policy in policies)
     reads_state = any(policy.reads_state for _, policy in policies)
 
-    def act(memory: Any, key: Array, observation: Array, *given: Any) -> tuple[Any, Array]:
-        allowed, state = mixed.given(given)
+    def act(memory: Any, key: Array, observation: Array, *needed: Any) -> tuple[Any, Array]:
+        allowed, state = mixed.given(needed)
         actions = jnp.zeros(num_agents, jnp.int32)
-        after = []
-        for (agents, policy), own, own_key in zip(
-            policies, memory, jax.random.split(key, len(policies)), strict=True
-        ):
-            own, taken = policy.act(own, own_key, observation, *policy.needs(allowed, state))
-            theirs = jnp.asarray(agents, jnp.int32)  # a part may be of nobody
-            actions = actions.at[theirs].set(jnp.asarray(taken, jnp.int32)[theirs])
-            after.append(own)
-        return tuple(after), actions
+        keys = jax.random.split(key, len(policies))
+        memories = []
+        for (agents, policy), part, part_key in zip(policies, memory, keys, strict=True):
+            arguments = policy.needs(allowed, state)
+            part, of_all = policy.act(part, part_key, observation, *arguments)
+            numbers = jnp.asarray(agents, jnp.int32)  # perhaps none
+            actions = actions.at[numbers].set(jnp.asarray(of_all, jnp.int32)[numbers])
+            memories.append(part)
+        return tuple(memories), actions
 
-    mixed = MemoryPolicy(
-        tuple(policy.start for _, policy in policies), act, reads_allowed, reads_state
-    )
+    start = tuple(policy.start for _, policy in policies)
+    mixed = MemoryPolicy(start, act, reads_allowed, reads_state)
     return mixed
 
 
@@ -100,7 +105,5 @@ def random_policy(env: Any) -> Callable[[Array, Array], Array]:
     )
 
 
-UNTRAINED = {
-    "random": random_policy,
-    "stay": stay_policy,
-}  # by the names that they have wherever a policy is asked for
+# By the names that commands and functions accept.
+UNTRAINED = {"random": random_policy, "stay": stay_policy}

@@ -1,8 +1,10 @@
-"""Random draws: a counter-based generator (threefry) with one stream a rule, and distributions made of its numbers.
+"""Random draws: a counter-based generator (threefry) with one stream a rule, and distributions.
 
-Random number i of a stream is output i mod 2 of threefry-2x32 with 13 rounds on the counter (stream, i div 2) under the step's key.
-It does not depend on other rules, on the order of evaluation, or on how many others draw.
-Source: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011; 13 rounds are the fewest that pass BigCrush there (table 2).
+Random number i of a stream is output i mod 2 of threefry-2x32 with 13 rounds on the counter
+(stream, i div 2) under the step's key. It doesn't depend on other rules, on the order of
+evaluation, or on how many others draw.
+Source: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011; 13 rounds are the
+fewest that pass BigCrush there (table 2).
 """
 
 import math
@@ -17,28 +19,28 @@ _PARITY = 0x1BD11BDA
 
 
 def key_words(key: Array) -> Array:
-    """Returns the `[2]` uint32 words of a key: typed or old style; a generator other than threefry is asked for two words.
+    """Returns the `[2]` uint32 words of a key, typed or old style.
 
-    Raises TypeError for what is no array, ValueError for an array of another kind, or of several keys.
+    Those of a generator other than threefry are drawn from it.
+
+    Raises:
+      TypeError: it isn't an array.
+      ValueError: it is another array, or several keys.
     """
-    wanted = "a key is a typed key (jax.random.key) or two uint32 words"
+    expected = "a key is a typed key (jax.random.key) or two uint32 words"
     if not hasattr(key, "dtype"):
-        raise TypeError(f"{wanted}, not {key!r:.60}")
-    typed = jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
-    if key.shape != (() if typed else (2,)) or not (typed or key.dtype == jnp.uint32):
-        several = (
-            "; for a batch of environments, jax.vmap the call"
-            if key.ndim > (0 if typed else 1)
-            else ""
-        )
-        raise ValueError(f"{wanted}, not {key.dtype}{list(key.shape)}{several}")
-    if not typed:
+        raise TypeError(f"{expected}, not {key!r:.60}")
+    is_typed = jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
+    shape = () if is_typed else (2,)
+    if key.shape != shape or not (is_typed or key.dtype == jnp.uint32):
+        is_batch = key.ndim > len(shape)
+        hint = "; for a batch of environments, jax.vmap the call" if is_batch else ""
+        raise ValueError(f"{expected}, not {key.dtype}{list(key.shape)}{hint}")
+    if not is_typed:
         return key
-    return (
-        jax.random.key_data(key)
-        if jax.random.key_impl(key) == "threefry2x32"
-        else jax.random.bits(key, (2,), jnp.uint32)
-    )
+    if jax.random.key_impl(key) == "threefry2x32":
+        return jax.random.key_data(key)
+    return jax.random.bits(key, (2,), jnp.uint32)
 
 
 def random_bits_at(key: Array, stream: int | Array, numbers: Array) -> Array:
@@ -65,14 +67,13 @@ def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
     shape = (1,) * numbers.ndim
     k0, k1 = (word.reshape(shape) for word in jnp.split(key, 2))
     keys = (k0, k1, k0 ^ k1 ^ jnp.uint32(_PARITY))
-    x0 = jnp.broadcast_to(
-        stream + keys[0], numbers.shape
-    )  # as wide as x1: all rounds are one function of the program
+    # As wide as x1, so that all rounds are one function of the program.
+    x0 = jnp.broadcast_to(stream + keys[0], numbers.shape)
     x1 = numbers + keys[1]
     for turn in range(ROUNDS):
-        group, rotation = turn // 4, _ROTATIONS[turn % 8]
-        x0, x1 = _mixed(x0, x1, jnp.uint32(rotation))
+        x0, x1 = _mixed(x0, x1, jnp.uint32(_ROTATIONS[turn % 8]))
         if turn % 4 == 3:
+            group = turn // 4
             x0 = x0 + keys[(group + 1) % 3]
             x1 = x1 + keys[(group + 2) % 3] + jnp.uint32(group + 1)
     return x0, x1
@@ -87,22 +88,30 @@ def _mixed(x0: Array, x1: Array, rotation: Array) -> tuple[Array, Array]:
 def random_bits(key: Array, stream: int, *shape: int) -> Array:
     """Returns the first random numbers of a stream, `shape` uint32, numbered in row-major order.
 
-    Each block is computed twice, once for each of its two numbers. It then fuses with the operations on the numbers, which costs
-    less than interleaving pairs.
+    Each block is computed twice, once for each of its two numbers. It then fuses with the
+    operations on the numbers, which costs less than interleaving pairs.
     """
-    return random_bits_at(
-        key, stream, jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape)
-    )
+    numbers = jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape)
+    return random_bits_at(key, stream, numbers)
 
 
 def threshold(probability: Array) -> Array:
-    """Returns the threshold below which the upper 31 bits of a random number lie with this probability (float32 in 0 .. 1)."""
+    """Returns the uint32 below which the upper 31 bits of a random number lie with a probability.
+
+    Args:
+      probability: float32 in 0 .. 1.
+    """
     result: Array = (probability * jnp.float32(2**31)).astype(jnp.uint32)
     return result
 
 
 def next_threshold(before: Array, probability: Array) -> Array:
-    """Returns the threshold of the next branch of a chain: `probability` of what the branches before it left."""
+    """Returns the threshold of the next branch of a chain, which has a share of what is left.
+
+    Args:
+      before: the threshold of the branch before.
+      probability: the share, float32 in 0 .. 1.
+    """
     left = (jnp.uint32(2**31) - before).astype(jnp.float32)
     result: Array = before + (left * probability).astype(jnp.uint32)
     return result
@@ -110,7 +119,7 @@ def next_threshold(before: Array, probability: Array) -> Array:
 
 @jax.jit  # as above
 def below(word: Array, bound: Array | int) -> Array:
-    """Returns floor(word * bound / 2^32), int32: uniform on 0 .. bound - 1 for bounds up to 65,535."""
+    """Returns floor(word * bound / 2^32), int32: uniform below bounds of up to 65,535."""
     n = jnp.asarray(bound, jnp.uint32)
     high, low = word >> jnp.uint32(16), word & jnp.uint32(0xFFFF)
     result: Array = ((high * n + ((low * n) >> jnp.uint32(16))) >> jnp.uint32(16)).astype(jnp.int32)
@@ -118,11 +127,11 @@ def below(word: Array, bound: Array | int) -> Array:
 
 
 def unit(word: Array) -> Array:
-    """Returns the upper 24 bits of random numbers as float32 in 0 .. 1, 1 left out: each is exact, and equally likely."""
+    """Returns the upper 24 bits of random numbers as float32 in [0, 1): exact, equally likely."""
     result: Array = (word >> jnp.uint32(8)).astype(jnp.float32) * jnp.float32(2.0**-24)
     return result
 
 
 def ranks(word: Array, member: Array) -> Array:
-    """Returns keys that order members: larger first, 0 for those that are none. Same shape, uint32."""
+    """Returns the ranks of members, larger ones first, 0 for those that are none: uint32."""
     return jnp.where(member, (word >> jnp.uint32(1)) + jnp.uint32(1), jnp.uint32(0))

@@ -1,4 +1,4 @@
-"""Statistics of the returns of an episode: collective return and equality (1 - Gini), for NumPy and JAX arrays."""
+"""Collective return and equality (1 - Gini) of an episode's returns, for NumPy and JAX arrays."""
 
 from typing import Any
 
@@ -9,10 +9,12 @@ def collective_return(returns: Any) -> Any:
 
 
 def equality(returns: Any) -> Any:
-    """Returns one minus the Gini coefficient of returns `[..., N]`: 1 if all are equal, 1 / N if one agent has everything.
+    """Returns one minus the Gini coefficient of returns: `[..., N]` -> `[...]` floating.
 
-    Returns `[...]` floating; NaN where a return is negative or all are 0, for there the coefficient means nothing.
-    Source: Perolat et al. 2017, their equality; the Gini coefficient is the mean difference of two agents over twice the mean.
+    It is 1 if all are equal, 1 / N if one agent has everything, and NaN if a return is negative or
+    all are 0, for which the coefficient isn't defined.
+    Source: Perolat et al. 2017, their equality; the Gini coefficient is the mean difference of two
+    agents over twice the mean.
     """
     arrays = returns.__array_namespace__()
     total = collective_return(returns)

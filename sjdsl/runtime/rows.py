@@ -1,4 +1,4 @@
-"""Operations on rows of numbers: an entry, the smallest and largest, shares, a row shifted, ramps."""
+"""Operations on the last axis of arrays, a row for each index: entries, shares, shifts, ramps."""
 
 import jax.numpy as jnp
 from jax import Array
@@ -11,23 +11,36 @@ def entry(row: Array, key: Array) -> Array:
 
 
 def lowest(row: Array) -> Array:
-    """Returns the first word with a positive entry, 0 if there is none: `[..., K]` -> `[...]` uint8."""
+    """Returns the index of the first positive entry, 0 without one: `[..., K]` -> `[...]` uint8."""
     return jnp.argmax(row > 0, axis=-1).astype(jnp.uint8)
 
 
 def highest(row: Array) -> Array:
-    """Returns the last word with a positive entry, the last of all if there is none: `[..., K]` -> `[...]` uint8."""
+    """Returns the index of the last positive entry: `[..., K]` -> `[...]` uint8.
+
+    Without one, it is the last index.
+    """
     return (row.shape[-1] - 1 - jnp.argmax(row[..., ::-1] > 0, axis=-1)).astype(jnp.uint8)
 
 
 def mix(row: Array) -> Array:
-    """Returns the shares of a row's entries, float32; of an empty row zeros (never used: guards are checked)."""
+    """Returns the shares of a row's entries, float32; of an empty row zeros.
+
+    The compiler ensures that these aren't used.
+    """
     total = jnp.sum(row, axis=-1, keepdims=True).astype(jnp.float32)
     return row.astype(jnp.float32) / jnp.where(total > 0, total, 1)
 
 
 def shifted(row: Array, by: int, filler: Array) -> Array:
-    """Returns each row with its entries `by` places further on, the filler where none comes from: `[..., K]` and `[...]` -> `[..., K]`."""
+    """Returns each row with its entries moved by some places, and the filler in the places left.
+
+    Args:
+      row: `[..., K]`; by: places, negative to the front; filler: `[...]`.
+
+    Returns:
+      `[..., K]`.
+    """
     source = jnp.arange(row.shape[-1], dtype=jnp.int32) - by
     known = (source >= 0) & (source < row.shape[-1])
     moved = row[..., jnp.clip(source, 0, row.shape[-1] - 1)]

@@ -15,11 +15,13 @@ from sjdsl.runtime.module import GameModule
 def state_vector(module: GameModule, state: Any, row: Array, col: Array, length: Array) -> Array:
     """Returns the state as one vector, its entries from -1 to 1.
 
-    The order is: the share of the episode that is over; for each agent its row and column as shares of the map, whether it is on the
-    map, and its heading; then every declared variable, those of cells, of agents, of movers and of the world. A word is one-hot. A number
-    with limits is scaled to 0 .. 1, and one without, such as a timer x, to x / (1 + |x|). A set of agents has one entry for each agent,
-    and so has a variable that names one agent. Where the movers of a sort are stands before their variables: whether each is on the map,
-    its row and its column as shares of the map. Marks, which last one step, are left out.
+    In this order: the share of the episode that is over; for each agent its row and column as
+    shares of the map, whether it is on the map, and its heading; then every declared field, those
+    of cells, of agents, of movers and of the world. An enum value is one-hot. A number with limits
+    is scaled to 0 .. 1, and one without, such as a timer x, to x / (1 + |x|). A set of agents and a
+    field with one agent have an entry for each agent. Before the fields of a type of mover stands
+    where its movers are: whether each is on the map, its row and its column as shares of the map.
+    Marks, which last one step, are left out.
 
     Args:
       module: the generated code, of which MAP, PAD, FRAME, FIELDS and NUM_AGENTS are read.
@@ -29,13 +31,13 @@ def state_vector(module: GameModule, state: Any, row: Array, col: Array, length:
     Returns:
       `[K]` float32.
     """
-    here = row >= 0
+    present = row >= 0
     height, width = len(module.MAP), len(module.MAP[0])
     parts = [
         state.step.astype(jnp.float32) / jnp.asarray(length, jnp.float32),
-        jnp.where(here, row, 0).astype(jnp.float32) / jnp.float32(max(height - 1, 1)),
-        jnp.where(here, col, 0).astype(jnp.float32) / jnp.float32(max(width - 1, 1)),
-        here.astype(jnp.float32),
+        jnp.where(present, row, 0).astype(jnp.float32) / jnp.float32(max(height - 1, 1)),
+        jnp.where(present, col, 0).astype(jnp.float32) / jnp.float32(max(width - 1, 1)),
+        present.astype(jnp.float32),
         jax.nn.one_hot(state.heading, len(HEADINGS), dtype=jnp.float32),
     ]
     parts += [_numbers(getattr(state, field.attribute), field, module) for field in module.FIELDS]
@@ -43,7 +45,7 @@ def state_vector(module: GameModule, state: Any, row: Array, col: Array, length:
 
 
 def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
-    """Returns the entries of one variable, float32."""
+    """Returns the entries of one field, float32."""
     num_agents = module.NUM_AGENTS
     match field.encoding:
         case "word":
@@ -64,16 +66,12 @@ def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
             parts = (somewhere, (stored >> 8) / 255 * somewhere, (stored & 255) / 255 * somewhere)
             return jnp.stack([part.astype(jnp.float32) for part in parts], axis=-1)
         case "place":
-            here, (_, cols) = stored > 0, module.FRAME
-            row, col = stored // cols - module.PAD, stored % cols - module.PAD
-            shares = (row / max(len(module.MAP) - 1, 1), col / max(len(module.MAP[0]) - 1, 1))
-            return jnp.stack(
-                [
-                    here.astype(jnp.float32),
-                    *(jnp.where(here, share, 0).astype(jnp.float32) for share in shares),
-                ],
-                axis=-1,
-            )
+            present = stored > 0
+            _, cols = module.FRAME
+            row = (stored // cols - module.PAD) / max(len(module.MAP) - 1, 1)
+            col = (stored % cols - module.PAD) / max(len(module.MAP[0]) - 1, 1)
+            entries = (present, jnp.where(present, row, 0), jnp.where(present, col, 0))
+            return jnp.stack([entry.astype(jnp.float32) for entry in entries], axis=-1)
         case "condition":
             return stored.astype(jnp.float32)
         case "number":

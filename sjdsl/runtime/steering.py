@@ -14,7 +14,7 @@ FAR = 2**20  # more than the steps between any two cells of a map
 
 @jax.jit  # one function of the program for each shape, however many rules move something
 def gains(position: Array, cells: Array, member: Array, cols: int) -> Array:
-    """Returns how many steps farther from its nearest member each mover is on each of the four cells beside it.
+    """Returns how many steps farther from its nearest member each mover is on each cell beside it.
 
     Steps are counted along rows and columns, whatever stands between: no path is searched.
 
@@ -24,7 +24,7 @@ def gains(position: Array, cells: Array, member: Array, cols: int) -> Array:
       member: `[M, T]` or `[1, T]` bool.
       cols: columns of the frame.
     Returns:
-      `[M, 4]` int32, north, east, south, west: negative is nearer; 0 for a mover without any member.
+      `[M, 4]` int32, north, east, south, west: negative is nearer; 0 without any member.
     """
     return _gained(position, cells, member, cols, lambda away, _: away)
 
@@ -34,15 +34,21 @@ def gains_around(
     position: Array, cells: Array, member: Array, cols: int, height: int, width: int
 ) -> Array:
     """Returns what `gains` does, on a map of that height and width that wraps."""
-    return _gained(
-        position, cells, member, cols, lambda away, axis: shorter_way(away, (height, width)[axis])
-    )
+
+    def way(away: Array, axis: int) -> Array:
+        return shorter_way(away, (height, width)[axis])
+
+    return _gained(position, cells, member, cols, way)
 
 
 def _gained(
     position: Array, cells: Array, member: Array, cols: int, way: Callable[[Array, int], Array]
 ) -> Array:
-    """Returns how much farther the nearest member is after a step in each direction. way: the one to go of rows (0) or columns (1) away."""
+    """Returns how much farther the nearest member is after a step in each direction.
+
+    Args:
+      way: (difference, 0 of rows or 1 of columns) -> the steps to go, with their sign.
+    """
     rows_away = cells // cols - position[:, None] // cols
     cols_away = cells % cols - position[:, None] % cols
 
@@ -50,13 +56,16 @@ def _gained(
         steps = jnp.abs(way(rows_away - down, 0)) + jnp.abs(way(cols_away - right, 1))
         return jnp.min(jnp.where(member, steps, FAR), axis=1)
 
-    return (
-        jnp.stack([nearest(down, right) for down, right in DIRECTIONS], axis=1)
-        - nearest(0, 0)[:, None]
-    )
+    after = jnp.stack([nearest(down, right) for down, right in DIRECTIONS], axis=1)
+    return after - nearest(0, 0)[:, None]
 
 
 def is_one_of(cells: Array, taken: Array) -> Array:
-    """Returns which cells are among those taken: `[...]` and `[B]` int32 -> `[...]` bool; or `[M, W]` and, for each row, `[M or 1, 1, B]`."""
+    """Returns which cells are among those taken, bool of the shape of `cells`.
+
+    Args:
+      cells: `[...]` int32, or `[M, W]`.
+      taken: `[B]` int32, or for each row of `cells`, `[M or 1, 1, B]`.
+    """
     taken = taken.reshape((1,) * cells.ndim + (-1,)) if taken.ndim == 1 else taken
     return jnp.any(cells[..., None] == taken, axis=-1)

@@ -24,9 +24,8 @@ def to_channels(
     *lead, number, rows, cols = tokens.shape
     if number != len(planes):
         raise ValueError(f"tokens have {number} planes, {len(planes)} are described")
-    cells = tokens.reshape(
-        *lead, number, rows * cols
-    )  # in rows each would be too short for vector instructions
+    # In one axis: rows would be too short for vector instructions.
+    cells = tokens.reshape(*lead, number, rows * cols)
     channels = []
     for index, plane in enumerate(planes):
         value = cells[..., index, :]

@@ -1,4 +1,4 @@
-"""Maps whose edges are joined: ways round the map, and its picture continued beyond its edges."""
+"""Maps whose edges are joined: ways round the map, and planes continued beyond its edges."""
 
 import jax.numpy as jnp
 from jax import Array
@@ -7,7 +7,7 @@ from sjdsl.runtime.actions import DIRECTIONS
 
 
 def shorter_way(difference: Array, length: int) -> Array:
-    """Returns differences of rows or columns the shorter way round: the positive one where both ways are equally long.
+    """Returns differences of rows or columns the shorter way round, of two equal ways the positive.
 
     Args:
       difference: `[...]` int32; length: of the map along it.
@@ -21,10 +21,11 @@ def shorter_way(difference: Array, length: int) -> Array:
 def cells_on(
     cell: Array, heading: Array, number: Array, height: int, width: int, pad: int
 ) -> Array:
-    """Returns the cells that are a number of cells from others in a direction.
+    """Returns the cells some steps away from others in a direction.
 
     Args:
-      cell: `[...]` int32 in the padded frame; heading: 0 north to 3 west; number: of cells. They broadcast.
+      cell: `[...]` int32 in the padded frame; heading: 0 north to 3 west; number: of steps. They
+        broadcast.
       height, width: of the map; pad: cells around it on each side.
     """
     cols = width + 2 * pad
@@ -35,7 +36,7 @@ def cells_on(
 
 
 def joined_edges(plane: Array, pad: int) -> Array:
-    """Returns a plane of the padded frame in which the padding shows the other side of the map: `[rows, cols]`."""
+    """Returns a padded plane `[rows, cols]` whose padding shows the other side of the map."""
     shown = plane[pad:-pad, pad:-pad]
     for axis in (0, 1):
         size = shown.shape[axis]

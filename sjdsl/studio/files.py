@@ -51,10 +51,12 @@ def _answer(
             uri = (home / path).as_uri()  # for the language server
             return {"text": text, "digest": digest, "uri": uri}
         case "PUT", "/file":
-            path, text = str(arguments["path"]), str(arguments["text"])
+            path = str(arguments["path"])
+            text = str(arguments["text"])
             return {"digest": folder.write(path, text, arguments.get("digest"))}
         case "POST", "/copy":  # an example, whose text has perhaps been changed, with its files
-            path, text = str(arguments["path"]), str(arguments["text"])
+            path = str(arguments["path"])
+            text = str(arguments["text"])
             if folder.inside(path).exists():
                 raise FileRefused(f"there is a file `{path}` already: choose another name")
             copied = copy_beside(str(arguments["example"]), folder)

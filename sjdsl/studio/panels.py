@@ -120,9 +120,10 @@ def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
         explainer = explainer_of(turn, board, rules)
         rules_of_turn = []
         for rule, effects in rules_with_effects(turn):
-            is_in_text = rule is not None and rule.origin.file == opened.source.name
+            span = None if rule is None else rule.origin
+            is_in_text = span is not None and span.file == opened.source.name
             described = {
-                "line": rule.origin.line if rule is not None and is_in_text else None,
+                "line": span.line if span is not None and is_in_text else None,
                 "place": "" if rule is None else rules.place(rule),
                 "text": "" if rule is None else rules.text(rule),
                 "effects": [_effect(effect, moment.world, explainer) for effect in effects],

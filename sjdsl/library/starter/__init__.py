@@ -21,50 +21,51 @@ def starting_files(name: str) -> dict[str, str]:
     """Returns the texts of a new game's files by their names.
 
     Raises:
-      ValueError: the name cannot be that of a game and of a Python module.
+      ValueError: the name can't be that of a game and of a Python module.
     """
     if not NAME.fullmatch(name) or keyword.iskeyword(name):
-        raise ValueError(
-            f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game"
-        )
-    words = {"NAME": name, "TITLE": name.replace("_", " ").title()}
+        raise _invalid_name(name)
+    values = {"NAME": name, "TITLE": name.replace("_", " ").title()}
     templates = files("sjdsl.library.starter")
-    return {
-        path.format(name=name): re.sub(
-            r"\b(NAME|TITLE)\b",
-            lambda found: words[found[0]],
-            templates.joinpath(f"{file}.txt").read_text("utf-8"),
-        )
-        for file, path in FILES.items()
-    }
+    texts = {}
+    for file, path in FILES.items():
+        template = templates.joinpath(f"{file}.txt").read_text("utf-8")
+        text = re.sub(r"\b(NAME|TITLE)\b", lambda match: values[match[0]], template)
+        texts[path.format(name=name)] = text
+    return texts
 
 
 def copied_files(game: Path, name: str) -> dict[str, str]:
-    """Returns the texts of a copy of a game called `name`, by the names of its files: the game, those that it extends, and their maps.
+    """Returns the files of a copy of a game, by their paths beside it.
+
+    These are the game, called `name`, those that it extends, and their maps.
 
     Raises:
-      ValueError: the name cannot be that of a game.
-      CompileError: a file of the game cannot be read.
+      ValueError: the name can't be that of a game.
+      CompileError: a file of the game can't be read.
     """
     if not NAME.fullmatch(name):
-        raise ValueError(
-            f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game"
-        )
+        raise _invalid_name(name)
     source = read_source(game)
     span = parse(source).game.name.span
     texts = {f"{name}.sj": source.text[: span.start] + name + source.text[span.end :]}
     problems = Problems()
-    place = PurePosixPath(f"{name}.sj")  # of a text in the copy
-    for one, file in chain(source):
-        texts.setdefault(str(place), one.text)
-        for map_ in (
-            node.file for node in walk(file) if isinstance(node, ast.Map) and node.file is not None
-        ):
-            path = inside_folder(map_.text, map_.span, one, problems)
-            if path is not None:
-                texts[str(place.parent / map_.text)] = read_source(path).text
+    copy = PurePosixPath(f"{name}.sj")
+    for base, file in chain(source):
+        texts.setdefault(str(copy), base.text)
+        for node in walk(file):
+            if isinstance(node, ast.Map) and node.file is not None:
+                path = inside_folder(node.file.text, node.file.span, base, problems)
+                if path is not None:
+                    texts[str(copy.parent / node.file.text)] = read_source(path).text
         if file.game.extends is not None:
-            place = place.parent / file.game.extends.text
+            copy = copy.parent / file.game.extends.text
     if problems.diagnostics:
         raise CompileError(problems.diagnostics)
     return texts
+
+
+def _invalid_name(name: str) -> ValueError:
+    return ValueError(
+        f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game"
+    )
