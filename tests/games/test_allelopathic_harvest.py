@@ -179,13 +179,6 @@ def test_hits_are_forgotten_after_fifty_steps() -> None:
     scene.has({"agent.hits": 0}).step("zap").has({"reward": 0, "agent.hits": [0, 1, 0]})
 
 
-def test_coats_and_hits_are_seen_and_tastes_are_not() -> None:
-    scene = put("rgb.<^..  01", "........", "..rrgb..", ".>......  2").step("sow_red")
-    assert scene.seen(1, "other.coat", right=-1) == "red"
-    assert "other.taste" not in [plane.name for plane in STAGE.env.token_planes]
-    assert (scene.seen(0, "agent.taste"), scene.seen(1, "agent.taste")) == ("red", "green")
-
-
 # Growth, counted
 
 

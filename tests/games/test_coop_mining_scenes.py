@@ -117,41 +117,6 @@ def test_iron_is_mined_up_to_three_cells_ahead(stage: Stage, heading: int, dista
 
 
 @BOTH
-def test_the_ray_passes_agents(stage: Stage) -> None:
-    """And ore under an agent is ore."""
-    scene = put(
-        stage,
-        EMPTY,
-        "OOOiOOO",
-        EMPTY,
-        "OOOvOOO  1",
-        "OOO^OOO  0",
-        "OOOOO#O",
-        EMPTY,
-        "vvvvPPP",
-        under={1: "O"},
-    ).step("mine")
-    scene.shows(EMPTY, *[EMPTY] * 2, "OOOvOOO  1", "OOO^OOO  0", "OOOOO#O", EMPTY, "vvvvPPP").has(
-        {"reward": [1, 0, 0, 0, 0, 0]}
-    )
-    scene = put(
-        stage,
-        EMPTY,
-        "OOOiOOO",
-        EMPTY,
-        "OOOvOOO  1",
-        "OOO^OOO  0",
-        "OOOOO#O",
-        EMPTY,
-        "vvvvPPP",
-        under={1: "i"},
-    ).step("mine")
-    scene.has({"reward": [1, 0, 0, 0, 0, 0]}).shows(
-        EMPTY, "OOOiOOO", EMPTY, "OOOvOOO", "OOO^OOO", "OOOOO#O", EMPTY, "vvvvPPP", under={1: "O"}
-    )
-
-
-@BOTH
 @pytest.mark.parametrize("nearest", ["i", "g", "p"])
 def test_the_ray_ends_at_the_first_ore(stage: Stage, nearest: str) -> None:
     scene = put(
@@ -169,13 +134,6 @@ def test_the_ray_ends_at_the_first_ore(stage: Stage, nearest: str) -> None:
         ores(scene) == {"i": "iron", "g": "iron partial", "p": "iron gold"}[nearest]
     )  # a partial ore without time left closes
     scene.has({"event iron_mined": [int(nearest == "i"), 0, 0, 0, 0, 0]})
-
-
-@BOTH
-def test_walls_end_the_ray(stage: Stage) -> None:
-    for column in (3, 4):  # the wall two cells ahead, and one
-        scene = placed(stage, [(5, column, ">")], {(5, 6): "i"}).step("mine")
-        assert (ores(scene), scene.reward) == ("iron", [0] * 6)
 
 
 # Iron
@@ -268,25 +226,6 @@ def test_who_has_hit_is_paid_wherever_it_is(stage: Stage) -> None:
     scene.step(mine(0)).has({"reward": gold(stage, 2, 0)})
 
 
-@pytest.mark.parametrize(("first", "then", "paid"), [(1, 3, 8), (1, 4, 0), (1, 5, 0)])
-def test_all_miners_of_the_window_count(first: int, then: int, paid: float) -> None:
-    """One opens the ore, the others come a step later: four in all share it, five get nothing and the ore is whole again."""
-    scene = (
-        around(6, STAGES[None]).step(mine(*range(first))).step(mine(*range(first, first + then)))
-    )
-    scene.has(
-        {
-            "reward": [paid if agent < first + then else 0 for agent in range(6)],
-            "rock.miners": {(3, 3): set()},
-            "rock.left": 0,
-        }
-    )
-    assert ores(scene) == ("" if paid else "gold")
-    if not paid:
-        scene.step(mine(0)).has({"reward": 0, "rock.miners": {(3, 3): {0}}})
-        scene.step(mine(1)).has({"reward": [8, 8, 0, 0, 0, 0]})
-
-
 # Who mines in each step -> whom the released code pays in the last one, at commit 9df972d
 RELEASED_GOLD: list[tuple[list[list[int]], list[float]]] = [
     ([[0, 1]], [0, 8, 0, 0, 0, 0]),
@@ -357,39 +296,6 @@ def test_gold_grows_where_no_iron_does(stage: Stage) -> None:
     assert set(ores(grown).split()) == {"iron"}
     grown = put(stage, *ROWS[:-1], "vvvvvvP", spawn_gold=1).step()
     assert set(ores(grown).split()) == {"gold"} and len(ores(grown).split()) == 48
-
-
-@BOTH
-def test_ore_grows_last(stage: Stage) -> None:
-    """On a cell that was mined in this step and on one that was left in it; and it is not mined yet.
-
-    Not on one that was entered, unless ore grows under agents.
-    """
-    under = "iron" if stage is RELEASED else "none"
-    scene = put(
-        stage,
-        EMPTY,
-        EMPTY,
-        "OOOiOOO",
-        "OOO^O^O  01",
-        EMPTY,
-        "OOOOO#O",
-        EMPTY,
-        "vvvvPPP",
-        spawn_iron=1,
-    ).step("mine, forward")
-    scene.has(
-        {
-            "reward": [1, 0, 0, 0, 0, 0],
-            "rock.ore": {(2, 3): "iron", (3, 5): "iron", (2, 5): under, (3, 3): under},
-        }
-    )
-    scene = (
-        put(stage, *ROWS[:3], "OOO^OOO  0", *ROWS[4:-1], "vvvvvPP", spawn_iron=1)
-        .step("mine")
-        .has({"reward": 0})
-    )
-    scene.step("mine").has({"reward": [1, 0, 0, 0, 0, 0]})
 
 
 # Moves, starts, what is seen

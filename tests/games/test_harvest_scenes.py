@@ -181,13 +181,6 @@ def test_the_four_cells_of_the_beam(heading: int, arrow: str) -> None:
         assert scene.reward == [0, 0, 0, 0]
 
 
-def test_the_beam_passes_agents() -> None:
-    scene = field("QQPPPP", "....#.", "..v...  1", "..vv..  23", "..^...  0", "......").step("zap")
-    assert scene.events["hits"] == [3, 0, 0, 0]
-    assert [home(scene, agent) for agent in range(4)] == [False, True, True, True]
-    assert len(set(scene.places())) == 4
-
-
 def test_a_wall_ends_its_lane_and_no_other() -> None:
     """The wall is one ahead: who stands behind it is safe, who stands beside it is hit."""
     scene = field("QQPPvP  1", "...v#v  23", "....^.  0", "......", "......", "......").step("zap")

@@ -90,21 +90,6 @@ def test_only_who_stands_beside_food_loads_it(cell: Cell, reaches: bool) -> None
     scene.has({"reward": [int(reaches), 0, 0, 0], "event vain": [0] * 4})
 
 
-def test_one_load_is_for_all_food_around() -> None:
-    """Source: SocialJax, released code, which looks at each food for itself: one is taken, the other is too much."""
-    scene = put({0: (1, 3)}, {(0, 3): 1, (1, 2): 2, (1, 4): 3, **FAR}, [2, 1, 1, 1]).step(load(0))
-    scene.has({"reward": [2.9, 0, 0, 0], "event taken": 2, "event vain": [1, 0, 0, 0]})
-
-
-def test_who_comes_loads_where_it_arrives() -> None:
-    """Moves are made first; but who moves does not load."""
-    scene = put({0: (0, 2), 1: (1, 2)}, {SPOT: 2, **FAR}, [1, 1, 1, 1]).step(
-        "step_right, load, stay, stay"
-    )
-    scene.has({"reward": [0, -0.1, 0, 0]})
-    scene.step(load(0, 1)).has({"reward": [1, 1, 0, 0]})
-
-
 def test_food_is_in_the_way() -> None:
     scene = put({0: (1, 2)}, {SPOT: 1, **FAR}, [1, 1, 1, 1]).step("step_right, stay, stay, stay")
     assert scene.places()[0] == (1, 2)

@@ -1,6 +1,5 @@
 """Mushrooms, scene by scene: who is paid for a meal, how long one digests, what grows after it, whom a beam sends off."""
 
-import itertools
 from typing import Any
 
 import pytest
@@ -18,8 +17,6 @@ BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
 KINDS = ("red", "green", "blue", "orange")
 SIGNS = dict(zip(KINDS, "RGBO", strict=True))
 CERTAIN, NEVER = dict.fromkeys(KINDS, 1), dict.fromkeys(KINDS, 0)
-BEAM = {(1, 0), (2, 0), (1, 1), (1, -1)}  # (ahead, right)
-AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
 def put(
@@ -232,69 +229,7 @@ def full(*bare: tuple[int, int], eaten: str) -> list[str]:
     return ["".join(row) for row in rows]
 
 
-@pytest.mark.parametrize(
-    ("stage", "start"), [(DEFAULT, (0, 0)), (DEFAULT, (1, 5)), (RELEASED, (1, 5))]
-)
-def test_every_floor_cell_is_a_site(stage: Stage, start: tuple[int, int]) -> None:
-    """By default also that of a mushroom of the map, (0, 0). Not one with a mushroom, nor one with an agent: two cells are left, and both grow."""
-    scene = put(stage, *full(start, eaten="R"), regrow=CERTAIN).step("forward")
-    if stage is RELEASED:
-        scene.step()
-    scene.has({"ground.grows": {start: "red", (3, 0): "red", (2, 0): "none"}})
-    assert grown(scene) == counts(red=2, orange=48 - 5 - 2)
-
-
 # Zapping
-
-
-@pytest.mark.parametrize(
-    ("stage", "arrow"),
-    [(DEFAULT, "^"), (DEFAULT, ">"), (DEFAULT, "v"), (DEFAULT, "<"), (RELEASED, ">")],
-)
-def test_the_four_cells_of_the_beam(stage: Stage, arrow: str) -> None:
-    """The zapper in the middle, another on each cell around it in turn: who is hit is somewhere else, on bare floor."""
-    ahead_row, ahead_col = AROUND["^>v<".index(arrow)]
-    for ahead, right in set(itertools.product(range(-1, 3), range(-2, 3))) - {(0, 0)}:
-        row, column = (
-            2 + ahead * ahead_row + right * ahead_col,
-            3 + ahead * ahead_col - right * ahead_row,
-        )
-        rows = [list(line) for line in ROWS]
-        rows[2][3], rows[row][column], rows[5][5:] = arrow, "^", "vvv"
-        first = "0" if row != 2 else "01" if column > 3 else "10"
-        told = {2: first, **({row: "1"} if row != 2 else {}), 5: "234"}
-        scene = put(
-            stage,
-            *(
-                f"{''.join(line)}  {told[r]}" if r in told else "".join(line)
-                for r, line in enumerate(rows)
-            ),
-        ).step("zap")
-        hit = (ahead, right) in BEAM
-        scene.has({"event hits": [int(hit), 0, 0, 0, 0], "reward": 0})
-        assert (scene.places()[1] == (row, column)) != hit
-        assert scene.places()[0] == (2, 3)
-        assert scene.under(1) == "." or not hit
-
-
-def test_who_is_hit_goes_to_bare_floor_where_nobody_stands() -> None:
-    """The one cell that is left; of two, each in some of 20 runs (but for a chance of 2e-6); without one it stays."""
-    rows = ["O" * 8, "O" * 8, "OOvOOOOO  1", "OO^OOOOO  0", "O" * 8, "OOOOOvvv  234"]
-    put(DEFAULT, *rows).step("zap").has(
-        {
-            "event hits": {0: 1},
-            "agent.row": {1: 2},
-            "agent.col": {1: 2},
-            "agent.heading": {1: "south"},
-        }
-    )
-    rows[4] = "OOOOOO.O"
-    assert put(DEFAULT, *rows).step("zap").places()[1] == (4, 6)
-    rows[0] = ".OOOOOOO"
-    assert {put(DEFAULT, *rows, seed=seed).step("zap").places()[1] for seed in range(20)} == {
-        (4, 6),
-        (0, 0),
-    }
 
 
 # Agent 0 at an edge, facing out, and whom its beam hits as released. Source: the released code, commit 9df972d, in these states

@@ -33,6 +33,8 @@ MOST_OF_A_CROWD = {
     "coop_mining": (20, "`camp` has 20 cells for 21 agents"),
     "gift_refinement": (20, "`camp` has 20 cells for 21 agents"),
 }
+
+
 def seldom(form: Form) -> Any:
     """Variants of one map have one answer: most of them come with the thorough tests."""
     return (
@@ -65,4 +67,3 @@ def test_up_to_the_starts_of_the_map(form: Form) -> None:
         assert rules_of(form._replace(agents=number)).agents.number == number
     assert re.search(reason, refusal(form._replace(agents=most + 1)))
     assert "`players` is 1, outside 2 .." in refusal(form._replace(agents=1))
-

@@ -242,14 +242,6 @@ def test_in_the_released_rules_both_meet_it() -> None:
     )
 
 
-def test_in_the_released_rules_both_pairs_meet() -> None:
-    scene = in_line(RELEASED, "..>>v...", bags={0: (1, 0), 1: (0, 1), 2: (1, 0)}).step(
-        "interact, interact"
-    )
-    scene.has({"reward": [-1, 5 + 5, -1, 0], "event met": [1, 2, 1, 0]})
-    assert scene.places()[0] == (2, 2) and sent(scene, 1, 2)
-
-
 @BOTH
 def test_meetings_come_after_moves_and_collecting(stage: Stage) -> None:
     """Agent 1 walks in front of agent 0, out of its reach, or onto a resource there; it faces north, so that both frames agree."""
@@ -285,20 +277,6 @@ def test_meetings_come_after_moves_and_collecting(stage: Stage) -> None:
 
 
 @BOTH
-def test_resources_are_collected_by_walking_onto_them(stage: Stage) -> None:
-    scene = (
-        put(stage, EMPTY, ROWS[1], "..^^....", *ROWS[3:5], "vvPPPPPP")
-        .step("forward, forward")
-        .has({"reward": 0})
-    )
-    scene.shows(EMPTY, "..^^....", EMPTY, *ROWS[3:5], "vvPPPPPP", under={0: "c", 1: "d"})
-    scene.has({"event collected[coop]": [1, 0, 0, 0], "event collected[defect]": [0, 1, 0, 0]})
-    assert bags(scene, 0, 1) == [(1, 0), (0, 1)]
-    scene.step().has({"event collected[coop]": 0}).step("forward, forward")
-    scene.shows("..^^....", "..cd....", EMPTY, *ROWS[3:5], "vvPPPPPP")
-
-
-@BOTH
 @pytest.mark.parametrize(("before", "after"), [((99, 100), (100, 100)), ((100, 7), (100, 7))])
 def test_a_bag_holds_a_hundred_of_each(stage: Stage, before: Bag, after: Bag) -> None:
     scene = put(stage, EMPTY, ROWS[1], "..^.....", *ROWS[3:5], "vvvPPPPP", bags={0: before}).step(
@@ -306,29 +284,6 @@ def test_a_bag_holds_a_hundred_of_each(stage: Stage, before: Bag, after: Bag) ->
     )
     scene.shows(EMPTY, "..^D....", EMPTY, *ROWS[3:5], "vvvPPPPP", under={0: "c"})
     assert bags(scene, 0) == [after]
-
-
-@BOTH
-def test_resources_come_back_in_place_where_nobody_stands(stage: Stage) -> None:
-    """With certainty, each as what it was; and what comes can be collected in the same step."""
-    put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP", params={"regrow": 1}).step().shows(
-        *ROWS[:5], "vvvvPPPP"
-    )
-    put(stage, EMPTY, "..cd....", EMPTY, *ROWS[3:5], "vvvvPPPP").step().shows(
-        EMPTY, "..cd....", *ROWS[2:5], "vvvvPPPP"
-    )
-    scene = put(
-        stage,
-        EMPTY,
-        "..^d....  0",
-        "...^....  1",
-        *ROWS[3:5],
-        "vvPPPPPP",
-        under={0: "c"},
-        params={"regrow": 1},
-    ).step("stay, forward")
-    scene.shows(EMPTY, "..^^....", EMPTY, *ROWS[3:5], "vvPPPPPP", under={0: "c", 1: "d"})
-    assert bags(scene, 0, 1) == [(0, 0), (0, 1)]
 
 
 # Moves, starts, what is seen

@@ -7,9 +7,6 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .chance import BATCH, assert_share, assert_uniform, many
-from .environments import placed
-
 pytestmark = pytest.mark.optimised
 
 FIELD = (
@@ -24,7 +21,6 @@ FIELD = (
 )
 STAGE = Stage("predator_prey", (*FIELD, "#########", "PPPPPP###", "XXXXXX###"), 6)
 LONG = replace(STAGE, interpreted=True)  # for hundreds of steps
-BITE, STAY = 7, 6
 
 
 def put(
@@ -229,42 +225,7 @@ def test_an_acorn_is_worth_eighteen_and_takes_twenty_six_steps() -> None:
     )
 
 
-def test_one_acorn_at_a_time() -> None:
-    scene = put(
-        *FIELD[:3], "....^....  3", *FIELD[4:], fields={"agent.mouth": {3: "holding"}}
-    ).step("stay, stay, stay, forward")
-    scene.has({"oak.fruit": "ripe", "agent.mouth": {3: "holding"}})
-
-
 # Chances
-
-
-@pytest.mark.thorough
-def test_chances() -> None:
-    """Apples 0.007, acorns 0.01, none under agents; of two predators each has the prey as often. Source: Melting Pot."""
-    env, steps = STAGE.env, 16 * BATCH
-    state = placed(
-        env,
-        [(5, 2), (5, 4), (10, 0), (5, 3), (2, 2), (9, 0)],
-        [1, 3, 0, 0, 0, 0],
-        tree_fruit=[0, 0],
-        oak_fruit=[0],
-    )
-
-    def look(_: Any, after: Any, reward: Any) -> Any:
-        return {
-            "trees": after.tree_fruit == 1,
-            "oak": after.oak_fruit[0] == 1,
-            "caught": reward[:2] == 1,
-            "ate": reward[4],
-        }
-
-    seen = many(env, look)(0, state, [BITE, BITE, *[STAY] * 4], env.params, 16)
-    assert seen["trees"][0] == 0
-    assert seen["ate"] == 0
-    assert_share(seen["trees"][1], steps, 0.007, 0.3)
-    assert_share(seen["oak"], steps, 0.01, 0.25)
-    assert_uniform(seen["caught"], 0.05)
 
 
 # The map

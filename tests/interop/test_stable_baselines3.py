@@ -56,19 +56,6 @@ def test_ppo_learns_to_eat() -> None:
     assert model.predict(env.reset(), deterministic=True)[0].shape == (14,)
 
 
-def test_what_slots_do_not_have() -> None:
-    env = VecGame("coins", 1, **SHORT)
-    assert env.get_attr("num_agents") == [2, 2]
-    assert env.get_attr("render_mode", [0]) == [None]
-    assert env.env_is_wrapped(object) == [False, False]
-    with pytest.raises(AttributeError, match="can't be set for a slot"):
-        env.set_attr("length", 3)
-    with pytest.raises(AttributeError, match="a slot has no method `play`"):
-        env.env_method("play")
-    with pytest.raises(RuntimeError, match="call step_async before step_wait"):
-        env.step_wait()
-
-
 @pytest.mark.parametrize("observation", ["onehot", "tokens"])
 def test_observations_reach_networks_as_they_are(observation: str) -> None:
     """By its own preprocessing: not divided by 255, not turned round; the same for one agent's environment of Gymnasium."""

@@ -190,29 +190,6 @@ def test_who_is_shot_drops_the_flag_and_its_own_team_sends_it_home() -> None:
     )
 
 
-def test_a_flag_that_comes_home_is_met_by_who_stands_there() -> None:
-    """Agent 0 waits at home with blue's flag while agent 2 returns its own: then that is a capture. Agent 1 picks red's flag up at its home."""
-    fields = {
-        "agent.load": {0: "flag"},
-        "ground.flag": {(0, 4): "none", (3, 4): "none", (1, 1): "red"},
-    }
-    scene = put("PP..v...  0", "..<....v  23", "..D.#...", "QQ..B..^  1", fields=fields).step(
-        "stay, stay, forward"
-    )
-    scene.has({"event returned": {2: 1}, "event captured": 0, "control": "red"}).step()
-    scene.has({"event captured": {0: 1}, "reward": [1, -1, 1, -1], "control": "both"})
-    scene = put(
-        "PP..v...  1",
-        "..v....v  23",
-        "..D.#...",
-        "QQ..B..^  0",
-        fields={"ground.flag": {(0, 4): "none", (1, 1): "red"}},
-    )
-    scene.step("stay, stay, step_right").has(
-        {"event taken": 0, "ground.flag": {(0, 4): "red"}}
-    ).step().has({"agent.load": {1: "flag"}})
-
-
 @pytest.mark.parametrize(("squares", "held"), [(7, False), (8, True)])
 def test_four_fifths_hold_the_hill(squares: int, held: bool) -> None:
     """Of its ten squares; then all are painted, and each step pays at the cost of the others, those away too."""

@@ -13,7 +13,7 @@ from PIL import Image
 import sjdsl
 from sjdsl.cli import run
 from sjdsl.render import Painter, Snapshot, make_painter, play, save_gif, save_png, stay_policy
-from sjdsl.render.appearance import Beam, Figure, appearance_of
+from sjdsl.render.appearance import Beam, appearance_of
 from sjdsl.render.board import draw_board
 from sjdsl.render.colours import INK, WORDS, agent_colour, kind_colours, mark_colours, word_colours
 from sjdsl.render.legend import legend_entries
@@ -182,43 +182,6 @@ def test_whose_beam_it_is_follows_from_the_actions(painter: Painter, after: Play
             (True, False, True, True),
             (True, True, True, False),
         ]
-
-
-def test_what_is_taken_or_struck_flashes_and_what_comes_does_not(
-    painter: Painter, after: Play
-) -> None:
-    before = replace(after(STAY, 1), step=6)
-
-    def flashes(now: Snapshot, then: Snapshot = before) -> set[tuple[int, int]]:
-        found = appearance_of(painter.look, now, (), then).figures
-        return {
-            (row, col)
-            for figure, row, col in found
-            if isinstance(figure, Figure) and figure.sprite == "flash"
-        }
-
-    def with_fruit(*ripe: int) -> Snapshot:
-        fruit = np.array([int(number in ripe) for number in range(3)])
-        return replace(before, values={**before.values, "soil_fruit": fruit})
-
-    row, col = RIPE
-    on_it = {"step": 7, "row": np.array([row]), "col": np.array([col])}
-    assert flashes(replace(with_fruit(), **on_it), with_fruit(2)) == {RIPE}
-    assert flashes(replace(with_fruit(), step=7), with_fruit(2)) == set(), (
-        "it rotted, and nobody was there"
-    )
-    assert flashes(replace(with_fruit(2), **on_it), with_fruit()) == set(), "it has grown"
-    assert flashes(replace(with_fruit(), **{**on_it, "step": 9}), with_fruit(2)) == set(), (
-        "that was not the moment before"
-    )
-    marked = replace(
-        with_fruit(), step=7, marks={"fire": np.arange(21).reshape(3, 7) == 7 * row + col}
-    )
-    assert flashes(marked, with_fruit(2)) == {RIPE}
-    assert flashes(replace(before, step=7, held=np.array([True]))) == {GATE}, "it was hit"
-    assert flashes(replace(before, step=7, row=np.array([-1]), col=np.array([-1]))) == {GATE}, (
-        "it was sent away"
-    )
 
 
 def test_all_frames_have_one_size_and_a_legend(env: Environment, painter: Painter) -> None:

@@ -66,24 +66,6 @@ def test_words_of_one_field_are_told_apart(name: str) -> None:
             assert seen >= PART, f"{what}: {seen:.3f} of the tile differs with {vision}"
 
 
-@pytest.mark.parametrize("name", main_games())
-def test_objects_stand_out_more_than_starting_places(name: str) -> None:
-    """Of all kinds: whatever can be taken or stands there differs more from its ground than the mark where agents appear."""
-    look = make_look(sjdsl.make(name).game)
-    marks, things = [], []
-    for kind in look.kinds:
-        for _, drawing in states_of(kind):
-            bare = draw_tile(Drawing(drawing.ground), SIZE)
-            apart = distance(draw_tile(drawing, SIZE), bare, "normal").mean()
-            if drawing.body is not None and drawing.body.sprite == "floor":
-                marks.append(apart)
-            elif drawing.objects or (
-                drawing.body is not None and drawing.body.sprite not in ("water", "wall")
-            ):
-                things.append(apart)
-    assert max(marks, default=0.0) < 0.5 * min(things, default=100.0)
-
-
 def apart(first: Colour, second: Colour) -> float:
     """Returns the least distance of two colours to people with any kind of colour vision."""
     return min(float(distance(np.array(first), np.array(second), vision)) for vision in VISIONS)

@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import psutil
 import pytest
 
 from tests.sweeps.described import GAME
@@ -130,49 +129,6 @@ def test_two_processes_on_one_folder(whole: Path, tmp_path: Path) -> None:
         if ": training" in line
     )
     assert trained == sorted(CELLS)
-    assert results(folder) == results(whole)
-
-
-@pytest.mark.slow
-def test_one_of_two_processes_is_killed_and_the_other_takes_over(
-    whole: Path, tmp_path: Path
-) -> None:
-    folder = tmp_path / "sweep"
-    first = start(folder)
-    wait_for(lambda: rows_in(folder, CELLS[0]) >= 50, first)
-    second = start(folder)
-    wait_for(lambda: (folder / "locks" / f"{CELLS[1]}.lock").exists(), second)
-    first.kill()
-    first.communicate()
-    _, said = second.communicate(timeout=PATIENCE)
-    assert second.returncode == 0, said[-3000:]
-    assert results(folder) == results(whole)
-
-
-@pytest.mark.slow
-def test_a_worker_that_the_system_kills_leaves_its_cell_stopped(
-    whole: Path, tmp_path: Path
-) -> None:
-    folder = tmp_path / "sweep"
-    process = start(folder, "--workers", "2")
-    wait_for(lambda: rows_in(folder, CELLS[0]) >= 50, process)
-    lock = str(folder / "locks" / f"{CELLS[0]}.lock")
-    (worker,) = [
-        child
-        for child in psutil.Process(process.pid).children()
-        if lock in {file.path for file in child.open_files()}
-    ]
-    worker.kill()
-    _, said = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 1, said[-3000:]
-    assert (
-        f"stopped: {CELLS[0]}: its process ended early, perhaps for lack of memory; the same command resumes it"
-        in said
-    )
-    again = start(folder)
-    _, said = again.communicate(timeout=PATIENCE)
-    assert again.returncode == 0, said[-3000:]
-    assert f"{CELLS[0]}: training, resuming after update " in said
     assert results(folder) == results(whole)
 
 

@@ -108,29 +108,6 @@ def test_the_layer_is_a_dense_one(
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("_way")
-def test_gradients_of_gradients() -> None:
-    """As algorithms take them that differentiate through a learning step."""
-    tokens = draw_windows(0, 2, 5)
-    parameters = Plain(jnp.dtype(jnp.float32)).init(jax.random.key(1), tokens)
-
-    def after_a_step(layer: nn.Module) -> dict:
-        def loss(own: dict) -> Array:
-            return jnp.square(jnp.tanh(layer.apply(own, tokens)) - 0.5).mean()
-
-        return jax.jit(
-            jax.grad(
-                lambda own: loss(
-                    jax.tree.map(lambda leaf, step: leaf - 2.0 * step, own, jax.grad(loss)(own))
-                )
-            )
-        )(parameters)
-
-    ours, plain = (after_a_step(layer(jnp.dtype(jnp.float32))) for layer in (Ours, Plain))
-    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6), ours, plain)
-
-
-@pytest.mark.thorough
-@pytest.mark.usefixtures("_way")
 def test_many_networks_at_once() -> None:
     """Under `vmap`, as teams of agents with their own parameters are: over windows, kernels, or both."""
     tokens = jnp.stack([draw_windows(seed, 6) for seed in range(3)])
