@@ -1,4 +1,4 @@
-"""Environments split over devices: every one of them is played, each device draws its own actions, and what cannot be split is refused."""
+"""Environments split over devices: each device draws its own actions, and what cannot be split is refused."""
 
 import os
 import re

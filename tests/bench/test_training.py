@@ -1,4 +1,4 @@
-"""Where an update of training spends its time: the parts are all there, and the network's operations are those of its matrices."""
+"""Where an update of training spends its time: the network's operations are those of its matrices."""
 
 from pathlib import Path
 

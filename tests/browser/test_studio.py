@@ -1,4 +1,4 @@
-"""The studio in a browser, with its real server: text, board, keys, panels, files, and what happens when the server is gone."""
+"""The studio in a browser, with its real server: text, board, keys, panels, and what happens when the server is gone."""
 
 import re
 

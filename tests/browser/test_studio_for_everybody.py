@@ -1,4 +1,4 @@
-"""The studio's page in use: mistakes and their repairs, the line of tools, numbers and the text, dark, keys, and screen readers."""
+"""The studio's page in use: mistakes and their repairs, numbers and the text, dark, keys, and screen readers."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""The studio in a browser: counterexamples, the tour, variants, tables of numbers, and work that is not to be lost."""
+"""The studio in a browser: counterexamples, the tour, and work that is not to be lost."""
 
 from pathlib import Path
 

@@ -3,44 +3,15 @@
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 from command_line import Sjdsl
 
 from sjdsl.cli.environment_options import EnvironmentOptions, make_environment
-from sjdsl.experiments import cross_play
 from tests.experiments.stored_policies import store
 
 PLAYED = ("--game", "grove.sj", "--episodes", "3", "--seed", "4")
 
 pytestmark = pytest.mark.usefixtures("grove")
-
-
-@pytest.mark.thorough
-def test_a_policy_of_the_file_is_its_line_up(sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl("evaluate", "eater", *PLAYED, "--variant", "rich", "-o", "eater.json")
-    assert shown.status == 0, shown.text
-    header, collective = shown.out.splitlines()[2:4]
-    assert header.split() == ["eater", "random"]
-    assert collective.startswith("  collective return")
-    assert "final left" not in shown.out, (
-        "what the game does not declare is not shown of runs either"
-    )
-    assert "of a random policy" in shown.out
-    assert shown.out.endswith("\neater.json\n")
-    stored = json.loads((folder / "eater.json").read_text())
-    assert (stored["policy"], stored["game"]["name"], stored["seed"], stored["episodes"]) == (
-        "eater",
-        "grove",
-        4,
-        3,
-    )
-    env = make_environment(EnvironmentOptions("rich").describe("grove.sj"))
-    met = cross_play(env, slots=["eater", "eater"], episodes=3, seed=4)
-    np.testing.assert_array_equal(
-        np.asarray(stored["per_episode"]["returns"], np.float32), met.parts[0].played.returns
-    )
-    assert stored["summary"]["collective return"]["mean"] > 0
 
 
 def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path) -> None:

@@ -1,7 +1,6 @@
 """`sjdsl sweep` on a small game: what it lists, prints and writes, and what it refuses before anything is trained."""
 
 import csv
-import shlex
 from pathlib import Path
 
 import pytest
@@ -67,23 +66,3 @@ def test_a_sweep_over_numbers_of_a_game(sjdsl: Sjdsl, folder: Path) -> None:
         "swept holds another sweep: its cell orchard_apple-1 has config seeds 2 there, 3 here"
         in other.err
     )
-
-
-@pytest.mark.thorough
-def test_the_commands_of_the_pages(sjdsl: Sjdsl, folder: Path) -> None:
-    root = Path(__file__).parents[2]
-    lines = [
-        line
-        for name in ("docs/sweeps.md", "docs/commands.md")
-        for line in (root / name).read_text("utf-8").splitlines()
-    ]
-    commands = [
-        shlex.split(line.partition("  #")[0])[1:]
-        for line in lines
-        if line.startswith("sjdsl sweep ")
-    ]
-    assert len(commands) >= 4
-    for arguments in commands:
-        shown = sjdsl(*arguments, *(() if "--dry-run" in arguments else ("--dry-run",)))
-        assert shown.status == 0, shown.text
-    assert not (folder / "runs").exists()

@@ -1,4 +1,4 @@
-"""No long silence: commands say what they are at, and what is wrong with a call is said before anything slow begins."""
+"""No long silence: commands say what they are at."""
 
 import pytest
 from command_line import Sjdsl

@@ -1,4 +1,4 @@
-"""The table of functions and operators: the interpreter means the same by each row, what a row says of itself holds, and nobody else knows one."""
+"""The table of functions and operators: the interpreter means the same by each row, and what a row says of itself holds."""
 
 from collections.abc import Iterator
 from itertools import product

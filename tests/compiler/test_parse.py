@@ -1,4 +1,4 @@
-"""Parsing: the tree of right texts, and every mistake of wrong ones at once."""
+"""Parsing: the trees of games and expressions, and every mistake of wrong texts at once."""
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass

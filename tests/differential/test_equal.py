@@ -52,15 +52,18 @@ def test_other_numbers(name: str, params: dict) -> None:
 
 
 GAMES = sorted((HERE / "games").glob("*.sj"))
+CASES = sorted((HERE.parent / "cases").glob("*.sj"))
 BY_XLA = (
     "rows_by_agent",
     "worlds",
 )  # compiled in each run of the tests; the others in the thorough ones: it takes longer than all else
 
 
-@pytest.mark.parametrize("path", GAMES, ids=lambda p: p.stem)
+@pytest.mark.parametrize(
+    "path", [*GAMES, *CASES], ids=lambda path: f"{path.parent.name}-{path.stem}"
+)
 def test_every_construct(path: Path) -> None:
-    """Small crowded games that use every sentence, domain and expression, written to be awkward; the generated module runs on NumPy."""
+    """Small crowded games that use every statement, domain and expression; the module runs on NumPy."""
     game = build(read_source(path)).game
     play = quick.random_play(game, seed=0, steps=30)
     history = quick.interpret(game, play)

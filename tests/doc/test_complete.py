@@ -1,4 +1,4 @@
-"""A sheet says all: every declaration is on it as written, and nothing in its tables can change without the sheet changing."""
+"""A sheet says all: every declaration is on it as written."""
 
 import re
 from itertools import chain

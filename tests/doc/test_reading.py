@@ -1,4 +1,4 @@
-"""Tables and comments are as they should be."""
+"""Tables of a sheet, and the sources and comments that it quotes."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source

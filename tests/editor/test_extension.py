@@ -1,4 +1,4 @@
-"""What editors and pre-commit take from the language is up to date: grammars, snippets, hooks."""
+"""What is generated for editors is up to date, and every word of the language has a colour."""
 
 import re
 import runpy

@@ -12,7 +12,7 @@ from sjdsl.experiments.contrasts import (
     estimate_contrasts,
     estimate_lines,
 )
-from sjdsl.experiments.verdict import judge, samples_wanted, share_that_may_differ
+from sjdsl.experiments.verdict import judge, share_that_may_differ
 
 DATA_SETS = 2000
 
@@ -199,31 +199,3 @@ def judge_fast(samples: dict[str, np.ndarray]) -> str:
     from sjdsl.experiments.verdict import outcome_of
 
     return outcome_of(estimate_contrasts(samples))
-
-
-def test_the_number_wanted_settles_it_most_often() -> None:
-    """Of data sets as large as was advised, drawn with the means and deviations found, nine tenths to the power of three at least are settled."""
-    key = np.random.default_rng(0)
-    lines = (0, 1.5), (1, 2.5)
-    pilot = noisy(key, 1, *lines, 1.0, 8)[0]
-    exact = {name: (values - values.mean()) / values.std(ddof=1) for name, values in pilot.items()}
-    pilot = {
-        "A": 0.5 + 1.4 * exact["A"],
-        "B": 1.5 + 1.4 * exact["B"],
-        "fear": 1 + 1.4 * exact["fear"],
-        "greed": 1 + 1.4 * exact["greed"],
-    }
-    found = judge(pilot)
-    assert found.outcome == "undecided"
-    assert found.wanted is not None
-    assert found.wanted > 8
-    many = noisy(key, 300, *lines, 1.4 / np.sqrt(2), found.wanted)
-    settled = np.mean([judge_fast(samples) == "dilemma" for samples in many])
-    assert settled > 0.9**3 - 3 * np.sqrt(0.25 / 300)
-    few = noisy(key, 300, *lines, 1.4 / np.sqrt(2), found.wanted // 3)
-    assert np.mean([judge_fast(samples) == "dilemma" for samples in few]) < settled
-
-
-def test_what_no_number_settles() -> None:
-    tied = {name: np.array([-1.0, 1.0]) for name in ("A", "B", "fear", "greed")}
-    assert samples_wanted(tied) is None

@@ -1,4 +1,4 @@
-"""Clean Up, scene by scene: cleaning, growth and its measure of dirt, new dirt, and what of it is seen."""
+"""Clean Up, scene by scene: cleaning, growth and its measure of dirt, and new dirt."""
 
 import pytest
 

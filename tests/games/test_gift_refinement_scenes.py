@@ -1,4 +1,4 @@
-"""Gift Refinement, scene by scene: tokens found, given, refined and consumed."""
+"""Gift Refinement, scene by scene: tokens given, refined and consumed."""
 
 from typing import Any
 

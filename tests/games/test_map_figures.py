@@ -1,4 +1,4 @@
-"""The map files show every figure that is known about the maps of the published games, and of those with more starts."""
+"""The map files show the published figures: sizes, cells of each kind, places, and what lies near what."""
 
 from collections import Counter
 from typing import NamedTuple

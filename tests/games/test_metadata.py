@@ -1,4 +1,4 @@
-"""What the games say of themselves: the paper's two tables exactly, marked as the paper's; our own judgement under other names."""
+"""What the games say of themselves: the paper's two tables exactly, and nothing else under their names."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""PD Arena, scene by scene: what is collected, who meets whom, what a meeting pays, who is sent off and held."""
+"""PD Arena, scene by scene: who meets whom, what a meeting pays, who is sent off and held."""
 
 from typing import Any
 

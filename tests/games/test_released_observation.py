@@ -1,4 +1,4 @@
-"""The variant `socialjax` tells apart what the released observation tells apart, and the page of the games lists what else is different."""
+"""The variant `socialjax` tells apart what the released observation tells apart."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Coins, Harvest and Clean Up as released, scene by scene: moves by the compass, and beams that pass walls."""
+"""Coins, Harvest and Clean Up as released, scene by scene: beams that pass walls, and what their marks block."""
 
 import pytest
 

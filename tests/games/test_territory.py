@@ -12,12 +12,8 @@ from .environments import placed
 
 ROWS = ("P.....#.", ".RR..R..", "........", "P.R.R..P")
 STAGE = Stage("territory", ROWS, 3)
-# Bricks.
-LEFT = (1, 1)
-SECOND = (1, 2)
-RIGHT = (1, 5)
-LOW = (3, 2)
-CORNER = (3, 4)
+# bricks in reading order
+LEFT, SECOND, RIGHT, LOW, CORNER = (1, 1), (1, 2), (1, 5), (3, 2), (3, 4)
 STAY, ZAP, PAINT = 6, 7, 8
 
 

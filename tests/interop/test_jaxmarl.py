@@ -1,4 +1,4 @@
-"""The JaxMARL adapter: what JaxMARL's API tests ask for, its own wrappers, and the game's own step as the oracle."""
+"""The JaxMARL adapter: what JaxMARL's API tests ask for, and the game's own step as the oracle."""
 
 from pathlib import Path
 

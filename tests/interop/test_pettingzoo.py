@@ -1,4 +1,4 @@
-"""The PettingZoo adapter: PettingZoo's own tests, and what they do not ask for."""
+"""The PettingZoo adapter: PettingZoo's own tests, and the game's own returns."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""Rows by agent, by role and by numbers on the interpreter, against plain loops over NumPy arrays; tables and their entries from Python."""
+"""Rows by agent, by role and by numbers on the interpreter, against plain loops over NumPy arrays; entries of tables from Python."""
 
 import numpy as np
 import pytest

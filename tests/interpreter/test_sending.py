@@ -1,4 +1,4 @@
-"""Sends: which free cell, which heading, away for a while, coming back, and staying where there is no room."""
+"""Sends and pushes, with the words written down by hand: which free cell, which heading, coming back."""
 
 import pytest
 

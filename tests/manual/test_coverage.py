@@ -1,4 +1,4 @@
-"""The manual leaves nothing out: grammar, functions, codes, limits and words are compared with the compiler's own lists."""
+"""The manual leaves nothing out: its examples use the whole grammar, and its links lead somewhere."""
 
 import re
 from collections.abc import Iterable, Iterator

@@ -1,4 +1,4 @@
-"""Territory as Melting Pot has it, scene by scene: claims, payments, zaps, and mazes that differ."""
+"""Territory as Melting Pot has it, scene by scene: claims, payments and zaps."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What others see of the project first: addresses, classifiers, citation, how to take part and how to report."""
+"""One version everywhere, and links for contributors that lead somewhere."""
 
 import re
 import tomllib

@@ -1,4 +1,4 @@
-"""The workflows on GitHub: they can be read, name only what exists, and may do no more than they must."""
+"""The workflows on GitHub run only what exists, and may do no more than they must."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Checks whose agents follow policies of the file: both engines play the same, and what does not hold under them is found."""
+"""Checks whose agents follow policies of the file: what does not hold under them is found."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Files of many episodes: each as one step at a time gives it, as `play --watch` plays it, and shown again by `replay`."""
+"""Files of many episodes: each as one step at a time gives it, and as `play --watch` plays it."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""What agents are shown of the world and of themselves stands beside the board, in pictures, pages and the terminal; all pictures have one size."""
+"""What agents are shown of the world and of themselves stands beside the board, in pictures, pages and the terminal."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -44,15 +44,6 @@ def test_frequencies_of_two_seeds_in_closed_form() -> None:
     assert min(exact[0.0], exact[0.5]) > 0.1
 
 
-def test_frequencies_of_nothing_above_zero() -> None:
-    assert choice_frequencies({0.0: (-1.0, -2.0), 1.0: (-3.0, 0.0)}) == {
-        0.0: 0.0,
-        1.0: 0.0,
-        None: 1.0,
-    }
-    assert choice_frequencies({0.0: (1.0,), 1.0: (2.0,)}) == {0.0: 0.0, 1.0: 1.0, None: 0.0}
-
-
 def test_every_table_of_the_paper_is_whole() -> None:
     for game in published.suite():
         assert [*published.exchange(game)] == [0, 0.25, 0.5, 0.75, 1]

@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
 from sjdsl.compiler import build
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
@@ -15,7 +13,6 @@ from sjdsl.trace.actions import read_actions
 from sjdsl.trace.episode import play
 from sjdsl.trace.lines import make_teller, moment_lines
 from sjdsl.trace.rules import Rules
-from sjdsl.trace.wording import say_value
 
 from .test_trace import SMALL
 
@@ -51,11 +48,6 @@ def test_rules_are_told_as_they_are_written() -> None:
     assert rules.branch(chance, 1) == "otherwise chance 0.5"
     assert rules.place(chance) == "small.sj:17"
     assert rules.text(chance.branches[0].body[0]) == "set tree.fruit = ripe"
-
-
-def test_a_row_is_told_entry_by_entry() -> None:
-    assert say_value((np.float32(1), np.float32(0.5))) == "[1, 0.5]"
-    assert say_value(((1, 2), (3, 4))) == "[[1, 2], [3, 4]]"
 
 
 POND = """sj 1
@@ -96,37 +88,3 @@ def test_a_change_has_the_values_its_rule_read_and_their_formulas() -> None:
 """
         in text
     )
-
-
-SHOP = """sj 1
-game shop "A shop" {
-  param quota : count = { low: 1, high: 2 }
-  param luck : probability = 1
-  episode 9
-  kind floor "."
-  kind shelf "S" { field goods by { low, high } : 0 .. 9 capped = 3 }
-  map { "S..." }
-  agents 1 { acts stay  field n : 0 .. 9 capped = 3 }
-  field rule : { low, high } = low
-  define anyone = any(agent on shelf)
-  phase start { each agent { send agent to floor } }
-  schedule sell
-  phase sell {
-    each agent where agent.n >= quota[rule] { add -1 to agent.n }
-    when any(shelf where shelf.goods[low] > 2) and not all(agent where agent.n > 5) and not anyone { set rule = high }
-    each shelf where shelf.goods[high] > shelf.goods[low] - 1 { add case any(agent) { yes: 1, no: 0 } to shelf.goods[rule] }
-  }
-}
-"""
-
-
-def test_entries_and_questions_are_told_as_written_with_yes_and_no() -> None:
-    text = text_of(SHOP, "stay", 0)
-    for told in (
-        "because agent.n >= quota[rule], with quota[rule] = 1",
-        ", with any(shelf where shelf.goods[low] > 2) = yes, all(agent where agent.n > 5) = no, anyone = no",
-        "anyone = any(agent on shelf) = no\n",
-        ", with shelf.goods[high] = 3, shelf.goods[low] = 3",
-        "any(agent) = yes",
-    ):
-        assert told in text, told

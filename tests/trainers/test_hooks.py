@@ -232,28 +232,6 @@ def lambda_module(function: Any) -> nn.Module:
     return Plain()
 
 
-@pytest.mark.parametrize("where", ["module made before", "function", "file"])
-def test_a_network_may_come_in_many_ways(tmp_path: Path, where: str) -> None:
-    made = Mine(width=5)
-    match where:
-        case "module made before":
-            register("network", "made", lambda: made)
-            name = "made"
-        case "function":
-            register("network", "made_now", lambda planes, width: Mine(width=len(planes) + width))
-            name = "made_now"
-        case _:
-            (tmp_path / "nets.py").write_text(
-                "from test_hooks import Mine\nclass Other(Mine):\n    pass\n"
-            )
-            name = f"{tmp_path}/nets.py:Other"
-    shapes = jax.tree.leaves(
-        parameter_shapes(matching(), make_config(SMALL, network=name, sharing="shared"))
-    )
-    width = {"module made before": 5, "function": 17, "file": 16}[where]
-    assert (1, 1, width) in [leaf.shape for leaf in shapes]
-
-
 @pytest.mark.parametrize(
     ("values", "said"),
     [

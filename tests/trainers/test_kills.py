@@ -1,4 +1,4 @@
-"""Runs of the command line whose process is killed, interrupted or left without room, at times nobody chose."""
+"""Runs of the command line whose process is killed or interrupted, at times nobody chose."""
 
 import random
 import signal

@@ -1,4 +1,4 @@
-"""Metrics handed to TensorBoard and to Weights & Biases: stand-ins take note, and where they are installed, they themselves."""
+"""Metrics handed to TensorBoard and to Weights & Biases, with stand-ins that take note."""
 
 import importlib.machinery
 import sys

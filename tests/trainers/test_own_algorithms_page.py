@@ -1,4 +1,4 @@
-"""docs/own_algorithms.md: its files fit the trainers, its commands run, and opponent shaping does what it says."""
+"""docs/own_algorithms.md: its files fit the trainers, its commands run, and opponent shaping works."""
 
 import re
 import shlex
