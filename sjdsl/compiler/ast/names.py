@@ -187,10 +187,10 @@ def occurrences(
       names: what the game declares, with its bases.
       resolved: what elaboration found names to stand for, in this game, in its variants, and perhaps in games that stand on it.
     """
-    found = {
-        node.name.span: Occurrence(node.name.span, (symbol,), True)
-        for symbol, node in declarations(file)
-    }  # type: ignore[attr-defined]
+    found = {}
+    for symbol, node in declarations(file):
+        span = node.name.span  # type: ignore[attr-defined]
+        found[span] = Occurrence(span, (symbol,), True)
     bound = {
         symbol for symbols in resolved.values() for symbol in symbols if symbol.space == "local"
     }
