@@ -265,6 +265,9 @@ def test_every_algorithm_and_reward_has_a_valid_configuration(name: str, game: s
         check_minibatches(config)
     values = load_preset(name, {"algorithm": "vdn"}, game).config
     assert isinstance(values, VDNConfig)
+    if values.replay == "none":
+        check_minibatches(values)
+        return
     assert values.buffer_size % values.steps_per_update == 0
     assert values.learning_starts <= values.buffer_size
 
