@@ -23,7 +23,9 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import choose_by_chance, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, count_of, sum_of
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at, set_entry
 
 NAME = "mushrooms"
 TITLE = "Externality Mushrooms"
@@ -227,7 +229,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.any(
+    allowed = any_of(
         allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
         axis=1,
     )
@@ -301,18 +303,18 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     on_ground_and_not_none = (ground_under < NUM_GROUND) & (state.ground_grows[ground_under] != GROUND_NONE)
     meal = state.ground_grows[ground_under] - 1  # mushrooms.sj:56
     to_ground = jnp.where(on_ground_and_not_none, ground_under, NUM_GROUND)  # mushrooms.sj:57
-    ground_grows = state.ground_grows.at[to_ground].set(GROUND_NONE, mode="drop")
+    ground_grows = set_at(state.ground_grows, to_ground, GROUND_NONE)
     # mushrooms.sj:58
     agent_digesting = jnp.where(on_ground_and_not_none, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)
     event_eaten = out.event_eaten + (  # mushrooms.sj:59
         on_ground_and_not_none[:, None] & (meal[:, None] == jnp.arange(NUM_WORLD_TRIALS, dtype=jnp.uint8)[None, :])
     ).astype(jnp.int32)
-    world_trials_added = jnp.sum(  # mushrooms.sj:60
+    world_trials_added = sum_of(  # mushrooms.sj:60
         jnp.where(on_ground_and_not_none[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32
     )
     reward = out.reward + jnp.where(on_ground_and_not_none, params.eater[meal], 0.0)  # mushrooms.sj:61
-    reward = reward + jnp.sum(jnp.where(on_ground_and_not_none, params.everyone[meal], 0.0), dtype=jnp.float32)
-    reward = reward + jnp.sum(
+    reward = reward + sum_of(jnp.where(on_ground_and_not_none, params.everyone[meal], 0.0), dtype=jnp.float32)
+    reward = reward + sum_of(
         jnp.where(
             on_ground_and_not_none[:, None]
             & (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
@@ -349,7 +351,7 @@ def sprout(
       set trials[what] = 0
     }
     """
-    num_ground = jnp.sum(state.ground_grows == ground_what, dtype=jnp.int32)  # mushrooms.sj:65
+    num_ground = count_of(state.ground_grows == ground_what)  # mushrooms.sj:65
     active = num_ground <= params.crowd[world_trials_what]
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
     covered = occupied(ground_under, NUM_GROUND)
@@ -363,7 +365,7 @@ def sprout(
         threshold(params.regrow[world_trials_what]),
     )
     ground_grows = jnp.where(active & taken, ground_what, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[world_trials_what].set(0)  # mushrooms.sj:70
+    world_trials = set_entry(state.world_trials, world_trials_what, 0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
@@ -381,10 +383,10 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     chose_zap = actions == ACTION_ZAP  # mushrooms.sj:73
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # mushrooms.sj:74
     marked = jnp.where(chose_zap[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
-    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:75
+    in_beam = any_of(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:75
     victim_in_beam = chose_zap[:, None] & in_beam
-    sent = jnp.any(victim_in_beam, axis=0)  # mushrooms.sj:76
-    hits = jnp.sum(victim_in_beam, axis=1, dtype=jnp.int32)  # mushrooms.sj:77
+    sent = any_of(victim_in_beam, axis=0)  # mushrooms.sj:76
+    hits = count_of(victim_in_beam, axis=1)  # mushrooms.sj:77
     event_hits = out.event_hits + hits
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:76
     free = ~occupied(ground_under, NUM_GROUND) & (state.ground_grows == GROUND_NONE)

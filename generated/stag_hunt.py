@@ -23,8 +23,10 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, count_of, sum_of
 from sjdsl.runtime.rows import mix
 from sjdsl.runtime.egocentric_windows import fill, look_number, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at
 
 NAME = "stag_hunt"
 TITLE = "Stag Hunt in the matrix: Arena"
@@ -231,7 +233,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.any(
+    allowed = any_of(
         allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
         axis=1,
     )
@@ -249,9 +251,7 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase start { each agent { send agent to gate } }"""
     sent = jnp.full(NUM_AGENTS, True)  # pd_arena.sj:42
-    position, placed = place(
-        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    position, placed = place(CELLS_GATE, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
@@ -293,7 +293,7 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:49
     on_patch_and_is_ripe = (patch_under < NUM_PATCH) & (state.patch_stock[patch_under] == PATCH_RIPE)
     to_patch = jnp.where(on_patch_and_is_ripe, patch_under, NUM_PATCH)  # pd_arena.sj:50
-    patch_stock = state.patch_stock.at[to_patch].set(PATCH_NONE, mode="drop")
+    patch_stock = set_at(state.patch_stock, to_patch, PATCH_NONE)
     agent_bag_added = jnp.where(  # pd_arena.sj:51
         state.patch_class[patch_under][..., None] == jnp.arange(NUM_PATCH_CLASS, dtype=jnp.uint8)[None, :],
         on_patch_and_is_ripe[..., None].astype(jnp.int32),
@@ -323,24 +323,24 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """
     reach_cells = state.position[:, None] + REACH_OFFSETS[state.heading]  # pd_arena.sj:55
     marked = jnp.where((actions == ACTION_INTERACT)[:, None] & INSIDE[reach_cells], reach_cells, NOWHERE).reshape(-1)
-    in_reach = jnp.any(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:56
-    ready = (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0) & (state.agent_resting == 0)
+    in_reach = any_of(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:56
+    ready = (sum_of(state.agent_bag, axis=-1, dtype=jnp.int32) > 0) & (state.agent_resting == 0)
     pairs = (
         in_reach & ((actions == ACTION_INTERACT) & ready)[:, None] & ready[None, :] & ~jnp.eye(NUM_AGENTS, dtype=bool)
     )
     order = ranks(random_bits(key, STREAM_MEET, NUM_AGENTS, NUM_AGENTS), pairs)
     column = pair(order, alike=True)
     matched = column < NUM_AGENTS
-    expected_row = jnp.sum(  # pd_arena.sj:57
+    expected_row = sum_of(  # pd_arena.sj:57
         mix(state.agent_bag.astype(jnp.int32))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32
     )
-    expected = jnp.sum(mix(state.agent_bag[column].astype(jnp.int32)) * expected_row, axis=1, dtype=jnp.float32)
+    expected = sum_of(mix(state.agent_bag[column].astype(jnp.int32)) * expected_row, axis=1, dtype=jnp.float32)
     reward = out.reward + jnp.where(matched, expected, 0.0)
-    expected_row_2 = jnp.sum(  # pd_arena.sj:58
+    expected_row_2 = sum_of(  # pd_arena.sj:58
         mix(state.agent_bag[column].astype(jnp.int32))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32
     )
-    expected_2 = jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * expected_row_2, axis=1, dtype=jnp.float32)
-    reward = reward + jnp.sum(
+    expected_2 = sum_of(mix(state.agent_bag.astype(jnp.int32)) * expected_row_2, axis=1, dtype=jnp.float32)
+    reward = reward + sum_of(
         jnp.where(
             matched[:, None] & (column[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
             expected_2[:, None],
@@ -358,13 +358,11 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     word = random_bits_at(key, STREAM_MEET_2, instance)
     rest = below(word, params.rest_hi - params.rest_lo + 1) + params.rest_lo
     to_agent = jnp.where(active, one, NUM_AGENTS)  # pd_arena.sj:61
-    agent_resting = state.agent_resting.at[to_agent].set(rest.astype(jnp.uint8), mode="drop")
-    agent_bag = state.agent_bag.at[to_agent].set(0, mode="drop")
-    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent].set(True, mode="drop")
-    met = jnp.sum(
-        active[:, :, None] & (one[:, :, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, None, :]),
-        axis=(0, 1),
-        dtype=jnp.int32,
+    agent_resting = set_at(state.agent_resting, to_agent, rest.astype(jnp.uint8))
+    agent_bag = set_at(state.agent_bag, to_agent, 0)
+    sent = set_at(jnp.zeros(NUM_AGENTS, bool), to_agent, True)
+    met = count_of(
+        active[:, :, None] & (one[:, :, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, None, :]), axis=(0, 1)
     )
     event_met = out.event_met + met
     gate_under = SITE_OF_GATE[state.position]

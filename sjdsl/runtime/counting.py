@@ -8,6 +8,7 @@ from jax import Array, lax
 
 from sjdsl.runtime.bits import WIDTH, count, field, pack
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.reductions import any_of, sum_of
 
 
 def count_near(member: Array, masks: Array) -> Array:
@@ -20,7 +21,7 @@ def count_near(member: Array, masks: Array) -> Array:
       `[S]` int32.
     """
     near = lax.population_count(pack(member)[:, None] & masks)
-    return jnp.sum(near.astype(jnp.int32), axis=0, dtype=jnp.int32)
+    return sum_of(near.astype(jnp.int32), axis=0)
 
 
 def size_of_set(members: Array) -> Array:
@@ -108,7 +109,7 @@ def occupied(site: Array, size: int) -> Array:
 
 def _compared(site: Array, size: int) -> Array:
     """The form for GPUs: each cell compares itself with all of them, wherever it is asked for."""
-    return jnp.any(site[None] == jnp.arange(size, dtype=jnp.int32)[:, None], axis=1)
+    return any_of(site[None] == jnp.arange(size, dtype=jnp.int32)[:, None], axis=1)
 
 
 def _marked(site: Array, size: int) -> Array:

@@ -5,6 +5,7 @@ kernels, each of much independent work, and none that waits for the result of an
 """
 
 from collections.abc import Callable
+from functools import wraps
 from typing import Any, TypeVar
 
 import jax
@@ -28,6 +29,19 @@ def by_platform(cpu: Callable[..., T], gpu: Callable[..., T], *arguments: Any) -
         *arguments, cpu=_all_in("cpu", cpu), default=_all_in("gpu", gpu)
     )
     return result
+
+
+def in_one_form(function: Callable[..., T]) -> Callable[..., T]:
+    """Returns a function that chooses the form once, for all kernels that it calls."""
+
+    @wraps(function)
+    def chosen(*arguments: Any, **named: Any) -> T:
+        def called(arguments: Any, named: Any) -> T:
+            return function(*arguments, **named)
+
+        return by_platform(called, called, arguments, named)
+
+    return chosen
 
 
 def _all_in(form: str, kernel: Callable[..., Any]) -> Callable[..., Any]:

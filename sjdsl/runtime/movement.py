@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.reductions import sum_of
 from sjdsl.runtime.varying import settled
 
 PACKED = 32  # agents up to which a GPU walks along chains of movers inside a few words
@@ -53,7 +54,7 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     reasons = jnp.where(into, index[None, :] + 1, jnp.uint32(0)) + jnp.where(
         lost, jnp.uint32(256), jnp.uint32(0)
     )
-    said = jnp.sum(reasons, axis=1, dtype=jnp.uint32)
+    said = sum_of(reasons, axis=1)
     bits = max(1, (n - 1).bit_length())
     follows = jnp.where((said & 255) == 0, index, (said & 255) - 1)
     stays = ((said >= 256) | ~moving).astype(jnp.uint32)
@@ -62,9 +63,7 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     )
     some = 32 // (bits + 1)  # entries of a word
     places = jnp.arange(some, dtype=jnp.uint32) * jnp.uint32(bits + 1)
-    table = [
-        jnp.sum(entry[k : k + some] << places[: n - k], dtype=jnp.uint32) for k in range(0, n, some)
-    ]
+    table = [sum_of(entry[k : k + some] << places[: n - k]) for k in range(0, n, some)]
     at, stuck = index, jnp.zeros(n, jnp.uint32)
     for _ in range(n):
         held = table[0]

@@ -3,26 +3,28 @@
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.runtime.reductions import argmax_of, sum_of
+
 
 def entry(row: Array, key: Array) -> Array:
     """Returns `row[..., key]`: one entry of each row. Shapes `[..., K]` and `[...]`."""
     words = jnp.arange(row.shape[-1], dtype=key.dtype).reshape((1,) * key.ndim + (-1,))
-    return jnp.sum(jnp.where(key[..., None] == words, row, 0), axis=-1, dtype=row.dtype)
+    return sum_of(jnp.where(key[..., None] == words, row, 0), axis=-1)
 
 
 def lowest(row: Array) -> Array:
     """Returns the first word with a positive entry, 0 if there is none: `[..., K]` -> `[...]` uint8."""
-    return jnp.argmax(row > 0, axis=-1).astype(jnp.uint8)
+    return argmax_of(row > 0, axis=-1).astype(jnp.uint8)
 
 
 def highest(row: Array) -> Array:
     """Returns the last word with a positive entry, the last of all if there is none: `[..., K]` -> `[...]` uint8."""
-    return (row.shape[-1] - 1 - jnp.argmax(row[..., ::-1] > 0, axis=-1)).astype(jnp.uint8)
+    return (row.shape[-1] - 1 - argmax_of(row[..., ::-1] > 0, axis=-1)).astype(jnp.uint8)
 
 
 def mix(row: Array) -> Array:
     """Returns the shares of a row's entries, float32; of an empty row zeros (never used: guards are checked)."""
-    total = jnp.sum(row, axis=-1, keepdims=True).astype(jnp.float32)
+    total = sum_of(row, axis=-1)[..., None].astype(jnp.float32)
     return row.astype(jnp.float32) / jnp.where(total > 0, total, 1)
 
 

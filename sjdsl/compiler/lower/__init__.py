@@ -225,7 +225,9 @@ def _step(turns: list[Turn], module: Module) -> Function:
             (array.NEW_AXIS, array.ALL),
         )
         chosen = array.Binary("==", array.Index(ACTIONS, (array.ALL, array.NEW_AXIS)), numbers)
-        w.set(array.Name("allowed"), array.Reduce("any", array.Binary("&", allowed, chosen), (1,)))
+        w.set(
+            array.Name("allowed"), array.reduction("any", array.Binary("&", allowed, chosen), (1,))
+        )
         w.set(ACTIONS, array.Where(array.Name("allowed"), ACTIONS, STAY))
     w.set(OUT, array.call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]

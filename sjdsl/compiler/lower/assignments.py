@@ -133,10 +133,12 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
         )
     won = w.bind("won", array.call("drawn_by_lot", place, ranks, extent))
     if target.who is None and entry is None:
-        drawn = array.Index(_values(value, target, axes, w), (array.call("jnp.argmax", won),))
+        drawn = array.Index(
+            _values(value, target, axes, w), (array.reduction("argmax", won, (0,)),)
+        )
         w.assign(
             target.attribute,
-            array.Where(array.Reduce("any", won, None, None), drawn, w.current(target.attribute)),
+            array.Where(array.reduction("any", won), drawn, w.current(target.attribute)),
         )
         return
     past = (
@@ -150,9 +152,7 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
         *([entry] if target.who is not None and entry is not None else []),
     )
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
-    w.assign(
-        target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True)
-    )
+    w.assign(target.attribute, array.written("set_at", w.current(target.attribute), keys, new))
 
 
 def _values(
@@ -323,8 +323,10 @@ def _entries(
         )
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
-        keys = (*[array.ALL] * len(before.axes), key.node)
-        return replace(before, node=array.Update(before.node, keys, "set", new.node))
+        of_words = {"axis": array.constant(-2)} if before.levels > 1 else {}
+        return replace(
+            before, node=array.call("set_entry", before.node, key.node, new.node, **of_words)
+        )
     hit = _entries_of_word(key, before.axes, target, w)
     if mask != TRUE:
         hit = array.Binary("&", hit, _for_each_word(mask, before.axes))
@@ -369,9 +371,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     keys = (at.node, *([] if rest is None else [aligned(rest, axes)]))
     levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
-    w.assign(
-        target.attribute, array.Update(w.current(target.attribute), keys, "set", new, drop=True)
-    )
+    w.assign(target.attribute, array.written("set_at", w.current(target.attribute), keys, new))
 
 
 def _place(who: Variable) -> str:
@@ -473,9 +473,8 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         zeros = array.call("fixed_point", zeros)
     amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
-    sets = array.Update(
-        zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True
-    )
+    places = (spread(index, axes) if axes else index.node,)
+    sets = array.written("add_at", zeros, places, amount)
     sums.append(
         w.keep(
             f"{target.attribute}_added",
@@ -533,7 +532,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
                 (itself,),
             )
             zeros = array.call("jnp.zeros", array.shape_of(tuple(extents)), array.DTYPES[dtype])
-            sets = array.Update(zeros, tuple(places), "add", aligned(bits, axes), drop=True)
+            sets = array.written("add_at", zeros, tuple(places), aligned(bits, axes))
         else:
             sets = _folded(places, aligned(member, axes), extents, w)
     if target.read.type.by and not keys:  # to every entry of the row
@@ -547,7 +546,7 @@ def _folded(
 ) -> array.Expression:
     """Returns the sets in which each instance's agent is at each instance's place: a table of truths, folded into bits."""
     empty = array.call("jnp.zeros", array.shape_of((*sizes, w.module.agents)), array.Name("bool"))
-    table = array.Update(empty, (*places, member), "set", array.Literal(True), drop=True)
+    table = array.written("set_at", empty, (*places, member), array.Literal(True))
     members = w.keep("members", Value(table, "bool")).node
     if w.module.set_words:
         return array.call("pack", members)

@@ -24,10 +24,10 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Index,
     Literal,
-    Reduce,
     Slice,
     Unary,
     Where,
+    reduction,
     scalar,
 )
 
@@ -286,12 +286,13 @@ def reduce(
     if gone:
         where = tuple(value.axes.index(a) for a in gone)
         everything = len(where) == len(value.axes) and not value.levels
-        dtype: DType = "i32" if fn == "sum" and value.dtype == "bool" else value.dtype
-        node = Reduce(
-            fn,
+        counts = fn == "sum" and value.dtype == "bool"
+        dtype: DType = "i32" if counts else value.dtype
+        node = reduction(
+            "count" if counts else fn,
             summed(value.node, dtype) if fn == "sum" else value.node,
             None if everything else where,
-            dtype if fn == "sum" else None,
+            dtype if fn == "sum" and not counts else None,
         )
         result = Value(node, dtype, tuple(a for a in value.axes if a not in gone), value.levels)
     if fn != "sum":

@@ -30,10 +30,10 @@ from sjdsl.compiler.program.expressions import (
     Index,
     Literal,
     Name,
-    Reduce,
     Sequence,
     call,
     constant,
+    reduction,
 )
 
 
@@ -353,7 +353,7 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
             spread(w.value(block.condition, scope), (axis,)), (*(NEW_AXIS for _ in cells.axes), ALL)
         )
         standing = Binary("&", standing, stops)
-    return Value(Reduce("any", standing, (len(cells.axes),)), "bool", cells.axes)
+    return Value(reduction("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
 
 def conditional_blocks(what: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
@@ -413,7 +413,7 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
         here = Binary("&", here, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
     return w.keep(
         f"in_{shape_name(near.shape)}",
-        Value(Reduce("any", here, (len(cells.axes) - 1,)), "bool", axes),
+        Value(reduction("any", here, (len(cells.axes) - 1,)), "bool", axes),
     )
 
 

@@ -105,7 +105,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             container = lower(e.container, scope, w)
             empty = binary("==", container, literal(0, "u32"), "bool")
             return (
-                replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0)
+                replace(empty, node=array.reduction("all", empty.node, (-1,)), levels=0)
                 if container.levels
                 else empty
             )
@@ -148,7 +148,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             node = summed(row.node, row.dtype) if reduction.adds else row.node
             return replace(
                 row,
-                node=array.Reduce(
+                node=array.reduction(
                     reduction.array, node, (-1,), row.dtype if reduction.adds else None
                 ),
                 levels=0,

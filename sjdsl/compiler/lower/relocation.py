@@ -48,7 +48,7 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     extent = w.module.extent(who.sort)
     at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
     nobody = array.call("jnp.zeros", extent, array.DTYPES["bool"])
-    return Value(array.Update(nobody, (at.node,), "set", array.Literal(True), drop=True), "bool")
+    return Value(array.written("set_at", nobody, (at.node,), array.Literal(True)), "bool")
 
 
 def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array.Expression:
@@ -63,7 +63,7 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
         axes = union(at.axes, value.axes)
         places = w.keep(f"to_{who.sort.name}", Value(spread(at, axes), "i32", axes)).node
         zeros = array.call("jnp.zeros", extent, array.DTYPES["i32"])
-        return array.Update(zeros, (places,), "set", spread(value, axes), drop=True)
+        return array.written("set_at", zeros, (places,), spread(value, axes))
     over = tuple(a for a in value.axes if a != who.axis)
     if over:
         value = reduce(
@@ -240,7 +240,7 @@ def _is_free(number_of: ir.Type, who: AgentVar, ahead: _Ahead, steps: Value, w: 
     cells = w.keep("way", _cells_on(ahead, number, w))
     clear = _is_open(cells, who, w)
     standing = Value(
-        array.Reduce("any", stand_on(cells, everybody), (len(cells.axes),)), "bool", cells.axes
+        array.reduction("any", stand_on(cells, everybody), (len(cells.axes),)), "bool", cells.axes
     )
     last = binary(">=", number, steps, "bool")
     clear = both(clear, invert(select(last, literal(False, "bool"), standing)))
@@ -403,9 +403,7 @@ def _own_cells(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression
     )
     rows = spread(fits, (*axes, axis))
     table = array.call("jnp.zeros", array.Sequence((extent, axis.extent)), array.Name("bool"))
-    return w.keep(
-        "fitting", Value(array.Update(table, (at.node,), "set", rows, drop=True), "bool")
-    ).node
+    return w.keep("fitting", Value(array.written("set_at", table, (at.node,), rows), "bool")).node
 
 
 def _fits(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> Value:
@@ -617,6 +615,8 @@ def _free_cells(
         free = without("entered", state_reads.site_at(Value(newly, "i32"), pool.kinds, w).node)
     if pool.send.domain.where is not None and alike:
         free = both(free, _fits(pool.send, axis, IterationScope(), w))
+    if free == TRUE:
+        return array.Literal(None)  # all of them
     return w.keep("free", free).node if free.axes else array.call("jnp.full", extent, free.node)
 
 

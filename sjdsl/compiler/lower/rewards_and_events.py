@@ -27,12 +27,9 @@ from sjdsl.compiler.lower.expressions import agent, real
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    ALL,
     Binary,
     Expression,
     Literal,
-    Slice,
-    Update,
     call,
     scalar,
 )
@@ -46,7 +43,7 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
     named = "" if isinstance(s.value, ir.Number) else value_name(s.value)
     name = f"num_{named}" if named else "times"  # how often each agent gets it
     if s.receiver is not None:
-        deliver("reward", (), per_agent(s.receiver, amount, scope, w, name), w)
+        deliver("reward", per_agent(s.receiver, amount, scope, w, name), w)
         return
     reached = scope.mask
     if s.but is not None:
@@ -59,7 +56,7 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
                 "bool",
             ),
         )
-    deliver("reward", (), _summed(reached, amount, scope.axes, w, name), w)
+    deliver("reward", _summed(reached, amount, scope.axes, w, name), w)
 
 
 def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
@@ -91,9 +88,8 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
         column = w.axis("word", w.module.num_entries(event.by))
         here = scope.when(binary("==", key, iota(column, key.dtype), "bool"))
         got = per_agent(s.receiver, amount, here, w, s.event)
-        deliver(
-            attribute, (), replace(got, node=aligned(got, (agents, column))), w
-        )  # the word may be the same for all agents
+        # the word may be the same for all agents
+        deliver(attribute, replace(got, node=aligned(got, (agents, column))), w)
         return
     for word in (
         as_dtype(w.module.entry(entry), key.dtype) for entry in event.by.entries
@@ -111,29 +107,21 @@ def _count(
     w: Writer,
 ) -> None:
     if s.receiver is not None:
-        deliver(
-            attribute,
-            () if column is None else (ALL, column),
-            per_agent(s.receiver, amount, scope, w, s.event),
-            w,
-        )
+        amounts = per_agent(s.receiver, amount, scope, w, s.event)
     else:
-        deliver(
-            attribute,
-            () if column is None else (column,),
-            _summed(scope.mask, amount, scope.axes, w, s.event),
-            w,
-        )
+        amounts = _summed(scope.mask, amount, scope.axes, w, s.event)
+    deliver(attribute, amounts, w, column)
 
 
-def deliver(attribute: str, keys: tuple[Expression | Slice, ...], got: Value, w: Writer) -> None:
-    """Adds to an attribute of the outcome, or to the entries of it at some keys."""
-    if got.literal and not got.number:
+def deliver(attribute: str, amounts: Value, w: Writer, column: Expression | None = None) -> None:
+    """Adds to an attribute of the outcome, or to a column of it."""
+    if amounts.literal and not amounts.number:
         return
     before = w.total(attribute)
-    w.accumulate(
-        attribute, Update(before, keys, "add", got.node) if keys else joined("+", before, got.node)
-    )
+    if column is None:
+        w.accumulate(attribute, joined("+", before, amounts.node))
+    else:
+        w.accumulate(attribute, call("add_to_entry", before, column, amounts.node))
 
 
 def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name: str) -> Value:

@@ -73,7 +73,7 @@ def pick(
     axes = (*outer_axes, axis)
     mask = w.keep("member", mask_over(inner, axes))
     found = w.keep(
-        "found", Value(array.Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
+        "found", Value(array.reduction("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
     )
     wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
     if not turns.size:
@@ -250,10 +250,10 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
     standing = w.keep(
         "standing", Value(stand_on(cells, state_reads.positions(w, d.var.sort)), "bool")
     )
-    first_one = array.Cast(array.call("jnp.argmax", standing.node, axis=array.Literal(-1)), "i32")
+    first_one = array.reduction("argmax", standing.node, (-1,))
     who = w.keep(d.var.name, Value(first_one, "i32", cells.axes))
     anybody = w.keep(
-        "anybody", Value(array.Reduce("any", standing.node, (-1,)), "bool", cells.axes)
+        "anybody", Value(array.reduction("any", standing.node, (-1,)), "bool", cells.axes)
     )
     reached = swept.ok if has_inner_blocks(w.module.shape(d.restriction.shape), w) else TRUE
     return AgentVar(who, sort=d.var.sort), both(anybody, reached), swept.axis

@@ -21,10 +21,10 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Index,
     Name,
-    Reduce,
     Sequence,
     call,
     path,
+    reduction,
 )
 
 MANY = 64  # lookups in a vector of cells, from which on it pays to have what is looked up in memory
@@ -290,11 +290,11 @@ def occupied(owner: CellVar, w: Writer) -> Value:
         return replace(vector, axes=(owner.axis,))
     at = cell(owner, w)
     if not at.axes:
-        return Value(Reduce("any", Binary("==", at.node, bodies)), "bool")
+        return Value(reduction("any", Binary("==", at.node, bodies)), "bool")
     same = Binary(
         "==", Index(at.node, (REST, NEW_AXIS)), Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
     )
-    return Value(Reduce("any", same, (-1,)), "bool", at.axes)
+    return Value(reduction("any", same, (-1,)), "bool", at.axes)
 
 
 ROW = 8  # bits of a column: a map has at most 256
