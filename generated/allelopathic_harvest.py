@@ -26,6 +26,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import come_back, pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.reductions import any_of, argmax_of, count_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.line_of_sight import nearest_in_lanes
 from sjdsl.runtime.egocentric_windows import fill, look_number, paint, planes_of, windows
 from sjdsl.runtime.writing import add_at, set_at
@@ -335,10 +336,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = any_of(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(
@@ -423,11 +421,13 @@ def ripen(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """
     bush_under = SITE_OF_BUSH[state.position]  # allelopathic_harvest.sj:56
     covered = occupied(bush_under, NUM_BUSH)
-    num_bush = count_of(state.bush_colour == BUSH_RED)
-    num_bush_2 = count_of(state.bush_colour == BUSH_GREEN)
-    num_bush_3 = count_of(state.bush_colour == BUSH_BLUE)
+    num_red_bush = count_of(state.bush_colour == BUSH_RED)
+    num_green_bush = count_of(state.bush_colour == BUSH_GREEN)
+    num_blue_bush = count_of(state.bush_colour == BUSH_BLUE)
     alike = jnp.where(
-        state.bush_colour == BUSH_RED, num_bush, jnp.where(state.bush_colour == BUSH_GREEN, num_bush_2, num_bush_3)
+        state.bush_colour == BUSH_RED,
+        num_red_bush,
+        jnp.where(state.bush_colour == BUSH_GREEN, num_green_bush, num_blue_bush),
     )
     happens = (random_bits(key, STREAM_RIPEN, NUM_BUSH) >> 1) < threshold(params.growth * alike.astype(jnp.float32))
     bush_fruit = jnp.where(
@@ -462,8 +462,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     bush_fruit = set_at(state.bush_fruit, to_bush, BUSH_UNRIPE)
     bush_young = set_at(state.bush_young, to_bush, params.patience)
     event_eaten = out.event_eaten + (
-        on_bush_and_is_ripe[:, None]
-        & (state.bush_colour[bush_under][:, None] == jnp.arange(NUM_BUSH_COLOUR, dtype=jnp.uint8)[None, :])
+        on_bush_and_is_ripe[:, None] & one_hot(state.bush_colour[bush_under], NUM_BUSH_COLOUR)
     ).astype(jnp.int32)
     colour_is_taste = state.bush_colour[bush_under] == state.agent_taste  # allelopathic_harvest.sj:62
     reward = out.reward + jnp.where(on_bush_and_is_ripe, jnp.where(colour_is_taste, params.liked, params.disliked), 0.0)
@@ -521,9 +520,7 @@ def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array
     bush_colour = set_at(state.bush_colour, to_bush, state.agent_bag)
     bush_young = set_at(state.bush_young, to_bush, params.patience)
     agent_coat = jnp.where(matched, state.agent_bag + 1, state.agent_coat)
-    event_planted = out.event_planted + (
-        matched[:, None] & (state.agent_bag[:, None] == jnp.arange(NUM_BUSH_COLOUR, dtype=jnp.uint8)[None, :])
-    ).astype(jnp.int32)
+    event_planted = out.event_planted + (matched[:, None] & one_hot(state.agent_bag, NUM_BUSH_COLOUR)).astype(jnp.int32)
     return (
         state.replace(bush_colour=bush_colour, bush_young=bush_young, agent_coat=agent_coat),
         out.replace(event_planted=event_planted),
@@ -605,10 +602,10 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_bush = count_of(state.bush_colour == BUSH_RED)  # allelopathic_harvest.sj:93
-    num_bush_2 = count_of(state.bush_colour == BUSH_GREEN)
-    num_bush_3 = count_of(state.bush_colour == BUSH_BLUE)
-    commonest = jnp.maximum(jnp.maximum(num_bush, num_bush_2), num_bush_3)
+    num_red_bush = count_of(state.bush_colour == BUSH_RED)  # allelopathic_harvest.sj:93
+    num_green_bush = count_of(state.bush_colour == BUSH_GREEN)
+    num_blue_bush = count_of(state.bush_colour == BUSH_BLUE)
+    commonest = jnp.maximum(jnp.maximum(num_red_bush, num_green_bush), num_blue_bush)
     return {"commonest": commonest.astype(jnp.float32)}
 
 

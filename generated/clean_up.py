@@ -97,6 +97,7 @@ TOKEN_PLANES = (
 NUM_GATE = 19  # cells of gate
 NUM_ORCHARD = 122  # cells of orchard
 NUM_WATER = 147  # cells of water
+NUM_WATER_CHANNEL = 167  # cells of water, channel
 ACTION_CLEAN = 8
 ACTION_ZAP = 7
 ORCHARD_NONE = 0
@@ -116,6 +117,7 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
+WATER_UP = 1  # added to what is painted, from water on
 MARK_SHIFT = 6
 MARK_MASK = 3
 MARKS_OF_SCRUB = 28  # cells that scrub can mark
@@ -263,8 +265,8 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:50
     covered = occupied(orchard_under, NUM_ORCHARD)
-    num_water = count_of(state.water_state == WATER_DIRTY)
-    dirt = divided(num_water.astype(jnp.float32), 167.0)
+    num_dirty_water = count_of(state.water_state == WATER_DIRTY)
+    dirt = divided(num_dirty_water.astype(jnp.float32), NUM_WATER_CHANNEL)
     growth = params.best_rate * exactly(exact_ramp(exactly(dirt), params.spoiled_at, params.perfect_at))
     happens = (random_bits(key, STREAM_GROW, NUM_ORCHARD) >> 1) < threshold(growth)
     orchard_fruit = jnp.where(
@@ -349,9 +351,8 @@ def rinse(state: State, out: Outcome, params: Params, actions: Array, key: Array
     }
     """
     has_cleaners = state.water_cleaners != 0  # clean_up.sj:68
-    picked = pick_of_sets(  # clean_up.sj:69
-        jnp.where(has_cleaners, state.water_cleaners, 0), key, lambda key: random_bits(key, STREAM_RINSE, NUM_WATER)
-    )
+    # clean_up.sj:69
+    picked = pick_of_sets(state.water_cleaners, key, lambda key: random_bits(key, STREAM_RINSE, NUM_WATER))
     cleaned = times_in(picked, NUM_AGENTS)
     event_cleaned = out.event_cleaned + cleaned
     water_state = jnp.where(has_cleaners, WATER_CLEAN, state.water_state)  # clean_up.sj:70
@@ -392,8 +393,8 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_water = count_of(state.water_state == WATER_CLEAN)  # clean_up.sj:84
-    return {"clean_water": num_water.astype(jnp.float32)}
+    num_clean_water = count_of(state.water_state == WATER_CLEAN)  # clean_up.sj:84
+    return {"clean_water": num_clean_water.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -413,7 +414,7 @@ def observe(state: State, params: Params) -> Array:
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     raw = seen_0 & CONTENT_MASK
-    content = raw + (raw >= WATER_LOOK).astype(jnp.uint8)
+    content = jnp.where(raw < WATER_LOOK, raw, raw + WATER_UP)
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)

@@ -15,7 +15,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import come_back, drawn_by_lot, pick, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.reductions import count_of, max_of, sum_of
-from sjdsl.runtime.rows import shifted
+from sjdsl.runtime.rows import one_hot, shifted
 from sjdsl.runtime.steering import is_one_of
 from sjdsl.runtime.egocentric_windows import fill, look_fields, paint, planes_of, windows
 from sjdsl.runtime.writing import set_at
@@ -102,6 +102,7 @@ CONTENT_MASK = 7
 AGENT_MASK = 7
 BOAT_MASK = 1
 STALL_LOOK = 4  # as it is painted
+STALL_UP = 1  # added to what is painted, from stall on
 FARM_SHOWN = 2  # as it is shown
 STREAM_START = 0x2e89a388  # ferry.sj:53
 STREAM_START_2 = 0x801ed3a9  # ferry.sj:51
@@ -467,11 +468,7 @@ def sell(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     reward = out.reward + jnp.where(on_stall, params.price[sales], 0.0)
     agent_load_added = jnp.where(on_stall, jnp.int32(-1), jnp.int32(0))
     world_sold_added = sum_of(  # ferry.sj:77
-        jnp.where(
-            0 == jnp.arange(NUM_WORLD_SOLD, dtype=jnp.int32)[None, :],
-            on_stall[..., None].astype(jnp.int32),
-            jnp.int32(0),
-        ),
+        jnp.where(one_hot(0, NUM_WORLD_SOLD)[None, :], on_stall[..., None].astype(jnp.int32), jnp.int32(0)),
         axis=0,
         dtype=jnp.int32,
     )
@@ -530,7 +527,7 @@ def observe(state: State, params: Params) -> Array:
         0,
         jnp.where(farm_crop == FARM_RIPE, jnp.uint8(1), jnp.uint8(2)),
     )
-    content = jnp.where(is_farm, shown_crop + FARM_SHOWN, raw + (raw >= STALL_LOOK).astype(jnp.uint8))
+    content = jnp.where(is_farm, shown_crop + FARM_SHOWN, jnp.where(raw < STALL_LOOK, raw, raw + STALL_UP))
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
     agents = jnp.where(

@@ -15,7 +15,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.reductions import any_of, argmax_of, count_of, sum_of
-from sjdsl.runtime.rows import entry, lowest
+from sjdsl.runtime.rows import entry, lowest, one_hot
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 from sjdsl.runtime.writing import add_at, add_to_entry, set_at, set_entry
 
@@ -259,9 +259,7 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     to_ground = jnp.where(on_ground_and_is_raw, ground_under, NUM_GROUND)
     ground_token = set_at(state.ground_token, to_ground, GROUND_NONE)
     agent_bag_added = jnp.where(
-        AGENT_BAG_RAW == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
-        on_ground_and_is_raw[..., None].astype(jnp.int32),
-        jnp.int32(0),
+        one_hot(AGENT_BAG_RAW, NUM_AGENT_BAG)[None, :], on_ground_and_is_raw[..., None].astype(jnp.int32), jnp.int32(0)
     )
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(ground_token=ground_token, agent_bag=agent_bag), out
@@ -313,7 +311,7 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     )
     agent_bag_added = sum_of(  # gift_refinement.sj:56
         jnp.where(
-            level[:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
+            one_hot(level[:, None], NUM_AGENT_BAG),
             jnp.where(where_bag_becomes_level_below_15, jnp.int32(-1), jnp.int32(0))[..., None],
             jnp.int32(0),
         ),
@@ -324,7 +322,7 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
         jnp.zeros((NUM_AGENTS, NUM_AGENT_BAG), jnp.int32),
         friend,
         jnp.where(
-            params.becomes[level][:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
+            one_hot(params.becomes[level][:, None], NUM_AGENT_BAG),
             jnp.where(where_bag_becomes_level_below_15, params.yields[level][:, None], 0)[..., None],
             jnp.int32(0),
         ),
@@ -352,7 +350,7 @@ def receive(
     """
     post_level_above_0 = state.agent_post[:, agent_bag_level] > 0  # gift_refinement.sj:64
     agent_bag_added = jnp.where(  # gift_refinement.sj:65
-        agent_bag_level == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
+        one_hot(agent_bag_level, NUM_AGENT_BAG)[None, :],
         jnp.where(post_level_above_0, state.agent_post[:, agent_bag_level].astype(jnp.int32), 0)[..., None],
         jnp.int32(0),
     )

@@ -342,8 +342,8 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_soil = count_of(state.soil_fruit == SOIL_RIPE)  # harvest_open.sj:70
-    return {"apples_left": num_soil.astype(jnp.float32)}
+    num_ripe_soil = count_of(state.soil_fruit == SOIL_RIPE)  # harvest_open.sj:70
+    return {"apples_left": num_ripe_soil.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:

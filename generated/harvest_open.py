@@ -94,6 +94,7 @@ CONTENT_MASK = 7
 AGENT_MASK = 7
 MARK_FIRE_SHIFT = 6
 MARK_FIRE_MASK = 1
+SOIL_UP = 1  # added to what is painted, from soil on
 MARKS_OF_FIRE = 28  # cells that fire can mark
 STREAM_START = 0x8be3eb0b  # harvest_open.sj:39
 STREAM_START_2 = 0x05fd999c  # harvest_open.sj:39
@@ -335,8 +336,8 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_soil = count_of(state.soil_fruit == SOIL_RIPE)  # harvest_open.sj:70
-    return {"apples_left": num_soil.astype(jnp.float32)}
+    num_ripe_soil = count_of(state.soil_fruit == SOIL_RIPE)  # harvest_open.sj:70
+    return {"apples_left": num_ripe_soil.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -354,7 +355,7 @@ def observe(state: State, params: Params) -> Array:
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     raw = seen_0 & CONTENT_MASK
-    content = raw + (raw >= SOIL_LOOK).astype(jnp.uint8)
+    content = jnp.where(raw < SOIL_LOOK, raw, raw + SOIL_UP)
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)

@@ -87,7 +87,7 @@ RIGHT = 4  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 START_LOOK = 5  # as it is painted
-START_UP = 6  # from its looks on, from painted to shown
+START_UP = 6  # added to what is painted, from start on
 FLOOR_SHOWN = 1  # as it is shown
 STREAM_START = 0xbe6537e4  # lb_foraging.sj:37
 STREAM_START_2 = 0xab566a18  # lb_foraging.sj:40
@@ -329,9 +329,7 @@ def observe(state: State, params: Params) -> Array:
         jnp.where(floor_food == 3, 2, jnp.where(floor_food == 4, 3, jnp.where(floor_food == 5, 4, chosen))),
     )
     shown_food = jnp.where(floor_food == 1, 0, chosen_2)
-    content = jnp.where(
-        is_floor, shown_food + FLOOR_SHOWN, raw + jnp.where(raw >= START_LOOK, jnp.uint8(START_UP), jnp.uint8(0))
-    )
+    content = jnp.where(is_floor, shown_food + FLOOR_SHOWN, jnp.where(raw < START_LOOK, raw, raw + START_UP))
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
     agents = jnp.where(

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.counting import occupied
+from sjdsl.runtime.counting import occupied, segment_sum
 from sjdsl.runtime.random_bits import below, ranks, random_bits, random_bits_at, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers
@@ -15,6 +15,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import come_back, pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.reductions import any_of, argmax_of, count_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 from sjdsl.runtime.writing import set_at
 
@@ -300,10 +301,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = any_of(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(mark_hunt=jnp.zeros_like(state.mark_hunt))
@@ -508,13 +506,13 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         & ((state.agent_role == AGENT_PREY) & (state.agent_mouth != AGENT_EATING))[None, None, :],
         axis=2,
     )
-    num_a_2 = count_of(
+    num_predator_a = count_of(
         present[None, None, :] & in_disc_3_centre & (state.agent_role == AGENT_PREDATOR)[None, None, :], axis=2
     )
     eligible = (
         anybody
         & ((state.agent_role == AGENT_PREDATOR) & (actions == ACTION_BITE))[:, None]
-        & ((state.agent_role[target] == AGENT_PREDATOR) | (num_a <= num_a_2))
+        & ((state.agent_role[target] == AGENT_PREDATOR) | (num_a <= num_predator_a))
     )
     pairs = present[:, None] & eligible & (target != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
     instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_AGENTS + target).astype(jnp.uint32)
@@ -532,7 +530,7 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     sent_2 = set_at(jnp.zeros(NUM_AGENTS, bool), to_agent_3, True)
     reward = out.reward + jnp.where(active, params.meal, 0.0)
     event_caught = out.event_caught + active.astype(jnp.int32)
-    eaten = count_of(active[:, None] & (target_2[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]), axis=0)
+    eaten = segment_sum(active, target_2, NUM_AGENTS)
     event_eaten = out.event_eaten + eaten
     position_2 = jnp.where(sent, NOWHERE, state.position)  # predator_prey.sj:77
     away = jnp.where(sent, 200, state.away)
@@ -565,8 +563,8 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_tree = count_of(state.tree_fruit == TREE_RIPE)  # predator_prey.sj:92
-    return {"apples_left": num_tree.astype(jnp.float32)}
+    num_ripe_tree = count_of(state.tree_fruit == TREE_RIPE)  # predator_prey.sj:92
+    return {"apples_left": num_ripe_tree.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:

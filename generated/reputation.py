@@ -14,6 +14,7 @@ from sjdsl.runtime.geometry import cells_of, own_cells, view_cells, painted
 from sjdsl.runtime.placing import pick, place_fitting
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.reductions import any_of, count_of, sum_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.exact_reals import divided
 from sjdsl.runtime.torus import joined_edges, shorter_way
 from sjdsl.runtime.egocentric_windows import paint, planes_of, windows
@@ -197,10 +198,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = any_of(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state, out = meet(state, out, params, actions, key)
@@ -244,9 +242,7 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         jnp.abs(shorter_way(row[:, None] - row[None, :], 1)) + jnp.abs(shorter_way(col[:, None] - col[None, :], 6))
     )
     to_agent = jnp.where(
-        step_is_0
-        & (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :] != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
-        & (distance <= 2),
+        step_is_0 & ~jnp.eye(NUM_AGENTS, dtype=bool) & (distance <= 2),
         jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None],
         NUM_AGENTS,
     )

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.counting import occupied
+from sjdsl.runtime.counting import occupied, segment_sum
 from sjdsl.runtime.random_bits import random_bits
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import blocking, cells_of, inside, next_cells, own_cell, painted, site_numbers, values_of
@@ -405,8 +405,7 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         random_bits(key, STREAM_HUNT, NUM_HARE),
     )
     a_found = present_2 & found
-    # stag_chase.sj:61
-    num_game_ = count_of(a_found[:, None] & (a[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]), axis=0)
+    num_game_ = segment_sum(a_found, a, NUM_AGENTS)  # stag_chase.sj:61
     reward = reward + num_game_.astype(jnp.float32) * params.game_
     event_caught = out.event_caught + num_game_
     stag_position = jnp.where(where_hunters_at_least_2, NOWHERE, state.stag_position)  # stag_chase.sj:53

@@ -26,6 +26,7 @@ from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.reductions import any_of, argmax_of, count_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.line_of_sight import nearest_in_lanes, reached
 from sjdsl.runtime.egocentric_windows import fill, look_fields, look_number, paint, planes_of, windows
 from sjdsl.runtime.writing import add_at, set_at
@@ -157,7 +158,7 @@ MARK_CLAIM_MASK = 1
 MARK_FIRE_SHIFT = 4
 MARK_FIRE_MASK = 1
 GATE_LOOK = 93  # as it is painted
-GATE_DOWN = 63  # from its looks on, from painted to shown
+GATE_DOWN = 63  # taken from what is painted, from gate on
 BRICK_SHOWN = 3  # as it is shown
 MARKS_OF_CLAIM = 18  # cells that claim can mark
 MARKS_OF_FIRE = 54  # cells that fire can mark
@@ -298,10 +299,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = any_of(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(mark_claim=jnp.zeros_like(state.mark_claim), mark_fire=jnp.zeros_like(state.mark_fire))
@@ -587,7 +585,7 @@ def observe(state: State, params: Params) -> Array:
     content = jnp.where(
         is_brick,
         look_number(BRICK_SHOWN, (3, 3, 3), brick_paint, shown_owner, shown_damage),
-        raw - jnp.where(raw >= GATE_LOOK, jnp.uint8(GATE_DOWN), jnp.uint8(0)),
+        jnp.where(raw < GATE_LOOK, raw, raw - GATE_DOWN),
     )
     agent = seen_1 & AGENT_MASK
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)

@@ -9,6 +9,7 @@ from jax import Array, lax
 from sjdsl.runtime.bits import WIDTH, count, field, pack
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.reductions import any_of, sum_of
+from sjdsl.runtime.rows import one_hot
 
 
 def count_near(member: Array, masks: Array) -> Array:
@@ -32,6 +33,24 @@ def size_of_set(members: Array) -> Array:
 def size_of_large_set(words: Array) -> Array:
     """Returns how many agents sets have that are kept as bits in several words: `[..., W]` uint32 -> `[...]` int32."""
     return count(words)
+
+
+def segment_sum(amounts: Array, numbers: Array, size: int) -> Array:
+    """Returns the sum of the amounts for each number, as `jax.ops.segment_sum` does: `[size]`.
+
+    Each number is compared with all: for few amounts far cheaper than a scatter, which XLA makes
+    one entry at a time on a CPU.
+
+    Args:
+      amounts: a shape; of booleans it is counted how many hold, int32.
+      numbers: integers of the same shape; what has a number outside 0 .. size - 1 counts for none.
+    """
+    mine = one_hot(numbers, size)
+    if amounts.dtype == bool:
+        spread, dtype = mine & amounts[..., None], jnp.int32
+    else:
+        spread, dtype = jnp.where(mine, amounts[..., None], 0), amounts.dtype
+    return sum_of(spread, axis=tuple(range(amounts.ndim)), dtype=dtype)
 
 
 @partial(

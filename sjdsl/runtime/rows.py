@@ -6,10 +6,16 @@ from jax import Array
 from sjdsl.runtime.reductions import argmax_of, sum_of
 
 
+def one_hot(number: Array | int, size: int) -> Array:
+    """Returns rows that hold at one number each: `[...]` integers -> `[..., size]` bool."""
+    numbers = jnp.asarray(number)
+    along = jnp.arange(size, dtype=numbers.dtype).reshape((1,) * numbers.ndim + (-1,))
+    return numbers[..., None] == along
+
+
 def entry(row: Array, key: Array) -> Array:
     """Returns `row[..., key]`: one entry of each row. Shapes `[..., K]` and `[...]`."""
-    words = jnp.arange(row.shape[-1], dtype=key.dtype).reshape((1,) * key.ndim + (-1,))
-    return sum_of(jnp.where(key[..., None] == words, row, 0), axis=-1)
+    return sum_of(jnp.where(one_hot(key, row.shape[-1]), row, 0), axis=-1)
 
 
 def lowest(row: Array) -> Array:

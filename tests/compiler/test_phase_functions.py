@@ -30,6 +30,19 @@ def test_uses_of_a_phase_are_calls_of_one_function() -> None:
     assert "agent_bag_what: int" in found["trade"] and "AGENT_BAG_RAW" not in found["trade"]
 
 
+def test_a_word_in_two_sets_is_one_parameter() -> None:
+    """The colours of Mushrooms: what the ground grows may also be `none`, which comes first there."""
+    found = functions((GENERATED / "mushrooms.py").read_text("utf-8"))
+    assert re.findall(r"(\w+): int", found["sprout"]) == ["ground_what", "stream", "stream_2"]
+    assert "params.crowd[ground_what - 1]" in found["sprout"]
+
+
+def test_words_of_two_parameters_stay_apart() -> None:
+    """The actions and colours that `sow` is used with differ by the same number everywhere."""
+    found = functions((GENERATED / "allelopathic_harvest.py").read_text("utf-8"))
+    assert re.findall(r"(\w+): int", found["sow"]) == ["action_deed", "agent_hue"]
+
+
 def test_uses_that_differ_by_more_than_numbers_have_functions_of_their_own() -> None:
     found = functions(compile_source(read_source(CASES / "shifting.sj")))
     assert len([name for name in found if name.startswith("roll")]) == 2

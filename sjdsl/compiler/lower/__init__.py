@@ -220,11 +220,7 @@ def _step(turns: list[Turn], module: Module) -> Function:
     w.set(ACTIONS, array.Where(array.Binary("|", below, above), STAY, ACTIONS))
     if module.game.agents.forbids:
         allowed = array.call("allowed_actions", STATE, PARAMS)
-        numbers = array.Index(
-            array.call("jnp.arange", NUM_ACTIONS, dtype=array.DTYPES["i32"]),
-            (array.NEW_AXIS, array.ALL),
-        )
-        chosen = array.Binary("==", array.Index(ACTIONS, (array.ALL, array.NEW_AXIS)), numbers)
+        chosen = array.call("one_hot", ACTIONS, NUM_ACTIONS)
         w.set(
             array.Name("allowed"), array.reduction("any", array.Binary("&", allowed, chosen), (1,))
         )

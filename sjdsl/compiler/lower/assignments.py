@@ -342,9 +342,11 @@ def _entries_of_word(
     key: Value, axes: tuple[Axis, ...], target: Target, w: Writer
 ) -> array.Expression:
     """Returns which entries of the rows are those of a word that is computed."""
-    words: array.Expression = array.Arange(w.module.num_entries(target.read.type.by[0]), key.dtype)
-    words = array.Index(words, (*[array.NEW_AXIS] * len(axes), array.ALL)) if axes else words
-    return array.Binary("==", _for_each_word(key, axes), words)
+    words = w.module.num_entries(target.read.type.by[0])
+    hit = array.call("one_hot", aligned(key, axes), words)
+    if axes and not key.axes:
+        return array.Index(hit, (*[array.NEW_AXIS] * len(axes), array.ALL))
+    return hit
 
 
 def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:

@@ -24,9 +24,11 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Index,
     Literal,
+    Name,
     Slice,
     Unary,
     Where,
+    call,
     reduction,
     scalar,
 )
@@ -78,7 +80,7 @@ def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
     """Returns a number. `name`: the module's constant that it is printed as."""
     if dtype == "bool":
         return Value(Literal(bool(value)), "bool")
-    return Value(Literal(float(value)) if dtype == "f32" else Literal(int(value), name), dtype)
+    return Value(Literal(float(value) if dtype == "f32" else int(value), name), dtype)
 
 
 TRUE, FALSE = literal(True, "bool"), literal(False, "bool")
@@ -92,6 +94,15 @@ def float32(number: float) -> float:
 def iota(axis: Axis, dtype: DType = "i32") -> Value:
     """Returns 0, 1, … along an axis."""
     return Value(Arange(axis.extent, dtype), dtype, (axis,))
+
+
+def one_hot(number: Value, axis: Axis) -> Value:
+    """Returns where a number is that of a member along an axis, which is made after its own axes."""
+    if isinstance(number.node, Arange) and number.node.size == axis.extent:
+        node = call("jnp.eye", axis.extent, dtype=Name("bool"))
+    else:
+        node = call("one_hot", number.node, axis.extent)
+    return Value(node, "bool", (*number.axes, axis))
 
 
 def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
@@ -164,6 +175,10 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     ):
         number = float32 if dtype == "f32" else int
         return literal(number(_OPERATIONS[op](number(a.number), number(b.number))), dtype)
+    if op in _OPPOSITES and isinstance(a.node, Arange) and a.node == b.node and a.axes != b.axes:
+        first, second = sorted((a, b), key=lambda value: value.axes[0].order)
+        is_same = one_hot(first, second.axes[0])
+        return is_same if op == "==" else invert(is_same)
     if op in COMPARISONS:
         a, b = _as_kept(a, b), _as_kept(b, a)
     if _is_neutral(op, b) and a.dtype == dtype:

@@ -26,7 +26,7 @@ from sjdsl.compiler.lower.axes import (
     summed,
     union,
 )
-from sjdsl.compiler.lower.condition_names import condition_name
+from sjdsl.compiler.lower.condition_names import condition_name, value_name
 from sjdsl.compiler.lower.entries import aligned_row, entry, to_words, words_first, words_last
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
@@ -163,10 +163,9 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
                 levels=0,
             )
         case ir.Mix():
-            row = lower(e.row, scope, w)
-            return Value(
-                array.call("exact_mix" if w.exact else "mix", row.node), "f32", row.axes, 1
-            )
+            row, name = lower(e.row, scope, w), value_name(e.row)
+            shares = array.call("exact_mix" if w.exact else "mix", row.node)
+            return w.keep(f"{name}_shares" if name else "shares", Value(shares, "f32", row.axes, 1))
         case ir.ShiftRow():
             return shift(e, scope, w)
         case ir.Case():

@@ -14,11 +14,14 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     binary,
     both,
-    iota,
+    invert,
     joined,
     literal,
+    one_hot,
     reduce,
     select,
+    spread,
+    union,
 )
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.domains import in_set
@@ -47,15 +50,8 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
         return
     reached = scope.mask
     if s.but is not None:
-        reached = both(
-            scope.mask,
-            binary(
-                "!=",
-                agent(s.but, scope, w).index,
-                iota(w.axis("receiver", w.module.agents)),
-                "bool",
-            ),
-        )
+        is_left_out = one_hot(agent(s.but, scope, w).index, w.axis("receiver", w.module.agents))
+        reached = both(scope.mask, invert(is_left_out))
     deliver("reward", _summed(reached, amount, scope.axes, w, name), w)
 
 
@@ -86,7 +82,7 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
         agents is not None and s.receiver is not None
     ):  # all columns at once: one sum instead of an update for each
         column = w.axis("word", w.module.num_entries(event.by))
-        here = scope.when(binary("==", key, iota(column, key.dtype), "bool"))
+        here = scope.when(one_hot(key, column))
         got = per_agent(s.receiver, amount, here, w, s.event)
         # the word may be the same for all agents
         deliver(attribute, replace(got, node=aligned(got, (agents, column))), w)
@@ -140,10 +136,24 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
         return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w, name)
     if many:
         return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
-    # Comparing with every agent is far cheaper than a scatter, which XLA makes one entry at a time on a CPU.
-    return _summed(
-        both(scope.mask, binary("==", who.index, iota(axis), "bool")), amount, scope.axes, w, name
-    )
+    if scope.mask == TRUE or not who.index.axes:
+        reached = both(scope.mask, one_hot(who.index, axis))
+        return _summed(reached, amount, scope.axes, w, name)
+    return _summed_by_agent(who.index, amount, axis, scope, w, name)
+
+
+def _summed_by_agent(
+    index: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
+) -> Value:
+    """Returns what each agent gets in all from the instances, each of which names one."""
+    is_same = not any(a in amount.axes for a in scope.axes)
+    amounts = scope.mask if is_same else select(scope.mask, amount, literal(0, amount.dtype))
+    axes = union(index.axes, amounts.axes)
+    node = call("segment_sum", spread(amounts, axes), spread(index, axes), axis.extent)
+    alike = literal(math.prod(a.size for a in scope.axes if a not in axes), "i32")
+    if is_same:
+        return _times(_times(alike, w.keep(name, Value(node, "i32", (axis,)))), amount)
+    return _times(alike, Value(node, amount.dtype, (axis,)))
 
 
 def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:

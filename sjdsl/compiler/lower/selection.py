@@ -121,11 +121,8 @@ def _pick_one(
         and prod(a.size for a in axes) >= MANY_SETS
     )
     if many and need_no_state(scope.digits):  # most steps need none of the random bits
-        source = (
-            source
-            if scope.mask == TRUE
-            else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
-        )
+        if not _is_where_any(scope.mask, members, w):
+            source = array.Where(aligned(scope.mask, axes), source, array.Literal(0))
         alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
         there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
@@ -156,6 +153,12 @@ def _pick_one(
         digits=(*scope.digits, (best_one, total)),
     )
     return place.when(there), invert(there)
+
+
+def _is_where_any(mask: Value, members: Value, w: Writer) -> bool:
+    """Returns whether a mask holds everywhere, or where sets have members: for a pick from them, that is the same."""
+    has_members = binary("!=", members, literal(0, members.dtype), "bool").node
+    return mask == TRUE or mask.node in (has_members, w.known.get((has_members, "bool")))
 
 
 def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:

@@ -30,7 +30,8 @@ class SharedBody:
     """Functions of several uses while they are made one.
 
     parameters: the names of what the phase is used with; given: what each use has for them, as written. own: the parameters of the function
-    beside those that every phase has, by what they stand for; arguments: what each use gives for them.
+    beside those that every phase has, by what they stand for; arguments: what each use gives for them. numbers: by a parameter of the phase, the
+    first of the function that stands for its words, and what each use gives.
     """
 
     parameters: tuple[str, ...]
@@ -38,6 +39,7 @@ class SharedBody:
     names: Names
     variables: dict[tuple[str, ...], str] = field(default_factory=dict)
     own: dict[tuple[object, ...], array.Name] = field(default_factory=dict)
+    numbers: dict[str, tuple[array.Name, list[object]]] = field(default_factory=dict)
     arguments: list[tuple[array.Expression, ...]] = field(default_factory=list)
 
     def node(self, nodes: tuple[object, ...]) -> object:
@@ -88,18 +90,26 @@ class SharedBody:
 
     def parameter(
         self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]
-    ) -> array.Name:
-        """Returns the parameter that stands where uses have different numbers or tables."""
+    ) -> array.Expression:
+        """Returns what stands where uses have different numbers or tables: a parameter, or one plus a number."""
         if not all(closed):
             raise CannotShare
         key = tuple((node, name) for node, name in zip(nodes, names, strict=True))
-        if key not in self.own:
-            self.own[key] = array.Name(
-                self.names.fresh(
-                    "stream" if names[0].startswith("STREAM") else self.common(names) or "number"
-                )
-            )
-            self.arguments.append(nodes)  # type: ignore[arg-type]
+        if key in self.own:
+            return self.own[key]
+        word = self.word_in(names)
+        numbers = [node.value for node in nodes if isinstance(node, array.Literal)]
+        if word in self.numbers and numbers:
+            parameter, others = self.numbers[word]
+            differences = {one - other for one, other in zip(numbers, others, strict=True)}  # type: ignore[operator]
+            if len(differences) == 1:
+                return _plus(parameter, differences.pop())
+        is_stream = names[0].startswith("STREAM")
+        name = "stream" if is_stream else self.common(names) or "number"
+        self.own[key] = array.Name(self.names.fresh(name))
+        self.arguments.append(nodes)  # type: ignore[arg-type]
+        if word and numbers:
+            self.numbers.setdefault(word, (self.own[key], numbers))
         return self.own[key]
 
     def variable(self, names: tuple[str, ...]) -> str:
@@ -114,14 +124,29 @@ class SharedBody:
 
     def common(self, names: tuple[str, ...]) -> str:
         """Returns a name with what a use is given replaced by what the phase calls it: `ground_red`, `ground_blue` are `ground_what`."""
-        for number, parameter in enumerate(self.parameters):
-            renamed = [
-                name.lower().replace(given[number], parameter, 1)
-                for name, given in zip(names, self.given, strict=True)
-            ]
-            if len(set(renamed)) == 1:
-                return renamed[0]
-        return ""
+        word = self.word_in(names)
+        return self.renamed(names, word)[0] if word else ""
+
+    def word_in(self, names: tuple[str, ...]) -> str:
+        """Returns the parameter of the phase that names hold the values of: `what`, for `ground_red`, `ground_blue`; else nothing."""
+        if len(set(names)) == 1:
+            return ""
+        alike = (p for p in self.parameters if len(set(self.renamed(names, p))) == 1)
+        return next(alike, "")
+
+    def renamed(self, names: tuple[str, ...], parameter: str) -> list[str]:
+        number = self.parameters.index(parameter)
+        return [
+            name.lower().replace(given[number], parameter, 1)
+            for name, given in zip(names, self.given, strict=True)
+        ]
+
+
+def _plus(parameter: array.Name, number: int) -> array.Expression:
+    """Returns a parameter plus a number: one word has different numbers in different sets of words."""
+    if number == 0:
+        return parameter
+    return array.Binary("-" if number < 0 else "+", parameter, array.Literal(abs(number)))
 
 
 def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
