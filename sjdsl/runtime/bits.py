@@ -36,7 +36,7 @@ def pack_all(size: int) -> Array:
 
 def as_bits(members: Array, dtype: jnp.dtype) -> Array:
     """Returns sets as bits: `[..., N]` bool -> `[...]`, bit i for agent i."""
-    # numbers that are written out: XLA doesn't evaluate a shift by 0, 1, ..., of constant sets neither
+    # Written out: XLA evaluates no shifts by 0, 1, ..., and launched a kernel for a constant set.
     bit = jnp.asarray(2 ** np.arange(members.shape[-1], dtype=np.uint32), dtype)
     bit = bit.reshape((1,) * (members.ndim - 1) + (-1,))
     return sum_of(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1)

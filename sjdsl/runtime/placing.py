@@ -118,7 +118,9 @@ def choose(member: Array, words: Array, number: Array) -> Array:
     """
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
-    return bits.unpack(_chosen(bits.pack(member), words, number), member.shape[-1])
+    chosen = _chosen(bits.pack(member), words, number)
+    result: Array = bits.unpack(chosen, member.shape[-1])
+    return result
 
 
 def choose_by_chance(
@@ -138,7 +140,8 @@ def choose_by_chance(
         return jnp.zeros(member.shape, bool)
     packed = bits.pack(member)
     chosen = _chosen_by_chance(packed, words, number, key, jnp.uint32(stream), limit)
-    return bits.unpack(chosen, member.shape[-1])
+    result: Array = bits.unpack(chosen, member.shape[-1])
+    return result
 
 
 @jax.jit  # one function of the program for each shape, however many rules pick

@@ -97,7 +97,7 @@ def iota(axis: Axis, dtype: DType = "i32") -> Value:
 
 
 def one_hot(number: Value, axis: Axis) -> Value:
-    """Returns where a number is that of a member along an axis, which is made after its own axes."""
+    """Returns where a number is that of a member along an axis, made later than its own axes."""
     if isinstance(number.node, Arange) and number.node.size == axis.extent:
         node = call("jnp.eye", axis.extent, dtype=Name("bool"))
     else:

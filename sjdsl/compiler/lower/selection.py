@@ -121,6 +121,7 @@ def _pick_one(
         and prod(a.size for a in axes) >= MANY_SETS
     )
     if many and need_no_state(scope.digits):  # most steps need none of the random bits
+        assert members is not None
         if not _is_where_any(scope.mask, members, w):
             source = array.Where(aligned(scope.mask, axes), source, array.Literal(0))
         alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
@@ -156,7 +157,7 @@ def _pick_one(
 
 
 def _is_where_any(mask: Value, members: Value, w: Writer) -> bool:
-    """Returns whether a mask holds everywhere, or where sets have members: for a pick from them, that is the same."""
+    """Returns whether a mask takes no member from any set: it holds for all, or for those with members."""
     has_members = binary("!=", members, literal(0, members.dtype), "bool").node
     return mask == TRUE or mask.node in (has_members, w.known.get((has_members, "bool")))
 

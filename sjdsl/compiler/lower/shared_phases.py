@@ -30,8 +30,8 @@ class SharedBody:
     """Functions of several uses while they are made one.
 
     parameters: the names of what the phase is used with; given: what each use has for them, as written. own: the parameters of the function
-    beside those that every phase has, by what they stand for; arguments: what each use gives for them. numbers: by a parameter of the phase, the
-    first of the function that stands for its words, and what each use gives.
+    beside those that every phase has, by what they stand for; arguments: what each use gives for them.
+    numbers: the first of these for each parameter of the phase that is a word, with the uses' numbers.
     """
 
     parameters: tuple[str, ...]
@@ -39,7 +39,7 @@ class SharedBody:
     names: Names
     variables: dict[tuple[str, ...], str] = field(default_factory=dict)
     own: dict[tuple[object, ...], array.Name] = field(default_factory=dict)
-    numbers: dict[str, tuple[array.Name, list[object]]] = field(default_factory=dict)
+    numbers: dict[str, tuple[array.Name, list[int]]] = field(default_factory=dict)
     arguments: list[tuple[array.Expression, ...]] = field(default_factory=list)
 
     def node(self, nodes: tuple[object, ...]) -> object:
@@ -91,24 +91,26 @@ class SharedBody:
     def parameter(
         self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]
     ) -> array.Expression:
-        """Returns what stands where uses have different numbers or tables: a parameter, or one plus a number."""
+        """Returns what stands for different numbers or tables: a parameter, or one plus a number."""
         if not all(closed):
             raise CannotShare
         key = tuple((node, name) for node, name in zip(nodes, names, strict=True))
         if key in self.own:
             return self.own[key]
         word = self.word_in(names)
-        numbers = [node.value for node in nodes if isinstance(node, array.Literal)]
-        if word in self.numbers and numbers:
+        literals = [node.value for node in nodes if isinstance(node, array.Literal)]
+        numbers = [value for value in literals if isinstance(value, int)]
+        are_numbers = len(numbers) == len(nodes)
+        if are_numbers and word in self.numbers:
             parameter, others = self.numbers[word]
-            differences = {one - other for one, other in zip(numbers, others, strict=True)}  # type: ignore[operator]
+            differences = {one - other for one, other in zip(numbers, others, strict=True)}
             if len(differences) == 1:
                 return _plus(parameter, differences.pop())
         is_stream = names[0].startswith("STREAM")
         name = "stream" if is_stream else self.common(names) or "number"
         self.own[key] = array.Name(self.names.fresh(name))
         self.arguments.append(nodes)  # type: ignore[arg-type]
-        if word and numbers:
+        if word and are_numbers:
             self.numbers.setdefault(word, (self.own[key], numbers))
         return self.own[key]
 
@@ -128,7 +130,7 @@ class SharedBody:
         return self.renamed(names, word)[0] if word else ""
 
     def word_in(self, names: tuple[str, ...]) -> str:
-        """Returns the parameter of the phase that names hold the values of: `what`, for `ground_red`, `ground_blue`; else nothing."""
+        """Returns which parameter of the phase names end in: `what`, for `ground_red`, `ground_blue`."""
         if len(set(names)) == 1:
             return ""
         alike = (p for p in self.parameters if len(set(self.renamed(names, p))) == 1)
@@ -143,7 +145,7 @@ class SharedBody:
 
 
 def _plus(parameter: array.Name, number: int) -> array.Expression:
-    """Returns a parameter plus a number: one word has different numbers in different sets of words."""
+    """Returns a parameter plus a number: a word may have another number in another set of words."""
     if number == 0:
         return parameter
     return array.Binary("-" if number < 0 else "+", parameter, array.Literal(abs(number)))
