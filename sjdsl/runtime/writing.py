@@ -16,7 +16,7 @@ from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
 
-Places = Array | tuple[Array, ...]
+Places = Array | tuple[Array | int, ...]
 MOST_WRITERS = 32
 MOST_COMPARISONS = 8192  # of an entry with a writer: more cost more than a scatter
 
@@ -26,9 +26,9 @@ def set_at(values: Array, places: Places, new: Any) -> Array:
 
     Args:
       values: any shape and dtype.
-      places: integers, numbers along the first axis, or a tuple of such arrays for as many axes,
-        whose shapes fit together. What is written past the end is dropped. No two writers write
-        different values to one place.
+      places: integers, numbers along the first axis, or a tuple of such arrays (or numbers) for as
+        many axes, whose shapes fit together. What is written past the end is dropped. No two
+        writers write different values to one place.
       new: one number for all writers, or an entry of `values` for each.
     """
     return _written(_set_in_turn, _set_by_comparing, values, places, new)
@@ -81,7 +81,8 @@ def _written(
     places: Places,
     new: Any,
 ) -> Array:
-    numbers = places if isinstance(places, tuple) else (places,)
+    given = places if isinstance(places, tuple) else (places,)
+    numbers = tuple(map(jnp.asarray, given))
     writers = math.prod(np.broadcast_shapes(*(number.shape for number in numbers)))
     if writers == 0:
         return values

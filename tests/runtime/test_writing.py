@@ -59,6 +59,12 @@ def test_amounts_for_one_place_are_all_added() -> None:
     assert result.tolist() == [0, 4, 2]
 
 
+@pytest.mark.usefixtures("form")
+def test_one_of_the_places_may_be_a_number() -> None:
+    result = set_at(jnp.zeros((2, 3), jnp.int32), (1, jnp.array([0, 2])), 7)
+    assert result.tolist() == [[0, 0, 0], [7, 0, 7]]
+
+
 @pytest.mark.parametrize("axis", [-1, -2])
 def test_one_entry_of_each_row(axis: int) -> None:
     values = np.arange(24, dtype=np.uint8).reshape(2, 3, 4)
