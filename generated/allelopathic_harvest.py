@@ -25,8 +25,11 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import come_back, pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, argmax_of, count_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.line_of_sight import nearest_in_lanes
 from sjdsl.runtime.egocentric_windows import fill, look_number, paint, planes_of, windows
+from sjdsl.runtime.writing import add_at, set_at
 
 NAME = "allelopathic_harvest"
 TITLE = "Allelopathic Harvest"
@@ -333,10 +336,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.any(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(
@@ -370,9 +370,8 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     sent = jnp.full(NUM_AGENTS, True)  # allelopathic_harvest.sj:49
     agent_taste = jnp.where(jnp.arange(NUM_AGENTS, dtype=jnp.int32) % 2 == 1, AGENT_GREEN, state.agent_taste)
     bush_young = jnp.full_like(state.bush_young, params.patience)  # allelopathic_harvest.sj:50
-    position, placed = place(  # allelopathic_harvest.sj:49
-        CELLS_FLOOR, jnp.full(NUM_FLOOR, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    # allelopathic_harvest.sj:49
+    position, placed = place(CELLS_FLOOR, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     away = jnp.where(placed, 0, state.away)
     return (
@@ -422,11 +421,13 @@ def ripen(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """
     bush_under = SITE_OF_BUSH[state.position]  # allelopathic_harvest.sj:56
     covered = occupied(bush_under, NUM_BUSH)
-    num_bush = jnp.sum(state.bush_colour == BUSH_RED, dtype=jnp.int32)
-    num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)
-    num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)
+    num_red_bush = count_of(state.bush_colour == BUSH_RED)
+    num_green_bush = count_of(state.bush_colour == BUSH_GREEN)
+    num_blue_bush = count_of(state.bush_colour == BUSH_BLUE)
     alike = jnp.where(
-        state.bush_colour == BUSH_RED, num_bush, jnp.where(state.bush_colour == BUSH_GREEN, num_bush_2, num_bush_3)
+        state.bush_colour == BUSH_RED,
+        num_red_bush,
+        jnp.where(state.bush_colour == BUSH_GREEN, num_green_bush, num_blue_bush),
     )
     happens = (random_bits(key, STREAM_RIPEN, NUM_BUSH) >> 1) < threshold(params.growth * alike.astype(jnp.float32))
     bush_fruit = jnp.where(
@@ -458,11 +459,10 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     bush_under = SITE_OF_BUSH[state.position]
     on_bush_and_is_ripe = present & (bush_under < NUM_BUSH) & (state.bush_fruit[bush_under] == BUSH_RIPE)
     to_bush = jnp.where(on_bush_and_is_ripe, bush_under, NUM_BUSH)  # allelopathic_harvest.sj:61
-    bush_fruit = state.bush_fruit.at[to_bush].set(BUSH_UNRIPE, mode="drop")
-    bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")
+    bush_fruit = set_at(state.bush_fruit, to_bush, BUSH_UNRIPE)
+    bush_young = set_at(state.bush_young, to_bush, params.patience)
     event_eaten = out.event_eaten + (
-        on_bush_and_is_ripe[:, None]
-        & (state.bush_colour[bush_under][:, None] == jnp.arange(NUM_BUSH_COLOUR, dtype=jnp.uint8)[None, :])
+        on_bush_and_is_ripe[:, None] & one_hot(state.bush_colour[bush_under], NUM_BUSH_COLOUR)
     ).astype(jnp.int32)
     colour_is_taste = state.bush_colour[bush_under] == state.agent_taste  # allelopathic_harvest.sj:62
     reward = out.reward + jnp.where(on_bush_and_is_ripe, jnp.where(colour_is_taste, params.liked, params.disliked), 0.0)
@@ -517,12 +517,10 @@ def plant(state: State, out: Outcome, params: Params, actions: Array, key: Array
     bush_2 = pair_reached(bush, order, NUM_BUSH, alike=False)
     matched = bush_2 < NUM_BUSH
     to_bush = jnp.where(matched, bush_2, NUM_BUSH)  # allelopathic_harvest.sj:68
-    bush_colour = state.bush_colour.at[to_bush].set(state.agent_bag, mode="drop")
-    bush_young = state.bush_young.at[to_bush].set(params.patience, mode="drop")
+    bush_colour = set_at(state.bush_colour, to_bush, state.agent_bag)
+    bush_young = set_at(state.bush_young, to_bush, params.patience)
     agent_coat = jnp.where(matched, state.agent_bag + 1, state.agent_coat)
-    event_planted = out.event_planted + (
-        matched[:, None] & (state.agent_bag[:, None] == jnp.arange(NUM_BUSH_COLOUR, dtype=jnp.uint8)[None, :])
-    ).astype(jnp.int32)
+    event_planted = out.event_planted + (matched[:, None] & one_hot(state.agent_bag, NUM_BUSH_COLOUR)).astype(jnp.int32)
     return (
         state.replace(bush_colour=bush_colour, bush_young=bush_young, agent_coat=agent_coat),
         out.replace(event_planted=event_planted),
@@ -544,14 +542,14 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     marked = jnp.where(chose_zap[:, None] & INSIDE[zap_cells], zap_cells, NOWHERE).reshape(-1)
     agent_hot = jnp.where(chose_zap, params.cooling.astype(jnp.uint8), state.agent_hot)
     standing = zap_cells[:, :, None] == state.position[None, None, :]  # allelopathic_harvest.sj:74
-    victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)
-    anybody = jnp.any(standing, axis=-1)
+    victim = argmax_of(standing, axis=-1)
+    anybody = any_of(standing, axis=-1)
     victim_2, found = nearest_in_lanes(anybody, victim, (3, 3, 3))
     victim_found = chose_zap[:, None] & found
-    agent_hits_added = jnp.zeros(NUM_AGENTS, jnp.int32).at[victim_2].add(victim_found.astype(jnp.int32), mode="drop")
+    agent_hits_added = add_at(jnp.zeros(NUM_AGENTS, jnp.int32), victim_2, victim_found.astype(jnp.int32))
     to_agent = jnp.where(victim_found, victim_2, NUM_AGENTS)
-    agent_stunned = state.agent_stunned.at[to_agent].set(params.frozen.astype(jnp.uint8), mode="drop")
-    agent_recovering = state.agent_recovering.at[to_agent].set(params.recovery, mode="drop")
+    agent_stunned = set_at(state.agent_stunned, to_agent, params.frozen.astype(jnp.uint8))
+    agent_recovering = set_at(state.agent_recovering, to_agent, params.recovery)
     agent_hits = jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2).astype(jnp.uint8)
     return (
         state.replace(
@@ -604,10 +602,10 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_bush = jnp.sum(state.bush_colour == BUSH_RED, dtype=jnp.int32)  # allelopathic_harvest.sj:93
-    num_bush_2 = jnp.sum(state.bush_colour == BUSH_GREEN, dtype=jnp.int32)
-    num_bush_3 = jnp.sum(state.bush_colour == BUSH_BLUE, dtype=jnp.int32)
-    commonest = jnp.maximum(jnp.maximum(num_bush, num_bush_2), num_bush_3)
+    num_red_bush = count_of(state.bush_colour == BUSH_RED)  # allelopathic_harvest.sj:93
+    num_green_bush = count_of(state.bush_colour == BUSH_GREEN)
+    num_blue_bush = count_of(state.bush_colour == BUSH_BLUE)
+    commonest = jnp.maximum(jnp.maximum(num_red_bush, num_green_bush), num_blue_bush)
     return {"commonest": commonest.astype(jnp.float32)}
 
 

@@ -24,8 +24,10 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, count_of
 from sjdsl.runtime.exact_reals import divided, exact_ramp, exactly
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at
 
 NAME = "clean_up"
 TITLE = "Clean Up"
@@ -95,6 +97,7 @@ TOKEN_PLANES = (
 NUM_GATE = 19  # cells of gate
 NUM_ORCHARD = 122  # cells of orchard
 NUM_WATER = 147  # cells of water
+NUM_WATER_CHANNEL = 167  # cells of water, channel
 ACTION_CLEAN = 8
 ACTION_ZAP = 7
 ORCHARD_NONE = 0
@@ -114,6 +117,7 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
+WATER_UP = 1  # added to what is painted, from water on
 MARK_SHIFT = 6
 MARK_MASK = 3
 MARKS_OF_SCRUB = 28  # cells that scrub can mark
@@ -249,9 +253,7 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase start { each agent { send agent to gate } }"""
     sent = jnp.full(NUM_AGENTS, True)  # clean_up.sj:45
-    position, placed = place(
-        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    position, placed = place(CELLS_GATE, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
@@ -263,8 +265,8 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:50
     covered = occupied(orchard_under, NUM_ORCHARD)
-    num_water = jnp.sum(state.water_state == WATER_DIRTY, dtype=jnp.int32)
-    dirt = divided(num_water.astype(jnp.float32), 167.0)
+    num_dirty_water = count_of(state.water_state == WATER_DIRTY)
+    dirt = divided(num_dirty_water.astype(jnp.float32), NUM_WATER_CHANNEL)
     growth = params.best_rate * exactly(exact_ramp(exactly(dirt), params.spoiled_at, params.perfect_at))
     happens = (random_bits(key, STREAM_GROW, NUM_ORCHARD) >> 1) < threshold(growth)
     orchard_fruit = jnp.where(
@@ -284,7 +286,7 @@ def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     active = (state.step >= params.grace) & happens
     water, found = pick(state.water_state == WATER_CLEAN, random_bits(key, STREAM_POLLUTE_2))
     to_water = jnp.where(active & found, water, NUM_WATER)
-    water_state = state.water_state.at[to_water].set(WATER_DIRTY, mode="drop")
+    water_state = set_at(state.water_state, to_water, WATER_DIRTY)
     return state.replace(water_state=water_state), out
 
 
@@ -306,7 +308,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     orchard_under = SITE_OF_ORCHARD[state.position]  # clean_up.sj:59
     on_orchard_and_is_ripe = (orchard_under < NUM_ORCHARD) & (state.orchard_fruit[orchard_under] == ORCHARD_RIPE)
     to_orchard = jnp.where(on_orchard_and_is_ripe, orchard_under, NUM_ORCHARD)
-    orchard_fruit = state.orchard_fruit.at[to_orchard].set(ORCHARD_NONE, mode="drop")
+    orchard_fruit = set_at(state.orchard_fruit, to_orchard, ORCHARD_NONE)
     reward = out.reward + jnp.where(on_orchard_and_is_ripe, params.apple, 0.0)
     event_eaten = out.event_eaten + on_orchard_and_is_ripe.astype(jnp.int32)
     return state.replace(orchard_fruit=orchard_fruit), out.replace(reward=reward, event_eaten=event_eaten)
@@ -329,9 +331,11 @@ def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array
         beam_water,
         NUM_WATER,
     )
-    members = jnp.zeros((NUM_WATER, NUM_AGENTS), bool).at[
-        to_water, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]
-    ].set(True, mode="drop")
+    members = set_at(
+        jnp.zeros((NUM_WATER, NUM_AGENTS), bool),
+        (to_water, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]),
+        True,
+    )
     water_cleaners_joined = as_bits(members, jnp.uint8)
     water_cleaners = state.water_cleaners | water_cleaners_joined
     return state.replace(water_cleaners=water_cleaners, mark_scrub=marked), out
@@ -347,9 +351,8 @@ def rinse(state: State, out: Outcome, params: Params, actions: Array, key: Array
     }
     """
     has_cleaners = state.water_cleaners != 0  # clean_up.sj:68
-    picked = pick_of_sets(  # clean_up.sj:69
-        jnp.where(has_cleaners, state.water_cleaners, 0), key, lambda key: random_bits(key, STREAM_RINSE, NUM_WATER)
-    )
+    # clean_up.sj:69
+    picked = pick_of_sets(state.water_cleaners, key, lambda key: random_bits(key, STREAM_RINSE, NUM_WATER))
     cleaned = times_in(picked, NUM_AGENTS)
     event_cleaned = out.event_cleaned + cleaned
     water_state = jnp.where(has_cleaners, WATER_CLEAN, state.water_state)  # clean_up.sj:70
@@ -370,10 +373,10 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     chose_zap = actions == ACTION_ZAP  # clean_up.sj:74
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # clean_up.sj:75
     marked = jnp.where(chose_zap[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
-    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # clean_up.sj:76
+    in_beam = any_of(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # clean_up.sj:76
     victim_in_beam = chose_zap[:, None] & in_beam
-    sent = jnp.any(victim_in_beam, axis=0)
-    hits = jnp.sum(victim_in_beam, axis=1, dtype=jnp.int32)
+    sent = any_of(victim_in_beam, axis=0)
+    hits = count_of(victim_in_beam, axis=1)
     event_hits = out.event_hits + hits
     gate_under = SITE_OF_GATE[state.position]
     others = jnp.where(sent, NUM_GATE, gate_under)
@@ -390,8 +393,8 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_water = jnp.sum(state.water_state == WATER_CLEAN, dtype=jnp.int32)  # clean_up.sj:84
-    return {"clean_water": num_water.astype(jnp.float32)}
+    num_clean_water = count_of(state.water_state == WATER_CLEAN)  # clean_up.sj:84
+    return {"clean_water": num_clean_water.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:
@@ -411,7 +414,7 @@ def observe(state: State, params: Params) -> Array:
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     raw = seen_0 & CONTENT_MASK
-    content = raw + (raw >= WATER_LOOK).astype(jnp.uint8)
+    content = jnp.where(raw < WATER_LOOK, raw, raw + WATER_UP)
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)

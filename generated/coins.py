@@ -14,7 +14,9 @@ from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, site
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import count_of
 from sjdsl.runtime.egocentric_windows import fill, look_fields, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at
 
 NAME = "coins"
 TITLE = "Coins"
@@ -66,7 +68,6 @@ TOKEN_PLANES = (
     ),
 )
 
-NUM_CORNER = 2  # cells of corner
 NUM_TILE = 174  # cells of tile
 AGENT_GREEN = 1
 TILE_NONE = 0
@@ -187,9 +188,8 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     sent = jnp.full(NUM_AGENTS, True)  # coins.sj:31
     # coins.sj:32
     agent_colour = jnp.where(jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 1, AGENT_GREEN, state.agent_colour)
-    position, placed = place(  # coins.sj:31
-        CELLS_CORNER, jnp.full(NUM_CORNER, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    # coins.sj:31
+    position, placed = place(CELLS_CORNER, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(agent_colour=agent_colour, position=position, heading=heading), out
 
@@ -239,16 +239,15 @@ def take(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     on_tile_and_not_none = (tile_under < NUM_TILE) & (state.tile_coin[tile_under] != TILE_NONE)
     reward = out.reward + jnp.where(on_tile_and_not_none, params.coin, 0.0)  # coins.sj:49
     to_tile = jnp.where(on_tile_and_not_none, tile_under, NUM_TILE)  # coins.sj:50
-    tile_coin = state.tile_coin.at[to_tile].set(TILE_NONE, mode="drop")
+    tile_coin = set_at(state.tile_coin, to_tile, TILE_NONE)
     coin_is_colour = state.tile_coin[tile_under] == state.agent_colour + 1  # coins.sj:51
     event_own_coins = out.event_own_coins + (on_tile_and_not_none & coin_is_colour).astype(jnp.int32)
     active = on_tile_and_not_none & ~coin_is_colour
     event_other_coins = out.event_other_coins + active.astype(jnp.int32)  # coins.sj:53
-    num_harm = jnp.sum(  # coins.sj:54
+    num_harm = count_of(  # coins.sj:54
         active[:, None]
         & (state.agent_colour[None, :] == jnp.asarray([2, 0, 1], jnp.uint8)[state.tile_coin[tile_under]][:, None]),
         axis=0,
-        dtype=jnp.int32,
     )
     reward = reward + num_harm.astype(jnp.float32) * params.harm
     return (

@@ -15,8 +15,10 @@ from sjdsl.runtime.geometry import cells_of, lane_reach, next_cells, own_cell, p
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick_of_sets, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import count_of
 from sjdsl.runtime.line_of_sight import nearest_in_lanes
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.writing import add_at
 
 NAME = "coop_mining"
 TITLE = "Coop Mining"
@@ -84,7 +86,6 @@ TOKEN_PLANES = (
     TokenPlane(name="marks", encoding="bits", labels=("mine",), high=1),
 )
 
-NUM_CAMP = 18  # cells of camp
 NUM_ROCK = 538  # cells of rock
 ACTION_MINE = 7
 ROCK_NONE = 0
@@ -226,9 +227,7 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase start { each agent { send agent to camp } }"""
     sent = jnp.full(NUM_AGENTS, True)  # coop_mining.sj:39
-    position, placed = place(
-        CELLS_CAMP, jnp.full(NUM_CAMP, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    position, placed = place(CELLS_CAMP, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
@@ -259,9 +258,10 @@ def mine(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     eligible = (ray_rock < NUM_ROCK) & ray_reached & (state.rock_ore[ray_rock] != ROCK_NONE)
     rock, found = nearest_in_lanes(eligible, ray_rock, (3,))
     to_rock = jnp.where(chose_mine[:, None] & found, rock, NUM_ROCK)
-    rock_miners_joined = jnp.zeros(NUM_ROCK, jnp.uint8).at[to_rock].add(
+    rock_miners_joined = add_at(
+        jnp.zeros(NUM_ROCK, jnp.uint8),
+        to_rock,
         (jnp.uint8(1) << jnp.arange(NUM_AGENTS, dtype=jnp.uint8))[:, None],
-        mode="drop",
     )
     rock_miners = state.rock_miners | rock_miners_joined
     return state.replace(rock_miners=rock_miners, mark_mine=marked), out
@@ -314,7 +314,7 @@ def settle(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     num_gold_pays = times_in(jnp.where(where_hitters_at_most_most, state.rock_miners, 0), NUM_AGENTS)
     reward = reward + num_gold_pays.astype(jnp.float32) * params.gold_pays
     event_gold_mined = out.event_gold_mined + num_gold_pays  # coop_mining.sj:62
-    ores_shared = jnp.sum(where_hitters_at_most_most, dtype=jnp.int32)  # coop_mining.sj:63
+    ores_shared = count_of(where_hitters_at_most_most)  # coop_mining.sj:63
     event_ores_shared = out.event_ores_shared + ores_shared
     hitters_at_most_most = hitters <= params.most  # coop_mining.sj:65
     rock_ore = jnp.where(

@@ -14,9 +14,11 @@ from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, view_offsets,
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import come_back, drawn_by_lot, pick, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import shifted
+from sjdsl.runtime.reductions import count_of, max_of, sum_of
+from sjdsl.runtime.rows import one_hot, shifted
 from sjdsl.runtime.steering import is_one_of
 from sjdsl.runtime.egocentric_windows import fill, look_fields, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at
 
 NAME = "ferry"
 TITLE = "Ferry to a Market that Remembers"
@@ -100,6 +102,7 @@ CONTENT_MASK = 7
 AGENT_MASK = 7
 BOAT_MASK = 1
 STALL_LOOK = 4  # as it is painted
+STALL_UP = 1  # added to what is painted, from stall on
 FARM_SHOWN = 2  # as it is shown
 STREAM_START = 0x2e89a388  # ferry.sj:53
 STREAM_START_2 = 0x801ed3a9  # ferry.sj:51
@@ -265,13 +268,12 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     )
     place_3 = ((CELLS_DOCK[e] // FRAME_COLS - PAD) << 8) + (CELLS_DOCK[e] % FRAME_COLS - PAD)
     dock_across = jnp.where(found, place_3, state.dock_across)
-    position, placed = place(  # ferry.sj:51
-        CELLS_FARM, jnp.full(NUM_FARM, True), random_bits(key, STREAM_START_2, NUM_AGENTS), state.position, sent
-    )
+    # ferry.sj:51
+    position, placed = place(CELLS_FARM, None, random_bits(key, STREAM_START_2, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_3, NUM_AGENTS), 4), state.heading)
     away = jnp.where(placed, 0, state.away)
     boat_position, placed_2 = place(  # ferry.sj:52
-        CELLS_LANE, jnp.full(NUM_LANE, True), random_bits(key, STREAM_START_4, NUM_BOAT), state.boat_position, sent_2
+        CELLS_LANE, None, random_bits(key, STREAM_START_4, NUM_BOAT), state.boat_position, sent_2
     )
     boat_heading = jnp.where(
         placed_2, below(random_bits(key, STREAM_START_5, NUM_BOAT), 4).astype(jnp.uint8), state.boat_heading
@@ -366,7 +368,7 @@ def embark(state: State, out: Outcome, params: Params, actions: Array, key: Arra
     col = state.boat_position % FRAME_COLS
     col_2 = CELLS_DOCK[dock_under] % FRAME_COLS
     distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])
-    num_boat = jnp.sum(distance <= 1, axis=1, dtype=jnp.int32)
+    num_boat = count_of(distance <= 1, axis=1)
     on_dock = present & (dock_under < NUM_DOCK) & (actions == ACTION_BOARD) & (num_boat > 0)
     agent_lands = jnp.where(on_dock, state.dock_across[dock_under], state.agent_lands)
     event_crossed = out.event_crossed + on_dock.astype(jnp.int32)
@@ -423,22 +425,26 @@ def harvest(state: State, out: Outcome, params: Params, actions: Array, key: Arr
         jnp.broadcast_to(jnp.where(is_ripe, (word >> 1) + 1, 0), (NUM_AGENTS,)).reshape(-1),
         NUM_FARM,
     )
-    farm_crop = state.farm_crop.at[
+    farm_crop = set_at(
+        state.farm_crop,
         jnp.where(
             won, jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1), jnp.int32(NUM_FARM)
-        )
-    ].set(FARM_NONE, mode="drop")
+        ),
+        FARM_NONE,
+    )
     word_2 = random_bits_at(key, STREAM_HARVEST_2, instance)  # ferry.sj:70
     won_2 = drawn_by_lot(
         jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1),
         jnp.broadcast_to(jnp.where(is_ripe, (word_2 >> 1) + 1, 0), (NUM_AGENTS,)).reshape(-1),
         NUM_FARM,
     )
-    farm_rest = state.farm_rest.at[
+    farm_rest = set_at(
+        state.farm_rest,
         jnp.where(
             won_2, jnp.broadcast_to(jnp.where(is_ripe, farm_held, 0), (NUM_AGENTS,)).reshape(-1), jnp.int32(NUM_FARM)
-        )
-    ].set(params.growing.astype(jnp.uint8), mode="drop")
+        ),
+        params.growing.astype(jnp.uint8),
+    )
     event_grown = out.event_grown + is_ripe.astype(jnp.int32)
     agent_load = jnp.clip(state.agent_load.astype(jnp.int32) + agent_load_added, 0, 4).astype(jnp.uint8)
     return (
@@ -458,15 +464,11 @@ def sell(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     present = state.position != NOWHERE  # ferry.sj:75
     stall_under = SITE_OF_STALL[state.position]
     on_stall = present & (stall_under < NUM_STALL) & (actions == ACTION_SELL) & (state.agent_load > 0)
-    sales = jnp.minimum(jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:76
+    sales = jnp.minimum(sum_of(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:76
     reward = out.reward + jnp.where(on_stall, params.price[sales], 0.0)
     agent_load_added = jnp.where(on_stall, jnp.int32(-1), jnp.int32(0))
-    world_sold_added = jnp.sum(  # ferry.sj:77
-        jnp.where(
-            0 == jnp.arange(NUM_WORLD_SOLD, dtype=jnp.int32)[None, :],
-            on_stall[..., None].astype(jnp.int32),
-            jnp.int32(0),
-        ),
+    world_sold_added = sum_of(  # ferry.sj:77
+        jnp.where(one_hot(0, NUM_WORLD_SOLD)[None, :], on_stall[..., None].astype(jnp.int32), jnp.int32(0)),
         axis=0,
         dtype=jnp.int32,
     )
@@ -496,8 +498,8 @@ def allowed_actions(state: State, params: Params) -> Array:
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
     return {
-        "remembered": jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32).astype(jnp.float32),
-        "busiest_day": jnp.max(state.world_sold.astype(jnp.int32), axis=-1).astype(jnp.float32),
+        "remembered": sum_of(state.world_sold, axis=-1, dtype=jnp.int32).astype(jnp.float32),
+        "busiest_day": max_of(state.world_sold.astype(jnp.int32), axis=-1).astype(jnp.float32),
     }
 
 
@@ -525,7 +527,7 @@ def observe(state: State, params: Params) -> Array:
         0,
         jnp.where(farm_crop == FARM_RIPE, jnp.uint8(1), jnp.uint8(2)),
     )
-    content = jnp.where(is_farm, shown_crop + FARM_SHOWN, raw + (raw >= STALL_LOOK).astype(jnp.uint8))
+    content = jnp.where(is_farm, shown_crop + FARM_SHOWN, jnp.where(raw < STALL_LOOK, raw, raw + STALL_UP))
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
     agents = jnp.where(
@@ -539,7 +541,7 @@ def observe(state: State, params: Params) -> Array:
         (((seen_0 >> BOAT_SHIFT) & BOAT_MASK) != 0).astype(jnp.uint8),
         0,
     )
-    sales = jnp.minimum(jnp.sum(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:85
+    sales = jnp.minimum(sum_of(state.world_sold, axis=-1, dtype=jnp.int32), 9)  # ferry.sj:85
     shown_sales = sales.astype(jnp.uint8)
     present = state.position != NOWHERE
     return planes_of(

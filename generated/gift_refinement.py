@@ -14,8 +14,10 @@ from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, paint
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import entry, lowest
+from sjdsl.runtime.reductions import any_of, argmax_of, count_of, sum_of
+from sjdsl.runtime.rows import entry, lowest, one_hot
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.writing import add_at, add_to_entry, set_at, set_entry
 
 NAME = "gift_refinement"
 TITLE = "Gift Refinement"
@@ -86,7 +88,6 @@ TOKEN_PLANES = (
     TokenPlane(name="agent.bag[fine]", encoding="number", labels=(), high=15, uniform=True),
 )
 
-NUM_CAMP = 18  # cells of camp
 NUM_GROUND = 538  # cells of ground
 NUM_AGENT_BAG = 3  # raw, cut, fine
 ACTION_CONSUME = 8
@@ -223,9 +224,7 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase start { each agent { send agent to camp } }"""
     sent = jnp.full(NUM_AGENTS, True)  # gift_refinement.sj:36
-    position, placed = place(
-        CELLS_CAMP, jnp.full(NUM_CAMP, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    position, placed = place(CELLS_CAMP, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
@@ -258,11 +257,9 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     ground_under = SITE_OF_GROUND[state.position]  # gift_refinement.sj:43
     on_ground_and_is_raw = (ground_under < NUM_GROUND) & (state.ground_token[ground_under] == GROUND_RAW)
     to_ground = jnp.where(on_ground_and_is_raw, ground_under, NUM_GROUND)
-    ground_token = state.ground_token.at[to_ground].set(GROUND_NONE, mode="drop")
+    ground_token = set_at(state.ground_token, to_ground, GROUND_NONE)
     agent_bag_added = jnp.where(
-        AGENT_BAG_RAW == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
-        on_ground_and_is_raw[..., None].astype(jnp.int32),
-        jnp.int32(0),
+        one_hot(AGENT_BAG_RAW, NUM_AGENT_BAG)[None, :], on_ground_and_is_raw[..., None].astype(jnp.int32), jnp.int32(0)
     )
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(ground_token=ground_token, agent_bag=agent_bag), out
@@ -277,12 +274,10 @@ def consume(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     """
     chose_consume = actions == ACTION_CONSUME  # gift_refinement.sj:46
     reward = out.reward + jnp.where(  # gift_refinement.sj:47
-        chose_consume, params.worth * jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32).astype(jnp.float32), 0.0
+        chose_consume, params.worth * sum_of(state.agent_bag, axis=-1, dtype=jnp.int32).astype(jnp.float32), 0.0
     )
     agent_bag = jnp.where(chose_consume[:, None], 0, state.agent_bag)
-    event_consumed = out.event_consumed + jnp.where(
-        chose_consume, jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32), 0
-    )
+    event_consumed = out.event_consumed + jnp.where(chose_consume, sum_of(state.agent_bag, axis=-1, dtype=jnp.int32), 0)
     return state.replace(agent_bag=agent_bag), out.replace(reward=reward, event_consumed=event_consumed)
 
 
@@ -304,34 +299,35 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     ray_cells = state.position[:, None] + RAY_OFFSETS[state.heading]  # gift_refinement.sj:51
     marked = jnp.where((actions == ACTION_GIFT)[:, None] & INSIDE[ray_cells], ray_cells, NOWHERE).reshape(-1)
     # gift_refinement.sj:52
-    chose_gift = (actions == ACTION_GIFT) & (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0)
+    chose_gift = (actions == ACTION_GIFT) & (sum_of(state.agent_bag, axis=-1, dtype=jnp.int32) > 0)
     level = lowest(state.agent_bag.astype(jnp.int32))  # gift_refinement.sj:53
     standing = ray_cells[:, :, None] == state.position[None, None, :]  # gift_refinement.sj:54
-    friend = jnp.argmax(standing, axis=-1).astype(jnp.int32)
-    anybody = jnp.any(standing, axis=-1)
+    friend = argmax_of(standing, axis=-1)
+    anybody = any_of(standing, axis=-1)
     where_bag_becomes_level_below_15 = (  # gift_refinement.sj:55
         chose_gift[:, None]
         & anybody
         & (entry(state.agent_bag[friend].astype(jnp.int32), params.becomes[level][:, None]) < 15)
     )
-    agent_bag_added = jnp.sum(  # gift_refinement.sj:56
+    agent_bag_added = sum_of(  # gift_refinement.sj:56
         jnp.where(
-            level[:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
+            one_hot(level[:, None], NUM_AGENT_BAG),
             jnp.where(where_bag_becomes_level_below_15, jnp.int32(-1), jnp.int32(0))[..., None],
             jnp.int32(0),
         ),
         axis=1,
         dtype=jnp.int32,
     )
-    agent_post_added = jnp.zeros((NUM_AGENTS, NUM_AGENT_BAG), jnp.int32).at[friend].add(  # gift_refinement.sj:57
+    agent_post_added = add_at(  # gift_refinement.sj:57
+        jnp.zeros((NUM_AGENTS, NUM_AGENT_BAG), jnp.int32),
+        friend,
         jnp.where(
-            params.becomes[level][:, None, None] == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, None, :],
+            one_hot(params.becomes[level][:, None], NUM_AGENT_BAG),
             jnp.where(where_bag_becomes_level_below_15, params.yields[level][:, None], 0)[..., None],
             jnp.int32(0),
         ),
-        mode="drop",
     )
-    given = jnp.sum(where_bag_becomes_level_below_15, axis=1, dtype=jnp.int32)  # gift_refinement.sj:58
+    given = count_of(where_bag_becomes_level_below_15, axis=1)  # gift_refinement.sj:58
     event_given = out.event_given + given
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     agent_post = jnp.clip(state.agent_post.astype(jnp.int32) + agent_post_added, 0, 25).astype(jnp.uint8)
@@ -354,11 +350,13 @@ def receive(
     """
     post_level_above_0 = state.agent_post[:, agent_bag_level] > 0  # gift_refinement.sj:64
     agent_bag_added = jnp.where(  # gift_refinement.sj:65
-        agent_bag_level == jnp.arange(NUM_AGENT_BAG, dtype=jnp.uint8)[None, :],
+        one_hot(agent_bag_level, NUM_AGENT_BAG)[None, :],
         jnp.where(post_level_above_0, state.agent_post[:, agent_bag_level].astype(jnp.int32), 0)[..., None],
         jnp.int32(0),
     )
-    event_received = out.event_received.at[:, agent_bag_level].add(  # gift_refinement.sj:66
+    event_received = add_to_entry(  # gift_refinement.sj:66
+        out.event_received,
+        agent_bag_level,
         jnp.where(
             post_level_above_0,
             jnp.minimum(
@@ -366,10 +364,10 @@ def receive(
                 15 - state.agent_bag[:, agent_bag_level].astype(jnp.int32),
             ),
             0,
-        )
+        ),
     )
-    agent_post = state.agent_post.at[:, agent_bag_level].set(  # gift_refinement.sj:67
-        jnp.where(post_level_above_0, 0, state.agent_post[:, agent_bag_level])
+    agent_post = set_entry(  # gift_refinement.sj:67
+        state.agent_post, agent_bag_level, jnp.where(post_level_above_0, 0, state.agent_post[:, agent_bag_level])
     )
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(agent_post=agent_post, agent_bag=agent_bag), out.replace(event_received=event_received)
@@ -382,7 +380,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    total = jnp.sum(  # gift_refinement.sj:79
+    total = sum_of(  # gift_refinement.sj:79
         state.agent_bag[:, AGENT_BAG_CUT].astype(jnp.int32) + state.agent_bag[:, AGENT_BAG_FINE].astype(jnp.int32),
         dtype=jnp.int32,
     )

@@ -25,7 +25,9 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, count_of
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at
 
 NAME = "harvest_closed"
 TITLE = "Commons Harvest: Closed"
@@ -75,7 +77,6 @@ TOKEN_PLANES = (
     TokenPlane(name="marks", encoding="bits", labels=("fire",), high=1),
 )
 
-NUM_DEN = 2  # cells of den
 NUM_GATE = 19  # cells of gate
 NUM_SOIL = 64  # cells of soil
 ACTION_ZAP = 7
@@ -244,13 +245,9 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """
     index_below_2 = jnp.arange(NUM_AGENTS, dtype=jnp.int32) < 2  # harvest_open.sj:39
     sent = ~index_below_2
-    position, placed = place(
-        CELLS_DEN, jnp.full(NUM_DEN, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, index_below_2
-    )
+    position, placed = place(CELLS_DEN, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, index_below_2)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
-    position, placed_2 = place(
-        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START_3, NUM_AGENTS), position, sent
-    )
+    position, placed_2 = place(CELLS_GATE, None, random_bits(key, STREAM_START_3, NUM_AGENTS), position, sent)
     heading = jnp.where(placed_2, below(random_bits(key, STREAM_START_4, NUM_AGENTS), 4), heading)
     return state.replace(position=position, heading=heading), out
 
@@ -302,7 +299,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     soil_under = SITE_OF_SOIL[state.position]  # harvest_open.sj:53
     on_soil_and_is_ripe = (soil_under < NUM_SOIL) & (state.soil_fruit[soil_under] == SOIL_RIPE)
     to_soil = jnp.where(on_soil_and_is_ripe, soil_under, NUM_SOIL)  # harvest_open.sj:54
-    soil_fruit = state.soil_fruit.at[to_soil].set(SOIL_NONE, mode="drop")
+    soil_fruit = set_at(state.soil_fruit, to_soil, SOIL_NONE)
     reward = out.reward + jnp.where(on_soil_and_is_ripe, params.apple, 0.0)  # harvest_open.sj:55
     event_eaten = out.event_eaten + on_soil_and_is_ripe.astype(jnp.int32)  # harvest_open.sj:56
     return state.replace(soil_fruit=soil_fruit), out.replace(reward=reward, event_eaten=event_eaten)
@@ -325,10 +322,10 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     beam_reached = from_bits(beam_bits, NUM_BEAM_CELLS)
     marked = jnp.where(chose_zap[:, None] & beam_reached, beam_cells, NOWHERE).reshape(-1)
     # harvest_open.sj:62
-    in_beam = jnp.any((beam_cells[:, :, None] == state.position[None, None, :]) & beam_reached[:, :, None], axis=1)
+    in_beam = any_of((beam_cells[:, :, None] == state.position[None, None, :]) & beam_reached[:, :, None], axis=1)
     victim_in_beam = chose_zap[:, None] & in_beam
-    sent = jnp.any(victim_in_beam, axis=0)  # harvest_open.sj:63
-    hits = jnp.sum(victim_in_beam, axis=1, dtype=jnp.int32)  # harvest_open.sj:64
+    sent = any_of(victim_in_beam, axis=0)  # harvest_open.sj:63
+    hits = count_of(victim_in_beam, axis=1)  # harvest_open.sj:64
     event_hits = out.event_hits + hits
     gate_under = SITE_OF_GATE[state.position]  # harvest_open.sj:63
     others = jnp.where(sent, NUM_GATE, gate_under)
@@ -345,8 +342,8 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_soil = jnp.sum(state.soil_fruit == SOIL_RIPE, dtype=jnp.int32)  # harvest_open.sj:70
-    return {"apples_left": num_soil.astype(jnp.float32)}
+    num_ripe_soil = count_of(state.soil_fruit == SOIL_RIPE)  # harvest_open.sj:70
+    return {"apples_left": num_ripe_soil.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:

@@ -13,6 +13,7 @@ from sjdsl.runtime.geometry import cells_of, next_cells, own_cell, painted, shap
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import choose, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, count_of, sum_of
 from sjdsl.runtime.egocentric_windows import fill, look_fields, paint, planes_of, windows
 
 NAME = "lb_foraging"
@@ -73,7 +74,6 @@ TOKEN_PLANES = (
 )
 
 NUM_FLOOR = 26  # cells of floor
-NUM_START = 4  # cells of start
 ACTION_LOAD = 5
 NORTH = 0
 NO_STEP = 4
@@ -87,7 +87,7 @@ RIGHT = 4  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
 START_LOOK = 5  # as it is painted
-START_UP = 6  # from its looks on, from painted to shown
+START_UP = 6  # added to what is painted, from start on
 FLOOR_SHOWN = 1  # as it is shown
 STREAM_START = 0xbe6537e4  # lb_foraging.sj:37
 STREAM_START_2 = 0xab566a18  # lb_foraging.sj:40
@@ -203,9 +203,8 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     taken = choose(member, random_bits(key, STREAM_START_2, 4), jnp.int32(4))
     level_2 = below(random_bits(key, STREAM_START_3, NUM_FLOOR), 3) + 1  # lb_foraging.sj:41
     floor_food = jnp.where(taken, level_2.astype(jnp.uint8), state.floor_food)  # lb_foraging.sj:42
-    position, placed = place(  # lb_foraging.sj:36
-        CELLS_START, jnp.full(NUM_START, True), random_bits(key, STREAM_START_4, NUM_AGENTS), state.position, sent
-    )
+    # lb_foraging.sj:36
+    position, placed = place(CELLS_START, None, random_bits(key, STREAM_START_4, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, NORTH, state.heading)
     return state.replace(agent_level=agent_level, floor_food=floor_food, position=position, heading=heading), out
 
@@ -244,10 +243,10 @@ def load(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     }
     """
     food_above_0 = state.floor_food > 0  # lb_foraging.sj:50
-    in_beside = jnp.any(  # lb_foraging.sj:51
+    in_beside = any_of(  # lb_foraging.sj:51
         (CELLS_FLOOR[:, None] + BESIDE_AROUND[None, :])[:, :, None] == state.position[None, None, :], axis=1
     )
-    strength = jnp.sum(
+    strength = sum_of(
         jnp.where(in_beside & (actions == ACTION_LOAD)[None, :], state.agent_level[None, :].astype(jnp.int32), 0),
         axis=1,
         dtype=jnp.int32,
@@ -256,7 +255,7 @@ def load(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     where_strength_above_0 = food_above_0 & strength_above_0
     # lb_foraging.sj:53
     agent_in_beside = where_strength_above_0[:, None] & in_beside & (actions == ACTION_LOAD)[None, :]
-    reward = out.reward + jnp.sum(  # lb_foraging.sj:54
+    reward = out.reward + sum_of(  # lb_foraging.sj:54
         jnp.where(
             agent_in_beside,
             (params.worth * state.floor_food.astype(jnp.float32))[:, None]
@@ -267,14 +266,14 @@ def load(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         axis=0,
         dtype=jnp.float32,
     )
-    shared = jnp.sum(agent_in_beside, axis=0, dtype=jnp.int32)  # lb_foraging.sj:55
+    shared = count_of(agent_in_beside, axis=0)  # lb_foraging.sj:55
     event_shared = out.event_shared + shared
-    taken = jnp.sum(where_strength_above_0, dtype=jnp.int32)  # lb_foraging.sj:57
+    taken = count_of(where_strength_above_0)  # lb_foraging.sj:57
     event_taken = out.event_taken + taken
     floor_food = jnp.where(where_strength_above_0, 0, state.floor_food)  # lb_foraging.sj:58
     active = food_above_0 & ~strength_above_0
     agent_in_beside_2 = active[:, None] & in_beside & (actions == ACTION_LOAD)[None, :]  # lb_foraging.sj:60
-    times = jnp.sum(agent_in_beside_2, axis=0, dtype=jnp.int32)
+    times = count_of(agent_in_beside_2, axis=0)
     reward = reward + times.astype(jnp.float32) * -params.penalty
     event_vain = out.event_vain + times
     return (
@@ -285,7 +284,7 @@ def load(state: State, out: Outcome, params: Params, actions: Array, key: Array)
 
 def finish(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase finish { when count(floor where floor.food > 0) == 0 { end } }"""
-    num_floor = jnp.sum(state.floor_food > 0, dtype=jnp.int32)  # lb_foraging.sj:64
+    num_floor = count_of(state.floor_food > 0)  # lb_foraging.sj:64
     ended = out.ended | (num_floor == 0)
     return state, out.replace(ended=ended)
 
@@ -297,7 +296,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_floor = jnp.sum(state.floor_food > 0, dtype=jnp.int32)  # lb_foraging.sj:84
+    num_floor = count_of(state.floor_food > 0)  # lb_foraging.sj:84
     return {"left": num_floor.astype(jnp.float32)}
 
 
@@ -330,9 +329,7 @@ def observe(state: State, params: Params) -> Array:
         jnp.where(floor_food == 3, 2, jnp.where(floor_food == 4, 3, jnp.where(floor_food == 5, 4, chosen))),
     )
     shown_food = jnp.where(floor_food == 1, 0, chosen_2)
-    content = jnp.where(
-        is_floor, shown_food + FLOOR_SHOWN, raw + jnp.where(raw >= START_LOOK, jnp.uint8(START_UP), jnp.uint8(0))
-    )
+    content = jnp.where(is_floor, shown_food + FLOOR_SHOWN, jnp.where(raw < START_LOOK, raw, raw + START_UP))
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
     agents = jnp.where(

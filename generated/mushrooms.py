@@ -23,7 +23,10 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import choose_by_chance, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, count_of, sum_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at, set_entry
 
 NAME = "mushrooms"
 TITLE = "Externality Mushrooms"
@@ -91,13 +94,9 @@ NUM_WORLD_TRIALS = 4  # red, green, blue, orange
 ACTION_ZAP = 7
 GROUND_NONE = 0
 GROUND_RED = 1
-WORLD_TRIALS_RED = 0
 GROUND_GREEN = 2
-WORLD_TRIALS_GREEN = 1
 GROUND_BLUE = 3
-WORLD_TRIALS_BLUE = 2
 GROUND_ORANGE = 4
-WORLD_TRIALS_ORANGE = 3
 NO_STEP = 4
 NOWHERE = 0  # the cell of agents that are not on the map
 GROUND_LOOK = 1  # as it is painted
@@ -227,36 +226,17 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.any(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(mark_fire=jnp.zeros_like(state.mark_fire))
     state, out = tick(state, out, params, actions, key)
     state, out = walk(state, out, params, actions, key)
     state, out = eat(state, out, params, actions, key)
-    state, out = sprout(
-        state, out, params, actions, key, GROUND_RED, WORLD_TRIALS_RED, STREAM_SPROUT_RED, STREAM_SPROUT_RED_2
-    )
-    state, out = sprout(
-        state, out, params, actions, key, GROUND_GREEN, WORLD_TRIALS_GREEN, STREAM_SPROUT_GREEN, STREAM_SPROUT_GREEN_2
-    )
-    state, out = sprout(
-        state, out, params, actions, key, GROUND_BLUE, WORLD_TRIALS_BLUE, STREAM_SPROUT_BLUE, STREAM_SPROUT_BLUE_2
-    )
-    state, out = sprout(
-        state,
-        out,
-        params,
-        actions,
-        key,
-        GROUND_ORANGE,
-        WORLD_TRIALS_ORANGE,
-        STREAM_SPROUT_ORANGE,
-        STREAM_SPROUT_ORANGE_2,
-    )
+    state, out = sprout(state, out, params, actions, key, GROUND_RED, STREAM_SPROUT_RED, STREAM_SPROUT_RED_2)
+    state, out = sprout(state, out, params, actions, key, GROUND_GREEN, STREAM_SPROUT_GREEN, STREAM_SPROUT_GREEN_2)
+    state, out = sprout(state, out, params, actions, key, GROUND_BLUE, STREAM_SPROUT_BLUE, STREAM_SPROUT_BLUE_2)
+    state, out = sprout(state, out, params, actions, key, GROUND_ORANGE, STREAM_SPROUT_ORANGE, STREAM_SPROUT_ORANGE_2)
     state, out = fire(state, out, params, actions, key)
     return state, out
 
@@ -301,23 +281,20 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
     on_ground_and_not_none = (ground_under < NUM_GROUND) & (state.ground_grows[ground_under] != GROUND_NONE)
     meal = state.ground_grows[ground_under] - 1  # mushrooms.sj:56
     to_ground = jnp.where(on_ground_and_not_none, ground_under, NUM_GROUND)  # mushrooms.sj:57
-    ground_grows = state.ground_grows.at[to_ground].set(GROUND_NONE, mode="drop")
+    ground_grows = set_at(state.ground_grows, to_ground, GROUND_NONE)
     # mushrooms.sj:58
     agent_digesting = jnp.where(on_ground_and_not_none, params.digestion[meal].astype(jnp.uint8), state.agent_digesting)
     event_eaten = out.event_eaten + (  # mushrooms.sj:59
-        on_ground_and_not_none[:, None] & (meal[:, None] == jnp.arange(NUM_WORLD_TRIALS, dtype=jnp.uint8)[None, :])
+        on_ground_and_not_none[:, None] & one_hot(meal, NUM_WORLD_TRIALS)
     ).astype(jnp.int32)
-    world_trials_added = jnp.sum(  # mushrooms.sj:60
+    world_trials_added = sum_of(  # mushrooms.sj:60
         jnp.where(on_ground_and_not_none[:, None], params.spores[meal], 0), axis=0, dtype=jnp.int32
     )
     reward = out.reward + jnp.where(on_ground_and_not_none, params.eater[meal], 0.0)  # mushrooms.sj:61
-    reward = reward + jnp.sum(jnp.where(on_ground_and_not_none, params.everyone[meal], 0.0), dtype=jnp.float32)
-    reward = reward + jnp.sum(
+    reward = reward + sum_of(jnp.where(on_ground_and_not_none, params.everyone[meal], 0.0), dtype=jnp.float32)
+    reward = reward + sum_of(
         jnp.where(
-            on_ground_and_not_none[:, None]
-            & (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
-            params.others[meal][:, None],
-            0.0,
+            on_ground_and_not_none[:, None] & ~jnp.eye(NUM_AGENTS, dtype=bool), params.others[meal][:, None], 0.0
         ),
         axis=0,
         dtype=jnp.float32,
@@ -330,15 +307,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
 
 
 def sprout(
-    state: State,
-    out: Outcome,
-    params: Params,
-    actions: Array,
-    key: Array,
-    ground_what: int,
-    world_trials_what: int,
-    stream: int,
-    stream_2: int,
+    state: State, out: Outcome, params: Params, actions: Array, key: Array, ground_what: int, stream: int, stream_2: int
 ) -> tuple[State, Outcome]:
     """phase sprout(what) {
       when count(ground where ground.grows is what) <= crowd[what] {
@@ -349,21 +318,21 @@ def sprout(
       set trials[what] = 0
     }
     """
-    num_ground = jnp.sum(state.ground_grows == ground_what, dtype=jnp.int32)  # mushrooms.sj:65
-    active = num_ground <= params.crowd[world_trials_what]
+    num_what_ground = count_of(state.ground_grows == ground_what)  # mushrooms.sj:65
+    active = num_what_ground <= params.crowd[ground_what - 1]
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
     covered = occupied(ground_under, NUM_GROUND)
     member = (state.ground_grows == GROUND_NONE) & ~covered
     taken = choose_by_chance(
         member,
         random_bits(key, stream, 20),
-        state.world_trials[world_trials_what].astype(jnp.int32),
+        state.world_trials[ground_what - 1].astype(jnp.int32),
         key,
         stream_2,
-        threshold(params.regrow[world_trials_what]),
+        threshold(params.regrow[ground_what - 1]),
     )
     ground_grows = jnp.where(active & taken, ground_what, state.ground_grows)  # mushrooms.sj:67
-    world_trials = state.world_trials.at[world_trials_what].set(0)  # mushrooms.sj:70
+    world_trials = set_entry(state.world_trials, ground_what - 1, 0)  # mushrooms.sj:70
     return state.replace(ground_grows=ground_grows, world_trials=world_trials), out
 
 
@@ -381,10 +350,10 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     chose_zap = actions == ACTION_ZAP  # mushrooms.sj:73
     beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # mushrooms.sj:74
     marked = jnp.where(chose_zap[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
-    in_beam = jnp.any(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:75
+    in_beam = any_of(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # mushrooms.sj:75
     victim_in_beam = chose_zap[:, None] & in_beam
-    sent = jnp.any(victim_in_beam, axis=0)  # mushrooms.sj:76
-    hits = jnp.sum(victim_in_beam, axis=1, dtype=jnp.int32)  # mushrooms.sj:77
+    sent = any_of(victim_in_beam, axis=0)  # mushrooms.sj:76
+    hits = count_of(victim_in_beam, axis=1)  # mushrooms.sj:77
     event_hits = out.event_hits + hits
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:76
     free = ~occupied(ground_under, NUM_GROUND) & (state.ground_grows == GROUND_NONE)

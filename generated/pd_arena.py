@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.counting import occupied
+from sjdsl.runtime.counting import occupied, segment_sum
 from sjdsl.runtime.random_bits import below, ranks, random_bits, random_bits_at, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import (
@@ -23,8 +23,10 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pair, place
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.runtime.rows import mix
+from sjdsl.runtime.reductions import any_of, sum_of
+from sjdsl.runtime.rows import mix, one_hot
 from sjdsl.runtime.egocentric_windows import fill, look_number, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at
 
 NAME = "pd_arena"
 TITLE = "Prisoner's Dilemma in the matrix: Arena"
@@ -231,10 +233,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.any(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(mark_meet=jnp.zeros_like(state.mark_meet))
@@ -249,9 +248,7 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase start { each agent { send agent to gate } }"""
     sent = jnp.full(NUM_AGENTS, True)  # pd_arena.sj:42
-    position, placed = place(
-        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    position, placed = place(CELLS_GATE, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
@@ -293,15 +290,14 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     patch_under = SITE_OF_PATCH[state.position]  # pd_arena.sj:49
     on_patch_and_is_ripe = (patch_under < NUM_PATCH) & (state.patch_stock[patch_under] == PATCH_RIPE)
     to_patch = jnp.where(on_patch_and_is_ripe, patch_under, NUM_PATCH)  # pd_arena.sj:50
-    patch_stock = state.patch_stock.at[to_patch].set(PATCH_NONE, mode="drop")
+    patch_stock = set_at(state.patch_stock, to_patch, PATCH_NONE)
     agent_bag_added = jnp.where(  # pd_arena.sj:51
-        state.patch_class[patch_under][..., None] == jnp.arange(NUM_PATCH_CLASS, dtype=jnp.uint8)[None, :],
+        one_hot(state.patch_class[patch_under], NUM_PATCH_CLASS),
         on_patch_and_is_ripe[..., None].astype(jnp.int32),
         jnp.int32(0),
     )
     event_collected = out.event_collected + (
-        on_patch_and_is_ripe[:, None]
-        & (state.patch_class[patch_under][:, None] == jnp.arange(NUM_PATCH_CLASS, dtype=jnp.uint8)[None, :])
+        on_patch_and_is_ripe[:, None] & one_hot(state.patch_class[patch_under], NUM_PATCH_CLASS)
     ).astype(jnp.int32)
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 100).astype(jnp.uint8)
     return state.replace(patch_stock=patch_stock, agent_bag=agent_bag), out.replace(event_collected=event_collected)
@@ -323,32 +319,22 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     """
     reach_cells = state.position[:, None] + REACH_OFFSETS[state.heading]  # pd_arena.sj:55
     marked = jnp.where((actions == ACTION_INTERACT)[:, None] & INSIDE[reach_cells], reach_cells, NOWHERE).reshape(-1)
-    in_reach = jnp.any(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:56
-    ready = (jnp.sum(state.agent_bag, axis=-1, dtype=jnp.int32) > 0) & (state.agent_resting == 0)
+    in_reach = any_of(reach_cells[:, :, None] == state.position[None, None, :], axis=1)  # pd_arena.sj:56
+    ready = (sum_of(state.agent_bag, axis=-1, dtype=jnp.int32) > 0) & (state.agent_resting == 0)
     pairs = (
         in_reach & ((actions == ACTION_INTERACT) & ready)[:, None] & ready[None, :] & ~jnp.eye(NUM_AGENTS, dtype=bool)
     )
     order = ranks(random_bits(key, STREAM_MEET, NUM_AGENTS, NUM_AGENTS), pairs)
     column = pair(order, alike=True)
     matched = column < NUM_AGENTS
-    expected_row = jnp.sum(  # pd_arena.sj:57
-        mix(state.agent_bag.astype(jnp.int32))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32
-    )
-    expected = jnp.sum(mix(state.agent_bag[column].astype(jnp.int32)) * expected_row, axis=1, dtype=jnp.float32)
+    bag_shares = mix(state.agent_bag.astype(jnp.int32))  # pd_arena.sj:57
+    expected_row = sum_of(bag_shares[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32)
+    bag_shares_2 = mix(state.agent_bag[column].astype(jnp.int32))
+    expected = sum_of(bag_shares_2 * expected_row, axis=1, dtype=jnp.float32)
     reward = out.reward + jnp.where(matched, expected, 0.0)
-    expected_row_2 = jnp.sum(  # pd_arena.sj:58
-        mix(state.agent_bag[column].astype(jnp.int32))[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32
-    )
-    expected_2 = jnp.sum(mix(state.agent_bag.astype(jnp.int32)) * expected_row_2, axis=1, dtype=jnp.float32)
-    reward = reward + jnp.sum(
-        jnp.where(
-            matched[:, None] & (column[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
-            expected_2[:, None],
-            0.0,
-        ),
-        axis=0,
-        dtype=jnp.float32,
-    )
+    expected_row_2 = sum_of(bag_shares_2[:, :, None] * params.payoff[None], axis=1, dtype=jnp.float32)  # pd_arena.sj:58
+    expected_2 = sum_of(bag_shares * expected_row_2, axis=1, dtype=jnp.float32)
+    reward = reward + segment_sum(jnp.where(matched, expected_2, 0.0), column, NUM_AGENTS)
     one = jnp.stack([jnp.arange(NUM_AGENTS, dtype=jnp.int32), column], axis=1)  # pd_arena.sj:59
     active = matched[:, None] & ~(
         (jnp.arange(2, dtype=jnp.int32) == 1)[None, :] & (column == jnp.arange(NUM_AGENTS, dtype=jnp.int32))[:, None]
@@ -358,14 +344,10 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     word = random_bits_at(key, STREAM_MEET_2, instance)
     rest = below(word, params.rest_hi - params.rest_lo + 1) + params.rest_lo
     to_agent = jnp.where(active, one, NUM_AGENTS)  # pd_arena.sj:61
-    agent_resting = state.agent_resting.at[to_agent].set(rest.astype(jnp.uint8), mode="drop")
-    agent_bag = state.agent_bag.at[to_agent].set(0, mode="drop")
-    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent].set(True, mode="drop")
-    met = jnp.sum(
-        active[:, :, None] & (one[:, :, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, None, :]),
-        axis=(0, 1),
-        dtype=jnp.int32,
-    )
+    agent_resting = set_at(state.agent_resting, to_agent, rest.astype(jnp.uint8))
+    agent_bag = set_at(state.agent_bag, to_agent, 0)
+    sent = set_at(jnp.zeros(NUM_AGENTS, bool), to_agent, True)
+    met = segment_sum(active, one, NUM_AGENTS)
     event_met = out.event_met + met
     gate_under = SITE_OF_GATE[state.position]
     others = jnp.where(sent, NUM_GATE, gate_under)

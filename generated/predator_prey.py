@@ -7,14 +7,17 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.counting import occupied
+from sjdsl.runtime.counting import occupied, segment_sum
 from sjdsl.runtime.random_bits import below, ranks, random_bits, random_bits_at, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, inside, next_cells, own_cell, painted, shape_offsets, site_numbers
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import come_back, pair_reached, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, argmax_of, count_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
+from sjdsl.runtime.writing import set_at
 
 NAME = "predator_prey"
 TITLE = "Predator and Prey: Open"
@@ -298,10 +301,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.any(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(mark_hunt=jnp.zeros_like(state.mark_hunt))
@@ -324,13 +324,11 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     agent_role = jnp.where(index_below_3, AGENT_PREDATOR, state.agent_role)
     sent = ~index_below_3
     position, placed = place(
-        CELLS_LAIR, jnp.full(NUM_LAIR, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, index_below_3
+        CELLS_LAIR, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, index_below_3
     )
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     away = jnp.where(placed, 0, state.away)
-    position, placed_2 = place(
-        CELLS_NEST, jnp.full(NUM_NEST, True), random_bits(key, STREAM_START_3, NUM_AGENTS), position, sent
-    )
+    position, placed_2 = place(CELLS_NEST, None, random_bits(key, STREAM_START_3, NUM_AGENTS), position, sent)
     heading = jnp.where(placed_2, below(random_bits(key, STREAM_START_4, NUM_AGENTS), 4), heading)
     away = jnp.where(placed_2, 0, away)
     return state.replace(agent_role=agent_role, position=position, heading=heading, away=away), out
@@ -431,7 +429,7 @@ def gather(state: State, out: Outcome, params: Params, actions: Array, key: Arra
         & (state.tree_fruit[tree_under] == TREE_RIPE)
     )
     to_tree = jnp.where(on_tree, tree_under, NUM_TREE)  # predator_prey.sj:59
-    tree_fruit = state.tree_fruit.at[to_tree].set(TREE_NONE, mode="drop")
+    tree_fruit = set_at(state.tree_fruit, to_tree, TREE_NONE)
     reward = out.reward + jnp.where(on_tree, params.apple, 0.0)
     event_apples_eaten = out.event_apples_eaten + on_tree.astype(jnp.int32)
     oak_under = SITE_OF_OAK[state.position]  # predator_prey.sj:61
@@ -443,7 +441,7 @@ def gather(state: State, out: Outcome, params: Params, actions: Array, key: Arra
         & (state.oak_fruit[oak_under] == OAK_RIPE)
     )
     to_oak = jnp.where(on_oak, oak_under, NUM_OAK)  # predator_prey.sj:62
-    oak_fruit = state.oak_fruit.at[to_oak].set(OAK_NONE, mode="drop")
+    oak_fruit = set_at(state.oak_fruit, to_oak, OAK_NONE)
     agent_mouth = jnp.where(on_oak, AGENT_HOLDING, state.agent_mouth)
     return (
         state.replace(tree_fruit=tree_fruit, oak_fruit=oak_fruit, agent_mouth=agent_mouth),
@@ -497,27 +495,24 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         NOWHERE,
     ).reshape(-1)
     standing = jaws_cells[:, :, None] == state.position[None, None, :]  # predator_prey.sj:73
-    target = jnp.argmax(standing, axis=-1).astype(jnp.int32)
-    anybody = jnp.any(standing, axis=-1)
+    target = argmax_of(standing, axis=-1)
+    anybody = any_of(standing, axis=-1)
     position = state.position[target]
     disc_3_centre_cells = position[:, :, None] + DISC_3_CENTRE_OFFSETS[0][None, None, :]
-    in_disc_3_centre = jnp.any(disc_3_centre_cells[:, :, :, None] == state.position[None, None, None, :], axis=2)
-    num_a = jnp.sum(
+    in_disc_3_centre = any_of(disc_3_centre_cells[:, :, :, None] == state.position[None, None, None, :], axis=2)
+    num_a = count_of(
         present[None, None, :]
         & in_disc_3_centre
         & ((state.agent_role == AGENT_PREY) & (state.agent_mouth != AGENT_EATING))[None, None, :],
         axis=2,
-        dtype=jnp.int32,
     )
-    num_a_2 = jnp.sum(
-        present[None, None, :] & in_disc_3_centre & (state.agent_role == AGENT_PREDATOR)[None, None, :],
-        axis=2,
-        dtype=jnp.int32,
+    num_predator_a = count_of(
+        present[None, None, :] & in_disc_3_centre & (state.agent_role == AGENT_PREDATOR)[None, None, :], axis=2
     )
     eligible = (
         anybody
         & ((state.agent_role == AGENT_PREDATOR) & (actions == ACTION_BITE))[:, None]
-        & ((state.agent_role[target] == AGENT_PREDATOR) | (num_a <= num_a_2))
+        & ((state.agent_role[target] == AGENT_PREDATOR) | (num_a <= num_predator_a))
     )
     pairs = present[:, None] & eligible & (target != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
     instance = (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None] * NUM_AGENTS + target).astype(jnp.uint32)
@@ -526,20 +521,16 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     matched = target_2 < NUM_AGENTS
     agent_resting = jnp.where(matched, params.rest, state.agent_resting)  # predator_prey.sj:75
     to_agent = jnp.where(matched, target_2, NUM_AGENTS)  # predator_prey.sj:76
-    agent_mouth = state.agent_mouth.at[to_agent].set(AGENT_EMPTY, mode="drop")
+    agent_mouth = set_at(state.agent_mouth, to_agent, AGENT_EMPTY)
     is_predator = state.agent_role[target_2] == AGENT_PREDATOR  # predator_prey.sj:77
     to_agent_2 = jnp.where(matched & is_predator, target_2, NUM_AGENTS)
-    sent = jnp.zeros(NUM_AGENTS, bool).at[to_agent_2].set(True, mode="drop")
+    sent = set_at(jnp.zeros(NUM_AGENTS, bool), to_agent_2, True)
     active = matched & ~is_predator
     to_agent_3 = jnp.where(active, target_2, NUM_AGENTS)  # predator_prey.sj:78
-    sent_2 = jnp.zeros(NUM_AGENTS, bool).at[to_agent_3].set(True, mode="drop")
+    sent_2 = set_at(jnp.zeros(NUM_AGENTS, bool), to_agent_3, True)
     reward = out.reward + jnp.where(active, params.meal, 0.0)
     event_caught = out.event_caught + active.astype(jnp.int32)
-    eaten = jnp.sum(
-        active[:, None] & (target_2[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
-        axis=0,
-        dtype=jnp.int32,
-    )
+    eaten = segment_sum(active, target_2, NUM_AGENTS)
     event_eaten = out.event_eaten + eaten
     position_2 = jnp.where(sent, NOWHERE, state.position)  # predator_prey.sj:77
     away = jnp.where(sent, 200, state.away)
@@ -572,8 +563,8 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_tree = jnp.sum(state.tree_fruit == TREE_RIPE, dtype=jnp.int32)  # predator_prey.sj:92
-    return {"apples_left": num_tree.astype(jnp.float32)}
+    num_ripe_tree = count_of(state.tree_fruit == TREE_RIPE)  # predator_prey.sj:92
+    return {"apples_left": num_ripe_tree.astype(jnp.float32)}
 
 
 def episode_length(params: Params) -> Array:

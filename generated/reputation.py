@@ -13,9 +13,12 @@ from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, own_cells, view_cells, painted
 from sjdsl.runtime.placing import pick, place_fitting
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, count_of, sum_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.exact_reals import divided
 from sjdsl.runtime.torus import joined_edges, shorter_way
 from sjdsl.runtime.egocentric_windows import paint, planes_of, windows
+from sjdsl.runtime.writing import add_to_entry, set_at
 
 NAME = "reputation"
 TITLE = "Reputation"
@@ -70,7 +73,6 @@ TOKEN_PLANES = (
     TokenPlane(name="decade", encoding="number", labels=(), high=255, uniform=True),
 )
 
-NUM_HOUSE = 6  # cells of house
 ACTION_NURSE = 1  # nurse(0), the first of them
 AGENT_ILL = 1
 AGENT_WELL = 0
@@ -196,10 +198,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.any(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state, out = meet(state, out, params, actions, key)
@@ -219,12 +218,7 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     col = CELLS_HOUSE % FRAME_COLS
     fitting = (col - PAD)[None, :] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]
     position, placed = place_fitting(
-        CELLS_HOUSE,
-        jnp.full(NUM_HOUSE, True),
-        fitting,
-        random_bits(key, STREAM_START, NUM_AGENTS),
-        state.position,
-        sent,
+        CELLS_HOUSE, None, fitting, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
     )
     heading = jnp.where(placed, NORTH, state.heading)
     return state.replace(position=position, heading=heading), out
@@ -248,15 +242,15 @@ def meet(state: State, out: Outcome, params: Params, actions: Array, key: Array)
         jnp.abs(shorter_way(row[:, None] - row[None, :], 1)) + jnp.abs(shorter_way(col[:, None] - col[None, :], 6))
     )
     to_agent = jnp.where(
-        step_is_0
-        & (jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :] != jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None])
-        & (distance <= 2),
+        step_is_0 & ~jnp.eye(NUM_AGENTS, dtype=bool) & (distance <= 2),
         jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None],
         NUM_AGENTS,
     )
-    members = jnp.zeros((NUM_AGENTS, NUM_AGENTS), bool).at[
-        to_agent, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]
-    ].set(True, mode="drop")
+    members = set_at(
+        jnp.zeros((NUM_AGENTS, NUM_AGENTS), bool),
+        (to_agent, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]),
+        True,
+    )
     agent_neighbours_joined = as_bits(members, jnp.uint8)
     agent_neighbours = state.agent_neighbours | agent_neighbours_joined
     return state.replace(agent_opinion=agent_opinion, agent_neighbours=agent_neighbours), out
@@ -270,9 +264,8 @@ def nurse(state: State, out: Outcome, params: Params, actions: Array, key: Array
       }
     }
     """
-    num_a = jnp.sum(  # reputation.sj:48
-        actions[None, :] == (jnp.arange(NUM_AGENTS, dtype=jnp.int32) + ACTION_NURSE)[:, None], axis=1, dtype=jnp.int32
-    )
+    # reputation.sj:48
+    num_a = count_of(actions[None, :] == (jnp.arange(NUM_AGENTS, dtype=jnp.int32) + ACTION_NURSE)[:, None], axis=1)
     is_ill_and_nurses_above_0 = (state.agent_health == AGENT_ILL) & (num_a > 0)
     reward = out.reward + jnp.where(is_ill_and_nurses_above_0, state.agent_relief, 0.0)  # reputation.sj:49
     event_healed = out.event_healed + is_ill_and_nurses_above_0.astype(jnp.int32)
@@ -280,21 +273,21 @@ def nurse(state: State, out: Outcome, params: Params, actions: Array, key: Array
     chose_nurse = is_ill_and_nurses_above_0[:, None] & (  # reputation.sj:50
         actions[None, :] == (jnp.arange(NUM_AGENTS, dtype=jnp.int32) + ACTION_NURSE)[:, None]
     )
-    reward = reward + jnp.sum(
+    reward = reward + sum_of(
         jnp.where(chose_nurse, (-params.effort / num_a.astype(jnp.float32))[:, None], 0.0), axis=0, dtype=jnp.float32
     )
-    nursed = jnp.sum(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 0)[:, None], axis=0, dtype=jnp.int32)
-    event_nursed = out.event_nursed.at[:, 0].add(nursed)
-    nursed_2 = jnp.sum(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 1)[:, None], axis=0, dtype=jnp.int32)
-    event_nursed = event_nursed.at[:, 1].add(nursed_2)
-    nursed_3 = jnp.sum(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 2)[:, None], axis=0, dtype=jnp.int32)
-    event_nursed = event_nursed.at[:, 2].add(nursed_3)
-    nursed_4 = jnp.sum(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 3)[:, None], axis=0, dtype=jnp.int32)
-    event_nursed = event_nursed.at[:, 3].add(nursed_4)
-    nursed_5 = jnp.sum(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 4)[:, None], axis=0, dtype=jnp.int32)
-    event_nursed = event_nursed.at[:, 4].add(nursed_5)
-    nursed_6 = jnp.sum(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 5)[:, None], axis=0, dtype=jnp.int32)
-    event_nursed = event_nursed.at[:, 5].add(nursed_6)
+    nursed = count_of(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 0)[:, None], axis=0)
+    event_nursed = add_to_entry(out.event_nursed, 0, nursed)
+    nursed_2 = count_of(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 1)[:, None], axis=0)
+    event_nursed = add_to_entry(event_nursed, 1, nursed_2)
+    nursed_3 = count_of(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 2)[:, None], axis=0)
+    event_nursed = add_to_entry(event_nursed, 2, nursed_3)
+    nursed_4 = count_of(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 3)[:, None], axis=0)
+    event_nursed = add_to_entry(event_nursed, 3, nursed_4)
+    nursed_5 = count_of(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 4)[:, None], axis=0)
+    event_nursed = add_to_entry(event_nursed, 4, nursed_5)
+    nursed_6 = count_of(chose_nurse & (jnp.arange(NUM_AGENTS, dtype=jnp.int32) == 5)[:, None], axis=0)
+    event_nursed = add_to_entry(event_nursed, 5, nursed_6)
     return (
         state.replace(agent_fever=agent_fever),
         out.replace(reward=reward, event_healed=event_healed, event_nursed=event_nursed),
@@ -320,11 +313,10 @@ def judge(state: State, out: Outcome, params: Params, actions: Array, key: Array
         & chose_nurse[None, :]
     ).astype(jnp.int32)
     trusts = params.credit * state.agent_opinion.astype(jnp.float32) > 5.0
-    num_c = jnp.sum(
+    num_c = count_of(
         from_bits(state.agent_neighbours, NUM_AGENTS)[None, :, :]
         & ((state.agent_health == AGENT_ILL)[None, :] & trusts)[:, None, :],
         axis=2,
-        dtype=jnp.int32,
     )
     holds = num_c > 0
     active = (
@@ -334,7 +326,7 @@ def judge(state: State, out: Outcome, params: Params, actions: Array, key: Array
         & holds
     )
     agent_opinion_added_2 = jnp.where(active, jnp.int32(-1), jnp.int32(0))  # reputation.sj:58
-    blamed = jnp.sum(active, axis=0, dtype=jnp.int32)
+    blamed = count_of(active, axis=0)
     event_blamed = out.event_blamed + blamed
     agent_opinion = jnp.clip(
         state.agent_opinion.astype(jnp.int32) + agent_opinion_added + agent_opinion_added_2, 0, 5
@@ -430,9 +422,9 @@ def allowed_actions(state: State, params: Params) -> Array:
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
     # reputation.sj:88
-    total = jnp.sum(jnp.moveaxis(state.agent_opinion.astype(jnp.int32), 1, 0), axis=1, dtype=jnp.int32)
+    total = sum_of(jnp.moveaxis(state.agent_opinion.astype(jnp.int32), 1, 0), axis=1, dtype=jnp.int32)
     standing = jnp.rint(divided((10 * total).astype(jnp.float32), 30.0)).astype(jnp.int32)
-    total_2 = jnp.sum(standing, dtype=jnp.int32)
+    total_2 = sum_of(standing, dtype=jnp.int32)
     return {"standing": total_2.astype(jnp.float32) / 6.0}
 
 

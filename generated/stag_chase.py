@@ -7,13 +7,14 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.counting import occupied
+from sjdsl.runtime.counting import occupied, segment_sum
 from sjdsl.runtime.random_bits import random_bits
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import blocking, cells_of, inside, next_cells, own_cell, painted, site_numbers, values_of
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import come_back, pick, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import count_of
 from sjdsl.runtime.steering import gains, is_one_of
 from sjdsl.runtime.egocentric_windows import fill, paint, planes_of, windows
 
@@ -255,9 +256,8 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     """
     sent = jnp.full(NUM_AGENTS, True)  # stag_chase.sj:40
     sent_2 = jnp.full(NUM_STAG, True)  # stag_chase.sj:41
-    position, placed = place(  # stag_chase.sj:40
-        CELLS_MEADOW, jnp.full(NUM_MEADOW, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    # stag_chase.sj:40
+    position, placed = place(CELLS_MEADOW, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, NORTH, state.heading)
     entered = SITE_OF_MEADOW[jnp.where(placed, position, NOWHERE)]  # stag_chase.sj:41
     free = ~occupied(entered, NUM_MEADOW)
@@ -376,21 +376,21 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     col = state.position % FRAME_COLS
     col_2 = state.stag_position % FRAME_COLS
     distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])
-    hunters = jnp.sum((distance <= 1) & (actions == ACTION_STRIKE)[None, :], axis=1, dtype=jnp.int32)
+    hunters = count_of((distance <= 1) & (actions == ACTION_STRIKE)[None, :], axis=1)
     hunters_at_least_2 = hunters >= 2  # stag_chase.sj:50
     where_hunters_at_least_2 = present & hunters_at_least_2
     # stag_chase.sj:51
     near_and_chose_strike = where_hunters_at_least_2[:, None] & (distance <= 1) & (actions == ACTION_STRIKE)[None, :]
-    num_venison = jnp.sum(near_and_chose_strike, axis=0, dtype=jnp.int32)
+    num_venison = count_of(near_and_chose_strike, axis=0)
     reward = out.reward + num_venison.astype(jnp.float32) * params.venison
     event_hunted = out.event_hunted + num_venison
-    felled = jnp.sum(where_hunters_at_least_2, dtype=jnp.int32)  # stag_chase.sj:52
+    felled = count_of(where_hunters_at_least_2)  # stag_chase.sj:52
     event_felled = out.event_felled + felled
     hunters_is_1 = hunters == 1  # stag_chase.sj:53
     where_hunters_is_1 = present & ~hunters_at_least_2 & hunters_is_1
     # stag_chase.sj:55
     near_and_chose_strike_2 = where_hunters_is_1[:, None] & (distance <= 1) & (actions == ACTION_STRIKE)[None, :]
-    num_kick = jnp.sum(near_and_chose_strike_2, axis=0, dtype=jnp.int32)
+    num_kick = count_of(near_and_chose_strike_2, axis=0)
     reward = reward + num_kick.astype(jnp.float32) * params.kick
     event_kicked = out.event_kicked + num_kick
     stag_bolts = jnp.where(where_hunters_is_1, params.bolting.astype(jnp.uint8), state.stag_bolts)  # stag_chase.sj:56
@@ -399,15 +399,13 @@ def hunt(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     col_3 = state.hare_position % FRAME_COLS
     distance_2 = jnp.abs(row[None, :] - row_3[:, None]) + jnp.abs(col[None, :] - col_3[:, None])
     distance_3 = jnp.abs(row[:, None] - row_2[None, :]) + jnp.abs(col[:, None] - col_2[None, :])
-    num_stag = jnp.sum(present[None, :] & (distance_3 <= 1), axis=1, dtype=jnp.int32)
+    num_stag = count_of(present[None, :] & (distance_3 <= 1), axis=1)
     a, found = pick(
         (distance_2 <= 1) & (actions == ACTION_STRIKE)[None, :] & (~(num_stag > 0))[None, :],
         random_bits(key, STREAM_HUNT, NUM_HARE),
     )
     a_found = present_2 & found
-    num_game_ = jnp.sum(  # stag_chase.sj:61
-        a_found[:, None] & (a[:, None] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[None, :]), axis=0, dtype=jnp.int32
-    )
+    num_game_ = segment_sum(a_found, a, NUM_AGENTS)  # stag_chase.sj:61
     reward = reward + num_game_.astype(jnp.float32) * params.game_
     event_caught = out.event_caught + num_game_
     stag_position = jnp.where(where_hunters_at_least_2, NOWHERE, state.stag_position)  # stag_chase.sj:53
@@ -527,7 +525,7 @@ def flee(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     col = state.position % FRAME_COLS
     col_2 = state.stag_position % FRAME_COLS
     distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])
-    num_a = jnp.sum(distance <= 2, axis=1, dtype=jnp.int32)
+    num_a = count_of(distance <= 2, axis=1)
     beside = NEXT_CELL_OF_STAG[state.stag_position[:, None] * 4 + jnp.arange(4, dtype=jnp.int32)[None, :]]
     bodies = jnp.concatenate([state.position, state.stag_position, state.hare_position])
     way, found = pick(
@@ -561,7 +559,7 @@ def graze(state: State, out: Outcome, params: Params, actions: Array, key: Array
     col = state.position % FRAME_COLS
     col_2 = state.stag_position % FRAME_COLS
     distance = jnp.abs(row[None, :] - row_2[:, None]) + jnp.abs(col[None, :] - col_2[:, None])
-    num_a = jnp.sum(distance <= 2, axis=1, dtype=jnp.int32)
+    num_a = count_of(distance <= 2, axis=1)
     beside = NEXT_CELL_OF_STAG[state.stag_position[:, None] * 4 + jnp.arange(4, dtype=jnp.int32)[None, :]]
     bodies = jnp.concatenate([state.position, state.stag_position, state.hare_position])
     way, found = pick(

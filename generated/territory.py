@@ -25,8 +25,11 @@ from sjdsl.runtime.geometry import (
 from sjdsl.runtime.movement import resolve
 from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
+from sjdsl.runtime.reductions import any_of, argmax_of, count_of
+from sjdsl.runtime.rows import one_hot
 from sjdsl.runtime.line_of_sight import nearest_in_lanes, reached
 from sjdsl.runtime.egocentric_windows import fill, look_fields, look_number, paint, planes_of, windows
+from sjdsl.runtime.writing import add_at, set_at
 
 NAME = "territory"
 TITLE = "Territory: Rooms"
@@ -129,7 +132,6 @@ TOKEN_PLANES = (
     TokenPlane(name="agent.hot", encoding="number", labels=(), high=255, uniform=True),
 )
 
-NUM_GATE = 9  # cells of gate
 NUM_BRICK = 120  # cells of brick
 ACTION_PAINT = 8
 ACTION_ZAP = 7
@@ -156,7 +158,7 @@ MARK_CLAIM_MASK = 1
 MARK_FIRE_SHIFT = 4
 MARK_FIRE_MASK = 1
 GATE_LOOK = 93  # as it is painted
-GATE_DOWN = 63  # from its looks on, from painted to shown
+GATE_DOWN = 63  # taken from what is painted, from gate on
 BRICK_SHOWN = 3  # as it is shown
 MARKS_OF_CLAIM = 18  # cells that claim can mark
 MARKS_OF_FIRE = 54  # cells that fire can mark
@@ -297,10 +299,7 @@ def reset(params: Params, key: Array) -> State:
 def step(state: State, actions: Array, params: Params, key: Array) -> tuple[State, Outcome]:
     """Returns the state after one step and what it yielded. `actions`: `[N]` int32; `key`: two uint32 words."""
     actions = jnp.where((actions < 0) | (actions >= len(ACTIONS)), STAY, actions)
-    allowed = jnp.any(
-        allowed_actions(state, params) & (actions[:, None] == jnp.arange(len(ACTIONS), dtype=jnp.int32)[None, :]),
-        axis=1,
-    )
+    allowed = any_of(allowed_actions(state, params) & one_hot(actions, len(ACTIONS)), axis=1)
     actions = jnp.where(allowed, actions, STAY)
     out = no_outcome()
     state = state.replace(mark_claim=jnp.zeros_like(state.mark_claim), mark_fire=jnp.zeros_like(state.mark_fire))
@@ -318,9 +317,7 @@ def step(state: State, actions: Array, params: Params, key: Array) -> tuple[Stat
 def start(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase start { each agent { send agent to gate } }"""
     sent = jnp.full(NUM_AGENTS, True)  # territory.sj:41
-    position, placed = place(
-        CELLS_GATE, jnp.full(NUM_GATE, True), random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
-    )
+    position, placed = place(CELLS_GATE, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_2, NUM_AGENTS), 4), state.heading)
     return state.replace(position=position, heading=heading), out
 
@@ -391,9 +388,10 @@ def claim(state: State, out: Outcome, params: Params, actions: Array, key: Array
     touch_cells = state.position[:, None] + TOUCH_OFFSETS[state.heading]
     touch_brick = SITE_OF_BRICK[touch_cells]
     to_brick = jnp.where(present[:, None] & (touch_brick < NUM_BRICK), touch_brick, NUM_BRICK)
-    brick_rivals_joined = jnp.zeros(NUM_BRICK, jnp.uint32).at[to_brick].add(
+    brick_rivals_joined = add_at(
+        jnp.zeros(NUM_BRICK, jnp.uint32),
+        to_brick,
         (jnp.uint32(1) << jnp.arange(NUM_AGENTS, dtype=jnp.uint32))[:, None],
-        mode="drop",
     )
     chose_paint = present & (actions == ACTION_PAINT)  # territory.sj:52
     paint_cells = state.position[:, None] + PAINT_OFFSETS[state.heading]
@@ -402,9 +400,11 @@ def claim(state: State, out: Outcome, params: Params, actions: Array, key: Array
     marked = jnp.where(chose_paint[:, None] & paint_reached, paint_cells, NOWHERE).reshape(-1)
     paint_brick = SITE_OF_BRICK[paint_cells]
     to_brick_2 = jnp.where(chose_paint[:, None] & (paint_brick < NUM_BRICK) & paint_reached, paint_brick, NUM_BRICK)
-    members = jnp.zeros((NUM_BRICK, NUM_AGENTS), bool).at[
-        to_brick_2, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]
-    ].set(True, mode="drop")
+    members = set_at(
+        jnp.zeros((NUM_BRICK, NUM_AGENTS), bool),
+        (to_brick_2, jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]),
+        True,
+    )
     brick_rivals_joined_2 = as_bits(members, jnp.uint32)
     brick_rivals = state.brick_rivals | brick_rivals_joined | brick_rivals_joined_2
     return state.replace(brick_rivals=brick_rivals, mark_claim=marked), out
@@ -464,21 +464,21 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     marked = jnp.where(chose_zap[:, None] & zap_reached, zap_cells, NOWHERE).reshape(-1)
     agent_hot = jnp.where(chose_zap, params.cooling.astype(jnp.uint8), state.agent_hot)
     standing = zap_cells[:, :, None] == state.position[None, None, :]  # territory.sj:67
-    victim = jnp.argmax(standing, axis=-1).astype(jnp.int32)
-    anybody = jnp.any(standing, axis=-1)
+    victim = argmax_of(standing, axis=-1)
+    anybody = any_of(standing, axis=-1)
     eligible = anybody & zap_reached
     victim_2, found = nearest_in_lanes(eligible, victim, (2, 2, 2))
     victim_found = chose_zap[:, None] & found
-    agent_hits_added = jnp.zeros(NUM_AGENTS, jnp.int32).at[victim_2].add(victim_found.astype(jnp.int32), mode="drop")
+    agent_hits_added = add_at(jnp.zeros(NUM_AGENTS, jnp.int32), victim_2, victim_found.astype(jnp.int32))
     to_agent = jnp.where(victim_found, victim_2, NUM_AGENTS)
-    agent_stunned = state.agent_stunned.at[to_agent].set(params.frozen.astype(jnp.uint8), mode="drop")
-    agent_recovering = state.agent_recovering.at[to_agent].set(params.recovery, mode="drop")
+    agent_stunned = set_at(state.agent_stunned, to_agent, params.frozen.astype(jnp.uint8))
+    agent_recovering = set_at(state.agent_recovering, to_agent, params.recovery)
     zap_brick = SITE_OF_BRICK[zap_cells]  # territory.sj:68
     brick_in_zap = chose_zap[:, None] & (zap_brick < NUM_BRICK) & zap_reached & (state.brick_damage[zap_brick] < 2)
-    brick_damage_added = jnp.zeros(NUM_BRICK, jnp.int32).at[zap_brick].add(brick_in_zap.astype(jnp.int32), mode="drop")
+    brick_damage_added = add_at(jnp.zeros(NUM_BRICK, jnp.int32), zap_brick, brick_in_zap.astype(jnp.int32))
     to_brick = jnp.where(brick_in_zap, zap_brick, NUM_BRICK)
-    brick_dust = state.brick_dust.at[to_brick].set(params.mending, mode="drop")
-    blows = jnp.sum(brick_in_zap, axis=1, dtype=jnp.int32)
+    brick_dust = set_at(state.brick_dust, to_brick, params.mending)
+    blows = count_of(brick_in_zap, axis=1)
     event_blows = out.event_blows + blows
     agent_hits = jnp.clip(state.agent_hits.astype(jnp.int32) + agent_hits_added, 0, 2).astype(jnp.uint8)
     brick_damage = jnp.clip(state.brick_damage.astype(jnp.int32) + brick_damage_added, 0, 2).astype(jnp.uint8)
@@ -547,7 +547,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_brick = jnp.sum(state.brick_owner != NOBODY, dtype=jnp.int32)  # territory.sj:93
+    num_brick = count_of(state.brick_owner != NOBODY)  # territory.sj:93
     return {"owned": num_brick.astype(jnp.float32)}
 
 
@@ -585,7 +585,7 @@ def observe(state: State, params: Params) -> Array:
     content = jnp.where(
         is_brick,
         look_number(BRICK_SHOWN, (3, 3, 3), brick_paint, shown_owner, shown_damage),
-        raw - jnp.where(raw >= GATE_LOOK, jnp.uint8(GATE_DOWN), jnp.uint8(0)),
+        jnp.where(raw < GATE_LOOK, raw, raw - GATE_DOWN),
     )
     agent = seen_1 & AGENT_MASK
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)

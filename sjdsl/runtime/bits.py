@@ -10,11 +10,12 @@ import numpy as np
 from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.reductions import lengthened, sum_of
 
 WIDTH = 32
 
 
-@jax.jit  # the rewriting for GPUs (packed_masks.py) knows `pack` and `unpack` by name
+@jax.jit  # one function of the program for each shape, however many rules pick
 def pack(members: Array) -> Array:
     """Returns members as bits: `[..., S]` bool -> `[..., W]` uint32, member i in bit i % 32 of word i // 32."""
     missing = -members.shape[-1] % WIDTH
@@ -26,12 +27,19 @@ def pack(members: Array) -> Array:
     return jnp.sum(words.astype(jnp.uint32) << places, axis=-1, dtype=jnp.uint32)
 
 
+def pack_all(size: int) -> Array:
+    """Returns all members as bits, as `pack` does: `[W]` uint32."""
+    full, rest = divmod(size, WIDTH)
+    words = [2**WIDTH - 1] * full + [2**rest - 1] * bool(rest)
+    return jnp.asarray(np.array(words, np.uint32))
+
+
 def as_bits(members: Array, dtype: jnp.dtype) -> Array:
     """Returns sets as bits: `[..., N]` bool -> `[...]`, bit i for agent i."""
-    bit = jnp.ones((), dtype) << jnp.arange(members.shape[-1], dtype=dtype).reshape(
-        (1,) * (members.ndim - 1) + (-1,)
-    )
-    return jnp.sum(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1, dtype=dtype)
+    # Written out: XLA evaluates no shifts by 0, 1, ..., and launched a kernel for a constant set.
+    bit = jnp.asarray(2 ** np.arange(members.shape[-1], dtype=np.uint32), dtype)
+    bit = bit.reshape((1,) * (members.ndim - 1) + (-1,))
+    return sum_of(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1)
 
 
 def from_bits(sets: Array, size: int) -> Array:
@@ -52,21 +60,17 @@ def unpack(words: Array, size: int) -> Array:
 def has_member(words: Array, member: Array) -> Array:
     """Returns whether sets have a member: `[..., W]` uint32 and `[...]` int32 -> `[...]` bool; nobody, -1, is in none."""
     index = jnp.arange(words.shape[-1], dtype=jnp.int32).reshape((1,) * member.ndim + (-1,))
-    word = jnp.sum(
-        jnp.where(index == (member >> 5)[..., None], words, jnp.uint32(0)),
-        axis=-1,
-        dtype=jnp.uint32,
-    )
+    word = sum_of(jnp.where(index == (member >> 5)[..., None], words, jnp.uint32(0)), axis=-1)
     result: Array = ((word >> (member & (WIDTH - 1)).astype(jnp.uint32)) & jnp.uint32(1)) != 0
     return result
 
 
 def count(words: Array) -> Array:
     """Returns how many bits are set in all words: `[..., W]` -> `[...]` int32."""
-    return jnp.sum(lax.population_count(words).astype(jnp.int32), axis=-1, dtype=jnp.int32)
+    return sum_of(lax.population_count(words).astype(jnp.int32), axis=-1)
 
 
-@jax.jit  # one function of the program for each shape, however many rules pick
+@jax.jit  # as above
 def nth_bit(word: Array, n: Array) -> Array:
     """Returns the place of the n-th set bit, n from 0: `[...]` unsigned and int32 -> `[...]` int32. Anything if there are fewer."""
     return by_platform(
@@ -186,7 +190,7 @@ def set_of(numbers: Array, size: int) -> Array:
     )  # of other words: more than a word has
     mine = jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0))
     words: Array = lax.optimization_barrier(
-        lax.reduce(mine, jnp.uint32(0), lax.bitwise_or, (numbers.ndim,))
+        lax.reduce(lengthened(mine, -1, 0), jnp.uint32(0), lax.bitwise_or, (numbers.ndim,))
     )
     return words
 

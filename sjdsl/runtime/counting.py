@@ -8,6 +8,8 @@ from jax import Array, lax
 
 from sjdsl.runtime.bits import WIDTH, count, field, pack
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.reductions import any_of, sum_of
+from sjdsl.runtime.rows import one_hot
 
 
 def count_near(member: Array, masks: Array) -> Array:
@@ -20,7 +22,7 @@ def count_near(member: Array, masks: Array) -> Array:
       `[S]` int32.
     """
     near = lax.population_count(pack(member)[:, None] & masks)
-    return jnp.sum(near.astype(jnp.int32), axis=0, dtype=jnp.int32)
+    return sum_of(near.astype(jnp.int32), axis=0)
 
 
 def size_of_set(members: Array) -> Array:
@@ -31,6 +33,24 @@ def size_of_set(members: Array) -> Array:
 def size_of_large_set(words: Array) -> Array:
     """Returns how many agents sets have that are kept as bits in several words: `[..., W]` uint32 -> `[...]` int32."""
     return count(words)
+
+
+def segment_sum(amounts: Array, numbers: Array, size: int) -> Array:
+    """Returns the sum of the amounts for each number, as `jax.ops.segment_sum` does: `[size]`.
+
+    Each number is compared with all: for few amounts far cheaper than a scatter, which XLA makes
+    one entry at a time on a CPU.
+
+    Args:
+      amounts: a shape; of booleans it is counted how many hold, int32.
+      numbers: integers of the same shape; what has a number outside 0 .. size - 1 counts for none.
+    """
+    mine = one_hot(numbers, size)
+    if amounts.dtype == bool:
+        spread, dtype = mine & amounts[..., None], jnp.int32
+    else:
+        spread, dtype = jnp.where(mine, amounts[..., None], 0), amounts.dtype
+    return sum_of(spread, axis=tuple(range(amounts.ndim)), dtype=dtype)
 
 
 @partial(
@@ -108,7 +128,7 @@ def occupied(site: Array, size: int) -> Array:
 
 def _compared(site: Array, size: int) -> Array:
     """The form for GPUs: each cell compares itself with all of them, wherever it is asked for."""
-    return jnp.any(site[None] == jnp.arange(size, dtype=jnp.int32)[:, None], axis=1)
+    return any_of(site[None] == jnp.arange(size, dtype=jnp.int32)[:, None], axis=1)
 
 
 def _marked(site: Array, size: int) -> Array:

@@ -17,7 +17,7 @@ from sjdsl.runtime.arguments import (
     refuse_beyond_int32,
 )
 from sjdsl.runtime.auto_reset import reset_where
-from sjdsl.runtime.gpu_program import in_its_form
+from sjdsl.runtime.forms import in_one_form
 from sjdsl.runtime.module import GameModule
 from sjdsl.runtime.planes import channel_names
 from sjdsl.runtime.random_bits import key_words
@@ -86,10 +86,10 @@ class Environment:
         depth = len(self.token_planes if observation == "tokens" else self.channel_names)
         self.observation_shape: tuple[int, int, int, int] = (self.num_agents, depth, *module.WINDOW)
         self.observation_dtype = np.dtype(np.uint8)
-        self.reset: Callable[..., tuple[Array, State]] = jax.jit(in_its_form(self._reset))
-        self.step: Step = _refusing(jax.jit(in_its_form(self._step)))
-        self.step_env: Step = _refusing(jax.jit(in_its_form(self._step_env)))
-        self.observe: Callable[..., Array] = jax.jit(in_its_form(self._observe))
+        self.reset: Callable[..., tuple[Array, State]] = jax.jit(in_one_form(self._reset))
+        self.step: Step = _refusing(jax.jit(in_one_form(self._step)))
+        self.step_env: Step = _refusing(jax.jit(in_one_form(self._step_env)))
+        self.observe: Callable[..., Array] = jax.jit(in_one_form(self._observe))
         self._tokens: Callable[..., Array] = jax.jit(
             module.observe
         )  # one function of the program, however often a step observes

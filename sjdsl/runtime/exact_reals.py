@@ -12,6 +12,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.reductions import sum_of
 
 FRACTION = 23  # bits of a float32 after its first
 BIAS = 127
@@ -46,7 +47,7 @@ def exact_ramp(value: Array, zero_at: Array, one_at: Array) -> Array:
 
 def exact_mix(row: Array) -> Array:
     """Returns the shares of a row's entries, as `rows.mix` does, each correctly rounded."""
-    total = jnp.sum(row, axis=-1, keepdims=True).astype(jnp.float32)
+    total = sum_of(row, axis=-1)[..., None].astype(jnp.float32)
     return exactly(divided(row.astype(jnp.float32), jnp.where(total > 0, total, 1)))
 
 
@@ -66,7 +67,7 @@ def exact_sum(values: Array, axis: int | tuple[int, ...]) -> Array:
       values: float32, at most 2^19 along the axes.
       axis: the axes, counted from the first.
     """
-    result: Array = rounded(jnp.sum(fixed_point(values), axis=axis, dtype=jnp.int32))
+    result: Array = rounded(sum_of(fixed_point(values), axis=axis))
     return result
 
 

@@ -7,6 +7,7 @@ by a model").
 """
 
 from collections.abc import Callable
+from functools import wraps
 from typing import Any, TypeVar
 
 import jax
@@ -30,6 +31,19 @@ def by_platform(cpu: Callable[..., T], gpu: Callable[..., T], *arguments: Any) -
         *arguments, cpu=_in_form("cpu", cpu), default=_in_form("gpu", gpu)
     )
     return result
+
+
+def in_one_form(function: Callable[..., T]) -> Callable[..., T]:
+    """Returns a function that chooses the form once, for all kernels that it calls."""
+
+    @wraps(function)
+    def chosen(*arguments: Any, **named: Any) -> T:
+        def called(arguments: Any, named: Any) -> T:
+            return function(*arguments, **named)
+
+        return by_platform(called, called, arguments, named)
+
+    return chosen
 
 
 def _in_form(form: str, kernel: Callable[..., Any]) -> Callable[..., Any]:

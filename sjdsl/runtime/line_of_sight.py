@@ -8,6 +8,7 @@ import numpy as np
 from jax import Array
 
 from sjdsl.runtime.bits import WIDTH, as_bits
+from sjdsl.runtime.reductions import any_of, argmax_of
 
 
 def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
@@ -28,7 +29,7 @@ def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
     # [k, j]: j comes before k in its lane.
     before = (lane[:, None] == lane) & (cell < cell[:, None])
     if starts.size > WIDTH:
-        return on_map & ~jnp.any(
+        return on_map & ~any_of(
             ends[..., None, :] & before.reshape((1,) * (ends.ndim - 1) + before.shape), axis=-1
         )
     asked = np.sum(before << cell, axis=1, dtype=np.uint32).reshape((1,) * (ends.ndim - 1) + (-1,))
@@ -58,6 +59,6 @@ def nearest_in_lanes(
         )
         numbers = numbers[..., np.minimum(cell, ends - 1).reshape(-1)]
     eligible, numbers = eligible.reshape(shape), numbers.reshape(shape)
-    nearest = jnp.argmax(eligible, axis=-1, keepdims=True)
+    nearest = argmax_of(eligible, axis=-1)[..., None]
     chosen: Array = jnp.take_along_axis(numbers, nearest, axis=-1, mode="promise_in_bounds")[..., 0]
-    return chosen, jnp.any(eligible, axis=-1)
+    return chosen, any_of(eligible, axis=-1)

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.reductions import sum_of
 from sjdsl.runtime.varying import settled
 
 PACKED = 32  # agents up to which a GPU follows chains of movers in a few words of 32 bits
@@ -57,7 +58,7 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     reasons = jnp.where(into, index[None, :] + 1, jnp.uint32(0)) + jnp.where(
         lost, jnp.uint32(256), jnp.uint32(0)
     )
-    sums = jnp.sum(reasons, axis=1, dtype=jnp.uint32)
+    sums = sum_of(reasons, axis=1)
     bits = max(1, (n - 1).bit_length())
     follows = jnp.where((sums & 255) == 0, index, (sums & 255) - 1)
     stays = ((sums >= 256) | ~moving).astype(jnp.uint32)
@@ -67,7 +68,7 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     per_word = 32 // (bits + 1)
     shifts = jnp.arange(per_word, dtype=jnp.uint32) * jnp.uint32(bits + 1)
     table = [
-        jnp.sum(entry[first : first + per_word] << shifts[: n - first], dtype=jnp.uint32)
+        sum_of(entry[first : first + per_word] << shifts[: n - first])
         for first in range(0, n, per_word)
     ]
     agent = index

@@ -14,6 +14,7 @@ from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
 from sjdsl.runtime.counting import in_rows, size_of_set
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.random_bits import below, random_bits_at
+from sjdsl.runtime.reductions import any_of
 from sjdsl.runtime.varying import either, settled
 
 
@@ -115,7 +116,11 @@ def choose(member: Array, words: Array, number: Array) -> Array:
     Returns:
       `[..., S]` bool.
     """
-    return _unpacked(_chosen, member, words, number)
+    if 0 in (member.shape[-1], words.shape[-1]):
+        return jnp.zeros(member.shape, bool)
+    chosen = _chosen(bits.pack(member), words, number)
+    result: Array = bits.unpack(chosen, member.shape[-1])
+    return result
 
 
 def choose_by_chance(
@@ -131,14 +136,11 @@ def choose_by_chance(
     Returns:
       `[..., S]` bool.
     """
-    return _unpacked(_chosen_by_chance, member, words, number, key, jnp.uint32(stream), limit)
-
-
-def _unpacked(chosen: Callable[..., Array], member: Array, words: Array, *others: Array) -> Array:
-    """Returns what a function of packed members returns, unpacked. They are packed here, where the rewriting for GPUs sees how they came about."""
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
-    result: Array = bits.unpack(chosen(bits.pack(member), words, *others), member.shape[-1])
+    packed = bits.pack(member)
+    chosen = _chosen_by_chance(packed, words, number, key, jnp.uint32(stream), limit)
+    result: Array = bits.unpack(chosen, member.shape[-1])
     return result
 
 
@@ -217,13 +219,13 @@ def _chosen_turn_by_turn(
 
 
 def place(
-    cells: Array, free: Array, words: Array, position: Array, sent: Array
+    cells: Array, free: Array | None, words: Array, position: Array, sent: Array
 ) -> tuple[Array, Array]:
     """Returns the places after sending agents, in id order, each to one of the cells that are still free, all equally likely.
 
     Args:
       cells: `[S]` int32, the destination.
-      free: `[S]` bool.
+      free: `[S]` bool; None: all are.
       words: `[N]` uint32, one for each agent.
       position: `[N]` int32; sent: `[N]` bool.
     Returns:
@@ -233,7 +235,7 @@ def place(
 
 
 def place_fitting(
-    cells: Array, free: Array, own: Array, words: Array, position: Array, sent: Array
+    cells: Array, free: Array | None, own: Array, words: Array, position: Array, sent: Array
 ) -> tuple[Array, Array]:
     """Returns the places after sending agents as `place` does, each to one of the free cells that fit it.
 
@@ -249,14 +251,18 @@ LONG = 16_384  # agents times cells from which on placing would be too long a pr
 
 
 def _place_among(
-    cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
+    cells: Array,
+    free: Array | None,
+    own: Array | None,
+    words: Array,
+    position: Array,
+    sent: Array,
 ) -> tuple[Array, Array]:
     """Places agents as `place_fitting` does; own: None: all cells fit all."""
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
-    result: tuple[Array, Array] = _placed(
-        cells, bits.pack(free), own, words, position, sent
-    )  # packed here, as by `_unpacked`
+    packed = bits.pack_all(cells.shape[0]) if free is None else bits.pack(free)
+    result: tuple[Array, Array] = _placed(cells, packed, own, words, position, sent)
     return result
 
 
@@ -349,7 +355,7 @@ def _unrolled(
 
 def come_back(
     cells: Array,
-    free: Array,
+    free: Array | None,
     back: Array,
     words: Array,
     turns: Array,
@@ -511,7 +517,7 @@ def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
     earlier = (ranks[None] > ranks[:, None]) | (
         (ranks[None] == ranks[:, None]) & (rows[None] < rows[:, None])
     )
-    outdone = jnp.any((reached[None] == reached[:, None]) & earlier, axis=1)
+    outdone = any_of((reached[None] == reached[:, None]) & earlier, axis=1)
     return jnp.where((ranks > 0) & ~outdone, reached, right)
 
 

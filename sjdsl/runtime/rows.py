@@ -3,16 +3,24 @@
 import jax.numpy as jnp
 from jax import Array
 
+from sjdsl.runtime.reductions import argmax_of, sum_of
+
+
+def one_hot(number: Array | int, size: int) -> Array:
+    """Returns rows that hold at one number each: `[...]` integers -> `[..., size]` bool."""
+    numbers = jnp.asarray(number)
+    along = jnp.arange(size, dtype=numbers.dtype).reshape((1,) * numbers.ndim + (-1,))
+    return numbers[..., None] == along
+
 
 def entry(row: Array, key: Array) -> Array:
     """Returns `row[..., key]`: one entry of each row. Shapes `[..., K]` and `[...]`."""
-    words = jnp.arange(row.shape[-1], dtype=key.dtype).reshape((1,) * key.ndim + (-1,))
-    return jnp.sum(jnp.where(key[..., None] == words, row, 0), axis=-1, dtype=row.dtype)
+    return sum_of(jnp.where(one_hot(key, row.shape[-1]), row, 0), axis=-1)
 
 
 def lowest(row: Array) -> Array:
     """Returns the index of the first positive entry, 0 without one: `[..., K]` -> `[...]` uint8."""
-    return jnp.argmax(row > 0, axis=-1).astype(jnp.uint8)
+    return argmax_of(row > 0, axis=-1).astype(jnp.uint8)
 
 
 def highest(row: Array) -> Array:
@@ -20,7 +28,7 @@ def highest(row: Array) -> Array:
 
     Without one, it is the last index.
     """
-    return (row.shape[-1] - 1 - jnp.argmax(row[..., ::-1] > 0, axis=-1)).astype(jnp.uint8)
+    return (row.shape[-1] - 1 - argmax_of(row[..., ::-1] > 0, axis=-1)).astype(jnp.uint8)
 
 
 def mix(row: Array) -> Array:
@@ -28,7 +36,7 @@ def mix(row: Array) -> Array:
 
     The compiler ensures that these aren't used.
     """
-    total = jnp.sum(row, axis=-1, keepdims=True).astype(jnp.float32)
+    total = sum_of(row, axis=-1)[..., None].astype(jnp.float32)
     return row.astype(jnp.float32) / jnp.where(total > 0, total, 1)
 
 

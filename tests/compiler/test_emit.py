@@ -28,11 +28,9 @@ from sjdsl.compiler.program.expressions import (
     Literal,
     Mapping,
     Name,
-    Reduce,
     Sequence,
     Slice,
     Unary,
-    Update,
     Where,
     path,
 )
@@ -86,18 +84,6 @@ def meant(node: Any) -> ast.expr:
             return meant(Call(path("jnp.where"), (condition, then, otherwise)))
         case Cast(value=value, dtype=dtype):
             return meant(Call(Attribute(value, "astype"), (DTYPES[dtype],)))
-        case Reduce(fn=fn, value=value, axes=axes, dtype=dtype):
-            numbers = (
-                []
-                if axes is None
-                else [Literal(axes[0])]
-                if len(axes) == 1
-                else [Sequence(tuple(map(Literal, axes)))]
-            )
-            keywords = tuple(("axis", n) for n in numbers) + (
-                () if dtype is None else (("dtype", DTYPES[dtype]),)
-            )
-            return meant(Call(path(f"jnp.{fn}"), (value,), keywords))
         case Broadcast(value=value, shape=shape):
             return meant(Call(path("jnp.broadcast_to"), (value, Sequence(shape))))
         case Arange(size=size, dtype=dtype):
@@ -108,9 +94,6 @@ def meant(node: Any) -> ast.expr:
                     () if dtype is None else (("dtype", DTYPES[dtype]),),
                 )
             )
-        case Update(target=target, keys=keys, fn=fn, value=value, drop=drop):
-            at = Attribute(Index(Attribute(target, "at"), keys), fn)
-            return meant(Call(at, (value,), (("mode", Literal("drop")),) if drop else ()))
         case Sequence(items=items, is_list=is_list):
             return (ast.List if is_list else ast.Tuple)([meant(i) for i in items], load)
         case Mapping(entries=entries):
@@ -159,17 +142,8 @@ def trees(draw: st.DrawFn, depth: int = 4) -> Any:
             lambda: Call(below(), some(), (("keyword", below()),)),
             lambda: Where(below(), below(), below()),
             lambda: Cast(below(), dtype),
-            lambda: Reduce(
-                draw(st.sampled_from(["any", "sum", "max"])),
-                below(),
-                draw(st.sampled_from([None, (0,), (0, -1)])),
-                dtype,
-            ),
             lambda: Broadcast(below(), some()),
             lambda: Arange(below(), dtype),
-            lambda: Update(
-                below(), keys(), draw(st.sampled_from(["set", "add"])), below(), draw(st.booleans())
-            ),
             lambda: Sequence(some(), draw(st.booleans())),
             lambda: Mapping(((name, below()),)),
             lambda: Lambda(("key",), below()),

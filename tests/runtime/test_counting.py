@@ -6,10 +6,17 @@ import numpy as np
 import pytest
 
 from sjdsl.runtime.bits import as_bits, from_bits, has_member, pack, unpack
-from sjdsl.runtime.counting import count_near, occupied, size_of_large_set, size_of_set, times_in
+from sjdsl.runtime.counting import (
+    count_near,
+    occupied,
+    segment_sum,
+    size_of_large_set,
+    size_of_set,
+    times_in,
+)
 from sjdsl.runtime.geometry import near_masks
 from sjdsl.runtime.line_of_sight import reached
-from sjdsl.runtime.rows import entry, mix, ramp
+from sjdsl.runtime.rows import entry, mix, one_hot, ramp
 
 
 @pytest.mark.parametrize(
@@ -69,6 +76,24 @@ def test_times_in_sets(agents: int, sets: int) -> None:
 @pytest.mark.usefixtures("form")
 def test_occupied() -> None:
     assert occupied(jnp.array([1, 3, 1, 4, 4], jnp.int32), 4).tolist() == [False, True, False, True]
+
+
+@pytest.mark.usefixtures("form")
+@pytest.mark.parametrize("dtype", ["bool", "int32", "float32"])
+@pytest.mark.parametrize("shape", [(9,), (3, 4)])
+def test_segment_sum(shape: tuple[int, ...], dtype: str) -> None:
+    """Numbers that no segment has count for none."""
+    random = np.random.default_rng(2)
+    numbers, amounts = random.integers(-1, 6, shape), random.integers(0, 9, shape).astype(dtype)
+    result = segment_sum(jnp.asarray(amounts), jnp.asarray(numbers, jnp.int32), 4)
+    assert result.dtype == (jnp.int32 if dtype == "bool" else dtype)
+    assert result.tolist() == [amounts[numbers == one].sum() for one in range(4)]
+
+
+def test_one_hot() -> None:
+    numbers = jnp.array([[2, 0], [5, 1]], jnp.uint8)
+    np.testing.assert_array_equal(one_hot(numbers, 3), np.eye(6, 3, dtype=bool)[numbers])
+    assert one_hot(1, 3).tolist() == [False, True, False]
 
 
 @pytest.mark.parametrize("shape", [(), (3,), (2, 4)])

@@ -124,32 +124,13 @@ def pieces(node: array.Expression | array.Slice) -> Piece:
             return pieces(
                 array.Call(array.Attribute(node.value, "astype"), (array.DTYPES[node.dtype],))
             )
-        case array.Reduce():
-            axes = (
-                {}
-                if node.axes is None
-                else {"axis": array.constant(node.axes[0] if len(node.axes) == 1 else node.axes)}
-            )
-            return pieces(array.call(f"jnp.{node.fn}", node.value, **axes, **_dtype(node.dtype)))
         case array.Broadcast():
             return pieces(array.call("jnp.broadcast_to", node.value, array.Sequence(node.shape)))
         case array.Arange():
-            return pieces(array.call("jnp.arange", node.size, **_dtype(node.dtype)))
-        case array.Update():
-            at = array.Attribute(
-                array.Index(array.Attribute(node.target, "at"), node.keys), node.fn
-            )
-            return pieces(
-                array.Call(
-                    at, (node.value,), (("mode", array.Literal("drop")),) if node.drop else ()
-                )
-            )
+            dtype = {} if node.dtype is None else {"dtype": array.DTYPES[node.dtype]}
+            return pieces(array.call("jnp.arange", node.size, **dtype))
         case _:
             assert_never(node)
-
-
-def _dtype(dtype: array.DType | None) -> dict[str, array.Expression]:
-    return {} if dtype is None else {"dtype": array.DTYPES[dtype]}
 
 
 def _base(node: array.Expression) -> list["str | Bracketed"]:

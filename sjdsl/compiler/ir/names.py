@@ -9,7 +9,7 @@ from sjdsl.compiler.ir.queries import all_fields, marking_phases
 
 _KERNELS = {
     "bits": "as_bits from_bits has_member pack unpack",
-    "counting": "count_near occupied size_of_large_set size_of_set times_in",
+    "counting": "count_near occupied segment_sum size_of_large_set size_of_set times_in",
     "neighbourhood": "entries_at looked_up over_neighbours",
     "random_bits": "below next_threshold ranks random_bits random_bits_at threshold unit",
     "fields": "StateField",
@@ -19,12 +19,14 @@ _KERNELS = {
     "placing": "best_ranks choose choose_by_chance come_back drawn_by_lot member_of outranking pair pair_reached pick pick_of_large_set pick_of_set "
     "pick_of_sets place place_fitting",
     "planes": "TokenPlane",
-    "rows": "entry highest lowest mix ramp shifted",
+    "reductions": "all_of any_of argmax_of count_of max_of min_of sum_of",
+    "rows": "entry highest lowest mix one_hot ramp shifted",
     "exact_reals": "divided exact_mix exact_ramp exact_sum exactly fixed_point rounded sum_in_order",
     "steering": "gains gains_around is_one_of",
     "line_of_sight": "nearest_in_lanes reached",
     "torus": "cells_on joined_edges shorter_way",
     "egocentric_windows": "fill look_fields look_number paint planes_of windows",
+    "writing": "add_at add_to_entry set_at set_entry",
 }
 KERNELS = {
     f"sjdsl.runtime.{module}": tuple(names.split()) for module, names in _KERNELS.items()

@@ -234,10 +234,10 @@ def _step(turns: list[Turn], module: Module) -> Function:
     w.set(ACTIONS, array.Where(array.Binary("|", below, above), STAY, ACTIONS))
     if module.game.agents.forbids:
         allowed = array.call("allowed_actions", STATE, PARAMS)
-        arange = array.call("jnp.arange", NUM_ACTIONS, dtype=array.DTYPES["i32"])
-        numbers = array.Index(arange, (array.NEW_AXIS, array.ALL))
-        chosen = array.Binary("==", array.Index(ACTIONS, (array.ALL, array.NEW_AXIS)), numbers)
-        w.set(array.Name("allowed"), array.Reduce("any", array.Binary("&", allowed, chosen), (1,)))
+        chosen = array.call("one_hot", ACTIONS, NUM_ACTIONS)
+        w.set(
+            array.Name("allowed"), array.reduction("any", array.Binary("&", allowed, chosen), (1,))
+        )
         w.set(ACTIONS, array.Where(array.Name("allowed"), ACTIONS, STAY))
     w.set(OUT, array.call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]

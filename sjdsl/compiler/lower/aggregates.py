@@ -130,25 +130,39 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
     if is_empty(e.domain, w):
         return literal(0, "i32" if e.type.kind == "int" else "f32")
     if isinstance(e, ir.Count):
-        quick = _size(e, scope, w) or _near(e, scope, w)
+        quick = _whole_number(e.domain, w) or _size(e, scope, w) or _near(e, scope, w)
         if quick is not None:
             return quick
+    name = _count_name(e.domain) if isinstance(e, ir.Count) else "total"
     if is_over_neighbours(e, scope, w):
-        return w.keep(
-            f"num_{e.domain.var.name}" if isinstance(e, ir.Count) else "total",
-            over_neighbours(e, scope, w),
-        )
+        return w.keep(name, over_neighbours(e, scope, w))
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
     if isinstance(e, ir.Count):
         if not new:
             return as_dtype(inner.mask, "i32")
-        return w.keep(f"num_{e.domain.var.name}", reduce("sum", inner.mask, new))
+        return w.keep(name, reduce("sum", inner.mask, new))
     value = as_dtype(w.value(e.value, inner.always()), "i32" if e.type.kind == "int" else "f32")
     values = select(inner.mask, value, literal(0, value.dtype))
     if new and w.exact and value.dtype == "f32":
         return w.keep("total", _exact_sum(values, new))
     return w.keep("total", reduce("sum", values, new))
+
+
+def _count_name(d: ir.Domain) -> str:
+    """Returns a name for how many members a domain has: `num_dirty_water`."""
+    match d.where:
+        case ir.Same(right=ir.Word(value=word)):
+            return f"num_{word}_{d.var.name}"
+        case _:
+            return f"num_{d.var.name}"
+
+
+def _whole_number(d: ir.Domain, w: Writer) -> Value | None:
+    """`count(water)`: a number that the map decides."""
+    if d.restriction or d.on or d.where or d.var.sort.what != "cell":
+        return None
+    return Value(w.module.num_cells(d.var.kinds), "i32")
 
 
 def _exact_sum(values: Value, over: tuple[Axis, ...]) -> Value:
@@ -212,7 +226,7 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     if members is None:
         return None
     size = call("size_of_large_set" if members.levels else "size_of_set", members.node)
-    return w.keep(f"num_{e.domain.var.name}", replace(members, node=size, dtype="i32", levels=0))
+    return w.keep(_count_name(e.domain), replace(members, node=size, dtype="i32", levels=0))
 
 
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:

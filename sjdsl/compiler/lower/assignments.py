@@ -123,9 +123,9 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     won = w.bind("won", array.call("drawn_by_lot", place, ranks, extent))
     current = w.current(target.attribute)
     if target.who is None and entry is None:
-        drawn = array.Index(_values(value, target, axes, w), (array.call("jnp.argmax", won),))
-        any_won = array.Reduce("any", won, None, None)
-        w.assign(target.attribute, array.Where(any_won, drawn, current))
+        drawn_first = array.reduction("argmax", won, (0,))
+        drawn = array.Index(_values(value, target, axes, w), (drawn_first,))
+        w.assign(target.attribute, array.Where(array.reduction("any", won), drawn, current))
         return
     keys: tuple[array.Expression, ...]
     if target.who is None:
@@ -138,7 +138,7 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
         else:
             keys = (array.Where(won, at, past), entry)
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
-    w.assign(target.attribute, array.Update(current, keys, "set", new, drop=True))
+    w.assign(target.attribute, array.written("set_at", current, keys, new))
 
 
 def _lot_places(
@@ -345,8 +345,10 @@ def _entries(
         )
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
-        keys = (*[array.ALL] * len(before.axes), key.node)
-        return replace(before, node=array.Update(before.node, keys, "set", new.node))
+        of_words = {"axis": array.constant(-2)} if before.levels > 1 else {}
+        return replace(
+            before, node=array.call("set_entry", before.node, key.node, new.node, **of_words)
+        )
     hit = _entries_of_word(key, before.axes, target, w)
     if mask != TRUE:
         hit = array.Binary("&", hit, _for_each_word(mask, before.axes))
@@ -362,9 +364,11 @@ def _entries_of_word(
     key: Value, axes: tuple[Axis, ...], target: Target, w: Writer
 ) -> array.Expression:
     """Returns which entries of the rows are those of a word that is computed."""
-    words: array.Expression = array.Arange(w.module.num_entries(target.read.type.by[0]), key.dtype)
-    words = array.Index(words, (*[array.NEW_AXIS] * len(axes), array.ALL)) if axes else words
-    return array.Binary("==", _for_each_word(key, axes), words)
+    words = w.module.num_entries(target.read.type.by[0])
+    hit = array.call("one_hot", aligned(key, axes), words)
+    if axes and not key.axes:
+        return array.Index(hit, (*[array.NEW_AXIS] * len(axes), array.ALL))
+    return hit
 
 
 def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
@@ -394,7 +398,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
     current = w.current(target.attribute)
-    w.assign(target.attribute, array.Update(current, keys, "set", new, drop=True))
+    w.assign(target.attribute, array.written("set_at", current, keys, new))
 
 
 def _place(who: Variable) -> str:
@@ -497,9 +501,8 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         zeros = array.call("fixed_point", zeros)
     amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
-    sets = array.Update(
-        zeros, (spread(index, axes) if axes else index.node,), "add", amount, drop=True
-    )
+    places = (spread(index, axes) if axes else index.node,)
+    sets = array.written("add_at", zeros, places, amount)
     sums.append(
         w.keep(
             f"{target.attribute}_added",
@@ -557,7 +560,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
                 (itself,),
             )
             zeros = array.call("jnp.zeros", array.shape_of(tuple(extents)), array.DTYPES[dtype])
-            sets = array.Update(zeros, tuple(places), "add", aligned(bits, axes), drop=True)
+            sets = array.written("add_at", zeros, tuple(places), aligned(bits, axes))
         else:
             sets = _folded(places, aligned(member, axes), extents, w)
     if target.read.type.by and not keys:  # to every entry of the row
@@ -574,7 +577,7 @@ def _folded(
     places: where each instance adds; sizes: how many places there are.
     """
     empty = array.call("jnp.zeros", array.shape_of((*sizes, w.module.agents)), array.Name("bool"))
-    table = array.Update(empty, (*places, member), "set", array.Literal(True), drop=True)
+    table = array.written("set_at", empty, (*places, member), array.Literal(True))
     members = w.keep("members", Value(table, "bool")).node
     if w.module.numbers_per_set:
         return array.call("pack", members)

@@ -25,10 +25,12 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Index,
     Literal,
-    Reduce,
+    Name,
     Slice,
     Unary,
     Where,
+    call,
+    reduction,
     scalar,
 )
 
@@ -89,7 +91,7 @@ def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
         case "bool":
             return Value(Literal(bool(value)), "bool")
         case "f32":
-            return Value(Literal(float(value)), dtype)
+            return Value(Literal(float(value), name), dtype)
         case _:
             return Value(Literal(int(value), name), dtype)
 
@@ -105,6 +107,15 @@ def float32(number: float) -> float:
 def iota(axis: Axis, dtype: DType = "i32") -> Value:
     """Returns 0, 1, … along an axis."""
     return Value(Arange(axis.extent, dtype), dtype, (axis,))
+
+
+def one_hot(number: Value, axis: Axis) -> Value:
+    """Returns where a number is that of a member along an axis, made later than its own axes."""
+    if isinstance(number.node, Arange) and number.node.size == axis.extent:
+        node = call("jnp.eye", axis.extent, dtype=Name("bool"))
+    else:
+        node = call("one_hot", number.node, axis.extent)
+    return Value(node, "bool", (*number.axes, axis))
 
 
 def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
@@ -182,6 +193,10 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
         result = _folded(op, a.number, b.number, dtype)
         if result is not None:
             return result
+    if op in _OPPOSITES and isinstance(a.node, Arange) and a.node == b.node and a.axes != b.axes:
+        first, second = sorted((a, b), key=lambda value: value.axes[0].order)
+        is_same = one_hot(first, second.axes[0])
+        return is_same if op == "==" else invert(is_same)
     if op in COMPARISONS:
         a, b = _before_conversion(a, b), _before_conversion(b, a)
     if _is_neutral(op, b) and a.dtype == dtype:
@@ -311,13 +326,15 @@ def reduce(
     if gone and not value.literal:
         places = tuple(value.axes.index(a) for a in gone)
         is_whole = len(places) == len(value.axes) and not value.levels
-        dtype: DType = "i32" if fn == "sum" and value.dtype == "bool" else value.dtype
+        counts = fn == "sum" and value.dtype == "bool"
+        dtype: DType = "i32" if counts else value.dtype
         node = value.node
         sum_dtype = None
         if fn == "sum":
             node = summed(node, dtype)
-            sum_dtype = dtype
-        node = Reduce(fn, node, None if is_whole else places, sum_dtype)
+            if not counts:
+                sum_dtype = dtype
+        node = reduction("count" if counts else fn, node, None if is_whole else places, sum_dtype)
         result = Value(node, dtype, tuple(a for a in value.axes if a not in gone), value.levels)
     if fn != "sum":
         return result

@@ -29,10 +29,10 @@ from sjdsl.compiler.program.expressions import (
     Index,
     Literal,
     Name,
-    Reduce,
     Sequence,
     call,
     constant,
+    reduction,
 )
 
 
@@ -359,7 +359,7 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
         stops = spread(w.value(block.condition, scope), (axis,))
         stops = Index(stops, (*(NEW_AXIS for _ in cells.axes), ALL))
         standing = Binary("&", standing, stops)
-    return Value(Reduce("any", standing, (len(cells.axes),)), "bool", cells.axes)
+    return Value(reduction("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
 
 def conditional_blocks(name: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
@@ -420,7 +420,7 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
     standing = stand_on(cells, state_reads.position(variable, w).node)
     if ok != TRUE:
         standing = Binary("&", standing, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
-    inside = Value(Reduce("any", standing, (len(cells.axes) - 1,)), "bool", axes)
+    inside = Value(reduction("any", standing, (len(cells.axes) - 1,)), "bool", axes)
     return w.keep(f"in_{shape_name(near.shape)}", inside)
 
 

@@ -125,7 +125,7 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
     if w.exact:
         total: array.Expression = array.call("sum_in_order", products, array.Literal(place))
     else:
-        total = array.Reduce("sum", products, (place,), "f32")
+        total = array.reduction("sum", products, (place,), "f32")
     expected = Value(total, "f32", axes, row.levels - 1)
     return w.keep("expected" if row.levels == 1 else "expected_row", expected)
 

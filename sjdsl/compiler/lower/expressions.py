@@ -26,7 +26,7 @@ from sjdsl.compiler.lower.axes import (
     summed,
     union,
 )
-from sjdsl.compiler.lower.condition_names import condition_name
+from sjdsl.compiler.lower.condition_names import condition_name, value_name
 from sjdsl.compiler.lower.entries import aligned_row, entry, numbers_first, numbers_last, to_words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
@@ -91,7 +91,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             empty = binary("==", container, literal(0, "u32"), "bool")
             if not container.levels:
                 return empty
-            return replace(empty, node=array.Reduce("all", empty.node, (-1,)), levels=0)
+            return replace(empty, node=array.reduction("all", empty.node, (-1,)), levels=0)
         case ir.Chose():
             action = Value(w.module.action(e.action), "i32")
             return binary("==", chosen.action_of(e.agent, scope), action, "bool")
@@ -126,8 +126,10 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return replace(row, node=node, dtype="u8", levels=0)
         case ir.Mix():
             row = lower(e.row, scope, w)
-            node = array.call("exact_mix" if w.exact else "mix", row.node)
-            return Value(node, "f32", row.axes, 1)
+            shares = array.call("exact_mix" if w.exact else "mix", row.node)
+            name = value_name(e.row)
+            name = f"{name}_shares" if name else "shares"
+            return w.keep(name, Value(shares, "f32", row.axes, 1))
         case ir.ShiftRow():
             return shift(e, scope, w)
         case ir.Case():
@@ -171,11 +173,11 @@ def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
     reduction = REDUCTIONS[e.fn]
     node: array.Expression
     if not reduction.adds:
-        node = array.Reduce(reduction.array, row.node, (-1,), None)
+        node = array.reduction(reduction.array, row.node, (-1,), None)
     elif w.exact and row.dtype == "f32":
         node = array.call("exact_sum", row.node, array.Literal(len(row.axes)))
     else:
-        node = array.Reduce(reduction.array, summed(row.node, row.dtype), (-1,), row.dtype)
+        node = array.reduction(reduction.array, summed(row.node, row.dtype), (-1,), row.dtype)
     return replace(row, node=node, levels=0)
 
 

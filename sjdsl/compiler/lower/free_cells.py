@@ -65,6 +65,8 @@ def free_cells(
         free = without("entered", state_reads.site_at(Value(cells, "i32"), pool.kinds, w).node)
     if pool.send.domain.where is not None and same_for_all:
         free = both(free, fitting_cells(pool.send, axis, IterationScope(), w))
+    if free == TRUE:
+        return array.Literal(None)  # all of them
     if not free.axes:
         return array.call("jnp.full", extent, free.node)
     return w.keep("free", free).node

@@ -257,30 +257,29 @@ def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
     if all(look.same and look.raw == look.final for look in found):
         return raw
     raw = w.keep("raw", raw)
-    shown, shift = raw, 0
+    arms, shown, shift = [], raw, 0
     for look in (
         look for look in found if look.same
     ):  # those before this one may show more or fewer values than are painted
         if look.final - look.raw != shift:
-            from_here = binary(">=", raw, first_look(look, w), "bool")
-            more = look.final - look.raw - shift
-            by = w.module.number(
-                f"{look.kind.name}_{'up' if more > 0 else 'down'}",
-                abs(more),
-                "from its looks on, from painted to shown",
-            )
-            shown = binary(
-                "+" if more > 0 else "-",
-                shown,
-                select(from_here, Value(by, "u8"), literal(0, "u8")),
-                "u8",
-            )
+            arms.append((binary("<", raw, first_look(look, w), "bool"), shown))
             shift = look.final - look.raw
+            shown = _shifted(raw, shift, look.kind.name, w)
+    shown = first_of(arms, shown, w)
     for look in found:
         if not look.same:
             is_kind, values = look_fields(look, raw, w)
             shown = w.keep("content", select(is_kind, _shown(look, values, axes, w), shown))
     return shown
+
+
+def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
+    """Returns the numbers that are shown of a kind and those after it, from the painted ones."""
+    if shift == 0:
+        return raw
+    name, comment = ("up", "added to") if shift > 0 else ("down", "taken from")
+    by = w.module.number(f"{kind}_{name}", abs(shift), f"{comment} what is painted, from {kind} on")
+    return binary("+" if shift > 0 else "-", raw, Value(by, "u8"), "u8")
 
 
 def _shown(look: Look, values: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> Value:

@@ -29,7 +29,7 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         return Value(array.call("jnp.full", extent, reached.node), "bool")
     at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
     nobody = array.call("jnp.zeros", extent, array.DTYPES["bool"])
-    return Value(array.Update(nobody, (at.node,), "set", array.Literal(True), drop=True), "bool")
+    return Value(array.written("set_at", nobody, (at.node,), array.Literal(True)), "bool")
 
 
 def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array.Expression:
@@ -45,7 +45,7 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
         axes = union(at.axes, value.axes)
         places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
         zeros = array.call("jnp.zeros", extent, array.DTYPES["i32"])
-        return array.Update(zeros, (places,), "set", spread(value, axes), drop=True)
+        return array.written("set_at", zeros, (places,), spread(value, axes))
     if any(a != who.axis for a in value.axes):
         others = tuple(a for a in scope.axes if a != who.axis)
         value = reduce("max", select(scope.mask, value, literal(0, "i32")), others)

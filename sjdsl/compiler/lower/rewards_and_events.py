@@ -14,11 +14,14 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     binary,
     both,
-    iota,
+    invert,
     joined,
     literal,
+    one_hot,
     reduce,
     select,
+    spread,
+    union,
 )
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.domains import in_set
@@ -27,12 +30,9 @@ from sjdsl.compiler.lower.expressions import agent, real
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    ALL,
     Binary,
     Expression,
     Literal,
-    Slice,
-    Update,
     call,
     scalar,
 )
@@ -46,20 +46,13 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
     named = "" if isinstance(s.value, ir.Number) else value_name(s.value)
     name = f"num_{named}" if named else "times"  # how often each agent gets it
     if s.receiver is not None:
-        deliver("reward", (), per_agent(s.receiver, amount, scope, w, name), w)
+        deliver("reward", per_agent(s.receiver, amount, scope, w, name), w)
         return
     reached = scope.mask
     if s.but is not None:
-        reached = both(
-            scope.mask,
-            binary(
-                "!=",
-                agent(s.but, scope, w).index,
-                iota(w.axis("receiver", w.module.agents)),
-                "bool",
-            ),
-        )
-    deliver("reward", (), _summed(reached, amount, scope.axes, w, name), w)
+        is_left_out = one_hot(agent(s.but, scope, w).index, w.axis("receiver", w.module.agents))
+        reached = both(scope.mask, invert(is_left_out))
+    deliver("reward", _summed(reached, amount, scope.axes, w, name), w)
 
 
 def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
@@ -89,11 +82,10 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
         agents is not None and s.receiver is not None
     ):  # all columns at once: one sum instead of an update for each
         column = w.axis("word", w.module.num_entries(event.by))
-        here = scope.when(binary("==", key, iota(column, key.dtype), "bool"))
+        here = scope.when(one_hot(key, column))
         got = per_agent(s.receiver, amount, here, w, s.event)
-        deliver(
-            attribute, (), replace(got, node=aligned(got, (agents, column))), w
-        )  # the word may be the same for all agents
+        # the word may be the same for all agents
+        deliver(attribute, replace(got, node=aligned(got, (agents, column))), w)
         return
     for word in (
         as_dtype(w.module.entry(entry), key.dtype) for entry in event.by.entries
@@ -111,29 +103,21 @@ def _count(
     w: Writer,
 ) -> None:
     if s.receiver is not None:
-        deliver(
-            attribute,
-            () if column is None else (ALL, column),
-            per_agent(s.receiver, amount, scope, w, s.event),
-            w,
-        )
+        amounts = per_agent(s.receiver, amount, scope, w, s.event)
     else:
-        deliver(
-            attribute,
-            () if column is None else (column,),
-            _summed(scope.mask, amount, scope.axes, w, s.event),
-            w,
-        )
+        amounts = _summed(scope.mask, amount, scope.axes, w, s.event)
+    deliver(attribute, amounts, w, column)
 
 
-def deliver(attribute: str, keys: tuple[Expression | Slice, ...], got: Value, w: Writer) -> None:
-    """Adds to an attribute of the outcome, or to the entries of it at some keys."""
-    if got.literal and not got.number:
+def deliver(attribute: str, amounts: Value, w: Writer, column: Expression | None = None) -> None:
+    """Adds to an attribute of the outcome, or to a column of it."""
+    if amounts.literal and not amounts.number:
         return
     before = w.total(attribute)
-    w.accumulate(
-        attribute, Update(before, keys, "add", got.node) if keys else joined("+", before, got.node)
-    )
+    if column is None:
+        w.accumulate(attribute, joined("+", before, amounts.node))
+    else:
+        w.accumulate(attribute, call("add_to_entry", before, column, amounts.node))
 
 
 def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name: str) -> Value:
@@ -155,10 +139,24 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
         return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w, name)
     if many:
         return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
-    # Comparing with every agent is far cheaper than a scatter, which XLA does one by one on CPUs.
-    return _summed(
-        both(scope.mask, binary("==", who.index, iota(axis), "bool")), amount, scope.axes, w, name
-    )
+    if scope.mask == TRUE or not who.index.axes:
+        reached = both(scope.mask, one_hot(who.index, axis))
+        return _summed(reached, amount, scope.axes, w, name)
+    return _summed_by_agent(who.index, amount, axis, scope, w, name)
+
+
+def _summed_by_agent(
+    index: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
+) -> Value:
+    """Returns what each agent gets in all from the instances, each of which names one."""
+    is_same = not any(a in amount.axes for a in scope.axes)
+    amounts = scope.mask if is_same else select(scope.mask, amount, literal(0, amount.dtype))
+    axes = union(index.axes, amounts.axes)
+    node = call("segment_sum", spread(amounts, axes), spread(index, axes), axis.extent)
+    alike = literal(math.prod(a.size for a in scope.axes if a not in axes), "i32")
+    if is_same:
+        return _times(_times(alike, w.keep(name, Value(node, "i32", (axis,)))), amount)
+    return _times(alike, Value(node, amount.dtype, (axis,)))
 
 
 def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:

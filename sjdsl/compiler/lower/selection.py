@@ -76,7 +76,7 @@ def pick(
     axes = (*outer_axes, axis)
     mask = w.keep("member", mask_over(inner, axes))
     found = w.keep(
-        "found", Value(array.Reduce("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
+        "found", Value(array.reduction("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
     )
     wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
     if not turns.size:
@@ -124,11 +124,9 @@ def _pick_one(
         and prod(a.size for a in axes) >= MANY_SETS
     )
     if many and need_no_state(scope.digits):  # most steps need none of the random bits
-        source = (
-            source
-            if scope.mask == TRUE
-            else array.Where(aligned(scope.mask, axes), source, array.Literal(0))
-        )
+        assert members is not None
+        if not _is_where_any(scope.mask, members, w):
+            source = array.Where(aligned(scope.mask, axes), source, array.Literal(0))
         alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
         there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
@@ -159,6 +157,12 @@ def _pick_one(
         digits=(*scope.digits, (best_one, total)),
     )
     return place.when(there), invert(there)
+
+
+def _is_where_any(mask: Value, members: Value, w: Writer) -> bool:
+    """Returns whether a mask takes no member from any set: it holds for all, or for those with members."""
+    has_members = binary("!=", members, literal(0, members.dtype), "bool").node
+    return mask == TRUE or mask.node in (has_members, w.known.get((has_members, "bool")))
 
 
 def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
@@ -260,9 +264,9 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
     axes = swept.cells.axes
     on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.sort))
     standing = w.keep("standing", Value(on_cells, "bool")).node
-    first_one = array.Cast(array.call("jnp.argmax", standing, axis=array.Literal(-1)), "i32")
+    first_one = array.reduction("argmax", standing, (-1,))
     who = w.keep(d.var.name, Value(first_one, "i32", axes))
-    anybody = w.keep("anybody", Value(array.Reduce("any", standing, (-1,)), "bool", axes))
+    anybody = w.keep("anybody", Value(array.reduction("any", standing, (-1,)), "bool", axes))
     if has_inner_blocks(w.module.shape(d.restriction.shape), w):
         anybody = both(anybody, swept.ok)
     return AgentVar(who, sort=d.var.sort), anybody, swept.axis

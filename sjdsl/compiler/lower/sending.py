@@ -108,7 +108,7 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression |
     places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
     rows = spread(fits, (*axes, axis))
     empty = array.call("jnp.zeros", array.Sequence((extent, axis.extent)), array.Name("bool"))
-    table = array.Update(empty, (places,), "set", rows, drop=True)
+    table = array.written("set_at", empty, (places,), rows)
     return w.keep_node("fitting", table, "bool")
 
 

@@ -36,6 +36,8 @@ class SharedBody:
     parameters: of the phase. given: what each use has for them, as written. own: the parameters of
     the function beside those that every phase has, by what they stand for. arguments: what each
     use has for them.
+    numbers: the first of these for each parameter of the phase that is a word, with the numbers
+    of the uses.
     """
 
     parameters: tuple[str, ...]
@@ -43,6 +45,7 @@ class SharedBody:
     names: Names
     variables: dict[tuple[str, ...], str] = field(default_factory=dict)
     own: dict[tuple[object, ...], array.Name] = field(default_factory=dict)
+    numbers: dict[str, tuple[array.Name, list[int]]] = field(default_factory=dict)
     arguments: list[tuple[array.Expression, ...]] = field(default_factory=list)
 
     def node(self, nodes: tuple[object, ...]) -> object:
@@ -94,18 +97,28 @@ class SharedBody:
 
     def parameter(
         self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]
-    ) -> array.Name:
-        """Returns the parameter that stands where uses have different numbers or tables."""
+    ) -> array.Expression:
+        """Returns what stands for different numbers or tables: a parameter, or one plus a number."""
         if not all(closed):
             raise CannotShare
         key = tuple((node, name) for node, name in zip(nodes, names, strict=True))
-        if key not in self.own:
-            self.own[key] = array.Name(
-                self.names.fresh(
-                    "stream" if names[0].startswith("STREAM") else self.common(names) or "number"
-                )
-            )
-            self.arguments.append(nodes)  # type: ignore[arg-type]
+        if key in self.own:
+            return self.own[key]
+        word = self.parameter_in(names)
+        literals = [node.value for node in nodes if isinstance(node, array.Literal)]
+        numbers = [value for value in literals if isinstance(value, int)]
+        are_numbers = len(numbers) == len(nodes)
+        if are_numbers and word in self.numbers:
+            parameter, others = self.numbers[word]
+            differences = {one - other for one, other in zip(numbers, others, strict=True)}
+            if len(differences) == 1:
+                return _plus(parameter, differences.pop())
+        is_stream = names[0].startswith("STREAM")
+        name = "stream" if is_stream else self.common(names) or "number"
+        self.own[key] = array.Name(self.names.fresh(name))
+        self.arguments.append(nodes)  # type: ignore[arg-type]
+        if word and are_numbers:
+            self.numbers.setdefault(word, (self.own[key], numbers))
         return self.own[key]
 
     def variable(self, names: tuple[str, ...]) -> str:
@@ -123,14 +136,34 @@ class SharedBody:
 
         The arguments of the phase are replaced by its parameters; empty if they still differ.
         """
-        for number, parameter in enumerate(self.parameters):
-            renamed = [
-                name.lower().replace(given[number], parameter, 1)
-                for name, given in zip(names, self.given, strict=True)
-            ]
-            if len(set(renamed)) == 1:
-                return renamed[0]
+        parameter = self.parameter_in(names)
+        return self.renamed(names, parameter)[0] if parameter else ""
+
+    def parameter_in(self, names: tuple[str, ...]) -> str:
+        """Returns the parameter of the phase by which names differ; empty if there is none.
+
+        It is `what` for `ground_red` and `ground_blue`.
+        """
+        if len(set(names)) > 1:
+            for parameter in self.parameters:
+                if len(set(self.renamed(names, parameter))) == 1:
+                    return parameter
         return ""
+
+    def renamed(self, names: tuple[str, ...], parameter: str) -> list[str]:
+        """Returns the names of all uses with the arguments replaced by the parameter."""
+        number = self.parameters.index(parameter)
+        return [
+            name.lower().replace(given[number], parameter, 1)
+            for name, given in zip(names, self.given, strict=True)
+        ]
+
+
+def _plus(parameter: array.Name, number: int) -> array.Expression:
+    """Returns a parameter plus a number: an enum value has other numbers in other enums."""
+    if number == 0:
+        return parameter
+    return array.Binary("-" if number < 0 else "+", parameter, array.Literal(abs(number)))
 
 
 def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:

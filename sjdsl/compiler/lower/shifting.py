@@ -205,7 +205,7 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
     number = binary("+", iota(axis), literal(1, "i32"), "i32")
     cells = w.keep("way", _cells_on(course, number, w))
     is_open = _is_open(cells, who, w)
-    standing = array.Reduce("any", stand_on(cells, everybody), (len(cells.axes),))
+    standing = array.reduction("any", stand_on(cells, everybody), (len(cells.axes),))
     last = binary(">=", number, steps, "bool")
     taken = select(last, literal(False, "bool"), Value(standing, "bool", cells.axes))
     free = both(is_open, invert(taken))

@@ -21,10 +21,10 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Index,
     Name,
-    Reduce,
     Sequence,
     call,
     path,
+    reduction,
 )
 
 MANY = 64  # computed cells from which on what is looked up is worth computing in memory first
@@ -274,10 +274,10 @@ def occupied(owner: CellVar, w: Writer) -> Value:
         return replace(w.keep("covered", Value(covered, "bool")), axes=(owner.axis,))
     at = cell(owner, w)
     if not at.axes:
-        return Value(Reduce("any", Binary("==", at.node, bodies)), "bool")
+        return Value(reduction("any", Binary("==", at.node, bodies)), "bool")
     each_body = Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
     same = Binary("==", Index(at.node, (REST, NEW_AXIS)), each_body)
-    return Value(Reduce("any", same, (-1,)), "bool", at.axes)
+    return Value(reduction("any", same, (-1,)), "bool", at.axes)
 
 
 ROW = 8  # bits of a column: a map has at most 256

@@ -109,15 +109,6 @@ class Cast(Node):
     source: DType | None = None
 
 
-class Reduce(Node):
-    """`any`, `all`, `sum`, `min` or `max` over some axes, all of them if there are none named. `dtype`: of a sum."""
-
-    fn: OneOf["any", "all", "sum", "min", "max"]
-    value: Expression
-    axes: tuple[int, ...] | None = None
-    dtype: DType | None = None
-
-
 class Broadcast(Node):
     """An array spread out to a shape."""
 
@@ -130,16 +121,6 @@ class Arange(Node):
 
     size: Expression
     dtype: DType | None = None
-
-
-class Update(Node):
-    """An array with new values at some keys, or with values added to them; `drop`: keys past the end change nothing."""
-
-    target: Expression
-    keys: tuple[Expression | Slice, ...]
-    fn: OneOf["set", "add"]
-    value: Expression
-    drop: bool = False
 
 
 class Sequence(Node):
@@ -162,7 +143,7 @@ class Lambda(Node):
     body: Expression
 
 
-OfArrays: TypeAlias = Unary | Binary | Where | Cast | Reduce | Broadcast | Arange | Update
+OfArrays: TypeAlias = Unary | Binary | Where | Cast | Broadcast | Arange
 Expression: TypeAlias = (
     Name | Literal | Attribute | Call | Index | OfArrays | Sequence | Mapping | Lambda
 )
@@ -211,6 +192,31 @@ DTYPES: dict[DType, Expression] = {
     "u8": path("jnp.uint8"),
     "bool": Name("bool"),
 }
+
+
+def reduction(
+    fn: OneOf["any", "all", "count", "sum", "min", "max", "argmax"],
+    value: Expression,
+    axes: tuple[int, ...] | None = None,
+    dtype: DType | None = None,
+) -> Call:
+    """Returns a reduction over some axes, over all of them if none are named. `dtype`: of a sum."""
+    keywords: dict[str, Expression] = {}
+    if axes is not None:
+        keywords["axis"] = constant(axes[0] if len(axes) == 1 else axes)
+    if dtype is not None:
+        keywords["dtype"] = DTYPES[dtype]
+    return call(f"{fn}_of", value, **keywords)
+
+
+def written(
+    kernel: OneOf["set_at", "add_at"],
+    target: Expression,
+    places: tuple[Expression, ...],
+    value: Expression,
+) -> Call:
+    """Returns an array with values set or added at places; those past the end change nothing."""
+    return call(kernel, target, places[0] if len(places) == 1 else Sequence(places), value)
 
 
 def as_array(value: Expression, dtype: DType | None = None) -> Call:
