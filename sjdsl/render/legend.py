@@ -166,18 +166,21 @@ def _word_states(kind: KindLook) -> Iterator[Key]:
     none of them.
     """
     choices = [range(len(field.words)) if field.holds == "word" else (0,) for field in kind.fields]
-    states = np.array(list(islice(product(*choices), MAX_STATES)), int)
+    combinations = list(islice(product(*choices), MAX_STATES))
+    states = np.array(combinations, int)
     values = {
         field.attribute: column - 1 if field.holds == "agent" else column
         for field, column in zip(kind.fields, states.T, strict=True)
     }
     known = {field.name for field in kind.fields if field.holds == "word"}
-    columns = [
-        rule.applies(kind.name, values, len(states)) if rule.reads <= known else [0] * len(states)
-        for rule in kind.rules
-    ]
-    keys = np.column_stack([states, *columns]).astype(int)
-    yield from map(tuple, keys.tolist())
+    columns = []
+    for rule in kind.rules:
+        applies = [False] * len(combinations)
+        if rule.reads <= known:
+            applies = rule.applies(kind.name, values, len(combinations)).tolist()
+        columns.append(applies)
+    for combination, *applied in zip(combinations, *columns, strict=True):
+        yield (*combination, *map(int, applied))
 
 
 def _implies(rule: Rule, other: Rule) -> bool:

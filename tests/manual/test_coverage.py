@@ -9,8 +9,9 @@ import pytest
 
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
-from sjdsl.compiler.elaborate import lookup, observations, shapes
+from sjdsl.compiler.elaborate import lookup, observed_paths, shapes
 from sjdsl.compiler.elaborate.constants import UNITS
+from sjdsl.compiler.elaborate.window import SIDES
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import parser
 from sjdsl.interpreter.state import Facing
@@ -27,8 +28,8 @@ WORDS_OF_RULES = {
     "attributes": (*lookup.AGENT_ATTRIBUTES, *lookup.CELL_ATTRIBUTES),
     "shapes": (*shapes.BUILT_IN, "centre"),
     "facings": get_args(Facing),
-    "sides of the window": observations.SIDES,
-    "whose fields are seen": observations.OWNERS,
+    "sides of the window": SIDES,
+    "whose fields are seen": observed_paths.OWNERS,
     "frames of moves": ("relative", "compass"),
     "checks": ("random", "never", "falling", "rising", "agents"),
     "values": ("step", "nobody", "nowhere", "yes", "no"),

@@ -86,11 +86,11 @@ def test_a_setting_of_all_cells_is_for_those_that_read_it() -> None:
     for preset in (None, "two_cores"):
         ippo, vdn = plan(
             "algorithm=ippo,vdn",
-            settings={"clip_epsilon": 0.3, "double_q": True, "reward": "common"},
+            settings={"clip_epsilon": 0.3, "layer_norm": True, "reward": "common"},
             preset=preset,
         )
-        assert (ippo.config["clip_epsilon"], vdn.config["double_q"]) == (0.3, True)
-        assert "double_q" not in ippo.config and "clip_epsilon" not in vdn.config
+        assert (ippo.config["clip_epsilon"], vdn.config["layer_norm"]) == (0.3, True)
+        assert "layer_norm" not in ippo.config and "clip_epsilon" not in vdn.config
 
 
 def test_what_no_command_line_can_ask_for_is_refused() -> None:

@@ -97,9 +97,13 @@ def _entry_value(e: ir.At, analysis: Any) -> Any:
     if e.key.type.kind == "mix":
         return analysis.rounded(sum(map(mul, key, row)))
     level = e.row.type.by[0]
-    if key is None or not 0 <= level.place_of(key) < len(level):  # a guard excludes it
+    # A key of none of the entries: a guard excludes it.
+    if key is None or (isinstance(key, str) and key not in level.names):
         raise UnknownValue
-    return row[level.place_of(key)]
+    place = level.place_of(key)
+    if not 0 <= place < len(level):
+        raise UnknownValue
+    return row[place]
 
 
 def _reduced_value(e: ir.SumRow, analysis: Any) -> Any:
