@@ -46,6 +46,17 @@ def _remembers(config: PPOConfig | VDNConfig) -> bool:
     return isinstance(config, PPOConfig) and config.memory != "none"
 
 
+def sorted_on_cpu(indices: Array) -> Array:
+    """Returns a minibatch's indices, in order on a CPU: their order doesn't matter.
+
+    Unsorted, XLA fuses the shuffle into the loop that unpacks bytes, which is slow on a CPU.
+    """
+    ordered: Array = jax.lax.platform_dependent(
+        indices, cpu=jnp.sort, default=lambda unsorted: unsorted
+    )
+    return ordered
+
+
 def draw_orders(key: Array, number: int, config: PPOConfig | VDNConfig) -> Array:
     """Returns the sequences of each minibatch, `[G, epochs, minibatches, m]` int32.
 

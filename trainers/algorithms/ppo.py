@@ -38,7 +38,7 @@ from .losses import (
     normalised,
     value_loss,
 )
-from .minibatches import check_minibatches, draw_orders
+from .minibatches import check_minibatches, draw_orders, sorted_on_cpu
 from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser, start_learner
 from .partners import Partners
 from .rollout import (
@@ -311,9 +311,7 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
 
     Only indices are shuffled, so nothing outside the minibatch is copied.
     """
-    # Unsorted, XLA fuses the shuffle into the loop that unpacks bytes, which is slow on a CPU.
-    # The order within a minibatch doesn't matter.
-    indices = jax.lax.platform_dependent(indices, cpu=jnp.sort, default=lambda unsorted: unsorted)
+    indices = sorted_on_cpu(indices)
     is_everybody = agents.shape[0] == batch.action.shape[AGENTS_AXIS]
 
     def of_sequences(leaf: Array) -> Array:

@@ -1,7 +1,8 @@
 """Value decomposition networks without replay: Q(lambda) from whole rollouts of many environments.
 
-Neither a replay buffer nor a target network: targets are lambda returns of the rollout just played, and layer normalisation keeps the
-values from diverging. Source: Gallici et al. 2024, "Simplifying deep temporal difference learning" (PQN), section 4.
+It has neither a replay buffer nor a target network: targets are lambda returns of the rollout just
+played, and layer normalisation keeps the values from diverging. Source: Gallici et al. 2024,
+"Simplifying deep temporal difference learning" (PQN), section 4.
 """
 
 from dataclasses import replace
@@ -23,11 +24,10 @@ from ..networks.packing import Packing
 from ..networks.teams import learning_agents
 from ..settings.config import VDNConfig
 from .advantage import generalised_advantages, successor_values
-from .episodes import mean_episode
-from .minibatches import check_minibatches, draw_orders
-from .optimisers import learning_rate_schedule, make_value_optimiser
+from .minibatches import check_minibatches, draw_orders, sorted_on_cpu
+from .optimisers import learning_rate_schedule, make_value_optimiser, start_learner
 from .partners import Partners
-from .rollout import Actor, Rollout, Worlds, collect_rollout, rewarded_steps, start_worlds
+from .rollout import Actor, Rollout, Worlds, collect_rollout, rollout_metrics, start_worlds
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
@@ -55,42 +55,41 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
     masks = wants_masks(env, config)
     learning = jnp.asarray(learning_agents(env.num_agents, config))
 
-    def team_value(parameters: Any, observation: Array, allowed: Array | None) -> Array:
+    def best_values(values: Array, allowed: Array | None) -> Array:
         """Returns the value `[B]` of the best actions of all learning agents."""
-        values = masked(cast(Array, network.apply(parameters, observation)), allowed)
-        return values.max(axis=-1)[..., learning].sum(axis=-1)
+        return masked(values, allowed).max(axis=-1)[..., learning].sum(axis=-1)
+
+    def team_value(parameters: Any, observation: Array, state: Any) -> Array:
+        """Returns the value `[B]` of the best actions after an observation."""
+        values = cast(Array, network.apply(parameters, observation))
+        return best_values(values, allowed_in(env, masks, state))
 
     def init(key: Array) -> TrainState:
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, (), worlds_key, partners)
         parameters = network.init(network_key, worlds.observation[:1])
-        learner = Learner.create(apply_fn=None, params=parameters, tx=optimiser).replace(
-            step=jnp.int32(0)
-        )
-        return TrainState(key, learner, worlds, jnp.int32(0), jnp.bool_(False))
+        return TrainState.start(key, start_learner(parameters, optimiser), worlds)
 
     def make_actor(parameters: Any, epsilon: Array) -> Actor:
         def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Array]:
             allowed = allowed_in(env, masks, worlds.state)
             values = cast(Array, network.apply(parameters, worlds.observation))
-            best = masked(values, allowed).max(axis=-1)[..., learning].sum(axis=-1)
-            return (), explore(key, values, allowed, epsilon), best
+            return (), explore(key, values, allowed, epsilon), best_values(values, allowed)
 
         def follow(memory: Any, info: dict[str, Any]) -> Array:
             del memory
             truncated = info["truncated"]
 
-            def of_last(last: Array, state: Any) -> Array:
-                return team_value(parameters, last, allowed_in(env, masks, state))
+            def value_last() -> Array:
+                last, state = info["terminal_observation"], info.get("terminal_state")
+                return team_value(parameters, last, state)
 
-            result: Array = jax.lax.cond(
-                truncated.any(),
-                of_last,
-                lambda *_: jnp.zeros(truncated.shape, jnp.float32),
-                info["terminal_observation"],
-                info.get("terminal_state"),
-            )
-            return result
+            def value_nothing() -> Array:
+                return jnp.zeros(truncated.shape, jnp.float32)
+
+            # Most steps end no episode, and then the second forward pass is skipped.
+            values: Array = jax.lax.cond(truncated.any(), value_last, value_nothing)
+            return values
 
         return Actor(act, packing.pack, follow)
 
@@ -101,35 +100,26 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         worlds, rollout, finished, measured = collect_rollout(
             env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners
         )
-        return replace(state, key=key, worlds=worlds), (rollout, finished, measured, epsilon)
+        metrics = {**rollout_metrics(rollout, finished, measured), "epsilon": epsilon}
+        return replace(state, key=key, worlds=worlds), (rollout, metrics)
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
-        rollout, finished, measured, epsilon = played
+        rollout, metrics = played
+        before = state.learner
         key, shuffle_key = jax.random.split(state.key)
         worlds = state.worlds
-        last = team_value(
-            state.learner.params, worlds.observation, allowed_in(env, masks, worlds.state)
-        )
-        steps = with_targets(rollout, last, config)
+        last_value = team_value(before.params, worlds.observation, worlds.state)
+        steps = with_targets(rollout, last_value, config)
         learner, losses = take_gradient_steps(
-            network, packing, learning, state.learner, steps, shuffle_key, config
+            network, packing, learning, before, steps, shuffle_key, config
         )
-        learner, losses["loss"] = keep_if_finite(
-            losses["loss"], learner, state.learner, state.diverged
-        )
+        learner, losses["loss"] = keep_if_finite(losses["loss"], learner, before, state.diverged)
         metrics = {
-            **mean_episode(finished),
-            "reward_per_step": rollout.reward.sum(axis=-1).mean(),
-            "rewarded_steps": rewarded_steps(rollout.reward),
-            "metric": measured,
+            **metrics,
             **losses,
-            "epsilon": epsilon,
-            "learning_rate": learning_rate_schedule(config)(state.learner.step),
+            "learning_rate": learning_rate_schedule(config)(before.step),
         }
-        diverged = ~jnp.isfinite(losses["loss"])
-        return replace(
-            state, key=key, learner=learner, updates=state.updates + 1, diverged=diverged
-        ), metrics
+        return state.after_update(key, learner, losses["loss"]), metrics
 
     def adopt(state: TrainState, parameters: Any) -> TrainState:
         return replace(state, learner=replace(state.learner, params=parameters))
@@ -140,11 +130,13 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
 def with_targets(rollout: Rollout, last_value: Array, config: VDNConfig) -> Steps:
     """Returns the `T * B` steps of a rollout with their targets.
 
-    The lambda return of Q-learning is G_t = r_t + gamma * ((1 - lambda) * V_{t+1} + lambda * G_{t+1}), where V is the value of the best
-    actions: it is V_t plus the generalised advantage of these values.
+    The lambda return of Q-learning is
+    G_t = r_t + gamma * ((1 - lambda) * V_{t+1} + lambda * G_{t+1}), where V is the value of the
+    best actions: it is V_t plus the generalised advantage of these values.
 
     Args:
-      rollout: its `acting` are the values `[T, B]` of the best actions, its `ending` those of terminal observations.
+      rollout: its `acting` are the values `[T, B]` of the best actions, its `ending` those of
+        terminal observations.
       last_value: `[B]`, of the observations after the last step.
     """
     values = rollout.acting[..., None]
@@ -172,10 +164,8 @@ def take_gradient_steps(
     """Takes `num_epochs * num_minibatches` gradient steps; losses are means over them."""
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
-        indices = jax.lax.platform_dependent(
-            indices, cpu=jnp.sort, default=lambda unsorted: unsorted
-        )
-        minibatch = jax.tree.map(lambda leaf: leaf[indices], steps)
+        ordered = sorted_on_cpu(indices)
+        minibatch = jax.tree.map(lambda leaf: leaf[ordered], steps)
         minibatch = minibatch.replace(observation=packing.unpack(minibatch.observation))
         (_, losses), gradients = jax.value_and_grad(team_loss, has_aux=True)(
             learner.params, network, learning, minibatch
@@ -191,10 +181,12 @@ def take_gradient_steps(
 def team_loss(
     parameters: Any, network: ActionValues, learning: Array, steps: Steps
 ) -> tuple[Array, Metrics]:
-    """Returns half the mean squared error of the team's value, the sum over learning agents of Q_i(s, a_i), and its parts."""
+    """Returns half the mean squared error of the team's value, and its parts.
+
+    The team's value is the sum of Q_i(s, a_i) over the learning agents.
+    """
     values = cast(Array, network.apply(parameters, steps.observation))
-    taken = jnp.take_along_axis(values, steps.action[..., None], axis=-1)[..., 0][
-        ..., learning
-    ].sum(axis=-1)
-    loss = 0.5 * jnp.square(taken - steps.target).mean()
-    return loss, {"loss": loss, "team_value": taken.mean()}
+    taken = jnp.take_along_axis(values, steps.action[..., None], axis=-1)[..., 0]
+    team_value = taken[..., learning].sum(axis=-1)
+    loss = 0.5 * jnp.square(team_value - steps.target).mean()
+    return loss, {"loss": loss, "team_value": team_value.mean()}

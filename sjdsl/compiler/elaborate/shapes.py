@@ -126,9 +126,11 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
         feature = f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"
         raise scope.fail(errors.Unsupported(ref.span, feature=feature))
-    label = ", ".join([*map(str, numbers), "centre"] if has_centre else map(str, numbers))
+    written = [str(number) for number in numbers]
+    if has_centre:
+        written.append("centre")
     return ir.Shape(
-        name=f"{name}({label})",
+        name=f"{name}({', '.join(written)})",
         lanes=lanes,
         see_through=see_through,
         directed=not see_through,
