@@ -45,10 +45,12 @@ def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
 
 def figures(rows: Iterable[Row], metric: str) -> np.ndarray:
     """Returns the environment steps and a metric of each row, `float64[2, T]`; see `read_seeds`."""
-    kept = array("d")
+    values = array("d")  # of each row two
     for row in rows:
-        kept.extend((row["env_steps"], math.fsum(row[key] for key in _columns(tuple(row), metric))))
-    return np.array(kept).reshape(-1, 2).T
+        columns = _columns(tuple(row), metric)
+        values.append(row["env_steps"])
+        values.append(math.fsum(row[name] for name in columns))
+    return np.array(values).reshape(-1, 2).T
 
 
 @lru_cache

@@ -35,6 +35,7 @@ def flatten_metrics(metrics: dict[str, Any]) -> Row:
 
 
 def _per_agent(name: str, value: Any) -> Row:
+    """Returns one number as it is, and of `[N]` one for each agent: `NAME_agent_0`."""
     if np.ndim(value) == 0:
         return {name: np.asarray(value).item()}
     return {f"{name}_agent_{index}": entry.item() for index, entry in enumerate(np.asarray(value))}
