@@ -8,7 +8,6 @@ compiled again. With --suite CHECKOUT the suite's own environments are compiled 
 """
 
 import argparse
-import contextlib
 import dataclasses
 import hashlib
 import json
@@ -72,6 +71,14 @@ TWENTY = (
 )
 GROUPS = {"nine": NINE, "ten": TEN, "twenty": TWENTY}
 SECTION = "gpu model"
+STEP_TABLES = (  # the arguments of `step_table`: title, names, whose, observation
+    ("one step of a game, tokens", NINE, "ours", "tokens"),
+    ("one step of a game, one-hot observations", NINE, "ours", "onehot"),
+    ("one step of a game, the suite's own environments", NINE, "suite", "its own"),
+    ("one step of a game with 20 agents, tokens", TWENTY, "ours", "tokens"),
+    ("one step of a substrate, tokens", TEN, "ours", "tokens"),
+    ("one step of a substrate, one-hot observations", TEN, "ours", "onehot"),
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -242,18 +249,13 @@ def step_of(name: str, observation: str, envs: int, target: Any) -> Program:
 
 def suite_step(name: str, checkout: Path, envs: int, target: Any) -> Program:
     """Returns a step of the suite's own environment, with its resets."""
+    jnp.clip = socialjax_original.clip  # type: ignore[assignment]
     module_and_class, agents = SUITE[name]
-    with clip_of_older_jax():
-        make_original = socialjax_original.load(checkout, module_and_class)
-        env = make_original(num_agents=agents, shared_rewards=False)
+    make_original = socialjax_original.load(checkout, module_and_class)
+    env = make_original(num_agents=agents, shared_rewards=False)
     key = jax.ShapeDtypeStruct((2,), jnp.uint32)
     state = jax.eval_shape(lambda k: jax.tree.map(jnp.asarray, env.reset(k)[1]), key)
-    original_step = socialjax_original.make_step(env)
-
-    def step(state: Any, actions: Any, key: Any) -> Any:
-        with clip_of_older_jax():
-            return jax.vmap(original_step)(key, state, actions)
-
+    step = jax.vmap(socialjax_original.make_step(env))
     shapes = (state, jax.ShapeDtypeStruct((agents,), jnp.int32), key)
     return Program(
         of="suite",
@@ -261,25 +263,11 @@ def suite_step(name: str, checkout: Path, envs: int, target: Any) -> Program:
         observation="its own",
         envs=envs,
         agents=agents,
-        function=step,
+        # The state comes first, as its memory is used again.
+        function=lambda state, actions, key: step(key, state, actions),
         shapes=shapes_on(target, shapes, (envs,)),
         env_steps=envs,
     )
-
-
-@contextlib.contextmanager
-def clip_of_older_jax() -> Iterator[None]:
-    """Lets code that was written for JAX 0.4 call `jnp.clip` with the names of that version."""
-    clip = jnp.clip
-
-    def clip_by_older_names(x: Any, a_min: Any = None, a_max: Any = None, **bounds: Any) -> Any:
-        return clip(x, bounds.get("min", a_min), bounds.get("max", a_max))
-
-    jnp.clip = clip_by_older_names  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        jnp.clip = clip
 
 
 def update_of(name: str, network: str, target: Any) -> Program:
@@ -403,20 +391,8 @@ def millions(row: Row) -> str:
 def page(rows: dict[Any, Row]) -> str:
     """Returns the tables of the page, from all rows."""
     all_rows = list(rows.values())
-    tables = [
-        step_table("one step of a game, tokens", NINE, "ours", "tokens", all_rows),
-        step_table("one step of a game, one-hot observations", NINE, "ours", "onehot", all_rows),
-        step_table(
-            "one step of a game, the suite's own environments", NINE, "suite", "its own", all_rows
-        ),
-        step_table("one step of a game with 20 agents, tokens", TWENTY, "ours", "tokens", all_rows),
-        step_table("one step of a substrate, tokens", TEN, "ours", "tokens", all_rows),
-        step_table(
-            "one step of a substrate, one-hot observations", TEN, "ours", "onehot", all_rows
-        ),
-        checked_table(all_rows),
-        update_table(all_rows),
-    ]
+    tables = [step_table(*columns, all_rows) for columns in STEP_TABLES]
+    tables += [checked_table(all_rows), update_table(all_rows)]
     parts = [f"`make gpu-model`, JAX {jax.__version__}. Nothing here was measured."]
     for table in tables:
         if table.rows:

@@ -14,7 +14,7 @@ import numpy as np
 from jax import Array
 
 import sjdsl
-from bench.socialjax_original import load
+from bench.socialjax_original import clip, load
 from sjdsl.interop.socialjax import ACTIONS
 from sjdsl.runtime.random_bits import key_words
 
@@ -31,7 +31,6 @@ ORIGINALS = {  # by the suite's id: module and class, agents, steps of an episod
 }
 MOVES = ACTIONS["turned round"]
 Figures = dict[str, Array]
-CLIP = jnp.clip  # before `suite_game` replaces it
 
 
 def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: Any) -> Any:
@@ -43,13 +42,6 @@ def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: An
     sys.modules.setdefault("chex", chex)
     jnp.clip = clip
     return load(checkout, original)(shared_rewards=False, num_inner_steps=steps, **arguments)
-
-
-def clip(x: Any, *bounds: Any, a_min: Any = None, a_max: Any = None, **named: Any) -> Array:
-    """As `jnp.clip`, but also takes its bounds by the names of older versions of JAX."""
-    if a_min is None:
-        return CLIP(x, *bounds, **named)
-    return CLIP(x, a_min, a_max)
 
 
 def closure(function: Any) -> dict[str, Any]:

@@ -14,6 +14,7 @@ import math
 import pickle
 import statistics
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -144,15 +145,18 @@ def play_at_random(env: Any, actions: int, steps: int, episodes: int, key: Array
         }
         return (states, is_over | done["__all__"]), counted
 
-    @jax.jit
-    def run(key: Array) -> Figures:
-        reset_key, key = jax.random.split(key)
-        _, states = jax.vmap(env.reset)(jax.random.split(reset_key, episodes))
-        start = (states, jnp.zeros(episodes, bool))
-        _, by_step = jax.lax.scan(body, start, jax.random.split(key, steps - 1))
-        return jax.tree.map(lambda values: values.sum(axis=0), by_step)
+    reset_key, key = jax.random.split(key)
+    _, states = jax.vmap(env.reset)(jax.random.split(reset_key, episodes))
+    return sum_over_steps(body, (states, jnp.zeros(episodes, bool)), key, steps)
 
-    return run(key)
+
+@partial(jax.jit, static_argnums=(0, 3))
+def sum_over_steps(
+    body: Callable[[Any, Array], tuple[Any, Any]], start: Any, key: Array, steps: int
+) -> Any:
+    """Returns the sums of what each step but the last of an episode gives. body: as of `scan`."""
+    _, by_step = jax.lax.scan(body, start, jax.random.split(key, steps - 1))
+    return jax.tree.map(lambda values: values.sum(axis=0), by_step)
 
 
 def play_suite(
@@ -177,15 +181,10 @@ def play_suite(
             differences = jax.vmap(bridge.differences)(states, actions, after, ours)
         return (observations, after), (figures, differences)
 
-    @jax.jit
-    def run(key: Array) -> tuple[Figures, Figures]:
-        reset_key, key = jax.random.split(key)
-        start = jax.vmap(bridge.suite.reset)(jax.random.split(reset_key, episodes))
-        _, (figures, differences) = jax.lax.scan(body, start, jax.random.split(key, STEPS - 1))
-        sums = jax.tree.map(lambda values: values.sum(axis=0), figures)
-        return sums, jax.tree.map(lambda values: values.sum(), differences)
-
-    return run(key)
+    reset_key, key = jax.random.split(key)
+    start = jax.vmap(bridge.suite.reset)(jax.random.split(reset_key, episodes))
+    figures, differences = sum_over_steps(body, start, key, STEPS)
+    return figures, jax.tree.map(jnp.sum, differences)
 
 
 def play_ours(bridge: Bridge, policy: Policy, episodes: int, key: Array) -> Figures:
@@ -199,15 +198,9 @@ def play_ours(bridge: Bridge, policy: Policy, episodes: int, key: Array) -> Figu
         states, shown, figures = jax.vmap(bridge.step)(keys, states, shown, actions)
         return (states, shown), figures
 
-    @jax.jit
-    def run(key: Array) -> Figures:
-        reset_key, key = jax.random.split(key)
-        _, states = jax.vmap(bridge.ours.reset)(jax.random.split(reset_key, episodes))
-        start = (states, jax.vmap(bridge.begin)(states))
-        _, by_step = jax.lax.scan(body, start, jax.random.split(key, STEPS - 1))
-        return jax.tree.map(lambda values: values.sum(axis=0), by_step)
-
-    return run(key)
+    reset_key, key = jax.random.split(key)
+    _, states = jax.vmap(bridge.ours.reset)(jax.random.split(reset_key, episodes))
+    return sum_over_steps(body, (states, jax.vmap(bridge.begin)(states)), key, STEPS)
 
 
 if __name__ == "__main__":
