@@ -105,7 +105,7 @@ def metric_names(game: ir.Game) -> list[tuple[str, bool]]:
     return events + [(measure.name, False) for measure in game.measures]
 
 
-def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
+def metric_values(game: ir.Game, outcome: Outcome | None) -> list[float]:
     """Returns the metrics of a step, in the order of `metric_names`; none without an outcome.
 
     Events are summed over the agents.
@@ -121,14 +121,14 @@ def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
     return values + [float(outcome.measures[measure.name]) for measure in game.measures]
 
 
-def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
+def begin_episode(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
     """Returns the start of an episode. Raises LeavesFloat32."""
     key = keys_of(seed).start()
     world = copied(reset(game, params, Threefry(*key)))
     return Episode(game, seed, [Moment(None, key, world, ())], [[0.0] * game.agents.number])
 
 
-def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
+def continue_from(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
     """Returns an episode that goes on from a state."""
     moment = Moment(None, keys_of(seed).start(), world, ())  # nothing reads its key
     return Episode(game, seed, [moment], [returns], is_put=True)
