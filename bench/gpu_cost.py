@@ -217,6 +217,7 @@ def count_kernels(text: str) -> int:
 
 class _Module:
     def __init__(self, text: str) -> None:
+        """Reads the text of a compiled HLO module."""
         self.computations: dict[str, list[Instruction]] = {}
         self.entry = ""
         self.callers = _callers(text)
@@ -423,7 +424,8 @@ def _operations(fusion: list[Instruction]) -> int:
 
 
 def _multiplications(one: Instruction, operands: list[Instruction]) -> int:
-    """Returns how many products of numbers a product of matrices or a convolution adds up; 0 of anything else."""
+    """Returns the multiplications of a product of matrices or a convolution; 0 for anything else."""
+    # A number of a product needs as many as the axis that is summed is long.
     if one.op == "dot" or (one.op == "custom-call" and "gemm" in one.rest):
         axis = re.search(r"lhs_contracting_dim(?:ension)?s\"?[=:][\[{]\"?(\d+)", one.rest)
         if axis and operands and (left := _ARRAY.search(operands[0].shape)):
@@ -431,6 +433,7 @@ def _multiplications(one: Instruction, operands: list[Instruction]) -> int:
     labels = re.search(r"dim_labels=\w+_(\w+)->", one.rest)
     if not labels or len(operands) < 2:
         return 0
+    # A number that a convolution makes needs one for each weight of its output channel.
     call = next((name for name in _CONVOLUTIONS if name in one.rest), "")
     activations, weights = _CONVOLUTIONS[call]
     shapes = (operands[0].shape, operands[1].shape, one.shape)

@@ -108,7 +108,7 @@ class Bridge:
         heading = (2 - state.heading.astype(jnp.int32)) % 4
         return jnp.stack([row - self.module.PAD, col - self.module.PAD, heading], axis=-1)
 
-    def placed(self, state: Any, places: Array) -> Any:
+    def with_places(self, state: Any, places: Array) -> Any:
         """Returns our state with its agents at these places."""
         row = places[:, 0].astype(jnp.int32) + self.module.PAD
         position = row * self.module.FRAME[1] + places[:, 1] + self.module.PAD
@@ -175,10 +175,11 @@ class Bridge:
         outcome = self.module.no_outcome()
         walked, _ = self.module.walk(state, outcome, self.ours.params, numbers, key_words(key))
         _, after, reward, _, _ = self.ours.step_env(key, state, numbers)
-        shown = self.beams(self.draw(shown, after, self.place(walked)), after, actions)
+        shown = self.draw(shown, after, self.place(walked))
+        shown = self.mark_beams(shown, after, actions)
         shown = shown.replace(
             reborn_locs=self.place(after).astype(jnp.int16),
-            agent_invs=shown.agent_invs + self.eaten(reward),
+            agent_invs=shown.agent_invs + self.newly_carried(reward),
         )
         return after, shown, self.figures(shown, reward.sum(), actions)
 
@@ -197,12 +198,12 @@ class Bridge:
         """Returns the suite's numbers of what is on the map in our state, but for agents, int16 `[H, W]`."""
         raise NotImplementedError
 
-    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
+    def mark_beams(self, shown: Any, state: Any, actions: Array) -> Any:
         """Returns a state of the suite with the marks of its own beams; `state` is ours after the step."""
         del state
         return self.inner["_interact"](jax.random.PRNGKey(0), shown, actions)[1]
 
-    def eaten(self, reward: Array) -> Array:
+    def newly_carried(self, reward: Array) -> Array:
         """Returns what agents add to what the suite has them carry, int8 `[N, 1]`."""
         return (reward > 0).astype(jnp.int8)[:, None]
 
@@ -220,20 +221,20 @@ class CleanUp(Bridge):
         return self.board(labels, state.potential_dirt_and_dirt_locs) == 8
 
     def from_suite(self, state: Any) -> Any:
-        """Marks, and those who were hit, hide bare cells of the orchard."""
+        """Returns our equal state: marks, and agents that were hit, hide bare cells of the orchard."""
         orchard = self.cells("B")
-        left = self.board(sent_off(state), state.agent_locs)
-        hidden = (state.grid == 2) | (state.grid == 9) | left
+        hit = self.board(sent_off(state), state.agent_locs)
+        hidden = (state.grid == 2) | (state.grid == 9) | hit
         ours = self.module.initial_state().replace(
             step=jnp.int32(state.inner_t),
             water_state=self.dirty(state)[self.cells("HF")].astype(jnp.uint8),
             orchard_fruit=(state.grid[orchard] == 3).astype(jnp.uint8),
             orchard_hidden=hidden[orchard].astype(jnp.uint8),
         )
-        return self.placed(ours, state.reborn_locs)
+        return self.with_places(ours, state.reborn_locs)
 
     def hit(self, after: Any, actions: Array) -> Array:
-        """Zaps hit; cleaning beams don't."""
+        """Returns which agents zaps hit: cleaning beams hit none."""
         return self.inner["_interact_fire_zapping"](jax.random.PRNGKey(0), after, actions)[0]
 
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
@@ -245,7 +246,7 @@ class CleanUp(Bridge):
         return {**figures, "steps after which more than the two cells of a dirt draw differ": more}
 
     def grid_without_agents(self, state: Any) -> Array:
-        """Apples, river and dirt."""
+        """Returns the map with apples, river and dirt."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16)
         grid = grid.at[self.cells("B")].set(
             jnp.where(state.orchard_fruit == 1, 3, 0).astype(jnp.int16)
@@ -255,7 +256,7 @@ class CleanUp(Bridge):
             jnp.where(state.water_state == 1, 8, 7).astype(jnp.int16)
         )
 
-    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
+    def mark_beams(self, shown: Any, state: Any, actions: Array) -> Any:
         """Adds the marks of both sorts of beam, zaps first."""
         del state
         key = jax.random.PRNGKey(0)
@@ -271,18 +272,18 @@ class Harvest(Bridge):
     checkpoint = "harvest_common_open_seed30_reward_individual.pkl"
 
     def from_suite(self, state: Any) -> Any:
-        """Marks block the floor; marks, and those who were hit, hide soil."""
+        """Returns our equal state: marks block the floor; marks, and agents that were hit, hide soil."""
         soil = self.cells("A")
         marked = state.grid == 2
-        left = self.board(sent_off(state), state.agent_locs)
+        hit = self.board(sent_off(state), state.agent_locs)
         ours = self.module.initial_state().replace(
             step=jnp.int32(state.inner_t),
             soil_fruit=(state.grid[soil] == 3).astype(jnp.uint8),
-            soil_hidden=(marked | left)[soil].astype(jnp.uint8),
+            soil_hidden=(marked | hit)[soil].astype(jnp.uint8),
             floor_marked=marked[self.cells(".Q")].astype(jnp.uint8),
             gate_marked=marked[self.cells("P")].astype(jnp.uint8),
         )
-        return self.placed(ours, state.reborn_locs)
+        return self.with_places(ours, state.reborn_locs)
 
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
         """Adds the differences of the marks."""
@@ -295,7 +296,7 @@ class Harvest(Bridge):
         return {**figures, "steps after which marks differ, without a contest": differ & calm}
 
     def grid_without_agents(self, state: Any) -> Array:
-        """Walls and apples."""
+        """Returns the map with walls and apples."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
         return grid.at[self.cells("A")].set(
             jnp.where(state.soil_fruit == 1, 3, 0).astype(jnp.int16)
@@ -309,7 +310,7 @@ class Closed(Harvest):
     checkpoint = ""
 
     def arguments(self, checkout: Path) -> dict[str, Any]:
-        """Its map is in a configuration."""
+        """Returns the map, which the suite keeps in a configuration."""
         file = checkout / "algorithms" / "IPPO" / "config" / f"ippo_cnn_{self.name}.yaml"
         return {"map_ASCII": re.findall(r'"([ AWQP]{20,})"', file.read_text())}
 
@@ -330,7 +331,7 @@ class Territory(Bridge):
     stepwise = False
 
     def suite_return(self, rewards: Array) -> Array:
-        """Its individual rewards are not multiplied by the number of agents."""
+        """Returns the sum of the rewards: here the suite multiplies none."""
         return rewards.sum()
 
     def bricks(self, state: Any) -> Array:
@@ -340,12 +341,12 @@ class Territory(Bridge):
         return jnp.where(state.brick_damage == 0, owned, cracked).astype(jnp.int16)
 
     def grid_without_agents(self, state: Any) -> Array:
-        """Walls and bricks."""
+        """Returns the map with walls and bricks."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
         return grid.at[self.cells("R")].set(self.bricks(state))
 
-    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
-        """Beams end at bricks, but must not break them again: walls stand in for them."""
+    def mark_beams(self, shown: Any, state: Any, actions: Array) -> Any:
+        """Adds the marks. Beams end at bricks, but must not break them again: walls stand in for them."""
         cells = self.cells("R")
         bricks = self.bricks(state)
         walls = jnp.where(bricks > 0, 1, shown.grid[cells]).astype(jnp.int16)
@@ -353,12 +354,12 @@ class Territory(Bridge):
             grid=shown.grid.at[cells].set(walls),
             claimed_coord=jnp.zeros((self.rows, self.cols), bool),
         )
-        shown = super().beams(shown, state, actions)
+        shown = super().mark_beams(shown, state, actions)
         marked = jnp.where(bricks > 0, bricks, shown.grid[cells])
         return shown.replace(grid=shown.grid.at[cells].set(marked))
 
-    def eaten(self, reward: Array) -> Array:
-        """Nothing is carried."""
+    def newly_carried(self, reward: Array) -> Array:
+        """Returns zeros: nothing is carried."""
         del reward
         return jnp.zeros((self.agents, 1), jnp.int8)
 

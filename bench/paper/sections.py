@@ -75,6 +75,7 @@ class Compared:
 
 
 def _with_ratio(ratio: float, name: str) -> Compared:
+    """Returns the rewards of agents that exchange this share of theirs, ours and the paper's."""
     return Compared(
         name=name,
         reward=str(exchanged(ratio)["reward"]),
@@ -84,6 +85,7 @@ def _with_ratio(ratio: float, name: str) -> Compared:
 
 
 def _with_angle(angle: float) -> Compared:
+    """Returns the rewards of agents with this angle of social value orientation, ours and the paper's."""
     return Compared(
         name=f"SVO {angle:g}°",
         reward="svo",

@@ -277,6 +277,7 @@ def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], 
         return worlds.memory, actions, kept
 
     def follow(memory: Any, info: dict[str, Any]) -> Any:
+        """Returns what is kept of the observation after a step: for PPO its values, here 0."""
         del memory
         if isinstance(config, PPOConfig):
             return jnp.zeros(shape)

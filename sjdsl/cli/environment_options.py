@@ -165,8 +165,7 @@ def read_assignments(assignments: tuple[str, ...]) -> dict[str, Any]:
     A name with indices has a mapping of them, nested in the order of the brackets.
     """
     values: dict[str, Any] = {}
-    for text in assignments:
-        ((path, value),) = read_texts((text,)).items()
+    for path, value in read_texts(assignments).items():
         *outer, last = (name.strip() for name in path.replace("]", "").split("["))
         inner = values
         for name in outer:

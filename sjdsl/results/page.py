@@ -110,7 +110,7 @@ def _csv(records: Sequence[dict[str, Any]]) -> str:
 
 
 def _escaped(cell: str) -> str:
-    """Returns the text of a table's cell, so that it stays in it."""
+    """Returns a cell's text for Markdown, on one line and with `|` escaped."""
     return " ".join(inert(cell).splitlines()).replace("|", "\\|")
 
 

@@ -36,16 +36,18 @@ def plan_sweep(spec: SweepSpec, describe: Describe) -> tuple[Cell, ...]:
 def _check_angles(cells: Sequence[Cell]) -> None:
     """Raises ExperimentError if cells of SVO with weight 0 differ in their angle only: they would
     be the same run."""
-    first: dict[str, Cell] = {}
+    seen: set[str] = set()
     for cell in cells:
         if "svo_angle" not in cell.values or cell.config.get("svo_weight") != 0:
             continue
         others = {name: value for name, value in cell.values.items() if name != "svo_angle"}
-        if first.setdefault(f"{cell.game} {others}", cell) is not cell:
+        but_for_angle = f"{cell.game} {others}"
+        if but_for_angle in seen:
             raise ExperimentError(
                 f"{cell.name}: `svo_angle` has no effect while `svo_weight` is 0; "
                 "sweep over weights above 0"
             )
+        seen.add(but_for_angle)
 
 
 def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:

@@ -260,6 +260,7 @@ def diverged_before(
 ) -> dict[int, int]:
     """Returns the seeds of a resumed state that have diverged, with their last updates."""
     diverged = np.atleast_1d(jax.device_get(state.diverged))
+    # Only one process records; the numbers of updates are of no use in the others.
     updates = [recorder.history.updates for recorder in recorders] or [0] * config.seeds
     seeds = zip(config.seed_numbers, updates, diverged, strict=True)
     return {seed: update for seed, update, is_diverged in seeds if is_diverged}

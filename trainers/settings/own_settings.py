@@ -20,15 +20,16 @@ Hooks = Mapping[Kind, str]  # the names of the user's own algorithm, loss, netwo
 
 
 def _read_own(table: Any) -> Any:
-    """Returns settings as pairs, sorted by name."""
+    """Returns settings as pairs, sorted by name. Raises ValueError for anything else."""
+    refusal = "a table of numbers, texts, true or false, by name"
     try:
         pairs = sorted((name, _read_value(value)) for name, value in dict(table).items())
     except (TypeError, ValueError):
-        pairs = [("", table)]
+        raise ValueError(refusal) from None
     for name, value in pairs:
         is_number = isinstance(value, float) and math.isfinite(value)
         if not str(name).isidentifier() or not (is_number or isinstance(value, int | str)):
-            raise ValueError("a table of numbers, texts, true or false, by name")
+            raise ValueError(refusal)
     return tuple(pairs)
 
 
