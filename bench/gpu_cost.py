@@ -234,6 +234,7 @@ class _Module:
             raise ValueError("this is no HLO module: it has no ENTRY computation")
 
     def cost(self) -> Cost:
+        """Returns the cost of one call of the module."""
         kernels: list[Kernel] = []
         waits = 0
         for instruction, computation, times in self.launched(self.entry, 1):

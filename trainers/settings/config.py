@@ -271,6 +271,7 @@ class Config(BaseModel):
     @model_validator(mode="wrap")
     @classmethod
     def _explain(cls, values: Any, validate: Any, info: ValidationInfo) -> "Config":
+        """Returns the configuration. Raises ConfigError with a sentence for each wrong setting."""
         try:
             config: Config = validate(values)
         except ValidationError as error:
