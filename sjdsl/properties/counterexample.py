@@ -60,7 +60,7 @@ def describe_counterexample(
             trajectory.worlds[last],
             trajectory.actions[last],
             trajectory.params,
-            draws_of(scenario, last),
+            draws_of(scenario, last, game, trajectory.worlds[last]),
         ),
         trajectory.worlds[last],
         full,
@@ -96,10 +96,9 @@ def describe_episode(
     values = episode.values[number]
     if where.at < 1 or not any(holds for (holds,) in values):
         return lines  # no single step violates it
-    world, draws = (
-        runner.world_before(episode, where.at - 1),
-        draws_of(runner.written_out(episode, where.at), where.at - 1),
-    )
+    world = runner.world_before(episode, where.at - 1)
+    scenario = runner.written_out(episode, where.at)
+    draws = draws_of(scenario, where.at - 1, family.own, world)
     lines += _step(
         family,
         take_step(
