@@ -49,5 +49,6 @@ game trials "Trials" {
     always step <= 9
     once luck > 0 always luck > 0
     conserved count(grove where grove.hue is red) + count(grove where grove.hue is green)
+    expect trial == trials - 1 with random, seek tree where tree.fruit is ripe over 3 episodes
   }
 }
