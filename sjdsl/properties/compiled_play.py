@@ -20,6 +20,7 @@ from sjdsl.properties.compiled_values import Total, lower_checks, with_totals
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.trajectory import allowed_by, script_of
 from sjdsl.runtime.random_bits import below, random_bits_at
+from sjdsl.runtime.trials import begin_trial_where, has_trials, is_last_trial, steps_of_trial
 
 BATCH = 10  # episodes played side by side
 FAIR = 0  # no bias of the draws
@@ -70,10 +71,17 @@ class CompiledPlay:
         bias: Array,
         actions: Array,
     ) -> Stepped:
-        """Takes a step of an episode. bias: its place in BIASES, uint32."""
-        state, out = self.module.step(
-            before, actions, params, jnp.append(derived_key(key, STEP, before.step), bias)
-        )
+        """Takes a step of an episode. bias: its place in BIASES, uint32.
+
+        After the last step of a trial, the state is the first of the next; the values are those
+        before.
+        """
+        length = steps_of_trial(self.module, params)
+        number = before.step
+        if has_trials(self.module):
+            number = number + before.world_trial * length
+        words = jnp.append(derived_key(key, STEP, number), bias)
+        state, out = self.module.step(before, actions, params, words)
         state = state.replace(step=state.step + 1)
         counts = (
             (name, getattr(out, attribute), entry) for name, attribute, entry in self.module.EVENTS
@@ -84,8 +92,13 @@ class CompiledPlay:
         }
         totals = {name: earlier[name] + events[name] for *_, name in self.totals}
         values = self._values(state, totals, before, earlier, params)
-        over = out.ended | (state.step >= self.module.episode_length(params))
-        return Stepped(state, totals, over, values, _is_finite((state, out.reward, values)), events)
+        finite = _is_finite((state, out.reward, values))
+        over = out.ended | (state.step >= length)
+        if has_trials(self.module):
+            is_last = is_last_trial(self.module, state)
+            state = begin_trial_where(self.module, over & ~is_last, is_last, words, params, state)
+            over &= is_last
+        return Stepped(state, totals, over, values, finite, events)
 
     def _values(self, state: Any, totals: Any, before: Any, earlier: Any, params: Any) -> Array:
         lowered = self._lowered

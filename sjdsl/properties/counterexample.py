@@ -19,7 +19,7 @@ from sjdsl.properties.monitors import Violation
 from sjdsl.properties.search import Counterexample
 from sjdsl.properties.trajectory import Trajectory, draws_of, params_of
 from sjdsl.render.letters import draw
-from sjdsl.trace.episode import Moment, Turn, turn_of
+from sjdsl.trace.episode import Moment, Turn, trial_of, turn_of
 from sjdsl.trace.jax_random import RecordedDraws
 from sjdsl.trace.lines import make_teller, moment_lines
 from sjdsl.trace.rules import Rules
@@ -60,7 +60,7 @@ def describe_counterexample(
             trajectory.worlds[last],
             trajectory.actions[last],
             trajectory.params,
-            draws_of(scenario, last),
+            draws_of(scenario, last, game, trajectory.worlds[last]),
         ),
         trajectory.worlds[last],
         full,
@@ -96,10 +96,9 @@ def describe_episode(
     values = episode.values[number]
     if where.at < 1 or not any(holds for (holds,) in values):
         return lines  # no single step violates it
-    world, draws = (
-        runner.world_before(episode, where.at - 1),
-        draws_of(runner.written_out(episode, where.at), where.at - 1),
-    )
+    world = runner.world_before(episode, where.at - 1)
+    scenario = runner.written_out(episode, where.at)
+    draws = draws_of(scenario, where.at - 1, family.own, world)
     lines += _step(
         family,
         take_step(
@@ -185,7 +184,9 @@ def take_step(
         agent for agent, action in enumerate(actions) if not allowed[agent][action]
     )
     after, outcome = step(game, world, actions, params, recorded, tell)
-    return Moment(world.step, (0, 0), after, tuple(told), tuple(actions), forbidden, outcome)
+    turns = tuple(told)
+    trial = trial_of(game, world)
+    return Moment(world.step, (0, 0), after, turns, tuple(actions), forbidden, outcome, trial)
 
 
 def when(at: int) -> str:

@@ -84,6 +84,16 @@ def writes(game: ir.Game) -> Iterator[Part]:
         )
     for n in (node for turn in game.schedule for node in ir.walk(turn)):
         yield from written_by(n)
+    if game.trials is not None:
+        yield from _laid_anew(game, game.trials)
+
+
+def _laid_anew(game: ir.Game, trials: ir.Trials) -> Iterator[Part]:
+    """Yields what can differ from trial to trial though no phase of the schedule writes it."""
+    yield field_part("world", "", "trial")
+    kept = {field_part(field.held_by.what, field.held_by.name, field.name) for field in trials.kept}
+    for n in ir.walk(game.start):
+        yield from (part for part in written_by(n) if part not in kept)
 
 
 def written_by(n: ir.Node) -> Iterator[Part]:

@@ -58,7 +58,8 @@ class EpisodeRunner:
         """Steps of an episode."""
         game = self.family.own
         world = declared_world(board_of(game), default_params(game))
-        return int(evaluate(game.episode, Instance(board_of(game), world)))
+        steps = int(evaluate(game.episode, Instance(board_of(game), world)))
+        return steps if game.trials is None else steps * game.trials.number
 
     def play(self, policies: Sequence[ir.Policy], first: int, number: int) -> list[Episode]:
         """Returns episodes `first`, `first + 1`, …; raises NotSupported for what the compiled game cannot do."""
@@ -126,7 +127,7 @@ class EpisodeRunner:
                 trajectory.worlds[-1],
                 trajectory.actions[-1],
                 trajectory.params,
-                draws_of(scenario, episode.left),
+                draws_of(scenario, episode.left, game, trajectory.worlds[-1]),
             )
             trajectory.outcomes.append(outcome)
         except LeavesFloat32 as left:

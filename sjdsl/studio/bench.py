@@ -235,7 +235,7 @@ class Bench:
         if moment.is_over:
             raise Refused("the episode is over: go back, or begin it again")
         choose = chooser(game, self.others, self.seed)
-        actions = list(choose(moment.world.step, moment.world))
+        actions = list(choose(self.episode.steps_taken, moment.world))
         for agent, action in request.actions.items():
             if not 0 <= action < len(game.agents.actions):
                 raise Refused("there is no such action")

@@ -10,7 +10,7 @@ import numpy as np
 from sjdsl.compiler import Build, ir
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.properties import GameFamily
-from sjdsl.properties.trajectory import Scenario, draws_of, play
+from sjdsl.properties.trajectory import Scenario, draws_of_start, play
 from sjdsl.studio.episode import LONGEST, Episode, TooLong, with_reward
 from sjdsl.studio.opened import Opened
 from sjdsl.studio.requests import Replay
@@ -53,7 +53,7 @@ def replay(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     if not trajectory.worlds:
         assert trajectory.left is not None
         raise trajectory.left
-    draws = draws_of(scenario, -1)
+    draws = draws_of_start(scenario)
     key = (getattr(draws, "k0", 0), getattr(draws, "k1", 0))
     moments = [Moment(None, key, trajectory.worlds[0], ())]
     returns = [[0.0] * game.agents.number]

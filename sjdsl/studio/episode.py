@@ -12,7 +12,7 @@ from sjdsl.properties.counterexample import take_step
 from sjdsl.properties.trajectory import Scenario, draws_of
 from sjdsl.render.moment import Moment as Drawn
 from sjdsl.render.moment import moment_of
-from sjdsl.trace.episode import Moment, begin, follow
+from sjdsl.trace.episode import Moment, begin, follow, trial_of
 from sjdsl.trace.jax_random import keys_of
 
 LONGEST = 5_000  # moments that are kept
@@ -47,6 +47,11 @@ class Episode:
         """The moment that is shown."""
         return self.moments[self.at]
 
+    @property
+    def steps_taken(self) -> int:
+        """The steps of the episode up to the moment that is shown, over all trials."""
+        return self.moments[0].world.step + self.at
+
     def step(self, actions: list[int], params: Mapping[str, Value]) -> None:
         """Takes a step from the moment that is shown, and drops the moments after it.
 
@@ -57,9 +62,11 @@ class Episode:
                 f"the studio keeps {LONGEST} moments of an episode: go back, or begin it again"
             )
         before = self.now.world
-        key = keys_of(self.seed).of_step(before.step)
+        key = keys_of(self.seed).of_step(self.steps_taken)
         world, outcome = step(self.game, before, actions, params, Threefry(*key))
-        moment = Moment(before.step, key, world, (), tuple(actions), frozenset(), outcome)
+        number = before.step
+        trial = trial_of(self.game, before)
+        moment = Moment(number, key, world, (), tuple(actions), frozenset(), outcome, trial)
         self.moments[self.at + 1 :] = [moment]
         self.returns[self.at + 1 :] = [with_reward(self.returns[self.at], outcome)]
         self.written = min(self.written, self.at)
@@ -75,7 +82,7 @@ class Episode:
         if moment.outcome is not None:
             before = self.moments[self.at - 1].world
             if self.scenario is not None and self.at <= self.written:
-                draws = draws_of(self.scenario, self.at - 1)
+                draws = draws_of(self.scenario, self.at - 1, self.game, before)
                 return take_step(self.game, before, moment.actions, params, draws)
             return follow(self.game, before, params, moment.key, list(moment.actions))
         if moment.world.step == 0 and not self.is_put:

@@ -1,7 +1,7 @@
 """Evaluation: plays whole episodes with a policy, and estimates means with confidence intervals."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,9 @@ class Evaluation:
     events: Mapping[str, np.ndarray]  # name -> [E, N] or [E] count
     metric_means: Mapping[str, np.ndarray]  # name -> [E] mean over the episode's steps
     metric_finals: Mapping[str, np.ndarray]  # name -> [E] value at its last step
+    # name -> [E, K] figure of each trial, summed over agents: `collective_return`, `event_eaten`,
+    # `mean_apples`, ...; none in games without trials
+    by_trial: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def collective_returns(self) -> np.ndarray:
@@ -106,6 +109,7 @@ def make_evaluator(
             events=sums.events,
             metric_means=sums.metric_means,
             metric_finals=sums.metric_finals,
+            by_trial={} if sums.trials is None else sums.trials.figures(),
         )
 
     return evaluate_parameters
@@ -175,6 +179,9 @@ def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
             figures |= _by_agent(f"event {name}", counts)
     figures |= {f"mean {name}": values for name, values in evaluation.metric_means.items()}
     figures |= {f"final {name}": values for name, values in evaluation.metric_finals.items()}
+    for name, of_trials in evaluation.by_trial.items():
+        for trial, values in enumerate(np.asarray(of_trials).T):
+            figures[f"{name.replace('_', ' ', 1)} of trial {trial}"] = values
     return {name: estimate(samples) for name, samples in figures.items()}
 
 
