@@ -21,6 +21,7 @@ from ..devices.data_parallel import (
 from ..environment import Environment
 from ..networks.actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from ..networks.architectures import Memory
+from ..networks.last_step import LastStep, over_rollout
 from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask
 from ..networks.teams import learning_agents, over_teams
 from ..networks.value_scale import follow_targets, value_unit
@@ -60,6 +61,7 @@ class Acting:
     log_probability: Array  # [..., B, N] float32, of the drawn action
     value: Array  # [..., B, N] float32, of the observation
     allowed: Array | None = None  # [..., B, N, bytes] uint8, the allowed actions, packed; None: all
+    last: LastStep | None = None  # leaves [..., B, G, 1, S], what agents read of their last steps
 
 
 @flax.struct.dataclass
@@ -159,7 +161,8 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         logits = masked(logits, allowed)
         action = draw_actions(key, logits)
         log_probability = chosen_log_probability(logits, action)
-        return memory, action, Acting(log_probability, value, pack_mask(allowed))
+        last = worlds.memory["last"] if networks.network.reads else None
+        return memory, action, Acting(log_probability, value, pack_mask(allowed), last)
 
     def follow(memory: Memory, info: dict[str, Any]) -> Array:
         """Returns the values `[B, N]` of the observations at which episodes were cut."""
@@ -182,7 +185,13 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         values: Array = jax.lax.cond(truncated.any(), read_last, read_nothing)
         return values
 
-    return Actor(act, networks.packing.pack, follow, keeps_state=networks.state_vector is not None)
+    return Actor(
+        act,
+        networks.packing.pack,
+        follow,
+        networks.after_step,
+        keeps_state=networks.state_vector is not None,
+    )
 
 
 def draw_actions(key: Array, logits: Array) -> Array:
@@ -248,7 +257,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
     }
     if config.memory == "none":
         steps = jax.tree.map(lambda leaf: leaf.reshape(1, -1, *leaf.shape[2:]), steps)
-    return Batch(memory=memory, **steps)
+    return Batch(memory=over_rollout(memory, acting.last), **steps)
 
 
 def learn_teams(
