@@ -53,8 +53,10 @@ def last_step_features(last: LastStep, fresh: Array, num_actions: int, dtype: An
     parts = []
     for name, blank in blank_last_step(last, ()).items():
         leaf = jnp.where(fresh[..., None], blank, jnp.moveaxis(last[name], 1, 0))
-        one_hot = jax.nn.one_hot(leaf, num_actions, dtype=dtype)
-        parts.append(one_hot if name == "action" else leaf[..., None].astype(dtype))
+        if name == "action":
+            parts.append(jax.nn.one_hot(leaf, num_actions, dtype=dtype))
+        else:
+            parts.append(leaf[..., None].astype(dtype))
     return jnp.concatenate(parts, axis=-1)
 
 
