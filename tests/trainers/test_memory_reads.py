@@ -63,7 +63,7 @@ def drawn(env: Probe, config: Any) -> Any:
     """Returns parameters with which actions depend on what is read."""
     generator = np.random.default_rng(2)
     return jax.tree.map(
-        lambda leaf: generator.normal(0, 0.4, leaf.shape).astype(leaf.dtype),
+        lambda leaf: jnp.asarray(generator.normal(0, 0.4, leaf.shape), leaf.dtype),
         parameter_shapes(env, config),
     )
 

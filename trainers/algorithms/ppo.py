@@ -69,7 +69,8 @@ class Played:
     """One rollout of an update."""
 
     rollout: Rollout
-    memory: Memory  # of the agents before the rollout
+    # of the agents before the rollout; `last`, what they read of their last steps, in all of it
+    memory: Memory
     finished: FinishedEpisodes  # total over the episodes that ended
     measured: dict[str, Array]  # the game's metrics, name -> [] float32, averaged over its steps
 
@@ -110,7 +111,8 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
             state.learner.params, state.worlds, rollout_key
         )
         after = replace(state, key=key, worlds=worlds)
-        return after, Played(rollout, state.worlds.memory, finished, measured)
+        memory = over_rollout(state.worlds.memory, rollout.acting.last)
+        return after, Played(rollout, memory, finished, measured)
 
     def take_steps(
         learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array
@@ -229,7 +231,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
 
     Args:
       rollout: T steps of B environments.
-      memory: of the agents before its first step.
+      memory: that of `Played`.
       last_value: `[B, N]`, values of the observations after its last step.
     """
     acting: Acting = rollout.acting
@@ -257,7 +259,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
     }
     if config.memory == "none":
         steps = jax.tree.map(lambda leaf: leaf.reshape(1, -1, *leaf.shape[2:]), steps)
-    return Batch(memory=over_rollout(memory, acting.last), **steps)
+    return Batch(memory=memory, **steps)
 
 
 def learn_teams(

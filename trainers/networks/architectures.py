@@ -226,8 +226,8 @@ class ActorCritic(nn.Module):
         """Reads L steps of M environments.
 
         Args:
-          memory: from the previous step; initially from `start_memory`. Of several steps, with
-            what agents read in each, as `over_rollout` returns it.
+          memory: from the previous step; initially from `start_memory`. To read several steps, it
+            has what agents read in each, as `over_rollout` returns it.
           observation: `[L, M, S, P, V, V]` uint8.
           joint: `[L, M, ...]`, the input of a central critic; None for a local one.
           fresh: `[L, M]` bool, whether the episode starts with this step.

@@ -49,7 +49,15 @@ def last_step_features(last: LastStep, fresh: Array, num_actions: int, dtype: An
     Args:
       last: leaves `[M, L, S]`, the order of a memory's axes.
       fresh: `[L, M]` bool, whether an episode starts with the step.
+    Raises:
+      ValueError: the memory is of another number of steps.
     """
+    num_steps = {leaf.shape[1] for leaf in last.values()}
+    if num_steps != {len(fresh)}:
+        raise ValueError(
+            f"a memory with what agents read in {num_steps} steps can't be used in {len(fresh)}: "
+            "see `over_rollout`"
+        )
     parts = []
     for name, blank in blank_last_step(last, ()).items():
         leaf = jnp.where(fresh[..., None], blank, jnp.moveaxis(last[name], 1, 0))
