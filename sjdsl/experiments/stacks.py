@@ -184,13 +184,10 @@ def _lineup_policy(
 
     def after_step(memory: Any, actions: Array, reward: Array, info: Mapping[str, Any]) -> Any:
         column_of_slot, memories = memory
-        next_memories = []
-        for stack, of_stack, part in zip(stacks, chosen_parameters, memories, strict=True):
-
-            def told(parameters: Any, memory: Any, stack: Stack = stack) -> Any:
-                return stack.policy(parameters).after_step(memory, actions, reward, info)
-
-            next_memories.append(_of_each(stack, told, of_stack, part))
+        next_memories = [
+            _tell_together(stack, of_stack, part, (actions, reward, info))
+            for stack, of_stack, part in zip(stacks, chosen_parameters, memories, strict=True)
+        ]
         return column_of_slot, tuple(next_memories)
 
     policy = MemoryPolicy(
@@ -229,6 +226,19 @@ def _act_together(
 
     result: tuple[Any, Array] = _of_each(stack, act_alone, parameters, memory, keys)
     return result
+
+
+def _tell_together(stack: Stack, parameters: Any, memory: Any, outcome: tuple[Any, ...]) -> Any:
+    """Returns the memory `[M, ...]` of the M computed players of a stack after a step.
+
+    Args:
+      outcome: the actions, rewards and info of the step.
+    """
+
+    def tell_alone(parameters: Any, memory: Any) -> Any:
+        return stack.policy(parameters).after_step(memory, *outcome)
+
+    return _of_each(stack, tell_alone, parameters, memory)
 
 
 def _of_each(stack: Stack, function: Callable[..., Any], *arguments: Any) -> Any:

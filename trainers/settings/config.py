@@ -85,6 +85,7 @@ def _odd(value: int) -> int:
 
 
 def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Returns the names in alphabetical order, as their order means nothing."""
     if len(set(names)) < len(names):
         raise ValueError("names, each of them once")
     return tuple(sorted(names))
