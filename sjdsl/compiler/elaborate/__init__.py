@@ -31,6 +31,7 @@ from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.window import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 from sjdsl.compiler.ir.implications import facts
+from sjdsl.compiler.ir.queries import contains
 
 
 class Overrides(Record):
@@ -90,11 +91,11 @@ def elaborate(
     shapes_of_rules = set(static.shapes)
     typed_policies = policies(game, scope.with_agent("policy"))
     used_by_policies = static.used - used_by_rules
-    policy_shapes = {
-        name
-        for name in static.shapes
+    policy_shapes = tuple(
+        shape
+        for name, shape in static.shapes.items()
         if name not in shapes_of_rules or Symbol("shape", name) in used_by_policies
-    }
+    )
     typed_scenarios = scenarios(game, scope)
     report_never(static.never.values(), problems)
     if agents is None or start_phase is None or episode is None or game.schedule is None:
@@ -116,7 +117,7 @@ def elaborate(
         fields=tuple(static.fields.values()),
         agents=agents,
         movers=tuple(static.movers.values()),
-        shapes=tuple(shape for name, shape in static.shapes.items() if name not in policy_shapes),
+        shapes=tuple(shape for shape in static.shapes.values() if shape not in policy_shapes),
         start=start_phase,
         schedule=turns,
         window=view,
@@ -127,9 +128,7 @@ def elaborate(
         checks=typed_checks,
         looks=typed_looks,
         policies=typed_policies,
-        policy_shapes=tuple(
-            shape for name, shape in static.shapes.items() if name in policy_shapes
-        ),
+        policy_shapes=policy_shapes,
         scenarios=typed_scenarios,
     )
     return typed, static
@@ -171,7 +170,7 @@ def _episode(game: Composition, scope: Scope) -> ir.Expr:
     if game.episode is None:
         raise scope.fail(errors.MissingPart(game.span, part="episode", example="`episode 1000`"))
     steps = scope.number(game.episode.steps, ("steps",), "a number of steps")
-    if any(isinstance(node, ir.Step | ir.FieldRead | ir.Aggregate) for node in ir.walk(steps)):
+    if contains(steps, ir.Step, ir.FieldRead, ir.Aggregate):
         help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
         span = game.episode.steps.span
         raise scope.fail(errors.NotFixed(span, quantity="the length of an episode", help=help_))

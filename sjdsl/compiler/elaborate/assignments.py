@@ -7,11 +7,11 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.lookup import (
-    as_agent,
     check_known_word,
     check_words,
     declared_name,
     interval_text,
+    is_agent,
     kinds_of_cell,
     or_nowhere,
     read_beside,
@@ -93,7 +93,7 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if s.lot is not None:
         if s.lot.text != "lot":
             raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
-        lot = use.streams.of_statement(use.streams.header(s.span, s.span.end))
+        lot = use.streams.of_statement(use.streams.header(s.span))
     return ir.Set(target=target, value=value, lot=lot, origin=s.span)
 
 
@@ -115,7 +115,7 @@ def _check_value(
                 help_ = _instead_of_set(s, field, target, scope)
                 raise _leaves_range(s.value.span, target, low, high, scope, help_)
         case "agent":
-            if not as_agent(value):
+            if not is_agent(value):
                 raise wrong_type(scope, s.value, "an agent or nobody", value.type)
         case "cell":
             wanted = f"{describe(type_)} or nowhere"
@@ -166,7 +166,7 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
     target, field = _target_beside(s, scope)
     value = scope.expression(s.value)
     if target.type.kind == "agents":
-        if not as_agent(value):
+        if not is_agent(value):
             raise wrong_type(scope, s.value, "an agent", value.type)
         return ir.Add(target=target, value=value, origin=s.span)
     if target.type.kind not in ("int", "real") or field.timer:

@@ -15,21 +15,16 @@ from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
 from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.lookup import repeated
 from sjdsl.compiler.elaborate.movers import declare_movers
 from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
 
-Tables = Mapping[
-    str,
-    Mapping[
-        str, ast.Constant | ast.Define | ast.Field | ast.Timer | ast.Kind | ast.Group | ast.Movers
-    ],
-]
+Declared = ast.Constant | ast.Define | ast.Field | ast.Timer | ast.Kind | ast.Group | ast.Movers
+Tables = Mapping[str, Mapping[str, Declared]]
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
-
-
 OBSERVED_NAMES = {  # what `observe` has names for, so that no kind can
     "outside": "what an agent sees off the map",
     "everyone": "all agents, in `observe`",
@@ -77,9 +72,9 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> dic
         if len(names) > limits.MAX_WORDS:
             feature = f"a set of more than {limits.MAX_WORDS} words"
             problems.add(errors.Unsupported(words.names[0].span, feature=feature))
-        for i, name in enumerate(words.names):
-            if name.text in names[:i]:
-                problems.add(errors.WrittenTwice(name.span, part=f"the word `{name.text}`"))
+        for name in repeated(words.names):
+            problems.add(errors.WrittenTwice(name.span, part=f"the word `{name.text}`"))
+        for name in words.names:
             first.setdefault(name.text, name.span)
         static.word_sets.append(tuple(dict.fromkeys(names)))
     static.word_sets.append(HEADINGS)
@@ -88,13 +83,10 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> dic
 
 def _word_sets(game: Composition) -> Iterator[ast.Words]:
     """Yields the sets of words of fields, rows, events, numbers and arguments of actions."""
-    attributes = [a for kind in game.kinds.values() for a in kind.attributes]
-    attributes += [a for movers in game.movers.values() for a in movers.attributes]
-    attributes += [*game.agent_fields.values(), *game.fields.values()]
     places: list[object] = []
-    for attribute in attributes:
-        if isinstance(attribute, ast.Field):
-            places += [attribute.type, attribute.by]
+    for field in game.declared_fields():
+        if isinstance(field, ast.Field):
+            places += [field.type, field.by]
     places += [metric.by for metric in game.metrics.values() if isinstance(metric, ast.Event)]
     places += [number.by for number in game.constants.values()]
     if game.acts is not None:
@@ -171,13 +163,9 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
 
 def _check_counts(game: Composition, problems: Problems) -> None:
     """Reports more kinds, fields or phases than a game may have."""
-    attributes = [a for kind in game.kinds.values() for a in kind.attributes]
-    attributes += [a for movers in game.movers.values() for a in movers.attributes]
-    num_fields = sum(isinstance(a, ast.Field | ast.Timer) for a in attributes)
-    num_fields += len(game.fields) + len(game.agent_fields)
     counts = (
         ("kinds", len(game.kinds), limits.MAX_KINDS),
-        ("fields", num_fields, limits.MAX_FIELDS),
+        ("fields", len(game.declared_fields()), limits.MAX_FIELDS),
         ("phases", len(game.phases), limits.MAX_PHASES),
     )
     for noun, number, limit in counts:

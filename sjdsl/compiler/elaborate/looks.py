@@ -13,7 +13,6 @@ from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.near_names import nearest
 
 HEXADECIMAL = re.compile("#[0-9a-fA-F]{6}")
@@ -57,7 +56,7 @@ def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Loo
 def _look(look: ast.Look, scope: Scope) -> ir.Look:
     static = scope.static
     name = look.what.text
-    sort = _sort_named(name, static)
+    sort = static.sort_of(name)
     if sort is None:
         meant = near(name, ["agent", *static.kinds, *static.groups, *static.movers])
         raise scope.fail(errors.UnknownName(look.what.span, name=name, near=meant))
@@ -82,16 +81,6 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
         badge=None if look.badge is None else _paint(look.badge, scope),
         origin=look.span,
     )
-
-
-def _sort_named(name: str, static: Static) -> ir.Sort | None:
-    """Returns what a name of agents, movers, a kind or a group stands for."""
-    if name == "agent":
-        return AGENTS
-    if name in static.movers:
-        return ir.Sort("mover", (name,))
-    kinds = static.kinds_of(name)
-    return None if kinds is None else ir.Sort("cell", kinds)
 
 
 def _is_readable(node: ir.Expr) -> bool:

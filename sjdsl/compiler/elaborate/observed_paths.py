@@ -150,11 +150,14 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
         known = [*OWNERS, *static.kinds, *static.groups]
         raise scope.problems.unknown(owner, known, "what has fields")
     static.refer(owner, Symbol("name", head))
+    seen = []
     for kind in kinds:
-        if name.text not in static.kinds[kind]:
+        fields = static.kinds[kind]
+        if name.text not in fields:
             raise _no_field_of_kind(name, kind, head, scope)
         static.refer(name, Symbol("field", name.text, kind))
-    return [Seen(("cell", kind, name.text), static.kinds[kind][name.text]) for kind in kinds]
+        seen.append(Seen(("cell", kind, name.text), fields[name.text]))
+    return seen
 
 
 def _no_field_of_kind(name: ast.Name, kind: str, head: str, scope: Scope) -> Poisoned:

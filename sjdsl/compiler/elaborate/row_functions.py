@@ -4,9 +4,9 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.lookup import (
-    as_agent,
     check_known_word,
     check_words,
+    is_agent,
     kinds_of_cell,
     or_nowhere,
 )
@@ -56,7 +56,7 @@ def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
         case "word":
             type_ = words(level.names)
         case "number":
-            type_ = integer(level.first, level.first + len(level) - 1)
+            type_ = integer(level.first, level.last)
     return ir.Lowest(type=type_, row=row, last=function.last, origin=e.span)
 
 
@@ -66,9 +66,11 @@ def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
     entries = sum_of_row(row)
-    if not compares(entries, ">", 0, scope.facts) and not narrowed(entries, scope.facts)[0] > 0:
+    least, _most = narrowed(entries, scope.facts)
+    if least <= 0 and not compares(entries, ">", 0, scope.facts):
         raise scope.fail(errors.EmptyMix(e.span, row=text(row)))
-    return ir.Mix(type=ir.Type(kind="mix", words=row.type.by[0].names), row=row, origin=e.span)
+    type_ = ir.Type(kind="mix", words=row.type.by[0].names)
+    return ir.Mix(type=type_, row=row, origin=e.span)
 
 
 def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
@@ -124,7 +126,7 @@ def _fits(value: ir.Expr, type_: ir.Type) -> bool:
         case "word":
             return value.type.kind == "word" and not value.type.by
         case "agent":
-            return as_agent(value) and not value.type.by
+            return is_agent(value) and not value.type.by
         case "agents":
             is_set = value.type.kind == "agents" and not value.type.by
             return is_set or isinstance(value, ir.Nobody)

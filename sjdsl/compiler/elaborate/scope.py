@@ -113,13 +113,23 @@ class Static:
         """Numbers that are read in here don't count as used."""
         before = set(self.used)
         yield
-        read = {d for d in self.used - before if d.name in self.params or d.name in self.sizes}
-        self.required |= read
-        self.used -= read
+        added = self.used - before
+        numbers = {symbol for symbol in added if symbol.name in {*self.params, *self.sizes}}
+        self.required |= numbers
+        self.used -= numbers
 
     def kinds_of(self, name: str) -> tuple[str, ...] | None:
         """Returns the kinds that the name of a kind or group stands for, None for other names."""
         return (name,) if name in self.kinds else self.groups.get(name)
+
+    def sort_of(self, name: str) -> ir.Sort | None:
+        """Returns what a name of agents, movers, a kind or a group stands for, None for others."""
+        if name == "agent":
+            return AGENTS
+        if name in self.movers:
+            return ir.Sort("mover", (name,))
+        kinds = self.kinds_of(name)
+        return None if kinds is None else ir.Sort("cell", kinds)
 
     def mover_fields(self, movers: str) -> dict[str, ir.VarField]:
         """Returns the fields of movers by name."""
@@ -221,6 +231,25 @@ class Scope(Record):
             raise wrong_type(self, e, wanted, built.type)
         if units[0] in ("count", "steps", "cells") and built.type.kind != "int":
             raise wrong_type(self, e, wanted, built.type)
+        return built
+
+    def any_number(self, e: ast.Expr) -> ir.Expr:
+        """Returns a number of any unit; reports anything else."""
+        built = self.expression(e)
+        if not is_number(built.type):
+            raise wrong_type(self, e, "a number", built.type)
+        return built
+
+    def not_negative(
+        self, e: ast.Expr, units: tuple[ir.Unit, ...], wanted: str, name: str
+    ) -> ir.Expr:
+        """Returns a number as `number` does; reports one that can be negative.
+
+        name: what that message calls it.
+        """
+        built = self.number(e, units, wanted)
+        if built.type.low < 0:
+            raise self.fail(errors.Negative(e.span, name=name))
         return built
 
     def fixed(self, e: ast.Expr, quantity: str) -> int | float:

@@ -63,18 +63,18 @@ def _lanes(rows: list[str]) -> tuple[tuple[Offset, ...], ...]:
     """Returns the lanes of a picture: each column is two, one ahead and one behind."""
     anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
     anchor_col = rows[anchor_row].index("^")
-    columns: dict[
-        int, list[int]
-    ] = {}  # the cells ahead, farthest first, by their place to the right
+    columns: dict[int, list[int]] = {}  # how far ahead each cell is, by its place to the right
     for r, row in enumerate(rows):
         for c, glyph in enumerate(row):
             if glyph == "x":
                 columns.setdefault(c - anchor_col, []).append(anchor_row - r)
     lanes = []
     for right, cells in sorted(columns.items()):
-        ahead = [a for a in reversed(cells) if a >= 0]
-        behind = [a for a in cells if a < 0]
-        lanes += [tuple((a, right) for a in lane) for lane in (ahead, behind) if lane]
+        ahead = sorted(cell for cell in cells if cell >= 0)
+        behind = sorted((cell for cell in cells if cell < 0), reverse=True)
+        for lane in (ahead, behind):
+            if lane:
+                lanes.append(tuple((cell, right) for cell in lane))
     return tuple(lanes)
 
 
@@ -126,9 +126,9 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if sum(map(len, lanes)) > limits.MAX_SHAPE_CELLS:
         feature = f"a shape of more than {limits.MAX_SHAPE_CELLS} cells"
         raise scope.fail(errors.Unsupported(ref.span, feature=feature))
-    label = ", ".join([*map(str, numbers), "centre"] if has_centre else map(str, numbers))
+    written = [*map(str, numbers), "centre"] if has_centre else map(str, numbers)
     return ir.Shape(
-        name=f"{name}({label})",
+        name=f"{name}({', '.join(written)})",
         lanes=lanes,
         see_through=see_through,
         directed=not see_through,
@@ -155,8 +155,9 @@ def _around(name: str, r: int, has_centre: bool) -> tuple[tuple[Offset, ...], ..
 
 def _directed(name: str, numbers: list[int]) -> tuple[tuple[Offset, ...], ...]:
     length = numbers[0]
-    lanes = [tuple((a, 0) for a in range(1, length + 1))]
+    lanes = [tuple((ahead, 0) for ahead in range(1, length + 1))]
     if name == "fan":
         for side in range(1, numbers[1] + 1):
-            lanes += [tuple((a, right) for a in range(length)) for right in (-side, side)]
+            lanes.append(tuple((ahead, -side) for ahead in range(length)))
+            lanes.append(tuple((ahead, side) for ahead in range(length)))
     return tuple(lanes)

@@ -11,7 +11,7 @@ SIDES = {"ahead": 9, "behind": 1, "left": 5, "right": 5}  # of a window, where t
 
 def window(game: Composition, scope: Scope) -> ir.Window:
     """Returns what an observation covers: as far to each side as any view reaches."""
-    plain = next((w for w in game.windows if w.condition is None), None)
+    plain = next((tree for tree in game.windows if tree.condition is None), None)
     usual = SIDES if plain is None else _sides(plain, SIDES, scope)
     origin = game.windows[0].span if game.windows else None
     observer = scope.with_agent("observe")
@@ -23,14 +23,14 @@ def window(game: Composition, scope: Scope) -> ir.Window:
         check_possible(test, observer)
         return ir.View(**sides, condition=test, origin=tree.span)
 
-    conditional = (w for w in game.windows if w.condition is not None)
+    conditional = (tree for tree in game.windows if tree.condition is not None)
     views = scope.problems.each(conditional, view)
     if views:
         last_origin = origin if plain is None else plain.span
         views.append(ir.View(**usual, condition=None, origin=last_origin))
-    farthest = {
-        side: max(usual[side], *(getattr(view, side) for view in views), 0) for side in SIDES
-    }
+    farthest = {}
+    for side in SIDES:
+        farthest[side] = max([0, usual[side], *(getattr(view, side) for view in views)])
     return ir.Window(**farthest, views=tuple(views), origin=origin)
 
 
