@@ -86,7 +86,8 @@ def elaborate(
     typed_looks = looks(game, static, problems)
     typed_events: tuple[ir.Event, ...] = ()
     with problems.survive():
-        typed_events = events([p for p in (start_phase, *turns) if p is not None], scope)
+        phases = turns if start_phase is None else (start_phase, *turns)
+        typed_events = events(phases, scope)
     used_by_rules = set(static.used)
     shapes_of_rules = set(static.shapes)
     typed_policies = policies(game, scope.with_agent("policy"))

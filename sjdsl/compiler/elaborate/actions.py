@@ -26,7 +26,7 @@ from sjdsl.compiler.elaborate.lookup import (
     not_a_word,
     repeated,
 )
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import is_known, narrow_word, narrowed
@@ -374,8 +374,7 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
     inner = scope
     if declared is not None and names:
         inner = _with_names(names, declared, scope)
-    test = inner.condition(forbid.condition)
-    check_possible(test, inner)
+    test = possible_condition(forbid.condition, inner)
     for node in ir.walk(test):
         if ir.is_expression(node) and _is_out_of_sight(node):
             span = node.origin or forbid.span

@@ -10,9 +10,8 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.arithmetic import join_types
 from sjdsl.compiler.elaborate.lookup import not_among
-from sjdsl.compiler.elaborate.scope import Scope
-from sjdsl.compiler.ir.implications import narrow_word, narrowed
-from sjdsl.compiler.ir.types import describe
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.ir.implications import narrowed
 
 
 class Range(NamedTuple):
@@ -28,7 +27,7 @@ Key = list[Range]  # the values of an arm; none for `otherwise`, until what is l
 
 def case(e: ast.Case, scope: Scope) -> ir.Expr:
     """Returns a `case` whose arms cover the subject once; `otherwise` is spelt out."""
-    subject = narrow_word(scope.expression(e.subject), scope.facts)
+    subject = scope.narrowed(e.subject)
     if isinstance(subject, ir.Word):
         return _known_word(e, subject, scope)
     if subject.type.kind in ("word", "condition") and not subject.type.by:
@@ -37,7 +36,7 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
         keys = _number_keys(e, subject, scope)
     else:
         wanted = "a whole number, a word or a condition"
-        raise scope.expected(e.subject.span, wanted, describe(subject.type))
+        raise wrong_type(scope, e.subject, wanted, subject.type)
 
     def arms_of(arm_and_key: tuple[ast.Arm, Key]) -> list[ir.Arm]:
         arm, key = arm_and_key
@@ -111,20 +110,16 @@ def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
             keys.append([])
             continue
         last = arm.low if arm.high is None else arm.high
-        interval = (float(arm.low), inf if arm.open else float(last))
-        if last < arm.low or any(_overlap(interval, other) for other in taken):
+        end = inf if arm.open else last
+        if last < arm.low or any(first <= end and arm.low <= other for first, other in taken):
             raise scope.fail(errors.CaseOverlaps(arm.span))
-        taken.append(interval)
+        taken.append((arm.low, end))
         keys.append([Range(arm.low, None if arm.open else last)])
     low, high = narrowed(subject, scope.facts)
     gaps = _gaps(taken, low, high)
     rest = [Range(_whole(first), _whole(last)) for first, last in gaps]
     _close(e, keys, rest, errors.CaseLeavesOpen(e.span, numbers=_first_gap(rest)), scope)
     return keys
-
-
-def _overlap(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    return one[0] <= other[1] and other[0] <= one[1]
 
 
 def _gaps(taken: list[tuple[float, float]], low: float, high: float) -> list[tuple[float, float]]:

@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Label
 from sjdsl.compiler.elaborate.keys import entries_of, level_of
 from sjdsl.compiler.elaborate.lookup import no_word, not_among, table_words
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
@@ -68,8 +68,8 @@ def _report_outside(
     scope: Scope,
 ) -> None:
     """Reports the numbers of one declaration that are outside its limits, as one mistake."""
-    spans = [_entry(declared.value, keys, level, scope).span for keys, _ in outside]
-    first, *others = dict.fromkeys(spans)
+    entries = [_entry(declared.value, keys, level, scope) for keys, _ in outside]
+    first, *others = dict.fromkeys(entry.span for entry in entries)
     labels = [Label(span, "and this") for span in others]
     reason = ""
     if declared.low is not None:
@@ -213,7 +213,7 @@ def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
     built = scope.expression(tree)
     if not isinstance(built, ir.Number):
         scope.fixed(tree, "the value of a number")
-        raise scope.expected(tree.span, "a number", describe(built.type))
+        raise wrong_type(scope, tree, "a number", built.type)
     value = built.value
     is_whole = unit in INTEGER_UNITS
     if not isfinite(value) or (is_whole and value != int(value)):
@@ -256,13 +256,12 @@ def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[st
 
 
 def _one_word(tree: Tree, scope: Scope) -> str:
-    actual = "a table"
-    if not isinstance(tree, ast.Table):
-        built = scope.expression(tree)
-        if isinstance(built, ir.Word):
-            return built.value
-        actual = describe(built.type)
-    raise scope.expected(tree.span, "a word", actual)
+    if isinstance(tree, ast.Table):
+        raise scope.expected(tree.span, "a word", "a table")
+    built = scope.expression(tree)
+    if not isinstance(built, ir.Word):
+        raise wrong_type(scope, tree, "a word", built.type)
+    return built.value
 
 
 def _entry(value: Tree, keys: tuple[str, ...], level: Level | None, scope: Scope) -> Tree:

@@ -17,7 +17,7 @@ from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import repeated
 from sjdsl.compiler.elaborate.movers import declare_movers
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
@@ -42,14 +42,17 @@ def declare_numbers(
         game.sources, expression, references=game.references, defines=dict(game.defines)
     )
     _check_names(game, _collect_words(game, static, problems), problems)
-    static.events = {n: m for n, m in game.metrics.items() if isinstance(m, ast.Event)}
+    for name, metric in game.metrics.items():
+        if isinstance(metric, ast.Event):
+            static.events[name] = metric
     static.number_from_file = num_agents is None and not overrides
     overrides = dict(overrides)
     if num_agents is not None:
         override_number(game, overrides, num_agents, problems)
     scope = Scope(static, problems)
-    by_agent = [c for c in game.constants.values() if isinstance(c.by, ast.Name)]
-    others = [c for c in game.constants.values() if c not in by_agent]
+    constants = list(game.constants.values())
+    by_agent = [declared for declared in constants if isinstance(declared.by, ast.Name)]
+    others = [declared for declared in constants if declared not in by_agent]
 
     def declare(constants: list[ast.Constant]) -> None:
         for declared in constants:
@@ -207,7 +210,8 @@ def _starts(
             continue
         scope.static.refer(name, symbol)
         with scope.problems.survive():
-            starts.append((name.text, starting(tree, name.text, fields[name.text].type, scope)))
+            start = starting(tree, name.text, fields[name.text].type, scope)
+            starts.append((name.text, start))
     return tuple(starts)
 
 
@@ -255,9 +259,5 @@ def _blocks_when(blocks: ast.Blocks, kind: str, sort: ir.Sort, scope: Scope) -> 
     """
     if blocks.condition is None:
         return None
-    cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
-    body = ir.Member(name=sort.name, sort=sort)
-    inner = scope.bind(kind, cell).bind(body.name, body)
-    test = inner.condition(blocks.condition)
-    check_possible(test, inner)
-    return test
+    inner = scope.bind_member(kind, ir.Sort("cell", (kind,))).bind_member(sort.name, sort)
+    return possible_condition(blocks.condition, inner)

@@ -216,8 +216,7 @@ def can_be_empty(d: ir.Domain, scope: Scope) -> bool:
         case None if is_member(d.var, "cell"):
             return not any(static.cells.get(kind, 0) for kind in d.var.kinds)
         case None:
-            members_around = (v for v in scope.variables.values() if isinstance(v, ir.Member))
-            has_one_around = any(member.sort == d.var.sort for member in members_around)
+            has_one_around = any(member.sort == d.var.sort for member in scope.members)
             # in the other parts of a game a variable may stand for one that is away
             is_on_map = scope.part in ("phase", "start", "metrics", "checks", "policy")
             return static.can_be_away and not (has_one_around and is_on_map)

@@ -19,6 +19,7 @@ from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.domains import can_be_empty, domain, most_members
 from sjdsl.compiler.elaborate.lookup import (
     bound_cell,
+    check_arguments,
     check_known_word,
     check_placed,
     check_words,
@@ -178,19 +179,17 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
         right = or_nowhere(right)
     left_kinds = kinds_of_cell(left)
     right_kinds = kinds_of_cell(right)
+    are_like_movers = (
+        is_member(left, "mover") and is_member(right, "mover") and left.sort == right.sort
+    )
     if kinds == {"word"}:
         _check_common_words(e, left, right, scope)
     elif left_kinds is not None and right_kinds is not None:
         if left_kinds and right_kinds and not set(left_kinds) & set(right_kinds):
             raise scope.fail(errors.NeverOneCell(e.span))
-    elif not (_are_same_movers(left, right) or (is_agent(left) and is_agent(right))):
+    elif not are_like_movers and not (is_agent(left) and is_agent(right)):
         raise _not_identical(e, left, right, scope)
     return ir.Same(left=left, right=right, origin=e.span)
-
-
-def _are_same_movers(left: ir.Expr, right: ir.Expr) -> bool:
-    """Returns whether two expressions are movers of one name."""
-    return is_member(left, "mover") and is_member(right, "mover") and left.sort == right.sort
 
 
 def _check_common_words(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> None:
@@ -352,11 +351,12 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
     if function.reduces is not None and len(e.arguments) == 1:
         values = row_of_numbers(e.arguments[0], scope, "a row of numbers, or several numbers")
         return ir.SumRow(type=element(values.type), row=values, fn=name, origin=e.span)  # type: ignore[arg-type]
-    if not function.least <= len(e.arguments) <= function.most:
-        wanted = _arguments_wanted(function)
-        raise scope.fail(
-            errors.WrongArguments(e.span, name=name, wanted=wanted, actual=len(e.arguments))
-        )
+    number = len(e.arguments)
+    if function.most == function.least:
+        check_arguments(name, e.span, number, function.least, scope)
+    elif not function.least <= number <= function.most:
+        wanted = f"{function.least} or more arguments"
+        raise scope.fail(errors.WrongArguments(e.span, name=name, wanted=wanted, actual=number))
     return BUILDERS[function.builds](function, e, scope)
 
 
@@ -364,12 +364,6 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
 def calculated(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     assert isinstance(function, Calculation)
     return calculation(function, e, e.arguments, scope)
-
-
-def _arguments_wanted(function: Function) -> str:
-    if function.most != function.least:
-        return f"{function.least} or more arguments"
-    return "1 argument" if function.least == 1 else f"{function.least} arguments"
 
 
 def matrix_class(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
@@ -418,9 +412,9 @@ def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     (tree,) = e.arguments
     elsewhere: frozenset[str] = frozenset()
     if scope.static.can_be_away:
-        members = (v for v in scope.variables.values() if isinstance(v, ir.Member))
-        elsewhere = frozenset(v.name for v in members if v.sort.what != "cell")
-    value = replace(scope, about_steps=False, facts=(), elsewhere=elsewhere).expression(tree)
+        elsewhere = frozenset(m.name for m in scope.members if not is_member(m, "cell"))
+    before_step = replace(scope, about_steps=False, facts=(), elsewhere=elsewhere)
+    value = before_step.expression(tree)
     if value.type.kind in ("member", "mix"):
         raise wrong_type(scope, tree, "a value", value.type)
     return ir.Before(type=value.type, value=value, origin=e.span)

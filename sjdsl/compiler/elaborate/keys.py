@@ -19,7 +19,7 @@ from sjdsl.compiler.elaborate.lookup import (
     not_among,
 )
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.implications import narrow_word, narrowed
+from sjdsl.compiler.ir.implications import narrowed
 from sjdsl.compiler.ir.sorts import Level, level_of_agents, level_of_numbers
 
 ENTRIES = ("agent", "{ a, b }", "0 .. 4")
@@ -69,7 +69,7 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
     }[level.sort]
     if level.sort == "word":
         check_known_word(tree, row, level.names, scope)
-    key = narrow_word(scope.expression(tree), scope.facts)
+    key = scope.narrowed(tree)
     if key.type.by or (key.type.kind == "mix" and isinstance(row, str)):
         raise wrong_type(scope, tree, wanted, key.type)
     if key.type.kind == "mix":

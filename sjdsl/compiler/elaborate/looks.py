@@ -10,7 +10,7 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
@@ -64,9 +64,7 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
         static.refer(look.what, Symbol("name", name))
     test = None
     if look.where is not None:
-        inner = scope.bind(name, ir.Member(name=name, sort=sort))
-        test = inner.condition(look.where)
-        check_possible(test, inner)
+        test = possible_condition(look.where, scope.bind_member(name, sort))
         for node in ir.walk(test):
             if ir.is_expression(node) and not _is_readable(node):
                 span = node.origin or look.span

@@ -121,13 +121,16 @@ def _holds_at_start(
 
 def check_requires(game: Composition, scope: Scope) -> None:
     """Reports every `require` that the file's own numbers break."""
-    values = {p.name: p.value for p in scope.static.params.values()}
+    values = {name: param.value for name, param in scope.static.params.items()}
     for test in scope.static.requires:
         if holds(test, values):
             continue
         problem = text(test)
-        names = sorted({n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)})
-        numbers = [f"{n} is {values[n]}" for n in names if not isinstance(values[n], tuple)]
+        parameters = {node.name for node in ir.walk(test) if isinstance(node, ir.ParamRef)}
+        numbers = []
+        for name in sorted(parameters):
+            if not isinstance(values[name], tuple):
+                numbers.append(f"{name} is {values[name]}")
         if numbers:
             problem = f"{problem} ({', '.join(numbers)})"
         labels = parameters_read(scope.static, test)
@@ -235,8 +238,7 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
 def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
     name = policy.name.text
     if policy.domain is not None:
-        inner = scope.bind("agent", ir.Member(name="agent", sort=AGENTS))
-        goal, _ = domain(policy.domain, inner)
+        goal, _ = domain(policy.domain, scope.bind_member("agent", AGENTS))
         return ir.Policy(name="seek", domain=goal, origin=policy.span)
     if name in game.policies and not policy.actions:
         scope.static.refer(policy.name, Symbol("policy", name))

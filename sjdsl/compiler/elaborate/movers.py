@@ -13,7 +13,6 @@ from sjdsl.compiler.elaborate.lookup import is_member
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.elaborate.world_map import POSES, check_glyph
-from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.types import words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -122,7 +121,7 @@ def _course(c: ast.Course, var: ir.Member, scope: Scope, stream: int) -> ir.Wand
         case ast.Ahead():
             return ir.Along(heading=heading_of(var, c.span), origin=c.span)
         case ast.Along():
-            heading = narrow_word(scope.expression(c.heading), scope.facts)
+            heading = scope.narrowed(c.heading)
             wanted = "a heading (`north`, `east`, `south` or `west`)"
             check_heading(heading, c.heading, wanted, scope)
             return ir.Along(heading=heading, origin=c.span)

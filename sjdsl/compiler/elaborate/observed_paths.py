@@ -49,9 +49,9 @@ def observer_scope(what: str, kind: str, name: str, scope: Scope) -> Scope:
             cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
             return observer.bind(kind, cell).bind(name, cell)
         case "mover":
-            return observer.bind(kind, ir.Member(name=kind, sort=ir.Sort("mover", (kind,))))
+            return observer.bind_member(kind, ir.Sort("mover", (kind,)))
         case "other" | "everyone":
-            return observer.bind(what, ir.Member(name=what, sort=AGENTS))
+            return observer.bind_member(what, AGENTS)
         case _:
             return observer
 

@@ -26,7 +26,7 @@ from sjdsl.compiler.elaborate.lookup import (
     use_define,
     variable,
 )
-from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.sorts import AGENTS
@@ -185,8 +185,7 @@ def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Ex
     if not isinstance(place, ir.Member):
         if place.type.kind == "agent":
             raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
-        actual = describe(place.type)
-        raise scope.expected(tree.span, "an agent or a cell", actual)
+        raise wrong_type(scope, tree, "an agent or a cell", place.type)
     if place.sort.what != "cell":
         check_placed(place, tree.span, question, scope)
     return place
@@ -234,8 +233,7 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     type_ = element(row.type)
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
-            actual = describe(key.type)
-            raise scope.expected(step.key.span, "one entry", actual)
+            raise wrong_type(scope, step.key, "one entry", key.type)
         entry = level.keys[level.place_of(key.value)]  # type: ignore[arg-type]
         return row.model_copy(update={"word": entry, "type": type_})
     if key.type.kind == "mix":

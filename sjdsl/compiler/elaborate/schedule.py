@@ -17,16 +17,10 @@ from sjdsl.compiler.ir.names import Names, phase_function
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.near_names import nearest
 
+# Expressions of these alone have the same value in all of an episode.
 CONSTANT = (
-    ir.Word,
-    ir.Number,
-    ir.ParamRef,
-    ir.At,
-    ir.Arithmetic,
-    ir.SumRow,
-    ir.Named,
-    ir.Narrowed,
-)  # nodes whose value is the same in all of an episode
+    ir.Word | ir.Number | ir.ParamRef | ir.At | ir.Arithmetic | ir.SumRow | ir.Named | ir.Narrowed
+)
 ARGUMENTS = (
     "use words, numbers, `size`s, `param`s and names of actions; "
     "what changes in play, and who is meant, the phase says itself"

@@ -14,7 +14,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.ir.implications import Fact, facts
+from sjdsl.compiler.ir.implications import Fact, facts, narrow_word
 from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.types import describe, is_number
 
@@ -207,6 +207,10 @@ class Scope(Record):
         """Returns the typed form of any expression."""
         return self.static.elaborate_expression(e, self)
 
+    def narrowed(self, e: ast.Expr) -> ir.Expr:
+        """Returns an expression; of a word without the words that the facts here exclude."""
+        return narrow_word(self.expression(e), self.facts)
+
     def expressions(self, trees: Sequence[ast.Expr]) -> list[ir.Expr]:
         """Returns the typed forms; reports the mistakes of all before giving up."""
         built = self.problems.each(trees, self.expression)
@@ -284,6 +288,10 @@ class Scope(Record):
         locals_ = {n: symbol for n, symbol in self.locals.items() if n != name}
         return self.but(variables={**self.variables, name: value}, locals=locals_)
 
+    def bind_member(self, name: str, sort: ir.Sort) -> "Scope":
+        """Returns this scope with one more variable of a domain, which has the name of its kind."""
+        return self.bind(name, ir.Member(name=name, sort=sort))
+
     def bind_named(self, name: ast.Name, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which the text names here."""
         return self.but(
@@ -305,6 +313,11 @@ class Scope(Record):
         return self.but(facts=(*self.facts, *known))
 
     @property
+    def members(self) -> list[ir.Member]:
+        """The agents, movers and cells that domains around have bound."""
+        return [value for value in self.variables.values() if isinstance(value, ir.Member)]
+
+    @property
     def facts_and_requires(self) -> tuple[Fact, ...]:
         """What holds here, with the game's `require`s."""
         return (*self.facts, *self.static.required_facts)
@@ -322,9 +335,7 @@ class Scope(Record):
 
     def with_agent(self, part: Part) -> "Scope":
         """Returns a scope of another part of the game, in which `agent` is any one of them."""
-        return Scope(self.static, self.problems, part=part).bind(
-            "agent", ir.Member(name="agent", sort=AGENTS)
-        )
+        return Scope(self.static, self.problems, part=part).bind_member("agent", AGENTS)
 
 
 def wrong_type(

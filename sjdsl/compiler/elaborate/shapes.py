@@ -106,9 +106,12 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if name not in BUILT_IN:
         raise scope.problems.unknown(ref.name, [*BUILT_IN, *scope.static.shapes], "the shapes")
     see_through = name in SEE_THROUGH
-    has_centre = see_through and len(arguments) == 2 and _is_centre(arguments[1])
-    if has_centre:
-        arguments = arguments[:1]
+    has_centre = False
+    if see_through and len(arguments) == 2:
+        reach, centre = arguments
+        if isinstance(centre, ast.Path) and centre.name.text == "centre":
+            has_centre = True
+            arguments = (reach,)
     parameters = BUILT_IN[name]
     if len(arguments) != len(parameters):
         noun = "number" if len(parameters) == 1 else "numbers"
@@ -134,10 +137,6 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
         directed=not see_through,
         origin=ref.span,
     )
-
-
-def _is_centre(argument: ast.Expr) -> bool:
-    return isinstance(argument, ast.Path) and argument.name.text == "centre"
 
 
 def _around(name: str, r: int, has_centre: bool) -> tuple[tuple[Offset, ...], ...]:

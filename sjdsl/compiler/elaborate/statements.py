@@ -18,11 +18,11 @@ from sjdsl.compiler.elaborate.domains import near as near_shape
 from sjdsl.compiler.elaborate.effects import body, give, send, shift, tally
 from sjdsl.compiler.elaborate.lookup import check_free, no_word, repeated
 from sjdsl.compiler.elaborate.movers import move
-from sjdsl.compiler.elaborate.possible import check_possible, warn_never
+from sjdsl.compiler.elaborate.possible import possible_condition, warn_never
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
-from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
+from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.printer import expression as text
 from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, join_units, real, words
 
@@ -85,7 +85,7 @@ def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.S
 
 
 def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
-    value = narrow_word(scope.expression(s.value), scope.facts)
+    value = scope.narrowed(s.value)
     check_free(s.name, scope, chosen=True)
     if isinstance(value, ir.Member):
         described = "the variable has a name already"
@@ -328,29 +328,25 @@ def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
 
     A chain of `otherwise when`, or of `otherwise chance`, is one statement.
     """
-    header = use.streams.header(s.span, s.block)
-    stream = use.streams.of_statement(header) if isinstance(s, ast.Chance) else 0
+    trees = _with_following(s)
+    headers = [use.streams.header(tree.span, tree.block) for tree in trees]
+    stream = use.streams.of_statement(headers[0]) if isinstance(s, ast.Chance) else 0
     branches: list[ir.Branch] = []
-    current: ast.When | ast.Chance = s
-    while True:
+    for number, tree in enumerate(trees, 1):
+        header = " otherwise ".join(headers[:number])
         try:
-            branch = _branch(current, header, scope, use)
+            branch = _branch(tree, header, scope, use)
             branches.append(branch)
-            if isinstance(current, ast.When):
+            if isinstance(tree, ast.When):
                 scope = scope.knowing([ir.Not(value=branch.test)])
         except Poisoned:
-            inside(current.block, header, scope.after_unreadable_guard(), use)
-            if isinstance(current, ast.When):
+            inside(tree.block, header, scope.after_unreadable_guard(), use)
+            if isinstance(tree, ast.When):
                 scope = scope.after_unreadable_guard()
-        following = current.otherwise
-        if not isinstance(following, ast.When | ast.Chance) or not isinstance(following, type(s)):
-            break
-        following_header = use.streams.header(following.span, following.block)
-        header = f"{header} otherwise {following_header}"
-        current = following
     otherwise: tuple[ir.Stmt, ...] = ()
-    if following is not None:
-        otherwise = other_branch(following, f"{header} otherwise", scope, use)
+    if trees[-1].otherwise is not None:
+        header = f"{' otherwise '.join(headers)} otherwise"
+        otherwise = other_branch(trees[-1].otherwise, header, scope, use)
     if not branches:
         raise Poisoned
     if isinstance(s, ast.When):
@@ -358,11 +354,20 @@ def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
     return ir.Chance(branches=tuple(branches), otherwise=otherwise, stream=stream, origin=s.span)
 
 
+def _with_following(s: ast.When | ast.Chance) -> list[ast.When | ast.Chance]:
+    """Returns the statements of a chain of `otherwise when`, or of `otherwise chance`."""
+    trees = [s]
+    following = s.otherwise
+    while isinstance(following, ast.When | ast.Chance) and isinstance(following, type(s)):
+        trees.append(following)
+        following = following.otherwise
+    return trees
+
+
 def _branch(s: ast.When | ast.Chance, header: str, scope: Scope, use: PhaseUse) -> ir.Branch:
     """Returns the first branch of a statement."""
     if isinstance(s, ast.When):
-        test = scope.condition(s.condition)
-        check_possible(test, scope)
+        test = possible_condition(s.condition, scope)
         scope = scope.knowing([test])
     else:
         test = probability(s.probability, scope)

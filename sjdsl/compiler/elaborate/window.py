@@ -3,7 +3,7 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope
 
 SIDES = {"ahead": 9, "behind": 1, "left": 5, "right": 5}  # of a window, where the game says nothing
@@ -19,8 +19,7 @@ def window(game: Composition, scope: Scope) -> ir.Window:
     def view(tree: ast.Window) -> ir.View:
         assert tree.condition is not None
         sides = _sides(tree, usual, scope)
-        test = observer.condition(tree.condition)
-        check_possible(test, observer)
+        test = possible_condition(tree.condition, observer)
         return ir.View(**sides, condition=test, origin=tree.span)
 
     conditional = (tree for tree in game.windows if tree.condition is not None)
