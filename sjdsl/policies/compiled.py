@@ -172,17 +172,20 @@ class Chooser:
         """
         heading, row, col = poses
         num_agents = row.shape[0]
-        destinations = [
-            (row, col) if step is None else destination(self._moves, step, heading, row, col)
-            for step in self._moves.steps
-        ]
-        rows = jnp.stack([to_row for to_row, _ in destinations], axis=-1)
-        cols = jnp.stack([to_col for _, to_col in destinations], axis=-1)
+        destinations = []
+        for step in self._moves.steps:
+            cells = (row, col)
+            if step is not None:
+                cells = destination(self._moves, step, heading, row, col)
+            destinations.append(cells)
+        rows, cols = (jnp.stack(numbers, axis=-1) for numbers in zip(*destinations, strict=True))
         boards = jnp.zeros(num_agents, jnp.int32)
         if enterable.shape[0] > 1:
             boards = jnp.arange(num_agents)
-        allowed = contains(enterable, jnp.broadcast_to(boards[:, None], rows.shape), rows, cols)
-        allowed = allowed | ((rows == row[:, None]) & (cols == col[:, None]))
+        is_enterable = contains(
+            enterable, jnp.broadcast_to(boards[:, None], rows.shape), rows, cols
+        )
+        allowed = is_enterable | ((rows == row[:, None]) & (cols == col[:, None]))
         to_row = jnp.take_along_axis(rows, best[:, None], axis=1)
         to_col = jnp.take_along_axis(cols, best[:, None], axis=1)
         others = present[None] & ~jnp.eye(num_agents, dtype=bool)
@@ -201,13 +204,16 @@ class Chooser:
         height, width = self._shape
         if cells.numbers is not None:
             members = cells.read(state, self._env.params)
-            padded = jnp.concatenate([members, jnp.zeros((members.shape[0], 1), bool)], axis=1)
-            return board(padded[:, jnp.asarray(cells.numbers)].reshape(-1, height, width))
+            no_cell = jnp.zeros((members.shape[0], 1), bool)
+            padded = jnp.concatenate([members, no_cell], axis=1)
+            on_map = padded[:, jnp.asarray(cells.numbers)]
+            return board(on_map.reshape(-1, height, width))
         members, positions = cells.read(state, self._env.params)
         row = jnp.arange(members.shape[0])[:, None]
         cell = jnp.where(members, positions, height * width)
         empty = jnp.zeros((members.shape[0], height * width), bool)
-        return board(empty.at[row, cell].set(True, mode="drop").reshape(-1, height, width))
+        on_map = empty.at[row, cell].set(True, mode="drop")
+        return board(on_map.reshape(-1, height, width))
 
     def _aiming_poses(self, rule: ir.Aim, members: Array) -> Array:
         """Returns the poses from which a member is in the shape, `[K, P, H, L]` boards."""
@@ -285,8 +291,11 @@ def _shifted_cells(cells: np.ndarray, rows: int, cols: int, wraps: bool) -> np.n
 
     Off the map, it is False.
     """
+    if wraps:
+        return np.roll(cells, (-rows, -cols), (0, 1))
     height, width = cells.shape
-    top, left = (0, 0) if wraps else (abs(rows), abs(cols))
+    top = abs(rows)
+    left = abs(cols)
     padded = np.pad(cells, [(top, top), (left, left)])
     shifted_cells = np.roll(padded, (-rows, -cols), (0, 1))
     return shifted_cells[top : top + height, left : left + width]
