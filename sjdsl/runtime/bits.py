@@ -11,7 +11,7 @@ from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.reductions import lengthened, sum_of
-from sjdsl.runtime.rows import numbers_on_last_axis, on_last_axis, one_hot
+from sjdsl.runtime.rows import entries_in_bounds, numbers_on_last_axis, on_last_axis, one_hot
 
 WIDTH = 32
 
@@ -110,8 +110,7 @@ def _nth_by_table(word: Array, n: Array) -> Array:
     places = np.argsort(1 - is_set, axis=1, kind="stable")
     first = word.astype(jnp.int32) * 8
     table = jnp.asarray(places.reshape(-1), jnp.uint8)
-    place = table.at[first + n].get(mode="promise_in_bounds", wrap_negative_indices=False)
-    return place.astype(jnp.int32)
+    return entries_in_bounds(table, first + n).astype(jnp.int32)
 
 
 def _nth_by_halves(word: Array, n: Array) -> Array:

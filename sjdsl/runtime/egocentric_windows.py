@@ -16,6 +16,7 @@ from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime.bits import set_of, unpack
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.rows import entries_in_bounds
 
 
 # One function of the program, however many planes are seen.
@@ -53,9 +54,7 @@ def _windows_looked_up(
     by_heading = [row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]
     offsets = np.stack(by_heading).astype(np.int32)
     cells = position[:, None] + jnp.asarray(offsets)[heading]
-    where = plane.reshape(-1).at[cells]
-    seen: Array = where.get(mode="promise_in_bounds", wrap_negative_indices=False)
-    return seen
+    return entries_in_bounds(plane.reshape(-1), cells)
 
 
 def _windows_cut(
@@ -207,8 +206,8 @@ def _painted_by_comparing(plane: Array, cells: Array, bits: Array) -> Array:
 
 def _painted_by_cell(plane: Array, cells: Array, bits: Array) -> Array:
     """The form for CPUs: a scatter."""
+    painted = entries_in_bounds(plane, cells) | bits
     where = plane.at[cells]
-    painted = where.get(mode="promise_in_bounds", wrap_negative_indices=False) | bits
     return where.set(painted, mode="promise_in_bounds", wrap_negative_indices=False)
 
 

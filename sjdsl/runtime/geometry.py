@@ -6,7 +6,6 @@ arrays, computed once, when a module is loaded.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 
 import numpy as np
 
@@ -260,7 +259,8 @@ def view_cells(ahead: int, behind: int, left: int, right: int, *sides: int) -> n
 
 def _view(ahead: int, behind: int, left: int, right: int) -> list[tuple[int, int]]:
     """Returns (ahead, right) of each cell of a window, row by row."""
-    return list(product(range(ahead, -behind - 1, -1), range(-left, right + 1)))
+    columns = range(-left, right + 1)
+    return [(row, column) for row in range(ahead, -behind - 1, -1) for column in columns]
 
 
 def own_cells(rows: Rows, ahead: int, behind: int, left: int, right: int) -> np.ndarray:

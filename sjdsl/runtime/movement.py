@@ -115,7 +115,7 @@ def _spread(into: Array, lost: Array) -> Array:
 
         spread: Array = lax.fori_loop(0, n, spread_once, settled(partial(spread_once, 0), lost))
         return spread
-    bit = (jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)).astype(jnp.uint32)
+    bit = jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)
     waits = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
     stays = jnp.sum(jnp.where(lost, bit, jnp.uint32(0)), dtype=jnp.uint32)
 

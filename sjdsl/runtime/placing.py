@@ -15,7 +15,7 @@ from sjdsl.runtime.counting import in_rows, size_of_set
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.random_bits import below, random_bits_at
 from sjdsl.runtime.reductions import any_of
-from sjdsl.runtime.rows import on_last_axis
+from sjdsl.runtime.rows import entries_in_bounds, on_last_axis
 from sjdsl.runtime.varying import either, settled
 
 
@@ -255,28 +255,13 @@ def place(
     Returns:
       `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
     """
-    return _place_among(cells, free, None, words, position, sent)
-
-
-def place_fitting(
-    cells: Array, free: Array | None, own: Array, words: Array, position: Array, sent: Array
-) -> tuple[Array, Array]:
-    """Returns what `place` does, where each agent is sent to one of the free cells that fit it.
-
-    Args:
-      own: `[N, S]` bool, which cells fit each agent.
-      cells, free, words, position, sent: as in `place`.
-
-    Returns:
-      as `place`: an agent for whom no fitting cell is left was not placed.
-    """
-    return _place_among(cells, free, own, words, position, sent)
+    return place_fitting(cells, free, None, words, position, sent)
 
 
 LONG = 16_384  # agents times cells: with more, placing would be too long a program if unrolled
 
 
-def _place_among(
+def place_fitting(
     cells: Array,
     free: Array | None,
     own: Array | None,
@@ -284,7 +269,15 @@ def _place_among(
     position: Array,
     sent: Array,
 ) -> tuple[Array, Array]:
-    """Places agents as `place_fitting` does; own: None: all cells fit all."""
+    """Returns what `place` does, where each agent is sent to one of the free cells that fit it.
+
+    Args:
+      own: `[N, S]` bool, which cells fit each agent; None: all do.
+      cells, free, words, position, sent: as in `place`.
+
+    Returns:
+      as `place`: an agent for whom no fitting cell is left was not placed.
+    """
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
     packed = bits.pack_all(cells.shape[0]) if free is None else bits.pack(free)
@@ -316,14 +309,14 @@ def _one_by_one(
     def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
         waiting, free, position, placed = state
         who = jnp.argmax(waiting).astype(jnp.int32)
-        possible = free if fitting is None else free & _entry(fitting, who)
+        possible = free if fitting is None else free & entries_in_bounds(fitting, who)
         number = bits.count(possible)
-        cell = bits.nth(possible, below(_entry(words, who), number))
+        cell = bits.nth(possible, below(entries_in_bounds(words, who), number))
         is_placed = (index == who) & waiting & (number > 0)
         others = bits.without(free, cell)
         free = others if fitting is None else jnp.where(number > 0, others, free)
         waiting = waiting & (index != who)
-        position = jnp.where(is_placed, _entry(cells, cell), position)
+        position = jnp.where(is_placed, entries_in_bounds(cells, cell), position)
         return waiting, free, position, placed | is_placed
 
     start = (sent, free, position, jnp.zeros_like(sent))
@@ -368,7 +361,7 @@ def _unrolled(
     sites = lax.optimization_barrier(sites)
     site = bits.field(sites, index, 16, 2).astype(jnp.int32) - 1
     placed = site >= 0
-    return jnp.where(placed, _entry(cells, jnp.maximum(site, 0)), position), placed
+    return jnp.where(placed, entries_in_bounds(cells, jnp.maximum(site, 0)), position), placed
 
 
 def come_back(
@@ -397,19 +390,11 @@ def come_back(
     Returns:
       `[N]` int32, `[N]` of the dtype of `heading`, and `[N]` bool.
     """
-    position, placed = _place_among(cells, free, own, words, position, back)
+    position, placed = place_fitting(cells, free, own, words, position, back)
     facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing)
     facing = facing.astype(heading.dtype)
     facing = jnp.where(away_facing == SAME_HEADING, heading, facing)
     return position, jnp.where(placed, facing, heading), placed
-
-
-def _entry(values: Array, number: Array) -> Array:
-    """Returns an entry of the first axis, for a number past the end the last one.
-
-    `number` isn't negative, so it isn't tested whether it counts from the end.
-    """
-    return values.at[number].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
 
 def pair(ranks: Array, alike: bool) -> Array:

@@ -1,4 +1,4 @@
-"""Operations on the last axis of arrays, a row for each index: entries, shares, shifts, ramps."""
+"""Operations on the last axis of arrays, a row for each index, and entries by their numbers."""
 
 from typing import Any, TypeVar
 
@@ -19,6 +19,14 @@ def on_last_axis(entries: A, num_axes: int) -> A:
 def numbers_on_last_axis(size: int, num_axes: int, dtype: Any = jnp.int32) -> Array:
     """Returns the numbers from 0 on the last of so many axes: `[1, ..., 1, size]`."""
     return on_last_axis(jnp.arange(size, dtype=dtype), num_axes)
+
+
+def entries_in_bounds(values: Array, numbers: Array) -> Array:
+    """Returns entries of the first axis, undefined for numbers past the end.
+
+    No number is negative, so none is tested whether it counts from the end.
+    """
+    return values.at[numbers].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
 
 def one_hot(number: Array | int, size: int) -> Array:

@@ -107,7 +107,7 @@ def check_placed(agent: ir.Expr, span: Span, expression: str, scope: Scope) -> N
 
 
 def repeated(names: Iterable[ast.Name]) -> Iterator[ast.Name]:
-    """Yields the names that stand before them too."""
+    """Yields each name that has occurred before."""
     seen: set[str] = set()
     for name in names:
         if name.text in seen:
