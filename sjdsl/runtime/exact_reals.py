@@ -192,7 +192,7 @@ def _zero(value: Array) -> Array:
     """
     part = _bits(value) & 0x7FFF
     square = part * part
-    remainder = square - square // 5 * 5
+    remainder = square - square // jnp.uint32(5) * 5
     result: Array = (remainder == 2).astype(jnp.uint32)
     return result
 

@@ -88,15 +88,7 @@ def elaborate(
     with problems.survive():
         phases = turns if start_phase is None else (start_phase, *turns)
         typed_events = events(phases, scope)
-    used_by_rules = set(static.used)
-    shapes_of_rules = set(static.shapes)
-    typed_policies = policies(game, scope.with_agent("policy"))
-    used_by_policies = static.used - used_by_rules
-    policy_shapes = tuple(
-        shape
-        for name, shape in static.shapes.items()
-        if name not in shapes_of_rules or Symbol("shape", name) in used_by_policies
-    )
+    typed_policies, policy_shapes = _policies_and_shapes(game, scope)
     typed_scenarios = scenarios(game, scope)
     report_never(static.never.values(), problems)
     if agents is None or start_phase is None or episode is None or game.schedule is None:
@@ -133,6 +125,22 @@ def elaborate(
         scenarios=typed_scenarios,
     )
     return typed, static
+
+
+def _policies_and_shapes(
+    game: Composition, scope: Scope
+) -> tuple[tuple[ir.ScriptedPolicy, ...], tuple[ir.Shape, ...]]:
+    """Returns the policies, and the shapes that they use and no rule of the game does."""
+    static = scope.static
+    used_by_rules = set(static.used)
+    shapes_of_rules = set(static.shapes)
+    typed = policies(game, scope.with_agent("policy"))
+    used_by_policies = static.used - used_by_rules
+    shapes = []
+    for name, shape in static.shapes.items():
+        if name not in shapes_of_rules or Symbol("shape", name) in used_by_policies:
+            shapes.append(shape)
+    return typed, tuple(shapes)
 
 
 def _read_map(

@@ -37,7 +37,8 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
             raise scope.misused(d.kind, "a kind of cell", "an agent (`agent on KIND`)")
         cell = _cell_around(d.on, inner)
         if cell is None:
-            on = _new_member(d.on, ir.Sort("cell", kinds_named(d.on.kind, inner)), inner)
+            sort = ir.Sort("cell", kinds_named(d.on.kind, inner))
+            on = _new_member(d.on, sort, inner)
             inner = with_member(d.on, on, inner)
             inner = inner.knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
         else:

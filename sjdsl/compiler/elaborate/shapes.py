@@ -108,10 +108,10 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     see_through = name in SEE_THROUGH
     has_centre = False
     if see_through and len(arguments) == 2:
-        reach, centre = arguments
-        if isinstance(centre, ast.Path) and centre.name.text == "centre":
-            has_centre = True
-            arguments = (reach,)
+        last = arguments[1]
+        has_centre = isinstance(last, ast.Path) and last.name.text == "centre"
+    if has_centre:
+        arguments = arguments[:1]
     parameters = BUILT_IN[name]
     if len(arguments) != len(parameters):
         noun = "number" if len(parameters) == 1 else "numbers"
