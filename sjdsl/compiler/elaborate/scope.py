@@ -113,10 +113,10 @@ class Static:
         """Numbers that are read in here don't count as used."""
         before = set(self.used)
         yield
-        added = self.used - before
-        numbers = {symbol for symbol in added if symbol.name in {*self.params, *self.sizes}}
-        self.required |= numbers
-        self.used -= numbers
+        numbers = self.params.keys() | self.sizes.keys()
+        read = {symbol for symbol in self.used - before if symbol.name in numbers}
+        self.required |= read
+        self.used -= read
 
     def kinds_of(self, name: str) -> tuple[str, ...] | None:
         """Returns the kinds that the name of a kind or group stands for, None for other names."""
