@@ -8,7 +8,6 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
@@ -58,8 +57,8 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     name = look.what.text
     sort = static.sort_of(name)
     if sort is None:
-        meant = near(name, ["agent", *static.kinds, *static.groups, *static.movers])
-        raise scope.fail(errors.UnknownName(look.what.span, name=name, near=meant))
+        known = ["agent", *static.movers, *static.kinds, *static.groups]
+        raise scope.problems.unknown(look.what, known, "the agents and kinds of this game")
     if name != "agent":
         static.refer(look.what, Symbol("name", name))
     test = None

@@ -7,7 +7,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.compose import Composition, path_text
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Fix, near
+from sjdsl.compiler.diagnostics.diagnostic import Fix
 from sjdsl.compiler.elaborate.observed_paths import (
     OWNERS,
     Key,
@@ -399,8 +399,8 @@ def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
         return ir.Hidden(what=plane, on=place, origin=hide.span)  # type: ignore[arg-type]
     kinds = static.kinds_of(on.text)
     if kinds is None:
-        meant = near(on.text, [*static.kinds, *static.groups, "agents"])
-        raise scope.fail(errors.UnknownName(on.span, name=on.text, near=meant))
+        known = [*static.kinds, *static.groups, "agents"]
+        raise scope.problems.unknown(on, known, "the kinds of this game")
     static.refer(on, Symbol("name", on.text))
     test = None
     if hide.condition is not None:
