@@ -272,7 +272,9 @@ class Environment:
             jax.vmap(jax.random.key)(jnp.arange(NUM_STARTS))
         )
         roles = np.asarray(getattr(states, self.module.ROLE))
-        return tuple(int(role) for role in roles[0]) if (roles == roles[0]).all() else None
+        if (roles != roles[0]).any():
+            return None
+        return tuple(int(role) for role in roles[0])
 
     def cells(self, state: State) -> tuple[Array, Array]:
         """Returns row and column of each agent, int32 `[N]` each, negative for those away."""

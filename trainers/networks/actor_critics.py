@@ -196,7 +196,10 @@ def state_shape(env: Environment) -> tuple[int, ...]:
             f"`{env.name}` has no state_vector for a critic of the state; "
             'choose critic = "observations"'
         )
-    result: tuple[int, ...] = jax.eval_shape(
-        lambda key: env.state_vector(env.reset(key)[1]), abstract_key()
-    ).shape
+
+    def first_vector(key: Array) -> Any:
+        _, state = env.reset(key)
+        return env.state_vector(state)
+
+    result: tuple[int, ...] = jax.eval_shape(first_vector, abstract_key()).shape
     return result

@@ -273,7 +273,8 @@ class ActorCritic(nn.Module):
         """Returns the memory before the first step of M environments."""
         if not self.recurrent:
             return ()
-        width, dtype = self.layers.width, self.layers.dtype
+        width = self.layers.width
+        dtype = self.layers.dtype
         memory: dict[str, Any] = {"memory": jnp.zeros((num_envs, self.num_agents, width), dtype)}
         if self.joint_planes is not None:
             memory["critic_memory"] = jnp.zeros((num_envs, width), dtype)

@@ -60,6 +60,11 @@ class Level(Record):
         """What the first entry stands for: its number, or 0 for words and agents."""
         return int(self.names[0]) if self.sort == "number" else 0
 
+    @property
+    def last(self) -> int:
+        """What the last entry stands for."""
+        return self.first + len(self) - 1
+
     def place_of(self, key: str | int) -> int:
         """Returns the place of an entry, from 0. `key`: the name of the entry, a number of the range, or the number of an agent."""
         return self.names.index(key) if isinstance(key, str) else int(key) - self.first
