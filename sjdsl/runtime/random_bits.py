@@ -129,6 +129,24 @@ def below(word: Array, bound: Array | int) -> Array:
     return result
 
 
+def dealt_values(words: Array, number: int) -> Array:
+    """Returns different whole numbers below `number` for the last axis of random numbers, int32.
+
+    Entry i takes that at place i + floor(word * (number - i) / 2^32) of the list 0 .. number - 1,
+    and swaps it with that at place i: a Fisher-Yates shuffle, of which the first entries are kept.
+    """
+    places = jnp.arange(number, dtype=jnp.int32)
+    left = jnp.broadcast_to(places, (*words.shape[:-1], number))
+    dealt = []
+    for entry in range(words.shape[-1]):
+        place = entry + below(words[..., entry], number - entry)
+        is_taken = places == place[..., None]
+        value = jnp.sum(jnp.where(is_taken, left, 0), axis=-1, dtype=jnp.int32)
+        left = jnp.where(is_taken, left[..., entry : entry + 1], left)
+        dealt.append(value)
+    return jnp.stack(dealt, axis=-1)
+
+
 def unit(word: Array) -> Array:
     """Returns the upper 24 bits of random numbers as float32 in [0, 1): exact, equally likely."""
     result: Array = (word >> 8).astype(jnp.float32) * jnp.float32(2.0**-24)

@@ -16,6 +16,7 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain, with_member
 from sjdsl.compiler.elaborate.domains import near as near_shape
 from sjdsl.compiler.elaborate.effects import body, give, send, shift, tally
+from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.lookup import check_free, no_word, repeated
 from sjdsl.compiler.elaborate.movers import move
 from sjdsl.compiler.elaborate.possible import possible_condition, warn_never
@@ -113,8 +114,39 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
             statement = _weighted(s, s.source, scope, stream)
         case _:
             statement = _between(s, s.source, scope, stream)
+    if s.by is not None:
+        statement = _of_row(s, s.by, statement, scope)
+    elif s.different:
+        wanted = "`by` and the entries of a row, which are all different"
+        raise scope.expected(s.name.span, wanted, "one value", "write `draw x by { a, b } from …`")
     local = ir.Local(type=statement.type, name=name, origin=s.name.span)
     return statement, scope.bind_named(s.name, local)
+
+
+def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
+    """Returns the draw of a row, each of whose entries is drawn as `one`."""
+    if isinstance(by, ast.Words):
+        _check_declared(by.names, scope)
+    level = level_of(by, scope)
+    type_ = one.type.model_copy(update={"by": (level,)})
+    if s.different:
+        if one.weights:
+            raise scope.expected(s.source.span, "values without weights", "a table of weights")
+        size = len(one.words)
+        if not size:
+            quantity = "what different values are drawn from"
+            for bound in (s.source, s.high):
+                assert bound is not None and not isinstance(bound, ast.Words | ast.Table)
+                scope.fixed(bound, quantity)
+            if one.type.kind == "real":
+                raise scope.expected(s.source.span, "whole numbers or words", "real numbers")
+            size = int(one.type.high - one.type.low) + 1
+        if size > limits.MAX_DEALT:
+            problem = f"different values are drawn from {size}"
+            raise scope.fail(limits.too_much(problem, limits.MAX_DEALT, s.source.span))
+        if size < len(level):
+            raise scope.fail(errors.TooFewToDeal(s.span, entries=len(level), values=size))
+    return one.model_copy(update={"type": type_, "by": level, "different": s.different})
 
 
 def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:

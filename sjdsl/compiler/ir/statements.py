@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Member
 from sjdsl.compiler.ir.node import INSTANCE, CourseNode, Node, Statement, Type
+from sjdsl.compiler.ir.sorts import Level
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
     Stmt: TypeAlias = "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End"
@@ -22,7 +23,10 @@ class Let(Statement):
 
 
 class Draw(Statement):
-    """Exactly one source: `low` .. `high` (ends included), or `words`, with `weights` unless they are fair, or `numbers` with weights."""
+    """Exactly one source: `low` .. `high` (ends included), or `words`, with `weights` unless they are fair, or `numbers` with weights.
+
+    by: the entries of the row that is drawn, each by itself; None: one value. different: no two of them are equal.
+    """
 
     name: str
     type: Type
@@ -31,6 +35,8 @@ class Draw(Statement):
     words: tuple[str, ...] = ()
     numbers: tuple[int, ...] = ()
     weights: tuple[Expr, ...] = ()
+    by: Annotated[Level | None, INSTANCE] = None
+    different: bool = False
     stream: int
 
 

@@ -131,22 +131,44 @@ def _array(p: Value, axes: tuple[Axis, ...] | None = None) -> Expression:
 
 
 def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
-    """Returns a drawn number or word."""
-    bits = random_bits(s.stream, scope, w)
+    """Returns a drawn number or word; of a row, those of its entries along a level."""
+    if s.by is None:
+        bits = random_bits(s.stream, scope, w)
+        return w.keep(s.name, _drawn(s, bits, scope, w))
+    entries = w.axis(s.name, w.module.num_entries(s.by))
+    bits = random_bits(s.stream, scope, w, entries)
+    drawn = _dealt(s, bits) if s.different else _drawn(s, bits, scope, w)
+    axes = tuple(axis for axis in drawn.axes if axis != entries)
+    return w.keep(s.name, Value(aligned(drawn, (*axes, entries)), drawn.dtype, axes, levels=1))
+
+
+def _dealt(s: ir.Draw, bits: Value) -> Value:
+    """Returns different words' numbers, or different whole numbers, for the last axis of `bits`."""
+    if s.words:
+        node: Expression = Cast(call("dealt_values", bits.node, Literal(len(s.words))), "u8")
+        return Value(node, "u8", bits.axes)
+    low = int(s.type.low)
+    size = int(s.type.high) - low + 1
+    dealt = Value(call("dealt_values", bits.node, Literal(size)), "i32", bits.axes)
+    return binary("+", dealt, literal(low, "i32"), "i32")
+
+
+def _drawn(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
+    """Returns the number or word that random bits stand for."""
     if s.weights:
-        return w.keep(s.name, _weighted(s, bits, scope, w))
+        return _weighted(s, bits, scope, w)
     if s.words:
         place = Cast(call("below", bits.node, Literal(len(s.words))), "u8")
-        return w.keep(s.name, Value(place, "u8", bits.axes))
+        return Value(place, "u8", bits.axes)
     assert s.low is not None and s.high is not None
     if s.type.kind == "real":
-        return w.keep(s.name, _between(s, s.low, s.high, bits, scope, w))
+        return _between(s, s.low, s.high, bits, scope, w)
     low = as_dtype(w.value(s.low, scope.always()), "i32")
     high = as_dtype(w.value(s.high, scope.always()), "i32")
     span = binary("+", binary("-", high, low, "i32"), literal(1, "i32"), "i32")
     axes = union(bits.axes, span.axes)
     drawn = Value(call("below", aligned(bits, axes), aligned(span, axes)), "i32", axes)
-    return w.keep(s.name, binary("+", drawn, low, "i32"))
+    return binary("+", drawn, low, "i32")
 
 
 def _between(

@@ -146,6 +146,8 @@ class Module:
         """Returns how many entries a row has."""
         if level.sort == "agent":
             return self.agents
+        if level.names not in self._word_sets:  # of a draw alone
+            return Literal(len(level))
         declared = self._word_sets[level.names].declared
         return self.number(f"num_{declared}", len(level), ", ".join(level.names), "size")
 
