@@ -23,6 +23,7 @@ def declare_trial(game: Composition, scope: Scope) -> None:
         return
     static = scope.static
     static.has_trials = True
+    static.used.add(Symbol("name", TRIAL))  # by the episode itself
     with scope.problems.survive(static.broken, Symbol("name", TRIAL)):
         number = _number_of_trials(game.episode, scope)
         static.fields[TRIAL] = ir.VarField(
