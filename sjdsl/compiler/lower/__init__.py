@@ -218,7 +218,7 @@ def _reset() -> Function:
     initial_state = array.call("initial_state")
     no_outcome = array.call("no_outcome")
     start = array.call("start", initial_state, no_outcome, PARAMS, actions, KEY)
-    state = array.Index(start, (array.Literal(0),))
+    state = start[0]
     return Function("reset", parameters, "State", doc, (array.Return((state,)),))
 
 
@@ -229,15 +229,13 @@ def _step(turns: list[Turn], module: Module) -> Function:
     in the order of the schedule.
     """
     w = Writer(module)
-    below = array.Binary("<", ACTIONS, array.Literal(0))
-    above = array.Binary(">=", ACTIONS, NUM_ACTIONS)
-    w.set(ACTIONS, array.Where(array.Binary("|", below, above), STAY, ACTIONS))
+    below = ACTIONS < 0
+    above = ACTIONS >= NUM_ACTIONS
+    w.set(ACTIONS, array.Where(below | above, STAY, ACTIONS))
     if module.game.agents.forbids:
         allowed = array.call("allowed_actions", STATE, PARAMS)
         chosen = array.call("one_hot", ACTIONS, NUM_ACTIONS)
-        w.set(
-            array.Name("allowed"), array.reduction("any", array.Binary("&", allowed, chosen), (1,))
-        )
+        w.set(array.Name("allowed"), array.reduction("any", allowed & chosen, (1,)))
         w.set(ACTIONS, array.Where(array.Name("allowed"), ACTIONS, STAY))
     w.set(OUT, array.call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]
@@ -285,10 +283,10 @@ def _all_marks(phase: ir.Phase, w: Writer) -> array.Expression:
     parts: list[array.Expression] = list(w.marked)
     missing = mark_size(phase, w.module.game) - sum(w.marked.values())
     if missing:
-        parts.append(array.call("jnp.zeros", array.Literal(missing), array.DTYPES["i32"]))
+        parts.append(array.call("jnp.zeros", missing, array.DTYPES["i32"]))
     if len(parts) == 1:
         return parts[0]
-    return array.call("jnp.concatenate", array.Sequence(tuple(parts), is_list=True))
+    return array.call("jnp.concatenate", list(parts))
 
 
 def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
@@ -309,7 +307,7 @@ def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
             attribute = attribute_name(field)
             before = array.path(f"state.{attribute}")
             w.origin = field.origin
-            w.assign(attribute, array.Binary("-", array.call("jnp.maximum", before, one), one))
+            w.assign(attribute, array.call("jnp.maximum", before, one) - one)
     w.origin = None
     doc = "All timers fall by one."
     away = [sort for sort in body_sorts(module.game) if module.stores_away(sort)]

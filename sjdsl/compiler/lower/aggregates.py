@@ -24,7 +24,6 @@ from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     DType,
     Lambda,
-    Literal,
     Name,
     Unary,
     call,
@@ -114,9 +113,7 @@ def over_neighbours(
     w.parameters.clear()
     some = {} if anchor.axis is not None else {"around": anchor.site.node}
     return Value(
-        call(
-            "over_neighbours", Literal(fold), table, body, *(stored for stored, _ in given), **some
-        ),
+        call("over_neighbours", fold, table, body, *(stored for stored, _ in given), **some),
         "i32",
         (axis,),
     )

@@ -29,13 +29,13 @@ def allowed_actions(module: Module) -> Function:
         closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
         comment = "actions a `forbid` is about"
         table = module.constant("forbids", array.constant(closes), comment, "bool")
-        of_actions = array.Index(table, (array.NEW_AXIS,))
-        closed = w.bind("closed", array.Binary("&", aligned(test, axes), of_actions))
-        is_open = array.Unary("~", closed)
+        of_actions = table[None]
+        closed = w.bind("closed", aligned(test, axes) & of_actions)
+        is_open = ~closed
         if allowed == everything and axes[0] in test.axes:
             allowed = is_open
         else:
-            allowed = array.Binary("&", allowed, is_open)
+            allowed = allowed & is_open
     w.origin = None
     w.give_back(allowed)
     doc = "Returns which actions each agent may take: `[N, A]` bool."

@@ -16,7 +16,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    binary,
     indexed,
     iota,
     joined,
@@ -105,8 +104,8 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     """
     scope = target.scope
     one = literal(1, "u32")
-    bits = binary(">>", random_bits(stream, scope, w), one, "u32")
-    rank = select(scope.mask, binary("+", bits, one, "u32"), literal(0, "u32"))
+    bits = random_bits(stream, scope, w) >> one
+    rank = select(scope.mask, bits + one, literal(0, "u32"))
     index = literal(0, "i32") if target.who is None else target.who.number
     key = target.key(w)
     axes = union(scope.axes, index.axes, rank.axes, value.axes, () if key is None else key.axes)
@@ -124,7 +123,7 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     current = w.current(target.attribute)
     if target.who is None and entry is None:
         drawn_first = array.reduction("argmax", won, (0,))
-        drawn = array.Index(_values(value, target, axes, w), (drawn_first,))
+        drawn = _values(value, target, axes, w)[drawn_first]
         w.assign(target.attribute, array.Where(array.reduction("any", won), drawn, current))
         return
     keys: tuple[array.Expression, ...]
@@ -156,8 +155,8 @@ def _lot_places(
     num_entries = w.module.num_entries(target.read.type.by[0])
     if target.who is None:
         return entry, num_entries
-    place = array.Binary("+", array.Binary("*", at, num_entries), entry)
-    return place, array.Binary("*", extent, num_entries)
+    place = at * num_entries + entry
+    return place, extent * num_entries
 
 
 def _outranking(
@@ -195,7 +194,7 @@ def _values(
         return _flat(value, axes, value.dtype, (*entries, *set_extents))
     flat = _flat(value, axes, value.dtype, tuple(set_extents))
     if along_row and entries and value.levels == len(set_extents):
-        return array.Index(flat, (array.ALL, array.NEW_AXIS))
+        return flat[:, None]
     return flat
 
 
@@ -273,7 +272,7 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
         key = who.site.node if who.axis is None else array.Slice(None, array.Literal(-1))
-        cell = CellVar(Value(array.Index(name, (key,)), "i32", who.site.axes), (kind,))
+        cell = CellVar(Value(name[key], "i32", who.site.axes), (kind,))
         of_kinds.append(Target(w.module.field(read, kind), cell, keys, read, scope))
     return of_kinds
 
@@ -320,7 +319,7 @@ def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
         return as_dtype(reduce("sum", masked, over), value.dtype)
     keys = tuple(array.Literal(0) if a in gone else array.ALL for a in value.axes)
     kept = tuple(a for a in value.axes if a not in gone)
-    return replace(value, node=array.Index(value.node, keys), axes=kept)
+    return replace(value, node=value.node[keys], axes=kept)
 
 
 def _entries(
@@ -351,9 +350,9 @@ def _entries(
         )
     hit = _entries_of_word(key, before.axes, target, w)
     if mask != TRUE:
-        hit = array.Binary("&", hit, _for_each_word(mask, before.axes))
+        hit = hit & _for_each_word(mask, before.axes)
     if before.levels > 1:  # of large sets
-        words = array.Index(hit, (array.REST, array.NEW_AXIS))
+        words = hit[..., None]
         return replace(
             before, node=array.Where(words, aligned(value, before.axes, before.levels), before.node)
         )
@@ -367,7 +366,7 @@ def _entries_of_word(
     words = w.module.num_entries(target.read.type.by[0])
     hit = array.call("one_hot", aligned(key, axes), words)
     if axes and not key.axes:
-        return array.Index(hit, (*[array.NEW_AXIS] * len(axes), array.ALL))
+        return hit[*[array.NEW_AXIS] * len(axes), :]
     return hit
 
 
@@ -515,13 +514,10 @@ def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a value lined up with axes, its levels last."""
     if value.axes == axes:
         return value.node
-    return array.Index(
-        value.node,
-        (
-            *(array.ALL if a in value.axes else array.NEW_AXIS for a in axes),
-            *[array.ALL] * value.levels,
-        ),
-    )
+    return value.node[
+        *(array.ALL if a in value.axes else array.NEW_AXIS for a in axes),
+        *[array.ALL] * value.levels,
+    ]
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
@@ -555,7 +551,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
         if once and not words:
             assert itself is not None
             bits = Value(
-                array.Binary("<<", array.scalar(array.Literal(1), dtype), iota(itself, dtype).node),
+                array.scalar(array.Literal(1), dtype) << iota(itself, dtype).node,
                 dtype,
                 (itself,),
             )
@@ -564,7 +560,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
         else:
             sets = _folded(places, aligned(member, axes), extents, w)
     if target.read.type.by and not keys:  # to every entry of the row
-        sets = array.Index(sets, (*[array.ALL] * (who is not None), array.NEW_AXIS))
+        sets = sets[*[array.ALL] * (who is not None), None]
     joined_sets = w.keep(f"{target.attribute}_joined", Value(sets, dtype))
     w.joined.setdefault(target.attribute, []).append(joined_sets.node)
 
@@ -610,7 +606,7 @@ def finish(w: Writer) -> None:
     for attribute, sets in w.joined.items():
         node = w.current(attribute)
         for number, members in enumerate(sets, 1):
-            node = array.Binary("|", node, members)
+            node = node | members
             if number % MOST_NESTED == 0:
                 node = w.bind(attribute, node)
         w.assign(attribute, node)

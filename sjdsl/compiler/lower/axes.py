@@ -4,8 +4,10 @@ An operation lines its operands up by the names of their axes. Axes are in the o
 were made, those of outer statements first.
 """
 
+import functools
 import operator
 from array import array
+from collections.abc import Callable
 from dataclasses import replace
 from math import prod
 from typing import Literal as OneOf
@@ -62,10 +64,15 @@ class Axis(Record):
         return Literal(self.size, self.constant)
 
 
-class Value(Record):
-    """An array: `node` computes it.
+def _operator(op: str) -> Callable[["Value", "Operand"], "Value"]:
+    return lambda left, right: binary(op, left, _value(right, left.dtype))
 
-    Its axes are `axes`, then `levels` more: those of the entries of rows and tables, and last that
+
+class Value(Record):
+    """An array: `node` computes it. Operators combine arrays by the names of their axes.
+
+    `==` tells whether two are computed alike; `eq` and `ne` compare them entry by entry.
+    The axes are `axes`, then `levels` more: those of the entries of rows and tables, and last that
     of the numbers of large sets of agents.
     """
 
@@ -73,6 +80,33 @@ class Value(Record):
     dtype: DType
     axes: tuple[Axis, ...] = ()
     levels: int = 0
+
+    __add__ = _operator("+")
+    __sub__ = _operator("-")
+    __mul__ = _operator("*")
+    __floordiv__ = _operator("//")
+    __mod__ = _operator("%")
+    __and__ = _operator("&")
+    __or__ = _operator("|")
+    __lshift__ = _operator("<<")
+    __rshift__ = _operator(">>")
+    __lt__ = _operator("<")
+    __le__ = _operator("<=")
+    __gt__ = _operator(">")
+    __ge__ = _operator(">=")
+    eq = _operator("==")
+    ne = _operator("!=")
+
+    def __invert__(self) -> "Value":
+        match self.node:
+            case Literal(value=value):
+                return literal(not value, "bool")
+            case Binary(op=("==" | "!=") as op, left=left, right=right):
+                return replace(self, node=Binary(_OPPOSITES[op], left, right))
+            case Unary(op="~", operand=operand):
+                return replace(self, node=operand)
+            case _:
+                return replace(self, node=~self.node)
 
     @property
     def literal(self) -> bool:
@@ -83,6 +117,9 @@ class Value(Record):
         """The number that a literal is."""
         assert isinstance(self.node, Literal) and isinstance(self.node.value, int | float)
         return self.node.value
+
+
+Operand = Value | float | Literal
 
 
 def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
@@ -96,7 +133,18 @@ def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
             return Value(Literal(int(value), name), dtype)
 
 
-TRUE, FALSE = literal(True, "bool"), literal(False, "bool")
+TRUE = literal(True, "bool")
+FALSE = literal(False, "bool")
+
+
+def _value(operand: Operand, dtype: DType) -> Value:
+    match operand:
+        case Value():
+            return operand
+        case Literal():
+            return Value(operand, dtype)
+        case _:
+            return literal(operand, dtype)
 
 
 def float32(number: float) -> float:
@@ -121,12 +169,6 @@ def one_hot(number: Value, axis: Axis) -> Value:
 def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
     """Returns all the axes, left to right."""
     return tuple(sorted({a for group in axes for a in group}, key=lambda a: a.order))
-
-
-TRUE = literal(True, "bool")
-
-
-FALSE = literal(False, "bool")
 
 
 def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression:
@@ -187,8 +229,15 @@ def as_dtype(value: Value, dtype: DType) -> Value:
     return replace(value, node=Cast(node, dtype, value.dtype), dtype=dtype)
 
 
-def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
+def binary(op: str, a: Value, b: Value) -> Value:
     """Returns `a op b`, computed if both are literals, without an operand that changes nothing."""
+    if op in "&|" and a.dtype == "bool":
+        neutral, absorbing = (TRUE, FALSE) if op == "&" else (FALSE, TRUE)
+        if absorbing in (a, b):
+            return absorbing
+        if neutral in (a, b):
+            return b if a == neutral else a
+    dtype: DType = "bool" if op in COMPARISONS else a.dtype
     if a.literal and b.literal:
         result = _folded(op, a.number, b.number, dtype)
         if result is not None:
@@ -196,12 +245,14 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     if op in _OPPOSITES and isinstance(a.node, Arange) and a.node == b.node and a.axes != b.axes:
         first, second = sorted((a, b), key=lambda value: value.axes[0].order)
         is_same = one_hot(first, second.axes[0])
-        return is_same if op == "==" else invert(is_same)
+        return is_same if op == "==" else ~is_same
     if op in COMPARISONS:
-        a, b = _before_conversion(a, b), _before_conversion(b, a)
-    if _is_neutral(op, b) and a.dtype == dtype:
+        as_stored = _before_conversion(a, b)
+        b = _before_conversion(b, a)
+        a = as_stored
+    elif _is_neutral(op, b):
         return a
-    if op in "+*" and _is_neutral(op, a) and b.dtype == dtype:
+    elif op in "+*" and _is_neutral(op, a):
         return b
     axes = union(a.axes, b.axes)
     levels = max(a.levels, b.levels)
@@ -260,40 +311,20 @@ def _is_neutral(op: str, value: Value) -> bool:
 
 def both(*conditions: Value) -> Value:
     """Returns the conjunction."""
-    result = TRUE
-    for condition in conditions:
-        if condition == FALSE:
-            return FALSE
-        if condition != TRUE:
-            result = condition if result == TRUE else binary("&", result, condition, "bool")
-    return result
+    return functools.reduce(operator.and_, conditions, TRUE)
 
 
 def either(tests: list[Value]) -> Value:
     """Returns the disjunction."""
-    if TRUE in tests:
-        return TRUE
-    result, *rest = [t for t in tests if t != FALSE] or [FALSE]
-    for test in rest:
-        result = binary("|", result, test, "bool")
-    return result
+    return functools.reduce(operator.or_, tests, FALSE)
 
 
-def invert(condition: Value) -> Value:
-    """Returns the negation."""
-    match condition.node:
-        case Literal(value=value):
-            return literal(not value, "bool")
-        case Binary(op=("==" | "!=") as op, left=left, right=right):
-            return replace(condition, node=Binary(_OPPOSITES[op], left, right))
-        case Unary(op="~", operand=operand):
-            return replace(condition, node=operand)
-        case _:
-            return replace(condition, node=Unary("~", condition.node))
-
-
-def select(condition: Value, a: Value, b: Value) -> Value:
-    """Returns `a` where the condition holds, else `b`; both of one dtype."""
+def select(condition: Value, a: Operand, b: Operand) -> Value:
+    """Returns `a` where the condition holds, else `b`; numbers are of the other one's dtype."""
+    if not isinstance(a, Value):
+        assert isinstance(b, Value)
+        a = _value(a, b.dtype)
+    b = _value(b, a.dtype)
     if condition == TRUE:
         return a
     if condition == FALSE:
@@ -340,8 +371,7 @@ def reduce(
         return result
     if result.dtype == "bool":
         result = as_dtype(result, "i32")
-    times = prod(a.size for a in over if a not in value.axes)
-    return binary("*", result, literal(times, result.dtype), result.dtype)
+    return result * prod(a.size for a in over if a not in value.axes)
 
 
 def summed(node: Expression, dtype: DType) -> Expression:

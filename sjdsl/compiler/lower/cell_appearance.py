@@ -331,5 +331,5 @@ def largest(e: ir.Expr, game: ir.Game) -> float:
 
 def relative_heading(difference: array.Expression) -> array.Expression:
     """Returns the number of another's heading relative to the observer's."""
-    turned = array.Binary("&", difference, array.Literal(3))
-    return array.Binary("+", array.Literal(OTHER_FACING), turned)
+    turned = difference & 3
+    return array.Literal(OTHER_FACING) + turned

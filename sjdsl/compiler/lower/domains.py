@@ -9,10 +9,7 @@ from sjdsl.compiler.lower.axes import (
     TRUE,
     Axis,
     Value,
-    binary,
-    both,
     indexed,
-    invert,
     iota,
     literal,
     spread,
@@ -23,10 +20,8 @@ from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     ALL,
     NEW_AXIS,
-    Binary,
     DType,
     Expression,
-    Index,
     Literal,
     Name,
     Sequence,
@@ -122,7 +117,7 @@ def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
             index = w.keep(d.var.name, w.value(value, scope))
             variable = AgentVar(index)
             inner = extended(scope, None, d, variable, index, extent)
-            inner = inner.when(binary(">=", index, literal(0, "i32"), "bool"))
+            inner = inner.when(index >= 0)
             return inner.when(state_reads.present(variable, w))
     axis = w.axis(d.var.name, extent)
     variable = AgentVar(iota(axis), axis, d.var.sort)
@@ -146,7 +141,7 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     indices = [number_in(d, scope.variables[m.name], w) for m in among.members]
     axes = union(*(i.axes for i in indices))
     parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
-    stacked = call("jnp.stack", parts, axis=Literal(len(axes)))
+    stacked = call("jnp.stack", parts, axis=len(axes))
     index = w.keep(d.var.name, Value(stacked, "i32", (*axes, axis)))
     variable: Variable
     if d.var.sort.what == "cell":
@@ -158,9 +153,9 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort)).when(exists)
     for later in range(len(indices)):
         for earlier in range(later):
-            is_later = binary("==", iota(axis), literal(later, "i32"), "bool")
-            same = binary("==", indices[later], indices[earlier], "bool")
-            inner = inner.when(invert(both(is_later, same)))
+            is_later = iota(axis).eq(later)
+            same = indices[later].eq(indices[earlier])
+            inner = inner.when(~(is_later & same))
     return inner
 
 
@@ -204,14 +199,14 @@ def sites_in(
         anchor = state_reads.placed(anchor, w)
         axis = w.axis(name, sum(map(len, shape.lanes)))
         constant = neighbours_constant(near, anchor, kinds, w)
-        node = constant if anchor.axis is not None else Index(constant, (anchor.site.node,))
+        node = constant if anchor.axis is not None else constant[anchor.site.node]
         site = Value(node, "i32", (*anchor.site.axes, axis))
         return site, axis, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
     site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
     exists = state_reads.is_site(site, kinds, w)
     if has_inner_blocks(shape, w):
-        exists = both(exists, swept.ok)
+        exists = exists & swept.ok
     return site, swept.axis, exists
 
 
@@ -273,9 +268,9 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
         at = state_reads.cell(anchor, w)
         facing = literal(0, "i32")
     if shape.see_through:
-        steps = Value(Index(table, (Literal(0),)), "i32", (axis,))
+        steps = Value(table[0], "i32", (axis,))
     else:
-        steps = Value(Index(table, (facing.node,)), "i32", (*at.axes, axis))
+        steps = Value(table[facing.node], "i32", (*at.axes, axis))
     cells = w.keep(f"{ident}_cells", _plus(at, steps, axis, w))
     ok = _reached(shape, ident, at, facing, cells, axis, w)
     if any(a.order >= axis.order for a in scope.axes):
@@ -299,11 +294,11 @@ def _plus(at: Value, steps: Value, axis: Axis, w: Writer) -> Value:
     axes = (*at.axes, axis)
     lead = at.node
     if at.axes:
-        lead = Index(lead, (*[ALL] * len(at.axes), NEW_AXIS))
+        lead = lead[*[ALL] * len(at.axes), None]
     tail = steps.node
     if steps.axes != axes:
-        tail = Index(tail, (*[NEW_AXIS] * len(at.axes), ALL))
-    return state_reads.on_map(Value(Binary("+", lead, tail), "i32", axes), w)
+        tail = tail[*[NEW_AXIS] * len(at.axes), :]
+    return state_reads.on_map(Value(lead + tail, "i32", axes), w)
 
 
 def _reached(
@@ -312,7 +307,7 @@ def _reached(
     """Returns which of the cells are on the map and not behind a cell that blocks the shape."""
     inside_table = w.module.layout.inside_table
     inside = w.module.constant("inside", inside_table, "cells of the map in the frame")
-    on_map = Value(Index(inside, (cells.node,)), "bool", cells.axes)
+    on_map = Value(inside[cells.node], "bool", cells.axes)
     if not has_inner_blocks(shape, w):
         return on_map
     if _has_changing_blocks(shape, w):
@@ -323,9 +318,9 @@ def _reached(
     dtype: DType = "u8" if axis.size <= 8 else "u32"
     comment = f"cells of {shape.name} not behind what blocks it: bits by cell and heading"
     table = w.module.constant(f"{ident}_reach", w.module.layout.reach_table(shape), comment)
-    row = binary("*", at, literal(4, "i32"), "i32")
-    entry = binary("+", row, replace(facing, axes=at.axes), "i32")
-    bits = w.keep(f"{ident}_bits", Value(Index(table, (entry.node,)), dtype, at.axes))
+    row = at * 4
+    entry = row + replace(facing, axes=at.axes)
+    bits = w.keep(f"{ident}_bits", Value(table[entry.node], dtype, at.axes))
     reached = call("from_bits", bits.node, axis.extent)
     return w.keep(f"{ident}_reached", Value(reached, "bool", (*at.axes, axis)))
 
@@ -336,12 +331,12 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
     comment = f"cells that always block {name}"
     table = w.module.layout.blocking_table(name)
     fixed = w.module.constant(f"blocks_{name}", table, comment)
-    blocked = Value(Index(fixed, (cells.node,)), "bool", cells.axes)
+    blocked = Value(fixed[cells.node], "bool", cells.axes)
     for condition, kind in conditional_blocks(name, w):
-        blocked = binary("|", blocked, blocked_by(condition, kind, cells, w), "bool")
+        blocked = blocked | blocked_by(condition, kind, cells, w)
     for block in w.module.game.agents.blocks:
         if block.what == name:
-            blocked = binary("|", blocked, _agents_block(block, cells, w), "bool")
+            blocked = blocked | _agents_block(block, cells, w)
     blocked = w.keep(f"{name}_blocked", blocked)
     starts = constant([number == 0 for lane in shape.lanes for number in range(len(lane))])
     first = w.module.constant(
@@ -357,8 +352,8 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
         axis = w.axis("blocker", w.module.agents)
         scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
         stops = spread(w.value(block.condition, scope), (axis,))
-        stops = Index(stops, (*(NEW_AXIS for _ in cells.axes), ALL))
-        standing = Binary("&", standing, stops)
+        stops = stops[*(NEW_AXIS for _ in cells.axes), :]
+        standing = standing & stops
     return Value(reduction("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
 
@@ -393,7 +388,7 @@ def blocked_by(
         variables[agent.sort.name] = agent
     assert block.condition is not None
     test = w.value(block.condition, IterationScope(axes=cells.axes, variables=variables))
-    return both(state_reads.is_site(site, (kind.name,), w), test)
+    return state_reads.is_site(site, (kind.name,), w) & test
 
 
 def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
@@ -403,7 +398,7 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
     assert variable.axis is not None
     ok = TRUE
     if isinstance(anchor, CellVar):
-        around = Index(w.module.layout.offsets_table(shape), (Literal(0),))
+        around = w.module.layout.offsets_table(shape)[0]
         name = f"{shape.name.split('(')[0]}_around"
         offsets = w.module.constant(name, around, f"cells of {shape.name}")
         axis = w.axis("around", sum(map(len, shape.lanes)))
@@ -419,7 +414,7 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
         axes = (*axes, variable.axis)
     standing = stand_on(cells, state_reads.position(variable, w).node)
     if ok != TRUE:
-        standing = Binary("&", standing, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
+        standing = standing & ok.node[*[ALL] * len(ok.axes), None]
     inside = Value(reduction("any", standing, (len(cells.axes) - 1,)), "bool", axes)
     return w.keep(f"in_{shape_name(near.shape)}", inside)
 
@@ -427,4 +422,4 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
 def stand_on(cells: Value, position: Expression) -> Expression:
     """Returns who stands on which cells: an axis more, for the agents, after those of the cells."""
     each_cell = indexed(cells.node, (*[ALL] * len(cells.axes), NEW_AXIS))
-    return Binary("==", each_cell, Index(position, (*[NEW_AXIS] * len(cells.axes), ALL)))
+    return each_cell.eq(position[*[NEW_AXIS] * len(cells.axes), :])

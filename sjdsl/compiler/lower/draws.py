@@ -8,8 +8,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    binary,
-    invert,
     iota,
     literal,
     union,
@@ -22,7 +20,6 @@ from sjdsl.compiler.program.expressions import (
     Arange,
     Cast,
     Expression,
-    Index,
     Literal,
     Name,
     as_array,
@@ -43,7 +40,7 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
         return Value(call("random_bits", KEY, w.stream(stream), *extents), "u32", axes)
     number = literal(0, "i32")
     for digit, radix in digits:
-        number = binary("+", binary("*", number, Value(radix, "i32"), "i32"), digit, "i32")
+        number = number * Value(radix, "i32") + digit
     node = as_array(number.node, "u32") if number.literal else Cast(number.node, "u32")
     stream_number = w.stream(stream)
     instance = w.keep("instance", Value(node, "u32", number.axes))
@@ -70,7 +67,7 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
     The same random bits are compared with a rising limit for each branch.
     """
     is_chain = len(s.branches) > 1
-    bits = binary(">>", random_bits(s.stream, scope, w), literal(1, "u32"), "u32")
+    bits = random_bits(s.stream, scope, w) >> 1
     if is_chain or s.otherwise:
         bits = w.keep("word", bits)
     happens: list[Value] = []
@@ -82,15 +79,15 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
             limit = _next_limit(lower, branch.test, scope, w)
         if is_chain:
             limit = w.keep(_branch_name(branch, "limit"), limit)
-        hit = binary("<", bits, limit, "bool")
+        hit = bits < limit
         if lower is not None:
-            hit = binary("&", hit, binary(">=", bits, lower, "bool"), "bool")
+            hit = hit & (bits >= lower)
         name = _branch_name(branch, "happens") if is_chain else "happens"
         happens.append(w.keep(name, hit))
         lower = limit
     assert lower is not None
-    any_happens = binary("<", bits, lower, "bool") if is_chain else happens[0]
-    return happens, invert(any_happens)
+    any_happens = bits < lower if is_chain else happens[0]
+    return happens, ~any_happens
 
 
 def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -121,7 +118,7 @@ def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     with w.deciding():
         p = real(e, scope.always(), w)
     if e.type.low < 0:
-        return replace(p, node=call("jnp.maximum", p.node, Literal(0.0)))
+        return replace(p, node=call("jnp.maximum", p.node, 0.0))
     return p
 
 
@@ -136,17 +133,17 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     if s.weights:
         return w.keep(s.name, _weighted(s, bits, scope, w))
     if s.words:
-        place = Cast(call("below", bits.node, Literal(len(s.words))), "u8")
+        place = Cast(call("below", bits.node, len(s.words)), "u8")
         return w.keep(s.name, Value(place, "u8", bits.axes))
     assert s.low is not None and s.high is not None
     if s.type.kind == "real":
         return w.keep(s.name, _between(s, s.low, s.high, bits, scope, w))
     low = as_dtype(w.value(s.low, scope.always()), "i32")
     high = as_dtype(w.value(s.high, scope.always()), "i32")
-    span = binary("+", binary("-", high, low, "i32"), literal(1, "i32"), "i32")
+    span = high - low + 1
     axes = union(bits.axes, span.axes)
     drawn = Value(call("below", aligned(bits, axes), aligned(span, axes)), "i32", axes)
-    return w.keep(s.name, binary("+", drawn, low, "i32"))
+    return w.keep(s.name, drawn + low)
 
 
 def _between(
@@ -157,15 +154,15 @@ def _between(
         start = operand(low, real(low, scope.always(), w), w)
         end = operand(high, real(high, scope.always(), w), w)
         share = replace(bits, node=call("unit", bits.node), dtype="f32")
-        offset = binary("*", binary("-", end, start, "f32"), share, "f32")
+        offset = (end - start) * share
         if w.exact:
             offset = replace(offset, node=call("exactly", offset.node))
-        return binary("+", start, offset, "f32")
+        return start + offset
 
 
 def _weighted(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
     """Returns a word's number, or a whole number, drawn with weights."""
-    shifted = w.keep("word", binary(">>", bits, literal(1, "u32"), "u32"))
+    shifted = w.keep("word", bits >> 1)
     total: Value | None = None
     place = literal(0, "i32")
     for weight in s.weights[:-1]:
@@ -173,13 +170,13 @@ def _weighted(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Valu
             p = _probability(weight, scope, w)
             total = p if total is None else _add_weight(total, weight, p, w)
         limit = Value(call("threshold", _array(total)), "u32", total.axes)
-        is_later = as_dtype(binary(">=", shifted, limit, "bool"), "i32")
-        place = binary("+", place, is_later, "i32")
+        is_later = as_dtype(shifted >= limit, "i32")
+        place = place + is_later
     if s.numbers:
         values = constant(list(s.numbers))
         comment = f"what `{s.name}` is drawn from"
         table = w.module.constant(f"{s.name}_values", values, comment, "i32")
-        return replace(place, node=Index(table, (place.node,)))
+        return replace(place, node=table[place.node])
     return as_dtype(place, "u8")
 
 
@@ -187,4 +184,4 @@ def _add_weight(total: Value, weight: ir.Expr, p: Value, w: Writer) -> Value:
     """Returns the sum of some weights and the next one."""
     if not total.literal:
         total = replace(total, node=call("exactly", total.node))
-    return binary("+", total, operand(weight, p, w), "f32")
+    return total + operand(weight, p, w)

@@ -63,7 +63,7 @@ def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value
         case "word":
             return to_words(key, e.type.words, level.names, w)
         case "number":
-            return binary("-", as_dtype(key, "i32"), literal(level.first, "i32"), "i32")
+            return as_dtype(key, "i32") - level.first
         case "agent":
             return key
 
@@ -81,7 +81,7 @@ def unrolled(row: Value, along: Axis) -> Value:
     first_level = len(row.axes)
     node = row.node
     if place != first_level:
-        node = array.call("jnp.moveaxis", node, array.Literal(first_level), array.Literal(place))
+        node = array.call("jnp.moveaxis", node, first_level, place)
     return replace(row, node=node, axes=axes, levels=row.levels - 1)
 
 
@@ -91,39 +91,35 @@ def rolled(node: array.Expression, axes: tuple[Axis, ...], along: Axis) -> array
     last = len(axes) - 1
     if place == last:
         return node
-    return array.call("jnp.moveaxis", node, array.Literal(place), array.Literal(last))
+    return array.call("jnp.moveaxis", node, place, last)
 
 
 def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
     """Returns a row lined up with axes, its levels last."""
     if row.axes == axes:
         return row.node
-    return array.Index(
-        row.node, tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes)
-    )
+    return row.node[tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes)]
 
 
 def numbers_first(sets: array.Expression) -> array.Expression:
     """Returns large sets with the axis of their numbers first, so that entries come last."""
-    return array.call("jnp.moveaxis", sets, array.Literal(-1), array.Literal(0))
+    return array.call("jnp.moveaxis", sets, -1, 0)
 
 
 def numbers_last(sets: array.Expression) -> array.Expression:
     """Returns large sets as they are stored: the inverse of `numbers_first`."""
-    return array.call("jnp.moveaxis", sets, array.Literal(0), array.Literal(-1))
+    return array.call("jnp.moveaxis", sets, 0, -1)
 
 
 def _expected(row: Value, shares: Value, w: Writer) -> Value:
     axes = union(row.axes, shares.axes)
     left = aligned_row(shares, axes)
     if row.levels > 1:
-        left = array.Index(
-            left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1))
-        )
-    products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
+        left = left[*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)]
+    products = left * aligned_row(as_dtype(row, "f32"), axes)
     place = len(axes)
     if w.exact:
-        total: array.Expression = array.call("sum_in_order", products, array.Literal(place))
+        total: array.Expression = array.call("sum_in_order", products, place)
     else:
         total = array.reduction("sum", products, (place,), "f32")
     expected = Value(total, "f32", axes, row.levels - 1)
@@ -152,10 +148,10 @@ def to_words(
     shift = numbers[-1] - (len(numbers) - 1)
     shifted = [(shift + i) % 256 for i in range(len(numbers))]
     if numbers[1:] == shifted[1:] and (numbers[0] == shifted[0] or len(numbers) > 4):
-        moved = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
+        moved = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"))
         if numbers[0] == shifted[0]:
             return moved
-        is_first = binary("==", value, literal(0, "u8"), "bool")
+        is_first = value.eq(0)
         return select(is_first, literal(numbers[0], "u8"), moved)
     table = array.as_array(array.constant(numbers), "u8")
-    return replace(value, node=array.Index(table, (value.node,)))
+    return replace(value, node=table[value.node])

@@ -20,7 +20,6 @@ from sjdsl.compiler.lower.axes import (
     both,
     either,
     float32,
-    invert,
     literal,
     select,
     summed,
@@ -76,29 +75,29 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return arithmetic(e, scope, w)
         case ir.Compare():
             left, right = _numbers((e.left, e.right), scope, w)
-            return binary(e.fn, left, right, "bool")
+            return binary(e.fn, left, right)
         case ir.Same():
             return same(e, scope, w)
         case ir.InRange():
             value, low, high = _numbers((e.value, e.low, e.high), scope, w)
-            return both(binary(">=", value, low, "bool"), binary("<=", value, high, "bool"))
+            return (value >= low) & (value <= high)
         case ir.InWords():
             return _is_one_of(lower(e.value, scope, w), e.words, e.value, w)
         case ir.InSet():
             return in_set(e, scope, w)
         case ir.IsEmpty():
             container = lower(e.container, scope, w)
-            empty = binary("==", container, literal(0, "u32"), "bool")
+            empty = container.eq(0)
             if not container.levels:
                 return empty
             return replace(empty, node=array.reduction("all", empty.node, (-1,)), levels=0)
         case ir.Chose():
             action = Value(w.module.action(e.action), "i32")
-            return binary("==", chosen.action_of(e.agent, scope), action, "bool")
+            return chosen.action_of(e.agent, scope).eq(action)
         case ir.Unoccupied():
             cell = owner(e.cell, scope, w)
             assert isinstance(cell, CellVar)
-            return invert(state_reads.occupied(cell, w))
+            return ~state_reads.occupied(cell, w)
         case ir.StandsOn():
             _, is_on = state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)
             return is_on
@@ -109,7 +108,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.ArgumentOf():
             return chosen.argument_of(e, scope, w)
         case ir.Not():
-            return invert(lower(e.value, scope, w))
+            return ~lower(e.value, scope, w)
         case ir.Logic():
             parts = [lower(a, scope, w) for a in e.args]
             return either(parts) if e.fn == "or" else both(*parts)
@@ -162,9 +161,9 @@ def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
         axes = union(container.axes, value.axes)
         node = array.call("has_member", aligned_row(container, axes), aligned(value, axes))
         return Value(node, "bool", axes)
-    shifted = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
-    bit = binary("&", shifted, literal(1, "u32"), "u32")
-    return binary("!=", bit, literal(0, "u32"), "bool")
+    shifted = as_dtype(container, "u32") >> as_dtype(value, "u32")
+    bit = shifted & 1
+    return bit.ne(0)
 
 
 def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
@@ -175,7 +174,7 @@ def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
     if not reduction.adds:
         node = array.reduction(reduction.array, row.node, (-1,), None)
     elif w.exact and row.dtype == "f32":
-        node = array.call("exact_sum", row.node, array.Literal(len(row.axes)))
+        node = array.call("exact_sum", row.node, len(row.axes))
     else:
         node = array.reduction(reduction.array, summed(row.node, row.dtype), (-1,), row.dtype)
     return replace(row, node=node, levels=0)
@@ -204,9 +203,9 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
     if row.levels > 1:  # of large sets
         if not filler.literal:
             fill = numbers_first(fill)
-        moved = array.call("shifted", numbers_first(entries), array.Literal(e.by), fill)
+        moved = array.call("shifted", numbers_first(entries), e.by, fill)
         return replace(row, node=numbers_last(moved), axes=axes)
-    moved = array.call("shifted", entries, array.Literal(e.by), fill)
+    moved = array.call("shifted", entries, e.by, fill)
     return replace(row, node=moved, axes=axes)
 
 
@@ -249,7 +248,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     if e.name in ("row", "col"):
         in_frame = _in_frame(variable, e.name, w)
         pad = array.Literal(w.module.layout.pad, "PAD")
-        return replace(in_frame, node=array.Binary("-", in_frame.node, pad))
+        return replace(in_frame, node=in_frame.node - pad)
     assert isinstance(variable, AgentVar)
     match e.name:
         case "index":
@@ -259,7 +258,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
         case "moved":
             return state_reads.moved(variable, w)
         case "away":
-            return invert(state_reads.present(variable, w))
+            return ~state_reads.present(variable, w)
         case _:
             raise AssertionError(e)
 
@@ -283,8 +282,8 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
         if isinstance(cell, CellVar) and cell.seen and isinstance(observer, AgentVar):
             if observer.axis == cell.seen[0]:
                 return state_reads.seen_steps(w, *cell.seen)
-    rows = binary("-", _in_frame(a, "row", w), _in_frame(b, "row", w), "i32")
-    cols = binary("-", _in_frame(a, "col", w), _in_frame(b, "col", w), "i32")
+    rows = _in_frame(a, "row", w) - _in_frame(b, "row", w)
+    cols = _in_frame(a, "col", w) - _in_frame(b, "col", w)
     layout = w.module.layout
     if layout.wraps:
         height = array.Literal(layout.height)
@@ -293,7 +292,7 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
         cols = replace(cols, node=array.call("shorter_way", cols.node, width))
     rows = replace(rows, node=array.call("jnp.abs", rows.node))
     cols = replace(cols, node=array.call("jnp.abs", cols.node))
-    return w.keep("distance", binary("+", rows, cols, "i32"))
+    return w.keep("distance", rows + cols)
 
 
 def stands_at(e: ir.StandsAt, scope: IterationScope, w: Writer) -> Value:
@@ -304,7 +303,7 @@ def stands_at(e: ir.StandsAt, scope: IterationScope, w: Writer) -> Value:
     cell = owner(e.cell, scope, w)
     assert isinstance(cell, CellVar)
     position = state_reads.position(agent(e.agent, scope, w), w)
-    return binary("==", position, state_reads.cell(cell, w), "bool")
+    return position.eq(state_reads.cell(cell, w))
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
@@ -323,7 +322,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
             return _called(operation.exact, args, dtype)
     is_operator = not operation.array[0].isalpha()
     if is_operator and len(args) == 2:
-        return binary(operation.array, args[0], args[1], dtype)
+        return binary(operation.array, args[0], args[1])
     if is_operator and are_literal:
         return literal(operation.fold(args[0].number), args_dtype)
     if is_operator:
@@ -371,7 +370,7 @@ def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
     if is_cell(e.left):
         left = state_reads.kept_cell(e.left, scope, w)
         right = state_reads.kept_cell(e.right, scope, w)
-        return binary("==", left, right, "bool")
+        return left.eq(right)
     left = lower(e.left, scope, w)
     right = lower(e.right, scope, w)
     if e.left.type.kind == "word":
@@ -385,7 +384,7 @@ def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
             words = tuple(dict.fromkeys(left_words + right_words))
             left = to_words(left, left_words, words, w)
             right = to_words(right, right_words, words, w)
-    return binary("==", left, right, "bool")
+    return left.eq(right)
 
 
 def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer) -> list[Value]:
@@ -400,7 +399,7 @@ def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> V
     """Returns whether a word is one of some. e: what the value is of."""
     declared = declared_by(e, w)
     numbers = [w.module.word(word, e.type.words, declared) for word in words]
-    return either([binary("==", value, number, "bool") for number in numbers])
+    return either([value.eq(number) for number in numbers])
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
@@ -432,11 +431,11 @@ def first_of(arms: list[tuple[Value, Value]], otherwise: Value, w: Writer) -> Va
 
 def _arm_test(e: ir.Case, arm: ir.Arm, subject: Value, w: Writer) -> Value:
     if e.subject.type.kind == "condition":
-        return subject if arm.words == ("yes",) else invert(subject)
+        return subject if arm.words == ("yes",) else ~subject
     if arm.words:
         return _is_one_of(subject, arm.words, e.subject, w)
     if arm.low is not None and arm.low == arm.high:
-        return binary("==", subject, literal(arm.low, "i32"), "bool")
-    low = TRUE if arm.low is None else binary(">=", subject, literal(arm.low, "i32"), "bool")
-    high = TRUE if arm.high is None else binary("<=", subject, literal(arm.high, "i32"), "bool")
-    return both(low, high)
+        return subject.eq(arm.low)
+    low = TRUE if arm.low is None else subject >= arm.low
+    high = TRUE if arm.high is None else subject <= arm.high
+    return low & high

@@ -11,7 +11,6 @@ from sjdsl.compiler.lower.axes import (
     TRUE,
     Axis,
     Value,
-    both,
     iota,
 )
 from sjdsl.compiler.lower.per_agent import any_of
@@ -51,7 +50,7 @@ def free_cells(
 
     def without(name: str, sites: array.Expression) -> Value:
         taken = array.call("occupied", w.keep_node(name, sites, "i32"), extent)
-        return both(free, Value(array.Unary("~", taken), "bool", (axis,)))
+        return free & Value(~taken, "bool", (axis,))
 
     if pool.phase != "start":
         free = without("others", _sites_of_others(pool, leaving, w))
@@ -64,7 +63,7 @@ def free_cells(
         cells = array.Where(any_of(masks), positions, state_reads.nowhere(w).node)
         free = without("entered", state_reads.site_at(Value(cells, "i32"), pool.kinds, w).node)
     if pool.send.domain.where is not None and same_for_all:
-        free = both(free, fitting_cells(pool.send, axis, IterationScope(), w))
+        free = free & fitting_cells(pool.send, axis, IterationScope(), w)
     if free == TRUE:
         return array.Literal(None)  # all of them
     if not free.axes:
@@ -83,4 +82,4 @@ def _sites_of_others(pool: Pool, leaving: array.Expression | None, w: Writer) ->
             sites.append(array.Where(leaving, w.module.num_cells(pool.kinds), site.node))
     if len(sites) == 1:
         return sites[0]
-    return array.call("jnp.concatenate", array.Sequence(tuple(sites), is_list=True))
+    return array.call("jnp.concatenate", list(sites))

@@ -10,9 +10,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    binary,
-    both,
-    invert,
     iota,
     spread,
 )
@@ -23,16 +20,11 @@ from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    ALL,
-    NEW_AXIS,
     Binary,
     Cast,
     Expression,
-    Index,
     Literal,
     Name,
-    Sequence,
-    Unary,
     Where,
     call,
     constant,
@@ -65,12 +57,12 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     if inner.mask != TRUE:
         stay = Literal(actions.index("stay"), "STAY")
         chosen = w.keep_node("chosen", Where(inner.mask.node, chosen, stay), "i32")
-    w.assign("heading", Binary("&", Binary("+", HEADING, Index(turn, (chosen,))), Literal(3)))
-    stride = w.bind("stride", Index(step, (chosen,)))
-    ahead = Binary("+", w.current("heading"), stride) if game.agents.relative else stride
-    entry = Binary("+", Binary("*", POSITION, Literal(4)), Binary("&", ahead, Literal(3)))
-    stays = Binary("==", stride, w.module.number("no_step", NO_STEP))
-    target = w.bind("target", Where(stays, POSITION, Index(table, (entry,))))
+    w.assign("heading", (HEADING + turn[chosen]) & 3)
+    stride = w.bind("stride", step[chosen])
+    ahead = w.current("heading") + stride if game.agents.relative else stride
+    entry = POSITION * 4 + (ahead & 3)
+    stays = stride.eq(w.module.number("no_step", NO_STEP))
+    target = w.bind("target", Where(stays, POSITION, table[entry]))
     stay_if_blocked(agent(s.domain.var, inner, w), target, w)
     settle(s, AGENTS, target, w)
 
@@ -93,7 +85,7 @@ def settle(s: ir.Move, sort: ir.Sort, target: Name, w: Writer) -> None:
     bits = call("random_bits", KEY, w.stream(s.stream), w.module.extent(sort))
     w.assign(attribute, call("resolve", position, target, bits))
     if w.module.stores_moved(sort):
-        w.assign(attribute_of("moved", sort), Binary("!=", w.current(attribute), position))
+        w.assign(attribute_of("moved", sort), w.current(attribute).ne(position))
 
 
 def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
@@ -104,8 +96,8 @@ def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
             feature = "`move each` of agents named one by one where cells block under a condition"
             raise NotSupported(feature, w.origin)
         blocked = blocked_by(block, kind, Value(target, "i32", (body.axis,)), w, body)
-        moves = Value(Binary("!=", target, position), "bool", (body.axis,))
-        w.set(target, Where(binary("&", blocked, moves, "bool").node, position, target))
+        moves = Value(target.ne(position), "bool", (body.axis,))
+        w.set(target, Where((blocked & moves).node, position, target))
         w.forget()
 
 
@@ -129,8 +121,8 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
             goes = inner.mask
         case ir.Wander():
             direction, goes = _open_direction(course, inner, mover, w)
-    entry = Binary("+", Binary("*", position, Literal(4)), direction.node)
-    next_cell: Expression = Index(_next_table(mover.sort, w), (entry,))
+    entry = position * 4 + direction.node
+    next_cell: Expression = _next_table(mover.sort, w)[entry]
     if goes != TRUE:
         next_cell = Where(spread(goes, (axis,)), next_cell, position)
     target = w.bind("target", next_cell)
@@ -168,28 +160,28 @@ def _open_direction(
     axis = mover.axis
     ways = w.axis("way", 4)
     axes = (axis, ways)
-    position = Index(state_reads.positions(w, mover.sort), (ALL, NEW_AXIS))
-    directions = Index(iota(ways).node, (NEW_AXIS, ALL))
-    entry = Binary("+", Binary("*", position, Literal(4)), directions)
-    beside = w.keep("beside", Value(Index(_next_table(mover.sort, w), (entry,)), "i32", axes))
+    position = state_reads.positions(w, mover.sort)[:, None]
+    directions = iota(ways).node[None, :]
+    entry = position * 4 + directions
+    beside = w.keep("beside", Value(_next_table(mover.sort, w)[entry], "i32", axes))
     taken = call("is_one_of", beside.node, state_reads.all_positions(w))
-    leads_away = Binary("!=", beside.node, position)
-    is_open = Value(Binary("&", leads_away, Unary("~", taken)), "bool", axes)
+    leads_away = beside.node.ne(position)
+    is_open = Value(leads_away & ~taken, "bool", axes)
     for block, kind in conditional_blocks(mover.sort.plural, w):
-        is_open = binary("&", is_open, invert(blocked_by(block, kind, beside, w, mover)), "bool")
+        is_open = is_open & ~blocked_by(block, kind, beside, w, mover)
     if course.avoided is not None and not is_empty(course.avoided, w):
         cells, is_member = _members(course.avoided, scope, axis, w)
         avoided = Where(is_member, cells, Literal(-1))  # a row of cells for each mover
-        within = call("is_one_of", beside.node, Index(avoided, (ALL, NEW_AXIS, ALL)))
-        is_open = binary("&", is_open, Value(Unary("~", within), "bool", axes), "bool")
+        within = call("is_one_of", beside.node, avoided[:, None, :])
+        is_open = is_open & Value(~within, "bool", axes)
     if course.goal is not None:
         better = _better(course.goal, course.away, scope, mover, axis, w)
-        is_open = binary("&", is_open, Value(better, "bool", axes), "bool")
+        is_open = is_open & Value(better, "bool", axes)
     direction = Name(w.names.fresh("way"))
     found = Name(w.names.fresh("found"))
     bits = call("random_bits", KEY, w.stream(course.stream), w.module.extent(mover.sort))
     w.unpack((direction, found), call("pick", is_open.node, bits))
-    goes = w.keep("goes", both(scope.mask, Value(found, "bool", (axis,))))
+    goes = w.keep("goes", scope.mask & Value(found, "bool", (axis,)))
     return Value(direction, "i32", (axis,)), goes
 
 
@@ -201,7 +193,7 @@ def _better(
     away: farther from it. Returns `[M, 4]` bool.
     """
     if is_empty(goal, w):
-        return call("jnp.zeros", Sequence((axis.extent, Literal(4))), Name("bool"))
+        return call("jnp.zeros", (axis.extent, Literal(4)), Name("bool"))
     cells, is_member = _members(goal, scope, axis, w)
     layout = w.module.layout
     positions = state_reads.positions(w, mover.sort)
@@ -231,8 +223,8 @@ def _members(
     mask = inner.mask
     new = next((a for a in inner.axes if a not in scope.axes), None)
     if new is None:  # one candidate for each mover
-        cells = Index(spread(at, (axis,)), (ALL, NEW_AXIS))
-        return cells, Index(spread(mask, (axis,)), (ALL, NEW_AXIS))
+        cells = spread(at, (axis,))[:, None]
+        return cells, spread(mask, (axis,))[:, None]
     if not mask.axes:
         mask = Value(spread(mask, (new,)), "bool", (new,))
     return aligned(at, (axis, new)), aligned(mask, (axis, new))

@@ -13,8 +13,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     as_dtype,
     binary,
-    both,
-    invert,
     iota,
     literal,
     select,
@@ -57,17 +55,17 @@ def marks_seen(
         whole = replace(planes[first.name], node=seen[first.plane])
         shift = Value(w.module.number("mark_shift", first.shift), "u8")
         mask = Value(w.module.number("mark_mask", 2 ** len(marks) - 1), "u8")
-        return binary("&", binary(">>", whole, shift, "u8"), mask, "u8")
+        return (whole >> shift) & mask
     bits = planes[first.name]
     for place, mark in enumerate(marks[1:], 1):
-        bit = binary("<<", planes[mark.name], literal(place, "u8"), "u8")
-        bits = binary("|", bits, bit, "u8")
+        bit = planes[mark.name] << place
+        bits = bits | bit
     return bits
 
 
 def somebody_seen(planes: dict[str, Value], w: Writer) -> Value:
     """Returns where an agent stands, the observer too."""
-    return w.keep("somebody", binary("!=", planes["agent"], literal(0, "u8"), "bool"))
+    return w.keep("somebody", planes["agent"].ne(0))
 
 
 def without_hidden_marks(
@@ -90,7 +88,7 @@ def without_hidden_marks(
             is_hidden, values = look_fields(look, raw, w)
             if hidden.when is not None:
                 scope = seen_cell(look, hidden.name, values, axes)
-                is_hidden = binary("&", is_hidden, w.value(hidden.when, scope), "bool")
+                is_hidden = is_hidden & w.value(hidden.when, scope)
             marks = w.keep("marks", select(is_hidden, literal(0, "u8"), marks))
     return marks
 
@@ -103,10 +101,10 @@ def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Val
     name = look.kind.name
     first = first_look(look, w)
     if not look.painted:
-        return w.keep(f"is_{name}", binary("==", raw, first, "bool")), {}
+        return w.keep(f"is_{name}", raw.eq(first)), {}
     fields = [field.name for field, _ in look.painted]
     sizes = tuple(size for _, size in look.painted)
-    call = array.call("look_fields", raw.node, first.node, array.constant(sizes))
+    call = array.call("look_fields", raw.node, first.node, sizes)
     names = [f"is_{name}", *(f"{name}_{field}" for field in fields)]
     is_kind, *values = w.keep_parts(tuple(names), call)
     by_field = {
@@ -214,12 +212,12 @@ def _myself(w: Writer) -> array.Expression:
     if w.module.layout.shows_cells_twice:
         comment = "which cells of its window show the observer's own"
         table = w.module.constant("myself", w.module.layout.own_cells_table, comment)
-        return array.Index(table, (HEADING,))
+        return table[HEADING]
     game = w.module.game
     numbers = (*view_size(game), game.window.ahead, game.window.left)
     own_cell = array.call("own_cell", *map(array.constant, numbers))
     comment = "which cell of its window is the observer's own"
-    return array.Index(w.module.constant("myself", own_cell, comment), (array.NEW_AXIS,))
+    return w.module.constant("myself", own_cell, comment)[None]
 
 
 def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
@@ -227,8 +225,8 @@ def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
 
     Where nobody does it is the first of all.
     """
-    number = array.Binary("-", array.Cast(plane.node, "i32"), array.Literal(1))
-    index = Value(array.call("jnp.maximum", number, array.Literal(0)), "i32", plane.axes)
+    number = array.Cast(plane.node, "i32") - 1
+    index = Value(array.call("jnp.maximum", number, 0), "i32", plane.axes)
     return AgentVar(w.keep(name, index), sort=sort)
 
 
@@ -236,11 +234,11 @@ def _part_of(
     part: Part, parts: tuple[Part, ...], seen: array.Expression, axes: tuple[Axis, ...], w: Writer
 ) -> Value:
     """Returns a part of a byte that was painted."""
-    shifted = binary(">>", Value(seen, "u8", axes), shift_of(part, w), "u8")
+    shifted = Value(seen, "u8", axes) >> shift_of(part, w)
     if sum(p.plane == part.plane for p in parts) == 1:
         return shifted
     mask = Value(w.module.number(f"{part.name}_mask", 2**part.bits - 1), "u8")
-    return binary("&", shifted, mask, "u8")
+    return shifted & mask
 
 
 def _full(column: Value, axes: tuple[Axis, ...]) -> array.Expression:
@@ -262,7 +260,7 @@ def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
         look for look in found if look.same
     ):  # those before this one may show more or fewer values than are painted
         if look.final - look.raw != shift:
-            arms.append((binary("<", raw, first_look(look, w), "bool"), shown))
+            arms.append((raw < first_look(look, w), shown))
             shift = look.final - look.raw
             shown = _shifted(raw, shift, look.kind.name, w)
     shown = first_of(arms, shown, w)
@@ -279,7 +277,7 @@ def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
         return raw
     name, comment = ("up", "added to") if shift > 0 else ("down", "taken from")
     by = w.module.number(f"{kind}_{name}", abs(shift), f"{comment} what is painted, from {kind} on")
-    return binary("+" if shift > 0 else "-", raw, Value(by, "u8"), "u8")
+    return binary("+" if shift > 0 else "-", raw, Value(by, "u8"))
 
 
 def _shown(look: Look, values: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> Value:
@@ -344,22 +342,22 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     """Returns the plane of agents, then one for each field that is shown of the others."""
     is_self = _myself(w)
     agent = w.keep("agent", agent)
-    somebody = binary("!=", agent, literal(0, "u8"), "bool").node
+    somebody = agent.ne(0).node
     if w.module.layout.shows_cells_twice:  # the observer's own cell is seen only inside its window
-        is_self = array.Binary("&", is_self, somebody)
+        is_self = is_self & somebody
     if not by_id:
-        observers = array.Index(array.Cast(HEADING, "u8"), (array.ALL, array.NEW_AXIS))
-        heading = array.Binary("-", agent.node, array.Literal(1))
-        difference = array.Binary("-", heading, observers)
+        observers = array.Cast(HEADING, "u8")[:, None]
+        heading = agent.node - 1
+        difference = heading - observers
         other = w.keep_node("others", relative_heading(difference), "u8")
         return [_agent_plane(is_self, somebody, other, axes, w)]
     standing = _standing(agent, "who", AGENTS, w)
     place = _seen_by(axes, other=standing)
-    observers = array.Index(HEADING, (array.ALL, array.NEW_AXIS))
-    difference = array.Binary("-", array.Index(HEADING, (standing.index.node,)), observers)
+    observers = HEADING[:, None]
+    difference = HEADING[standing.index.node] - observers
     other = array.Cast(relative_heading(difference), "u8")
     columns = [_agent_plane(is_self, somebody, other, axes, w)]
-    is_other = array.Binary("&", somebody, array.Unary("~", is_self))
+    is_other = somebody & ~is_self
     theirs = w.keep("theirs", Value(is_other, "bool", axes))
     for observable in w.module.game.observables:
         if observable.what == "other":
@@ -371,7 +369,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
 def _one_up(observable: ir.Observable, value: Value) -> Value:
     """Returns a word's number one up, since 0 says that nobody is there; numbers stay."""
     if observable.labels or observable.type.kind == "word":
-        return binary("+", value, literal(1, "u8"), "u8")
+        return value + 1
     return value
 
 
@@ -396,7 +394,7 @@ def _visible(
         hidden = literal(len(words) - 1 + is_one_up, "u8")
     is_shown = w.value(observable.shown_when, place)
     if hidden_when is not None:
-        is_shown = both(is_shown, invert(w.value(hidden_when, place)))
+        is_shown = is_shown & ~w.value(hidden_when, place)
     return select(exists, select(is_shown, value, hidden), zero)
 
 
@@ -434,7 +432,7 @@ def _field_observable(
     if stored.dtype == "u8":
         return stored
     if declared.type.kind != "int" or not state_reads.fits_byte(declared, w):
-        bounded = array.call("jnp.minimum", stored.node, array.Literal(255))
+        bounded = array.call("jnp.minimum", stored.node, 255)
         return replace(stored, node=array.Cast(bounded, "u8"), dtype="u8")
     if isinstance(stored.node, array.Cast) and stored.node.source == "u8":
         return replace(stored, node=stored.node.value, dtype="u8")  # the byte that was widened
@@ -461,7 +459,7 @@ def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list
             continue
         w.origin = observable.origin
         painted = planes[observable.kind]
-        exists = binary("!=", painted, literal(0, "u8"), "bool")
+        exists = painted.ne(0)
         mover = _standing(painted, f"which_{observable.kind}", observable.sort, w)
         place = _seen_by(axes, **{observable.kind: mover})
         if not observable.field:
@@ -477,9 +475,9 @@ def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list
 
 def _turned_to_observer(heading: Value, axes: tuple[Axis, ...]) -> Value:
     """Returns headings relative to the observer's, from 1 for the same one on."""
-    observers = array.Index(HEADING, (array.ALL, array.NEW_AXIS))
-    turned = array.Binary("-", heading.node, observers)
-    number = array.Binary("+", array.Binary("&", turned, array.Literal(3)), array.Literal(1))
+    observers = HEADING[:, None]
+    turned = heading.node - observers
+    number = (turned & 3) + 1
     return Value(array.Cast(number, "u8"), "u8", axes)
 
 

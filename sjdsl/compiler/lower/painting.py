@@ -5,10 +5,10 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import body_sorts, movers_named
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, binary, literal, union
+from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, literal, union
 from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, constant, path, scalar
+from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, scalar
 
 POSITION, HEADING = path("state.position"), path("state.heading")
 
@@ -127,11 +127,11 @@ def _paint_fields(plane: Name, content: Part, w: Writer) -> None:
         for field, _ in look.painted:
             value = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
             if field.type.kind == "agent":  # one up: 0 is nobody
-                value = binary("+", value, literal(1, "i32"), "i32")
+                value = value + 1
             values.append(value)
         sizes = tuple(size for _, size in look.painted)
         number = look_number(first_look(look, w), sizes, values)
-        shifted = binary("<<", number, shift_of(content, w), "u8")
+        shifted = number << shift_of(content, w)
         w.set(plane, call("fill", plane, cells, shifted.node))
 
 
@@ -144,12 +144,12 @@ def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer
     are_told_apart = by_id if is_agent else part.bits > 1
     one = literal(1, "u8")
     if are_told_apart:
-        shown = binary("+", Value(Arange(extent, "u8"), "u8"), one, "u8")
+        shown = Value(Arange(extent, "u8"), "u8") + one
     elif is_agent:
-        shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), one, "u8")
+        shown = Value(Cast(HEADING, "u8"), "u8") + one
     else:
         shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
-    shifted = binary("<<", shown, shift_of(part, w), "u8")
+    shifted = shown << shift_of(part, w)
     w.set(plane, call("paint", plane, state_reads.positions(w, sort), shifted.node))
 
 
@@ -159,9 +159,9 @@ def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Va
     sizes: how many values each place can have; the first place is the most significant.
     """
     if len(values) == 1:
-        return binary("+", as_dtype(values[0], "u8"), first, "u8")
+        return as_dtype(values[0], "u8") + first
     axes = union(*(value.axes for value in values))
     nodes = [
         scalar(value.node, "u8") if value.literal else aligned(value, axes) for value in values
     ]
-    return Value(call("look_number", first.node, constant(sizes), *nodes), "u8", axes)
+    return Value(call("look_number", first.node, sizes, *nodes), "u8", axes)

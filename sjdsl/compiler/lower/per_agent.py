@@ -77,7 +77,7 @@ def turn(
     if facing is None:
         assert stream is not None
         bits = array.call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
-        heading = array.call("below", bits, array.Literal(4))
+        heading = array.call("below", bits, 4)
         if is_byte:
             heading = array.Cast(heading, "u8")
     else:
@@ -90,5 +90,5 @@ def turn(
 def any_of(masks: list[array.Expression]) -> array.Expression:
     first, *others = masks
     for other in others:
-        first = array.Binary("|", first, other)
+        first = first | other
     return first

@@ -39,11 +39,11 @@ def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, array.Expressi
     for sort in sorts:
         attribute = attribute_of("away", sort)
         away = array.path(f"state.{attribute}")
-        is_nowhere = array.Binary("==", state_reads.positions(w, sort), state_reads.nowhere(w).node)
-        is_due = array.Binary("&", is_nowhere, array.Binary("==", away, one))
-        is_waiting = array.Binary("&", is_nowhere, array.Binary(">", away, one))
+        is_nowhere = state_reads.positions(w, sort).eq(state_reads.nowhere(w).node)
+        is_due = is_nowhere & away.eq(one)
+        is_waiting = is_nowhere & (away > one)
         due[sort] = w.bind("due", is_due)
-        left[attribute] = array.Binary("-", away, array.Cast(is_waiting, "i32"))
+        left[attribute] = away - array.Cast(is_waiting, "i32")
     w.set(array.Name("state"), replaced("state", left))
     return due
 
@@ -58,8 +58,8 @@ def _bring_back_to(pool: Pool, due: array.Expression, w: Writer) -> None:
     def stored(attribute: str) -> array.Expression:
         return array.path(f"state.{attribute}")
 
-    to_pool = array.Binary("==", stored(away_pool), array.Literal(pool.number))
-    back = w.keep_node("back", array.Binary("&", due, to_pool), "bool")
+    to_pool = stored(away_pool).eq(pool.number)
+    back = w.keep_node("back", due & to_pool, "bool")
     fitting = _fitting_on_return(pool, w)
     free = free_cells(pool, None, fitting is None, w)
     arguments = [state_reads.cells_of(pool.kinds, w), free, back]

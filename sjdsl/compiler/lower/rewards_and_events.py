@@ -12,9 +12,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    binary,
-    both,
-    invert,
     joined,
     literal,
     one_hot,
@@ -30,7 +27,6 @@ from sjdsl.compiler.lower.expressions import agent, real
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    Binary,
     Expression,
     Literal,
     call,
@@ -51,7 +47,7 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
     reached = scope.mask
     if s.but is not None:
         is_left_out = one_hot(agent(s.but, scope, w).index, w.axis("receiver", w.module.agents))
-        reached = both(scope.mask, invert(is_left_out))
+        reached = scope.mask & ~is_left_out
     deliver("reward", _summed(reached, amount, scope.axes, w, name), w)
 
 
@@ -90,7 +86,7 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     for word in (
         as_dtype(w.module.entry(entry), key.dtype) for entry in event.by.entries
     ):  # it differs: one column at a time
-        here = scope.when(binary("==", key, word, "bool"))
+        here = scope.when(key.eq(word))
         _count(s, attribute, word.node, amount, here, w)
 
 
@@ -133,14 +129,14 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
             return _counted(
                 select(scope.mask, members, literal(0, members.dtype)), amount, axis, scope, w, name
             )
-        return _summed(both(scope.mask, in_set(members, axis)), amount, scope.axes, w, name)
+        return _summed(scope.mask & in_set(members, axis), amount, scope.axes, w, name)
     who = agent(e, scope, w)
     if who.axis is not None:
         return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w, name)
     if many:
         return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
     if scope.mask == TRUE or not who.index.axes:
-        reached = both(scope.mask, one_hot(who.index, axis))
+        reached = scope.mask & one_hot(who.index, axis)
         return _summed(reached, amount, scope.axes, w, name)
     return _summed_by_agent(who.index, amount, axis, scope, w, name)
 
@@ -168,7 +164,7 @@ def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
     ):  # as it was made, or as a block has named it
         return alone.members
     dtype = w.module.set_dtype
-    bit = Binary("<<", scalar(Literal(1), dtype), as_dtype(who.index, dtype).node)
+    bit = scalar(Literal(1), dtype) << as_dtype(who.index, dtype).node
     one = alone.members if alone is not None else replace(who.index, node=bit, dtype=dtype)
     return select(scope.mask, one, literal(0, one.dtype))
 
@@ -197,8 +193,4 @@ def _summed(reached: Value, amount: Value, over: tuple[Axis, ...], w: Writer, na
 def _times(count: Value, amount: Value) -> Value:
     if count == literal(1, "i32"):
         return amount
-    return (
-        count
-        if amount == literal(1, "i32")
-        else binary("*", as_dtype(count, amount.dtype), amount, amount.dtype)
-    )
+    return count if amount == literal(1, "i32") else as_dtype(count, amount.dtype) * amount

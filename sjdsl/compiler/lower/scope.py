@@ -5,7 +5,7 @@ from dataclasses import field, replace
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, both
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value
 from sjdsl.compiler.program.expressions import Literal
 
 
@@ -91,7 +91,7 @@ class IterationScope(Record):
 
     def when(self, condition: Value) -> "IterationScope":
         """Returns this scope where the condition holds as well."""
-        return replace(self, mask=both(self.mask, condition))
+        return replace(self, mask=self.mask & condition)
 
     def always(self) -> "IterationScope":
         """Returns this scope without its mask: for values that are masked later."""

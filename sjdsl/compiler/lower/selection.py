@@ -12,10 +12,7 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    binary,
-    both,
     either,
-    invert,
     iota,
     literal,
     spread,
@@ -58,10 +55,8 @@ def pick(
     if inner.axes == scope.axes:  # the member is determined: it is there or not
         there = inner.mask
         return (
-            inner.when(scope.mask).when(
-                both(there, binary(">", number, literal(0, "i32"), "bool"))
-            ),
-            invert(there),
+            inner.when(scope.mask).when(there & (number > 0)),
+            ~there,
             s.body,
         )
     axis = inner.axes[-1]
@@ -80,7 +75,7 @@ def pick(
     )
     wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
     if not turns.size:
-        return inner.when(FALSE), invert(found), s.body
+        return inner.when(FALSE), ~found, s.body
     given = mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes)
     chosen, body = array.call("choose", *given), s.body
     match s.body:
@@ -96,8 +91,8 @@ def pick(
                 body = branch.body
     w.origin = s.origin
     return (
-        replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))),
-        invert(found),
+        replace(inner, mask=scope.mask & w.keep("taken", Value(chosen, "bool", axes))),
+        ~found,
         body,
     )
 
@@ -129,9 +124,9 @@ def _pick_one(
             source = array.Where(aligned(scope.mask, axes), source, array.Literal(0))
         alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
-        there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
+        there = w.keep("found", picked.ne(literal(0, picked.dtype)))
         best_one = w.keep(name, Value(array.call("member_of", picked.node), "i32", axes))
-        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there)))
+        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, scope.mask & there))
     else:
         best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
         w.unpack(
@@ -156,12 +151,12 @@ def _pick_one(
         scope.binding(**{name: chosen}, **under(s.domain, chosen, w)),
         digits=(*scope.digits, (best_one, total)),
     )
-    return place.when(there), invert(there)
+    return place.when(there), ~there
 
 
 def _is_where_any(mask: Value, members: Value, w: Writer) -> bool:
     """Returns whether a mask takes no member from any set: it holds for all, or for those with members."""
-    has_members = binary("!=", members, literal(0, members.dtype), "bool").node
+    has_members = members.ne(literal(0, members.dtype)).node
     return mask == TRUE or mask.node in (has_members, w.known.get((has_members, "bool")))
 
 
@@ -175,14 +170,14 @@ def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationS
     inner = enter(d.model_copy(update={"restriction": None}), scope, w)
     candidate = inner.variables[d.var.name].number
     numbers = [number_in(d, scope.variables[member.name], w) for member in d.restriction.members]
-    return inner.when(either([binary("==", candidate, number, "bool") for number in numbers]))
+    return inner.when(either([candidate.eq(number) for number in numbers]))
 
 
 def _take(values: Value, axis: Axis, best: Value) -> Value:
     """Returns the entry of `values` along an axis that `best` names."""
     dtype = values.dtype
     if values.axes == (axis,):
-        return Value(array.Index(values.node, (best.node,)), dtype, best.axes)
+        return Value(values.node[best.node], dtype, best.axes)
     is_row_each = values.axes == (*best.axes, axis) and len(best.axes) == 1
     if is_row_each and best.axes[0].size >= state_reads.MANY:
         return Value(array.call("entries_at", values.node, best.node), dtype, best.axes)
@@ -191,16 +186,16 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
     if best.axes:
         at = aligned(best, axes)
     else:
-        at = array.call("jnp.full", array.Sequence((array.Literal(1),) * len(axes)), best.node)
+        at = array.call("jnp.full", (array.Literal(1),) * len(axes), best.node)
     place = axes.index(axis)
     aligned_values = aligned(values, axes)
-    entry = array.call("jnp.take_along_axis", aligned_values, at, axis=array.Literal(place))
+    entry = array.call("jnp.take_along_axis", aligned_values, at, axis=place)
     keys: tuple[array.Expression | array.Slice, ...]
     if axes[-1] == axis:
         keys = (array.REST, array.Literal(0))
     else:
         keys = tuple(array.Literal(0) if a == axis else array.ALL for a in axes)
-    return Value(array.Index(entry, keys), dtype, tuple(a for a in axes if a != axis))
+    return Value(entry[keys], dtype, tuple(a for a in axes if a != axis))
 
 
 def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
@@ -224,9 +219,9 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
         assert isinstance(candidate, AgentVar)
         place = place.binding(**under(d, candidate, w))
         _, is_on = state_reads.site_under(candidate, d.on.kinds, w)
-        ok = both(ok, is_on)
+        ok = ok & is_on
     if d.where is not None:
-        ok = both(ok, w.value(d.where, place))
+        ok = ok & w.value(d.where, place)
     outer = tuple(a for a in union(ok.axes, candidate.number.axes) if a != axis)
     axes = (*outer, axis)
     ok = w.keep("eligible", Value(spread(ok, axes), "bool", axes))
@@ -268,5 +263,5 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
     who = w.keep(d.var.name, Value(first_one, "i32", axes))
     anybody = w.keep("anybody", Value(array.reduction("any", standing, (-1,)), "bool", axes))
     if has_inner_blocks(w.module.shape(d.restriction.shape), w):
-        anybody = both(anybody, swept.ok)
+        anybody = anybody & swept.ok
     return AgentVar(who, sort=d.var.sort), anybody, swept.axis

@@ -11,7 +11,6 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     Value,
     as_dtype,
-    both,
     reduce,
     select,
     spread,
@@ -72,9 +71,9 @@ class Sends:
         delays = _delays(s, as_dtype(w.value(s.after, scope.always()), "i32"), scope, w)
         if can_be_at_once:
             zero = array.Literal(0)
-            stays = array.Binary("&", sent, array.Binary("==", delays, zero))
+            stays = sent & delays.eq(zero)
             at_once.append(Sent(s, w.keep_node("at_once", stays, "bool"), fitting))
-            leaves = array.Binary("&", sent, array.Binary(">", delays, zero))
+            leaves = sent & (delays > zero)
             sent = w.keep_node("leaving", leaves, "bool")
         self.away.append(Leaving(pool, s, sent, delays))
 
@@ -100,14 +99,14 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression |
     if who.axis is not None:
         others = tuple(a for a in scope.axes if a != who.axis)
         if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
-            fits = reduce("any", both(scope.mask, fits), others)
+            fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
     axes = union(who.index.axes, scope.mask.axes, tuple(a for a in fits.axes if a != axis))
     extent = w.module.extent(who.sort)
     index = select(scope.mask, who.index, Value(extent, "i32"))
     places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
     rows = spread(fits, (*axes, axis))
-    empty = array.call("jnp.zeros", array.Sequence((extent, axis.extent)), array.Name("bool"))
+    empty = array.call("jnp.zeros", (extent, axis.extent), array.Name("bool"))
     table = array.written("set_at", empty, (places,), rows)
     return w.keep_node("fitting", table, "bool")
 
@@ -172,7 +171,7 @@ def _place_pool(
         leaving = any_of([sent, *away])
     placed = place(pool, sent, leaving, _fitting_of_all(parts), w, entered)
     for part in parts:
-        who = placed if len(parts) == 1 else array.Binary("&", part.who, placed)
+        who = placed if len(parts) == 1 else part.who & placed
         turn(pool.sort, who, part.send.facing, pool.send.heading_stream, w)
     if w.module.stores_away(pool.sort):
         put("away", pool.sort, placed, array.Literal(0), w)
@@ -186,8 +185,8 @@ def _fitting_of_all(parts: list[Sent]) -> array.Expression | None:
     fitting: list[array.Expression] = []
     for part in parts:
         if part.fitting is not None:
-            sent = array.Index(part.who, (array.ALL, array.NEW_AXIS))
-            fitting.append(array.Binary("&", sent, part.fitting))
+            sent = part.who[:, None]
+            fitting.append(sent & part.fitting)
     return any_of(fitting)
 
 

@@ -15,10 +15,8 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    binary,
     both,
     indexed,
-    invert,
     iota,
     literal,
     reduce,
@@ -61,14 +59,14 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
     position = state_reads.position(who, w)
     if s.to is not None:
         goal = state_reads.frame_cell(state_reads.kept_cell(s.to, scope, w), w)
-        is_somewhere = binary("!=", goal, state_reads.nowhere(w), "bool")
-        goes = both(is_somewhere, state_reads.present(who, w))
+        is_somewhere = goal.ne(state_reads.nowhere(w))
+        goes = is_somewhere & state_reads.present(who, w)
     else:
         assert s.steps is not None
         steps = as_dtype(w.value(s.steps, scope.always()), "i32")
         heading, has_heading = _heading(s, who, position, scope, w)
         course = _Course(position, heading, _stride(heading, w))
-        moves = binary(">", steps, literal(0, "i32"), "bool")
+        moves = steps > 0
         goes = both(moves, has_heading, _is_free(s.steps.type, who, course, steps, w))
         goal = w.keep("goal", _cells_on(course, steps, w))
     target = w.keep("target", select(goes, goal, position))
@@ -79,15 +77,15 @@ def _stride(heading: Value, w: Writer) -> Value:
     cols = w.module.layout.cols
     strides = array.constant([row * cols + col for row, col in DIRECTIONS])
     table = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
-    return w.keep("stride", Value(array.Index(table, (heading.node,)), "i32", heading.axes))
+    return w.keep("stride", Value(table[heading.node], "i32", heading.axes))
 
 
 def _cells_on(course: _Course, number: Value, w: Writer) -> Value:
     """Returns the cells so many cells on; they may lie beyond the map, unless it wraps."""
     layout = w.module.layout
     if not layout.wraps:
-        distance = binary("*", course.stride, number, "i32")
-        return binary("+", course.start, distance, "i32")
+        distance = course.stride * number
+        return course.start + distance
     axes = union(course.start.axes, course.heading.axes, number.axes)
     heading = replace(course.heading, node=array.as_array(course.heading.node, "i32"))
     parts = [aligned(part, axes) for part in (course.start, heading, number)]
@@ -121,7 +119,7 @@ def _written_heading(heading: ir.Expr, quarters: int, scope: IterationScope, w: 
     if numbers == list(range(len(HEADINGS))):
         return _turned(as_dtype(value, "i32"), quarters)
     table = array.as_array(array.constant([(n + quarters) % 4 for n in numbers]), "i32")
-    return replace(value, node=array.Index(table, (value.node,)), dtype="i32")
+    return replace(value, node=table[value.node], dtype="i32")
 
 
 def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Value, Value]:
@@ -141,22 +139,22 @@ def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Val
     looks_along_row = _bit(state_reads.heading(who, w))
     zero = literal(0, "i32")
     upright = select(
-        binary("==", down, across, "bool"),
-        binary("==", looks_along_row, zero, "bool"),
-        binary(">", down, across, "bool"),
+        down.eq(across),
+        looks_along_row.eq(zero),
+        down > across,
     )
-    vertical = select(binary("<", rows, zero, "bool"), literal(0, "i32"), literal(2, "i32"))
-    horizontal = select(binary("<", cols, zero, "bool"), literal(3, "i32"), literal(1, "i32"))
+    vertical = select(rows < zero, literal(0, "i32"), literal(2, "i32"))
+    horizontal = select(cols < zero, literal(3, "i32"), literal(1, "i32"))
     toward = select(upright, vertical, horizontal)
-    is_apart = binary("!=", goal, position, "bool")
+    is_apart = goal.ne(position)
     if layout.wraps:
         both_ways = [_is_half(rows, layout.height), _is_half(cols, layout.width)]
         either_way = w.keep("either_way", select(upright, *both_ways))
         looks = state_reads.heading(who, w)
-        is_across = binary("!=", _bit(looks), _bit(toward), "bool")
-        stuck = w.keep("stuck", binary("&", either_way, is_across, "bool"))
+        is_across = _bit(looks).ne(_bit(toward))
+        stuck = w.keep("stuck", either_way & is_across)
         toward = select(either_way, looks, toward)
-        is_apart = both(is_apart, invert(stuck))
+        is_apart = is_apart & ~stuck
     return toward, is_apart
 
 
@@ -165,29 +163,29 @@ def _difference(goal: Value, position: Value, op: str, w: Writer) -> Value:
     cols = w.module.number("frame_cols", w.module.layout.cols)
     end = replace(goal, node=array.Binary(op, goal.node, cols))
     start = replace(position, node=array.Binary(op, position.node, cols))
-    return binary("-", end, start, "i32")
+    return end - start
 
 
 def _shorter_way(distance: Value, length: int) -> Value:
-    return replace(distance, node=array.call("shorter_way", distance.node, array.Literal(length)))
+    return replace(distance, node=array.call("shorter_way", distance.node, length))
 
 
 def _is_half(distance: Value, length: int) -> Value:
     """Returns whether a distance is half of what goes round the map."""
-    twice = binary("*", literal(2, "i32"), distance, "i32")
-    return binary("==", twice, literal(length, "i32"), "bool")
+    twice = literal(2, "i32") * distance
+    return twice.eq(length)
 
 
 def _bit(heading: Value) -> Value:
     """Returns 0 for north and south, 1 for east and west."""
-    return Value(array.Binary("&", heading.node, array.Literal(1)), "i32", heading.axes)
+    return Value(heading.node & 1, "i32", heading.axes)
 
 
 def _turned(heading: Value, quarters: int) -> Value:
     if not quarters:
         return heading
-    turned = binary("+", heading, literal(quarters, "i32"), "i32")
-    return replace(turned, node=array.Binary("&", turned.node, array.Literal(3)))
+    turned = heading + quarters
+    return replace(turned, node=turned.node & 3)
 
 
 def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w: Writer) -> Value:
@@ -202,15 +200,15 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
         return _is_open(w.keep("ahead", _cells_on(course, literal(1, "i32"), w)), who, w)
     everybody = state_reads.all_positions(w)
     axis = w.axis("way", most)
-    number = binary("+", iota(axis), literal(1, "i32"), "i32")
+    number = iota(axis) + 1
     cells = w.keep("way", _cells_on(course, number, w))
     is_open = _is_open(cells, who, w)
     standing = array.reduction("any", stand_on(cells, everybody), (len(cells.axes),))
-    last = binary(">=", number, steps, "bool")
+    last = number >= steps
     taken = select(last, literal(False, "bool"), Value(standing, "bool", cells.axes))
-    free = both(is_open, invert(taken))
+    free = is_open & ~taken
     if number_of.low < most:  # what lies beyond the last cell does not matter
-        free = select(binary(">", number, steps, "bool"), literal(True, "bool"), free)
+        free = select(number > steps, literal(True, "bool"), free)
     return w.keep("clear", reduce("all", free, (axis,)))
 
 
@@ -223,10 +221,10 @@ def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
     if layout.count(layout.blocking_glyphs(name)):
         comment = f"cells that always block {name}"
         fixed = w.module.constant(f"blocks_{name}", layout.blocking_table(name), comment)
-        blocked = array.Index(fixed, (cells.node,))
-        is_open = both(is_open, Value(array.Unary("~", blocked), "bool", cells.axes))
+        blocked = fixed[cells.node]
+        is_open = is_open & Value(~blocked, "bool", cells.axes)
     for block, kind in conditional_blocks(name, w):
-        is_open = both(is_open, invert(blocked_by(block, kind, cells, w, who)))
+        is_open = is_open & ~blocked_by(block, kind, cells, w, who)
     return is_open
 
 
@@ -259,9 +257,9 @@ def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
         if other != sort:  # who stands on a cell keeps it
             taken = array.call("is_one_of", targets, w.current(attribute_of("position", other)))
             targets = array.Where(taken, before, targets)
-    resolved = array.call("resolve", before, targets, ranks, exchange=array.Literal(True))
+    resolved = array.call("resolve", before, targets, ranks, exchange=True)
     w.assign(position, resolved)
-    has_moved = array.Binary("!=", w.current(position), before)
+    has_moved = w.current(position).ne(before)
     for move in moves:
         s = move.statement
-        turn(sort, array.Binary("&", move.who, has_moved), s.facing, s.heading_stream, w)
+        turn(sort, move.who & has_moved, s.facing, s.heading_stream, w)

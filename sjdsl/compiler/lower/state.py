@@ -26,7 +26,7 @@ INT32 = array.path("jnp.int32")
 
 def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of State."""
-    zero = array.call("jnp.int32", array.Literal(0))
+    zero = array.call("jnp.int32", 0)
     fields = [Field("step", "[]", "int32", "finished steps of this episode", zero)]
     for sort in body_sorts(game):
         fields += _pose_fields(sort, w)
@@ -153,9 +153,9 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> array.
     vector = w.module.constant(f"{attribute_name(field)}_start", table, comment)
     if not field.type.by:
         return vector
-    column = array.Index(vector, (array.ALL, array.NEW_AXIS))
+    column = vector[:, None]
     num_entries = w.module.num_entries(field.type.by[0])
-    return array.call("jnp.repeat", column, num_entries, axis=array.Literal(1))
+    return array.call("jnp.repeat", column, num_entries, axis=1)
 
 
 def params_fields(game: ir.Game) -> list[Field]:
@@ -182,7 +182,7 @@ def param_value(value: object, type_: ir.Type) -> object:
 def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of Outcome."""
     no_reward = array.call("jnp.zeros", w.module.agents, array.DTYPES["f32"])
-    not_ended = array.call("jnp.zeros", array.Sequence(()), array.Name("bool"))
+    not_ended = array.call("jnp.zeros", (), array.Name("bool"))
     fields = [
         Field("reward", "[N]", "float32", "raw rewards of this step", no_reward),
         Field("ended", "[]", "bool_", "whether an `end` was performed", not_ended),

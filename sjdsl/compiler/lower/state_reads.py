@@ -8,18 +8,14 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import body_sorts, can_be
 from sjdsl.compiler.ir.sorts import AGENTS
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, binary, literal, select
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, select
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import expressions as array
 from sjdsl.compiler.program.expressions import (
-    ALL,
     NEW_AXIS,
-    REST,
-    Binary,
     DType,
     Expression,
-    Index,
     Name,
     Sequence,
     call,
@@ -38,7 +34,7 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
             owner = placed(owner, w)
         elif e.type.kind == "agent":  # painted one up: 0 is nobody
             number = as_dtype(replace(value, dtype="u8"), "i32")
-            return binary("-", number, literal(1, "i32"), "i32")
+            return number - 1
         else:
             return as_dtype(value, "i32") if e.type.kind == "int" else value
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
@@ -73,7 +69,7 @@ def _of(owner: Variable, stored: Value) -> Value:
     """Returns what is kept of each agent or cell, for the one that a variable is."""
     if owner.axis is not None:
         return replace(stored, axes=(owner.axis,))
-    return replace(stored, node=Index(stored.node, (owner.number.node,)), axes=owner.number.axes)
+    return replace(stored, node=stored.node[owner.number.node], axes=owner.number.axes)
 
 
 def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
@@ -86,7 +82,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
         "cells of a group in reading order",
     )
     vectors = Sequence(tuple(w.stored(attribute_name(f)) for f in fields), is_list=True)
-    concatenated = Index(call("jnp.concatenate", vectors), (order,))
+    concatenated = call("jnp.concatenate", vectors)[order]
     whole = w.keep(f"{group}_{e.name}", Value(concatenated, storage(fields[0], w)))
     whole = replace(whole, levels=w.module.levels(e.type))
     return _widened(_looked_up(owner, whole, w), fields[0])
@@ -157,7 +153,7 @@ def present(owner: AgentVar, w: Writer) -> Value:
     """Returns who is on the map."""
     if not w.module.can_be_away(owner.sort) or w.starting:
         return TRUE
-    return w.keep("present", binary("!=", position(owner, w), nowhere(w), "bool"))
+    return w.keep("present", position(owner, w).ne(nowhere(w)))
 
 
 def nowhere(w: Writer) -> Value:
@@ -201,9 +197,9 @@ def _seen_cell(owner: CellVar, w: Writer) -> Value:
     observer, cells = owner.seen
     comment = "cells of a window from the observer's cell, for each heading"
     table = w.module.constant("view_offsets", w.module.layout.view_table, comment)
-    steps = Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
+    steps = Value(table[path("state.heading")], "i32", (observer, cells))
     observers = Value(path("state.position"), "i32", (observer,))
-    return w.keep("seen_cells", on_map(binary("+", observers, steps, "i32"), w))
+    return w.keep("seen_cells", on_map(observers + steps, w))
 
 
 def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
@@ -211,7 +207,7 @@ def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
     comment = "steps from the observer to each cell of its window"
     table = w.module.constant("view_steps", w.module.layout.steps_table, comment)
     if w.module.layout.wraps:  # round a map that is not square the way depends on the heading
-        return Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
+        return Value(table[path("state.heading")], "i32", (observer, cells))
     return Value(table, "i32", (cells,))
 
 
@@ -224,7 +220,7 @@ def on_map(cells: Value, w: Writer) -> Value:
         return cells
     comment = "the cell of the map that a cell of the frame is; 1: none"
     table = w.module.constant("around", w.module.layout.edges_table, comment)
-    return Value(Index(table, (cells.node,)), "i32", cells.axes)
+    return Value(table[cells.node], "i32", cells.axes)
 
 
 def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
@@ -250,12 +246,12 @@ def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
     table = w.module.constant(
         f"site_of_{'_'.join(kinds)}", w.module.layout.site_table(kinds), comment
     )
-    return Value(Index(table, (cells.node,)), "i32", cells.axes)
+    return Value(table[cells.node], "i32", cells.axes)
 
 
 def is_site(site: Value, kinds: tuple[str, ...], w: Writer) -> Value:
     """Returns whether numbers are those of cells of `kinds`, and not past the end."""
-    return binary("<", site, Value(w.module.num_cells(kinds), "i32"), "bool")
+    return site < Value(w.module.num_cells(kinds), "i32")
 
 
 def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Value, Value]:
@@ -274,9 +270,9 @@ def occupied(owner: CellVar, w: Writer) -> Value:
         return replace(w.keep("covered", Value(covered, "bool")), axes=(owner.axis,))
     at = cell(owner, w)
     if not at.axes:
-        return Value(reduction("any", Binary("==", at.node, bodies)), "bool")
-    each_body = Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
-    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), each_body)
+        return Value(reduction("any", at.node.eq(bodies)), "bool")
+    each_body = bodies[*[NEW_AXIS] * len(at.axes), :]
+    same = at.node[..., None].eq(each_body)
     return Value(reduction("any", same, (-1,)), "bool", at.axes)
 
 
@@ -299,9 +295,9 @@ def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     at = cell(variable, w)
     cols = w.module.number("frame_cols", w.module.layout.cols)
     pad = array.Literal(w.module.layout.pad, "PAD")
-    row = array.Binary("-", array.Binary("//", at.node, cols), pad)
-    col = array.Binary("-", array.Binary("%", at.node, cols), pad)
-    kept = array.Binary("+", array.Binary("<<", row, array.Literal(ROW)), col)
+    row = at.node // cols - pad
+    col = at.node % cols - pad
+    kept = (row << ROW) + col
     return w.keep("place", replace(at, node=kept))
 
 
@@ -309,10 +305,10 @@ def frame_cell(value: Value, w: Writer) -> Value:
     """Returns the cell of the frame that a kept one is; 0 for nowhere."""
     cols = w.module.number("frame_cols", w.module.layout.cols)
     pad = array.Literal(w.module.layout.pad, "PAD")
-    row = array.Binary("+", array.Binary(">>", value.node, array.Literal(ROW)), pad)
-    col = array.Binary("+", array.Binary("&", value.node, array.Literal((1 << ROW) - 1)), pad)
-    at = replace(value, node=array.Binary("+", array.Binary("*", row, cols), col))
-    return w.keep("at", select(binary(">=", value, literal(0, "i32"), "bool"), at, nowhere(w)))
+    row = (value.node >> ROW) + pad
+    col = (value.node & (1 << ROW) - 1) + pad
+    at = replace(value, node=row * cols + col)
+    return w.keep("at", select(value >= 0, at, nowhere(w)))
 
 
 def held_cell(e: ir.Expr, kinds: tuple[str, ...], scope: IterationScope, w: Writer) -> CellVar:

@@ -6,7 +6,7 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import shape_named
 from sjdsl.compiler.lower.assignments import add, set_
-from sjdsl.compiler.lower.axes import FALSE, TRUE, both, invert, joined, reduce, select
+from sjdsl.compiler.lower.axes import FALSE, TRUE, joined, reduce, select
 from sjdsl.compiler.lower.condition_names import condition_name, domain_name
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
@@ -117,7 +117,7 @@ def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
             test = w.keep(name or "holds", test)
         mask_name = f"where_{name}" if name and rest.mask != TRUE else name
         _inside(branch.body, rest.when(test), w, sends, mask_name)
-        rest = rest.when(invert(test))
+        rest = rest.when(~test)
     _inside(s.otherwise, rest, w, sends)
 
 
@@ -129,7 +129,7 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
         raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
     swept = sweep(ir.Near(shape=s.shape, anchor=s.anchor), scope, w)
     happens = reduce("any", scope.mask, tuple(a for a in scope.axes if a not in swept.cells.axes))
-    cells = select(both(happens, swept.ok), swept.cells, nowhere(w))
+    cells = select(happens & swept.ok, swept.cells, nowhere(w))
     flat = Call(Attribute(cells.node, "reshape"), (Literal(-1),))
     marked = w.keep_node("marked", flat, "i32")
     assert isinstance(marked, Name)
