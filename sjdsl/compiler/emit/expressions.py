@@ -9,7 +9,26 @@ from typing import assert_never
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.emit.escaping import quoted
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    DTYPES,
+    Arange,
+    Attribute,
+    Binary,
+    Broadcast,
+    Call,
+    Cast,
+    Expression,
+    Index,
+    Lambda,
+    Literal,
+    Mapping,
+    Name,
+    Sequence,
+    Slice,
+    Unary,
+    Where,
+    call,
+)
 
 COMPARISON, UNARY, ATOM = 0, 6, 7
 PYTHON_PRECEDENCE = {
@@ -48,7 +67,7 @@ class Operation(Record):
 Piece = str | Chain | Operation
 
 
-def text(node: array.Expression) -> str:
+def text(node: Expression) -> str:
     """Returns an expression on one line."""
     return flat(pieces(node))
 
@@ -68,25 +87,25 @@ def flat(piece: "Piece | Bracketed") -> str:
             )
 
 
-def pieces(node: array.Expression | array.Slice) -> Piece:
+def pieces(node: Expression | Slice) -> Piece:
     """Returns an expression as pieces that `layout` breaks into lines."""
     match node:
-        case array.Name():
+        case Name():
             return node.identifier
-        case array.Literal():
+        case Literal():
             if node.name or isinstance(node.value, str):
                 return node.name or quoted(str(node.value))
             return "..." if node.value is ... else repr(node.value)
-        case array.Slice():
+        case Slice():
             start, stop = (
                 "" if part is None else flat(pieces(part)) for part in (node.start, node.stop)
             )
             return f"{start}:{stop}"
-        case array.Unary():
+        case Unary():
             return _after(node.op, _operand(node.operand, UNARY))
-        case array.Binary():
+        case Binary():
             return _operation(node)
-        case array.Sequence(items=items, is_list=is_list):
+        case Sequence(items=items, is_list=is_list):
             inner = tuple(map(pieces, items))
             return Chain(
                 (
@@ -95,7 +114,7 @@ def pieces(node: array.Expression | array.Slice) -> Piece:
                     else Bracketed("(", inner, ")", comma=len(items) == 1),
                 )
             )
-        case array.Mapping():
+        case Mapping():
             return Chain(
                 (
                     Bracketed(
@@ -107,62 +126,60 @@ def pieces(node: array.Expression | array.Slice) -> Piece:
                     ),
                 )
             )
-        case array.Lambda():
+        case Lambda():
             return _after(f"lambda {', '.join(node.parameters)}: ", pieces(node.body))
-        case array.Attribute():
+        case Attribute():
             return Chain((*_base(node.value), f".{node.name}"))
-        case array.Index():
+        case Index():
             return Chain((*_base(node.value), Bracketed("[", tuple(map(pieces, node.keys)), "]")))
-        case array.Call():
+        case Call():
             named = tuple(_after(f"{name}=", pieces(value)) for name, value in node.keywords)
             return Chain(
                 (*_base(node.function), Bracketed("(", (*map(pieces, node.arguments), *named), ")"))
             )
-        case array.Where():
-            return pieces(array.call("jnp.where", node.condition, node.then, node.otherwise))
-        case array.Cast():
-            return pieces(
-                array.Call(array.Attribute(node.value, "astype"), (array.DTYPES[node.dtype],))
-            )
-        case array.Broadcast():
-            return pieces(array.call("jnp.broadcast_to", node.value, array.Sequence(node.shape)))
-        case array.Arange():
-            dtype = {} if node.dtype is None else {"dtype": array.DTYPES[node.dtype]}
-            return pieces(array.call("jnp.arange", node.size, **dtype))
+        case Where():
+            return pieces(call("jnp.where", node.condition, node.then, node.otherwise))
+        case Cast():
+            return pieces(Call(Attribute(node.value, "astype"), (DTYPES[node.dtype],)))
+        case Broadcast():
+            return pieces(call("jnp.broadcast_to", node.value, Sequence(node.shape)))
+        case Arange():
+            dtype = {} if node.dtype is None else {"dtype": DTYPES[node.dtype]}
+            return pieces(call("jnp.arange", node.size, **dtype))
         case _:
             assert_never(node)
 
 
-def _base(node: array.Expression) -> list["str | Bracketed"]:
+def _base(node: Expression) -> list["str | Bracketed"]:
     """Returns what a trailer follows, in brackets unless it binds as tightly."""
     if _strength(node) < ATOM or (
-        isinstance(node, array.Literal) and not isinstance(node.value, str) and not node.name
+        isinstance(node, Literal) and not isinstance(node.value, str) and not node.name
     ):
         return [Bracketed("(", (pieces(node),), ")")]
     found = pieces(node)
     return list(found.pieces) if isinstance(found, Chain) else [flat(found)]
 
 
-def _strength(node: array.Expression) -> int:
+def _strength(node: Expression) -> int:
     """Returns how tightly the outermost operation of an expression binds."""
     match node:
-        case array.Binary():
+        case Binary():
             return PYTHON_PRECEDENCE[node.op]
-        case array.Unary():
+        case Unary():
             return UNARY
-        case array.Literal(value=bool()):
+        case Literal(value=bool()):
             return ATOM
-        case array.Literal(value=int() | float() as value, name="") if copysign(1, value) < 0:
+        case Literal(value=int() | float() as value, name="") if copysign(1, value) < 0:
             return UNARY
-        case array.Lambda():
+        case Lambda():
             return -1
         case _:
             return ATOM
 
 
-def _operand(node: array.Expression, least: int) -> Piece:
+def _operand(node: Expression, least: int) -> Piece:
     """Returns an operand, in brackets if it binds less than it must."""
-    mixes_bits = least == COMPARISON + 1 and isinstance(node, array.Binary) and node.op in BITWISE
+    mixes_bits = least == COMPARISON + 1 and isinstance(node, Binary) and node.op in BITWISE
     return (
         Chain((Bracketed("(", (pieces(node),), ")"),))
         if _strength(node) < least or mixes_bits
@@ -170,14 +187,14 @@ def _operand(node: array.Expression, least: int) -> Piece:
     )
 
 
-def _operation(node: array.Binary) -> Operation:
+def _operation(node: Binary) -> Operation:
     """Returns an operation; `(a + b) + c` is one of three operands."""
     strength = PYTHON_PRECEDENCE[node.op]
     inner = UNARY if node.op in BITWISE else strength + 1
     right = _operand(node.right, inner)
     left = node.left
     if (
-        isinstance(left, array.Binary)
+        isinstance(left, Binary)
         and strength != COMPARISON
         and PYTHON_PRECEDENCE[left.op] == strength
     ):

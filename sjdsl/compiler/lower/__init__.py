@@ -42,12 +42,26 @@ from sjdsl.compiler.lower.state import (
 from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    DTYPES,
+    Call,
+    Expression,
+    Literal,
+    Name,
+    Return,
+    Sequence,
+    Where,
+    as_array,
+    call,
+    constant,
+    live,
+    path,
+    reduction,
+    scalar,
+)
 from sjdsl.runtime.fields import StateField
 
-STATE, OUT, PARAMS, ACTIONS, KEY = (
-    array.Name(x) for x in ("state", "out", "params", "actions", "key")
-)
+STATE, OUT, PARAMS, ACTIONS, KEY = (Name(x) for x in ("state", "out", "params", "actions", "key"))
 PHASE = (
     ("state", "State"),
     ("out", "Outcome"),
@@ -55,7 +69,7 @@ PHASE = (
     ("actions", "Array"),
     ("key", "Array"),
 )
-STAY = array.Name("STAY")
+STAY = Name("STAY")
 
 
 def new_module(game: ir.Game) -> Module:
@@ -137,7 +151,7 @@ def _turns(pools: dict[str, tuple[Pool, ...]], module: Module) -> list[Turn]:
             function = _tick(pools, module)
         else:
             function = _phase(turn, pools[turn.name], module)
-        if function.body != (array.Return((STATE, OUT)),):
+        if function.body != (Return((STATE, OUT)),):
             lowered.append((turn, function))
     phases = [(turn, function) for turn, function in lowered if isinstance(turn, ir.Phase)]
     shared = iter(share(phases))
@@ -165,20 +179,20 @@ def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
         ("ROLE", role_attribute(game), "attribute of State that holds the agents' roles"),
         ("EVENTS", events(game), events_comment),
     )
-    fields = array.Sequence(tuple(map(_state_field_call, described_fields(game))))
+    fields = Sequence(tuple(map(_state_field_call, described_fields(game))))
     return (
-        *(Fact(name, array.constant(value), comment) for name, value, comment in facts),
+        *(Fact(name, constant(value), comment) for name, value, comment in facts),
         Fact("FIELDS", fields, "variables of the game, in State"),
     )
 
 
-def _state_field_call(field: StateField) -> array.Expression:
+def _state_field_call(field: StateField) -> Expression:
     arguments = {}
     for declared in dataclasses.fields(field):
         value = getattr(field, declared.name)
         if value != declared.default:
-            arguments[declared.name] = array.constant(value)
-    return array.call("StateField", **arguments)
+            arguments[declared.name] = constant(value)
+    return call("StateField", **arguments)
 
 
 def _used(
@@ -188,9 +202,9 @@ def _used(
     names = set()
     for function in functions:
         for node in walk(function):
-            if isinstance(node, array.Name):
+            if isinstance(node, Name):
                 names.add(node.identifier)
-            elif isinstance(node, array.Literal):
+            elif isinstance(node, Literal):
                 names.add(node.name)
     constants = tuple(c for c in module.constants.values() if c.name in names)
     numbers = [n for n in module.numbers.values() if n.name in names]
@@ -201,25 +215,25 @@ def _used(
 def _function(
     w: Writer, name: str, parameters: tuple[tuple[str, str], ...], returns: str, doc: str
 ) -> Function:
-    return Function(name, parameters, returns, doc, array.live(w.body))
+    return Function(name, parameters, returns, doc, live(w.body))
 
 
 def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Function:
     """Returns the function that makes the first value of a class."""
     values = tuple((field.name, field.default) for field in fields)
-    call = array.Call(array.Name(class_), (), values)
-    return Function(name, (), class_, doc, (array.Return((call,)),))
+    made = Call(Name(class_), (), values)
+    return Function(name, (), class_, doc, (Return((made,)),))
 
 
 def _reset() -> Function:
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
-    actions = array.call("jnp.full", array.Name("NUM_AGENTS"), STAY, array.DTYPES["i32"])
-    initial_state = array.call("initial_state")
-    no_outcome = array.call("no_outcome")
-    start = array.call("start", initial_state, no_outcome, PARAMS, actions, KEY)
+    actions = call("jnp.full", Name("NUM_AGENTS"), STAY, DTYPES["i32"])
+    initial_state = call("initial_state")
+    no_outcome = call("no_outcome")
+    start = call("start", initial_state, no_outcome, PARAMS, actions, KEY)
     state = start[0]
-    return Function("reset", parameters, "State", doc, (array.Return((state,)),))
+    return Function("reset", parameters, "State", doc, (Return((state,)),))
 
 
 def _step(turns: list[Turn], module: Module) -> Function:
@@ -231,24 +245,24 @@ def _step(turns: list[Turn], module: Module) -> Function:
     w = Writer(module)
     below = ACTIONS < 0
     above = ACTIONS >= NUM_ACTIONS
-    w.set(ACTIONS, array.Where(below | above, STAY, ACTIONS))
+    w.set(ACTIONS, Where(below | above, STAY, ACTIONS))
     if module.game.agents.forbids:
-        allowed = array.call("allowed_actions", STATE, PARAMS)
-        chosen = array.call("one_hot", ACTIONS, NUM_ACTIONS)
-        w.set(array.Name("allowed"), array.reduction("any", allowed & chosen, (1,)))
-        w.set(ACTIONS, array.Where(array.Name("allowed"), ACTIONS, STAY))
-    w.set(OUT, array.call("no_outcome"))
+        allowed = call("allowed_actions", STATE, PARAMS)
+        chosen = call("one_hot", ACTIONS, NUM_ACTIONS)
+        w.set(Name("allowed"), reduction("any", allowed & chosen, (1,)))
+        w.set(ACTIONS, Where(Name("allowed"), ACTIONS, STAY))
+    w.set(OUT, call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]
     if marks:
-        none: dict[str, array.Expression] = {
-            mark: array.call("jnp.zeros_like", array.path(f"state.{mark}")) for mark in marks
+        none: dict[str, Expression] = {
+            mark: call("jnp.zeros_like", path(f"state.{mark}")) for mark in marks
         }
         w.set(STATE, replaced("state", none))
-    marked = array.Name("marked")
+    marked = Name("marked")
     for turn in turns:
         results = (STATE, OUT, marked) if turn.marks else (STATE, OUT)
         arguments = (STATE, OUT, PARAMS, ACTIONS, KEY, *turn.given)
-        w.unpack(results, array.call(turn.function.name, *arguments))
+        w.unpack(results, call(turn.function.name, *arguments))
         if turn.marks:
             w.set(STATE, replaced("state", {turn.marks: marked}))
     w.give_back(STATE, OUT)
@@ -278,15 +292,15 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
     return _function(w, phase.name, PHASE, "tuple[State, Outcome]", _written(phase, module.sources))
 
 
-def _all_marks(phase: ir.Phase, w: Writer) -> array.Expression:
+def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
     """Returns the cells that a phase marks, with zeros for statements that never happen."""
-    parts: list[array.Expression] = list(w.marked)
+    parts: list[Expression] = list(w.marked)
     missing = mark_size(phase, w.module.game) - sum(w.marked.values())
     if missing:
-        parts.append(array.call("jnp.zeros", missing, array.DTYPES["i32"]))
+        parts.append(call("jnp.zeros", missing, DTYPES["i32"]))
     if len(parts) == 1:
         return parts[0]
-    return array.call("jnp.concatenate", list(parts))
+    return call("jnp.concatenate", list(parts))
 
 
 def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
@@ -301,13 +315,13 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
 
 def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
     w = Writer(module, "tick")
-    one = array.Literal(1)
+    one = Literal(1)
     for field in all_fields(module.game):
         if field.timer:
             attribute = attribute_name(field)
-            before = array.path(f"state.{attribute}")
+            before = path(f"state.{attribute}")
             w.origin = field.origin
-            w.assign(attribute, array.call("jnp.maximum", before, one) - one)
+            w.assign(attribute, call("jnp.maximum", before, one) - one)
     w.origin = None
     doc = "All timers fall by one."
     away = [sort for sort in body_sorts(module.game) if module.stores_away(sort)]
@@ -328,10 +342,10 @@ def _measures(module: Module) -> Function:
     for measure in module.game.measures:
         w.origin = measure.origin
         value = as_dtype(w.value(measure.value, IterationScope()), "f32")
-        node = array.scalar(value.node, "f32") if value.literal else value.node
+        node = scalar(value.node, "f32") if value.literal else value.node
         values.append((measure.name, node))
     w.origin = None
-    w.give_back(array.Mapping(tuple(values)))
+    w.give_back(constant(dict(values)))
     doc = "Returns the `mean` and `final` values at the end of a step: float32 scalars by name."
     return _function(w, "measures", READING, "dict[str, Array]", doc)
 
@@ -340,7 +354,7 @@ def _episode(module: Module) -> Function:
     w = Writer(module)
     w.origin = module.game.episode.origin
     value = w.value(module.game.episode, IterationScope())
-    w.give_back(array.as_array(value.node, "i32"))
+    w.give_back(as_array(value.node, "i32"))
     doc = "Returns the steps until truncation: int32 scalar."
     return _function(w, "episode_length", (("params", "Params"),), "Array", doc)
 

@@ -9,10 +9,10 @@ from sjdsl.compiler.lower.chosen import argument_value
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Expression, Name, Sequence, call, constant, live
 
 READING = (("state", "State"), ("params", "Params"))
-NUM_ACTIONS = array.call("len", array.Name("ACTIONS"))
+NUM_ACTIONS = call("len", Name("ACTIONS"))
 
 
 def allowed_actions(module: Module) -> Function:
@@ -20,15 +20,15 @@ def allowed_actions(module: Module) -> Function:
     w = Writer(module)
     agents = module.game.agents
     axes = (w.axis("agent", module.agents), w.axis("action", len(agents.actions)))
-    shape = array.Sequence((module.agents, NUM_ACTIONS))
-    everything = array.call("jnp.ones", shape, array.Name("bool"))
-    allowed: array.Expression = everything
+    shape = Sequence((module.agents, NUM_ACTIONS))
+    everything = call("jnp.ones", shape, Name("bool"))
+    allowed: Expression = everything
     for forbid in agents.forbids:
         w.origin = forbid.origin
         test = w.keep("forbidden", w.value(forbid.condition, _scope(forbid, axes, w)))
         closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
         comment = "actions a `forbid` is about"
-        table = module.constant("forbids", array.constant(closes), comment, "bool")
+        table = module.constant("forbids", constant(closes), comment, "bool")
         of_actions = table[None]
         closed = w.bind("closed", aligned(test, axes) & of_actions)
         is_open = ~closed
@@ -39,7 +39,7 @@ def allowed_actions(module: Module) -> Function:
     w.origin = None
     w.give_back(allowed)
     doc = "Returns which actions each agent may take: `[N, A]` bool."
-    return Function("allowed_actions", READING, "Array", doc, array.live(w.body))
+    return Function("allowed_actions", READING, "Array", doc, live(w.body))
 
 
 def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationScope:
@@ -62,7 +62,7 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
         for number in action.numbers:
             places[number] = (number - action.first) // rest % argument.count
         comment = f"the argument `{name}` of each action that is {action.name}(..), 0 of others"
-        table = w.module.constant(f"{action.name}_{name}", array.constant(places), comment, "i32")
+        table = w.module.constant(f"{action.name}_{name}", constant(places), comment, "i32")
         value = argument_value(argument, Value(table, "i32", (action_axis,)))
         if argument.type.kind == "agent":
             scope = scope.binding(**{name: AgentVar(value)})

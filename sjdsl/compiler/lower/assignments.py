@@ -31,7 +31,29 @@ from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, wh
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    DTYPES,
+    NEW_AXIS,
+    REST,
+    Attribute,
+    Broadcast,
+    Call,
+    Cast,
+    DType,
+    Expression,
+    Literal,
+    Name,
+    Slice,
+    Where,
+    as_array,
+    call,
+    constant,
+    reduction,
+    scalar,
+    shape_of,
+    written,
+)
 
 MOST_NESTED = 100  # additions in one expression, through which Python goes recursively
 MOST_TERMS = 2**19  # of an exact sum: `runtime/exact_reals.py`
@@ -111,7 +133,7 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     axes = union(scope.axes, index.axes, rank.axes, value.axes, () if key is None else key.axes)
     zero = literal(0, "i32")
     at = _flat(select(scope.mask, index, zero), axes, "i32")
-    entry: array.Expression | None = None
+    entry: Expression | None = None
     if key is not None:
         entry = _flat(select(scope.mask, as_dtype(key, "i32"), zero), axes, "i32")
     ranks = _flat(rank, axes, "u32")
@@ -119,35 +141,35 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     if (target.read.held_by.what, target.read.name) in w.several_lots:
         place = w.bind("place", place)
         ranks = _outranking(target, place, w.bind("rank", ranks), extent, w)
-    won = w.bind("won", array.call("drawn_by_lot", place, ranks, extent))
+    won = w.bind("won", call("drawn_by_lot", place, ranks, extent))
     current = w.current(target.attribute)
     if target.who is None and entry is None:
-        drawn_first = array.reduction("argmax", won, (0,))
+        drawn_first = reduction("argmax", won, (0,))
         drawn = _values(value, target, axes, w)[drawn_first]
-        w.assign(target.attribute, array.Where(array.reduction("any", won), drawn, current))
+        w.assign(target.attribute, Where(reduction("any", won), drawn, current))
         return
-    keys: tuple[array.Expression, ...]
+    keys: tuple[Expression, ...]
     if target.who is None:
-        past = array.scalar(w.module.num_entries(target.read.type.by[0]), "i32")
-        keys = (array.Where(won, place, past),)
+        past = scalar(w.module.num_entries(target.read.type.by[0]), "i32")
+        keys = (Where(won, place, past),)
     else:
-        past = array.scalar(past_the_end(target.who, w).node, "i32")
+        past = scalar(past_the_end(target.who, w).node, "i32")
         if entry is None:
-            keys = (array.Where(won, place, past),)
+            keys = (Where(won, place, past),)
         else:
-            keys = (array.Where(won, at, past), entry)
+            keys = (Where(won, at, past), entry)
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
-    w.assign(target.attribute, array.written("set_at", current, keys, new))
+    w.assign(target.attribute, written("set_at", current, keys, new))
 
 
 def _lot_places(
-    target: Target, at: array.Expression, entry: array.Expression | None, w: Writer
-) -> tuple[array.Expression, array.Expression]:
+    target: Target, at: Expression, entry: Expression | None, w: Writer
+) -> tuple[Expression, Expression]:
     """Returns the number of each instance's target among all that it may have, and how many.
 
     Each entry of each row is one target.
     """
-    extent: array.Expression = array.Literal(1)
+    extent: Expression = Literal(1)
     if target.who is not None:
         extent = w.module.extent(target.who.sort)
     if entry is None:
@@ -161,24 +183,24 @@ def _lot_places(
 
 def _outranking(
     target: Target,
-    place: array.Expression,
-    ranks: array.Name,
-    extent: array.Expression,
+    place: Expression,
+    ranks: Name,
+    extent: Expression,
     w: Writer,
-) -> array.Name:
+) -> Name:
     """Returns the ranks above those that earlier statements drew for a target, others as 0."""
-    best: array.Expression | None = w.best_ranks.get(target.attribute)
+    best: Expression | None = w.best_ranks.get(target.attribute)
     if best is not None:
-        ranks = w.bind("rank", array.call("outranking", place, ranks, best))
-    best = best or array.call("jnp.zeros", extent, array.DTYPES["u32"])
-    kept = w.bind("best", array.call("best_ranks", place, ranks, best))
+        ranks = w.bind("rank", call("outranking", place, ranks, best))
+    best = best or call("jnp.zeros", extent, DTYPES["u32"])
+    kept = w.bind("best", call("best_ranks", place, ranks, best))
     w.best_ranks[target.attribute] = kept
     return ranks
 
 
 def _values(
     value: Value, target: Target, axes: tuple[Axis, ...], w: Writer, along_row: bool = False
-) -> array.Expression:
+) -> Expression:
     """Returns the value of each instance, in the order of their numbers.
 
     along_row: whether one value that a whole row is set to gets a new axis.
@@ -187,9 +209,7 @@ def _values(
     if target.keys:
         type_ = type_.model_copy(update={"by": ()})
     entries = [w.module.num_entries(level) for level in type_.by]
-    set_extents = [array.Literal(w.module.numbers_per_set)] * (
-        w.module.levels(type_) - len(entries)
-    )
+    set_extents = [Literal(w.module.numbers_per_set)] * (w.module.levels(type_) - len(entries))
     if value.levels > len(set_extents):
         return _flat(value, axes, value.dtype, (*entries, *set_extents))
     flat = _flat(value, axes, value.dtype, tuple(set_extents))
@@ -201,28 +221,28 @@ def _values(
 def _flat(
     value: Value,
     axes: tuple[Axis, ...],
-    dtype: array.DType,
-    inside: tuple[array.Expression, ...] = (),
-) -> array.Expression:
+    dtype: DType,
+    inside: tuple[Expression, ...] = (),
+) -> Expression:
     """Returns a value for each instance, in the order of their numbers.
 
     inside: extents of the value's own levels.
     """
     node = aligned(value, axes, value.levels)
     if value.literal:
-        node = array.as_array(node, dtype)
-    full = array.Broadcast(node, (*(a.extent for a in axes), *inside))
-    return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1), *inside))
+        node = as_array(node, dtype)
+    full = Broadcast(node, (*(a.extent for a in axes), *inside))
+    return Call(Attribute(full, "reshape"), (Literal(-1), *inside))
 
 
 def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     """Writes `set target = value`."""
     with w.deciding(w.module.deciding.has_field(written_field(s.target))):
         value = stored_value(s.value, s.target, scope, w)
-    written = targets(s.target, scope, w)
-    if len(written) > 1 and not value.literal:
+    reached = targets(s.target, scope, w)
+    if len(reached) > 1 and not value.literal:
         value = w.keep("written", value)
-    for target in written:
+    for target in reached:
         kept = as_dtype(value, state_reads.storage(target.declared, w))
         if s.lot is not None:
             write_by_lot(s.lot, target, kept, w)
@@ -271,7 +291,7 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
         table = layout.numbers_table(who.kinds, kind)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
-        key = who.site.node if who.axis is None else array.Slice(None, array.Literal(-1))
+        key = who.site.node if who.axis is None else Slice(None, Literal(-1))
         cell = CellVar(Value(name[key], "i32", who.site.axes), (kind,))
         of_kinds.append(Target(w.module.field(read, kind), cell, keys, read, scope))
     return of_kinds
@@ -314,10 +334,10 @@ def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
         return value
     if any(a.size > 1 for a in gone):  # the sum is the value of the one instance that happens
         assert mask != TRUE, over
-        number: array.DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
+        number: DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
         masked = select(mask, as_dtype(value, number), literal(0, number))
         return as_dtype(reduce("sum", masked, over), value.dtype)
-    keys = tuple(array.Literal(0) if a in gone else array.ALL for a in value.axes)
+    keys = tuple(Literal(0) if a in gone else ALL for a in value.axes)
     kept = tuple(a for a in value.axes if a not in gone)
     return replace(value, node=value.node[keys], axes=kept)
 
@@ -336,43 +356,37 @@ def _entries(
     ):
         return value
     if key is None and not value.axes and not value.levels:
-        return replace(before, node=array.call("jnp.full_like", before.node, value.node))
+        return replace(before, node=call("jnp.full_like", before.node, value.node))
     if key is None:
         rows = aligned(value, before.axes, before.levels)
-        return replace(
-            before, node=array.call("jnp.broadcast_to", rows, array.Attribute(before.node, "shape"))
-        )
+        return replace(before, node=call("jnp.broadcast_to", rows, Attribute(before.node, "shape")))
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
-        of_words = {"axis": array.constant(-2)} if before.levels > 1 else {}
-        return replace(
-            before, node=array.call("set_entry", before.node, key.node, new.node, **of_words)
-        )
+        of_words = {"axis": constant(-2)} if before.levels > 1 else {}
+        return replace(before, node=call("set_entry", before.node, key.node, new.node, **of_words))
     hit = _entries_of_word(key, before.axes, target, w)
     if mask != TRUE:
         hit = hit & _for_each_word(mask, before.axes)
     if before.levels > 1:  # of large sets
         words = hit[..., None]
         return replace(
-            before, node=array.Where(words, aligned(value, before.axes, before.levels), before.node)
+            before, node=Where(words, aligned(value, before.axes, before.levels), before.node)
         )
-    return replace(before, node=array.Where(hit, _for_each_word(value, before.axes), before.node))
+    return replace(before, node=Where(hit, _for_each_word(value, before.axes), before.node))
 
 
-def _entries_of_word(
-    key: Value, axes: tuple[Axis, ...], target: Target, w: Writer
-) -> array.Expression:
+def _entries_of_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> Expression:
     """Returns which entries of the rows are those of a word that is computed."""
     words = w.module.num_entries(target.read.type.by[0])
-    hit = array.call("one_hot", aligned(key, axes), words)
+    hit = call("one_hot", aligned(key, axes), words)
     if axes and not key.axes:
-        return hit[*[array.NEW_AXIS] * len(axes), :]
+        return hit[*[NEW_AXIS] * len(axes), :]
     return hit
 
 
-def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
+def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> Expression:
     """Returns a value with one more axis, for the entries of a row; a scalar stays one."""
-    return indexed(aligned(value, axes), (array.REST, array.NEW_AXIS)) if value.axes else value.node
+    return indexed(aligned(value, axes), (REST, NEW_AXIS)) if value.axes else value.node
 
 
 def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
@@ -391,13 +405,13 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
         entry = key
     axes = union(index.axes, scope.mask.axes, value.axes, () if entry is None else entry.axes)
     at = w.keep(name, Value(spread(select(scope.mask, index, past), axes), "i32", axes))
-    keys: tuple[array.Expression, ...] = (at.node,)
+    keys: tuple[Expression, ...] = (at.node,)
     if entry is not None:
         keys = (at.node, aligned(entry, axes))
     levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
     current = w.current(target.attribute)
-    w.assign(target.attribute, array.written("set_at", current, keys, new))
+    w.assign(target.attribute, written("set_at", current, keys, new))
 
 
 def _place(who: Variable) -> str:
@@ -412,7 +426,7 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
         if target.read.type.kind == "agents":
             _add_member(s, target, w)
             continue
-        dtype: array.DType = "f32" if target.read.type.kind == "real" else "i32"
+        dtype: DType = "f32" if target.read.type.kind == "real" else "i32"
         with w.deciding(decides):
             value = as_dtype(w.value(s.value, scope.always()), dtype)
         is_exact = decides and value.dtype == "f32"
@@ -445,9 +459,7 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     else:
         axes = union(scope.mask.axes, value.axes)
         test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
-        masked = replace(
-            value, node=array.Where(test, _row_aligned(value, axes), array.Literal(0)), axes=axes
-        )
+        masked = replace(value, node=Where(test, _row_aligned(value, axes), Literal(0)), axes=axes)
     sums = w.added.setdefault(target.attribute, [])
     own = target.own_axes
     key = target.key(w) if own is None or target.along is None else None
@@ -455,14 +467,12 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         axes = union(
             masked.axes, key.axes
         )  # a row that has the value at the key's word and 0 elsewhere
-        zero = array.scalar(literal(0, masked.dtype).node, masked.dtype)
-        row = array.Where(
-            _entries_of_word(key, axes, target, w), _for_each_word(masked, axes), zero
-        )
+        zero = scalar(literal(0, masked.dtype).node, masked.dtype)
+        row = Where(_entries_of_word(key, axes, target, w), _for_each_word(masked, axes), zero)
         masked = Value(row, masked.dtype, axes, 1)
     if is_exact:
-        given = array.scalar(masked.node, "f32") if masked.literal else masked.node
-        masked = Value(array.call("fixed_point", given), "i32", masked.axes, masked.levels + 1)
+        given = scalar(masked.node, "f32") if masked.literal else masked.node
+        masked = Value(call("fixed_point", given), "i32", masked.axes, masked.levels + 1)
     if own is not None and target.along is not None:
         entries = union(own, (target.along,))
         total = reduce("sum", masked, tuple(a for a in scope.axes if a not in entries))
@@ -491,17 +501,17 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
     extent = w.module.extent(target.who.sort)
     dtype = "f32" if is_exact else total.dtype
-    zeros = array.call(
+    zeros = call(
         "jnp.zeros",
-        array.shape_of((extent, *map(w.module.num_entries, target.read.type.by))),
-        array.DTYPES[dtype],
+        shape_of((extent, *map(w.module.num_entries, target.read.type.by))),
+        DTYPES[dtype],
     )
     if is_exact:
-        zeros = array.call("fixed_point", zeros)
+        zeros = call("fixed_point", zeros)
     amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
     places = (spread(index, axes) if axes else index.node,)
-    sets = array.written("add_at", zeros, places, amount)
+    sets = written("add_at", zeros, places, amount)
     sums.append(
         w.keep(
             f"{target.attribute}_added",
@@ -510,13 +520,13 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     )
 
 
-def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
+def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> Expression:
     """Returns a value lined up with axes, its levels last."""
     if value.axes == axes:
         return value.node
     return value.node[
-        *(array.ALL if a in value.axes else array.NEW_AXIS for a in axes),
-        *[array.ALL] * value.levels,
+        *(ALL if a in value.axes else NEW_AXIS for a in axes),
+        *[ALL] * value.levels,
     ]
 
 
@@ -529,7 +539,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     keys = [x for x in (target.key(w),) if x is not None]
     around = union(member.axes, *(k.axes for k in keys), scope.mask.axes)
     sizes = [w.module.num_entries(target.read.type.by[0]) for _ in keys]
-    sets: array.Expression
+    sets: Expression
     if who is None:  # those who are not added are numbers past the end
         axes = around
         at = w.keep(
@@ -551,33 +561,33 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
         if once and not words:
             assert itself is not None
             bits = Value(
-                array.scalar(array.Literal(1), dtype) << iota(itself, dtype).node,
+                scalar(Literal(1), dtype) << iota(itself, dtype).node,
                 dtype,
                 (itself,),
             )
-            zeros = array.call("jnp.zeros", array.shape_of(tuple(extents)), array.DTYPES[dtype])
-            sets = array.written("add_at", zeros, tuple(places), aligned(bits, axes))
+            zeros = call("jnp.zeros", shape_of(tuple(extents)), DTYPES[dtype])
+            sets = written("add_at", zeros, tuple(places), aligned(bits, axes))
         else:
             sets = _folded(places, aligned(member, axes), extents, w)
     if target.read.type.by and not keys:  # to every entry of the row
-        sets = sets[*[array.ALL] * (who is not None), None]
+        sets = sets[*[ALL] * (who is not None), None]
     joined_sets = w.keep(f"{target.attribute}_joined", Value(sets, dtype))
     w.joined.setdefault(target.attribute, []).append(joined_sets.node)
 
 
 def _folded(
-    places: list[array.Expression], member: array.Expression, sizes: list[array.Literal], w: Writer
-) -> array.Expression:
+    places: list[Expression], member: Expression, sizes: list[Literal], w: Writer
+) -> Expression:
     """Returns the sets to which instances add an agent each, as bits.
 
     places: where each instance adds; sizes: how many places there are.
     """
-    empty = array.call("jnp.zeros", array.shape_of((*sizes, w.module.agents)), array.Name("bool"))
-    table = array.written("set_at", empty, (*places, member), array.Literal(True))
+    empty = call("jnp.zeros", shape_of((*sizes, w.module.agents)), Name("bool"))
+    table = written("set_at", empty, (*places, member), Literal(True))
     members = w.keep("members", Value(table, "bool")).node
     if w.module.numbers_per_set:
-        return array.call("pack", members)
-    return array.call("as_bits", members, array.DTYPES[w.module.set_dtype])
+        return call("pack", members)
+    return call("as_bits", members, DTYPES[w.module.set_dtype])
 
 
 def finish(w: Writer) -> None:
@@ -585,23 +595,23 @@ def finish(w: Writer) -> None:
     for attribute, sums in w.added.items():
         declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
         stored_dtype = state_reads.storage(declared, w)
-        dtype: array.DType = "i32" if declared.type.kind == "int" else "f32"
+        dtype: DType = "i32" if declared.type.kind == "int" else "f32"
         node = as_dtype(Value(w.current(attribute), stored_dtype), dtype).node
         is_exact = attribute in w.terms
         if is_exact:
-            node = array.call("fixed_point", node)
+            node = call("fixed_point", node)
         for number, total in enumerate(sums, 1):
             node = joined("+", node, total.node)
             if number % MOST_NESTED == 0:
                 node = w.bind(attribute, node)
         if is_exact:
-            node = array.call("rounded", node)
+            node = call("rounded", node)
         if declared.capped:
-            low = array.Literal(int(declared.type.low))
-            high = array.Literal(int(declared.type.high))
-            node = array.call("jnp.clip", node, low, high)
+            low = Literal(int(declared.type.low))
+            high = Literal(int(declared.type.high))
+            node = call("jnp.clip", node, low, high)
         if stored_dtype not in ("i32", "f32"):
-            node = array.Cast(node, stored_dtype)
+            node = Cast(node, stored_dtype)
         w.assign(attribute, node)
     for attribute, sets in w.joined.items():
         node = w.current(attribute)

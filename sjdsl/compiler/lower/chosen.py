@@ -6,14 +6,14 @@ from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, literal
 from sjdsl.compiler.lower.entries import ABSENT, to_words
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Expression, Name
 
 
 def action_of(agent: ir.Expr, scope: IterationScope) -> Value:
     """Returns the number of the action an agent takes in this step."""
     assert isinstance(agent, ir.Member), agent
     variable = scope.variables[agent.name]
-    actions: array.Expression = array.Name("actions")
+    actions: Expression = Name("actions")
     if variable.axis is None:
         actions = actions[variable.number.node]
     return Value(actions, "i32", variable.number.axes)

@@ -20,7 +20,15 @@ from sjdsl.compiler.lower.axes import (
 )
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    NEW_AXIS,
+    Expression,
+    as_array,
+    call,
+    constant,
+    reduction,
+)
 
 ABSENT = 255  # the number of a word in a set that does not have it
 
@@ -38,7 +46,7 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
     axes = union(row.axes, key.axes)
     if e.type.kind == "agents" and row.levels == 2:
-        found = array.call("entry", numbers_first(aligned_row(row, axes)), aligned(key, axes))
+        found = call("entry", numbers_first(aligned_row(row, axes)), aligned(key, axes))
         return Value(numbers_last(found), row.dtype, axes, 1)
     if row.levels != 1:
         instead = "write one of the words out with `case`"
@@ -47,7 +55,7 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
             e.origin,
             instead,
         )
-    return Value(array.call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
+    return Value(call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
 
 
 def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
@@ -81,47 +89,47 @@ def unrolled(row: Value, along: Axis) -> Value:
     first_level = len(row.axes)
     node = row.node
     if place != first_level:
-        node = array.call("jnp.moveaxis", node, first_level, place)
+        node = call("jnp.moveaxis", node, first_level, place)
     return replace(row, node=node, axes=axes, levels=row.levels - 1)
 
 
-def rolled(node: array.Expression, axes: tuple[Axis, ...], along: Axis) -> array.Expression:
+def rolled(node: Expression, axes: tuple[Axis, ...], along: Axis) -> Expression:
     """Returns an array over axes with one of them last: the inverse of `unrolled`."""
     place = axes.index(along)
     last = len(axes) - 1
     if place == last:
         return node
-    return array.call("jnp.moveaxis", node, place, last)
+    return call("jnp.moveaxis", node, place, last)
 
 
-def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
+def aligned_row(row: Value, axes: tuple[Axis, ...]) -> Expression:
     """Returns a row lined up with axes, its levels last."""
     if row.axes == axes:
         return row.node
-    return row.node[tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes)]
+    return row.node[tuple(ALL if a in row.axes else NEW_AXIS for a in axes)]
 
 
-def numbers_first(sets: array.Expression) -> array.Expression:
+def numbers_first(sets: Expression) -> Expression:
     """Returns large sets with the axis of their numbers first, so that entries come last."""
-    return array.call("jnp.moveaxis", sets, -1, 0)
+    return call("jnp.moveaxis", sets, -1, 0)
 
 
-def numbers_last(sets: array.Expression) -> array.Expression:
+def numbers_last(sets: Expression) -> Expression:
     """Returns large sets as they are stored: the inverse of `numbers_first`."""
-    return array.call("jnp.moveaxis", sets, 0, -1)
+    return call("jnp.moveaxis", sets, 0, -1)
 
 
 def _expected(row: Value, shares: Value, w: Writer) -> Value:
     axes = union(row.axes, shares.axes)
     left = aligned_row(shares, axes)
     if row.levels > 1:
-        left = left[*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1)]
+        left = left[*[ALL] * (len(axes) + 1), *[NEW_AXIS] * (row.levels - 1)]
     products = left * aligned_row(as_dtype(row, "f32"), axes)
     place = len(axes)
     if w.exact:
-        total: array.Expression = array.call("sum_in_order", products, place)
+        total: Expression = call("sum_in_order", products, place)
     else:
-        total = array.reduction("sum", products, (place,), "f32")
+        total = reduction("sum", products, (place,), "f32")
     expected = Value(total, "f32", axes, row.levels - 1)
     return w.keep("expected" if row.levels == 1 else "expected_row", expected)
 
@@ -153,5 +161,5 @@ def to_words(
             return moved
         is_first = value.eq(0)
         return select(is_first, literal(numbers[0], "u8"), moved)
-    table = array.as_array(array.constant(numbers), "u8")
+    table = as_array(constant(numbers), "u8")
     return replace(value, node=table[value.node])

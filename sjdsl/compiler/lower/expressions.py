@@ -29,11 +29,21 @@ from sjdsl.compiler.lower.condition_names import condition_name, value_name
 from sjdsl.compiler.lower.entries import aligned_row, entry, numbers_first, numbers_last, to_words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Binary,
+    DType,
+    Expression,
+    Literal,
+    Unary,
+    call,
+    path,
+    reduction,
+    scalar,
+)
 
 LARGE = 8  # nodes of a defined condition from which on it keeps its name
 ARMS = 4  # of one nested selection
-VALUE_DTYPES: dict[str, array.DType] = {
+VALUE_DTYPES: dict[str, DType] = {
     "int": "i32",
     "real": "f32",
     "word": "u8",
@@ -55,7 +65,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Nowhere():
             return state_reads.no_cell(w)
         case ir.ParamRef():
-            node = array.path(f"params.{param_attribute(e.name)}")
+            node = path(f"params.{param_attribute(e.name)}")
             return Value(node, VALUE_DTYPES[e.type.kind], (), len(e.type.by))
         case ir.Member():
             return scope.variables[e.name].number
@@ -90,7 +100,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             empty = container.eq(0)
             if not container.levels:
                 return empty
-            return replace(empty, node=array.reduction("all", empty.node, (-1,)), levels=0)
+            return replace(empty, node=reduction("all", empty.node, (-1,)), levels=0)
         case ir.Chose():
             action = Value(w.module.action(e.action), "i32")
             return chosen.action_of(e.agent, scope).eq(action)
@@ -121,11 +131,11 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Lowest():
             with w.deciding():
                 row = lower(e.row, scope, w)
-            node = array.call("highest" if e.last else "lowest", row.node)
+            node = call("highest" if e.last else "lowest", row.node)
             return replace(row, node=node, dtype="u8", levels=0)
         case ir.Mix():
             row = lower(e.row, scope, w)
-            shares = array.call("exact_mix" if w.exact else "mix", row.node)
+            shares = call("exact_mix" if w.exact else "mix", row.node)
             name = value_name(e.row)
             name = f"{name}_shares" if name else "shares"
             return w.keep(name, Value(shares, "f32", row.axes, 1))
@@ -159,7 +169,7 @@ def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
     value = lower(e.value, scope, w)
     if container.levels:
         axes = union(container.axes, value.axes)
-        node = array.call("has_member", aligned_row(container, axes), aligned(value, axes))
+        node = call("has_member", aligned_row(container, axes), aligned(value, axes))
         return Value(node, "bool", axes)
     shifted = as_dtype(container, "u32") >> as_dtype(value, "u32")
     bit = shifted & 1
@@ -169,14 +179,14 @@ def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
 def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
     """Returns the sum or an extreme of all entries of a row."""
     row = lower(e.row, scope, w)
-    reduction = REDUCTIONS[e.fn]
-    node: array.Expression
-    if not reduction.adds:
-        node = array.reduction(reduction.array, row.node, (-1,), None)
+    folding = REDUCTIONS[e.fn]
+    node: Expression
+    if not folding.adds:
+        node = reduction(folding.array, row.node, (-1,), None)
     elif w.exact and row.dtype == "f32":
-        node = array.call("exact_sum", row.node, len(row.axes))
+        node = call("exact_sum", row.node, len(row.axes))
     else:
-        node = array.reduction(reduction.array, summed(row.node, row.dtype), (-1,), row.dtype)
+        node = reduction(folding.array, summed(row.node, row.dtype), (-1,), row.dtype)
     return replace(row, node=node, levels=0)
 
 
@@ -199,13 +209,13 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
             pass
     axes = union(row.axes, filler.axes)
     entries = aligned_row(row, axes)
-    fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
+    fill = scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
     if row.levels > 1:  # of large sets
         if not filler.literal:
             fill = numbers_first(fill)
-        moved = array.call("shifted", numbers_first(entries), e.by, fill)
+        moved = call("shifted", numbers_first(entries), e.by, fill)
         return replace(row, node=numbers_last(moved), axes=axes)
-    moved = array.call("shifted", entries, e.by, fill)
+    moved = call("shifted", entries, e.by, fill)
     return replace(row, node=moved, axes=axes)
 
 
@@ -247,7 +257,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     variable = owner(e.owner, scope, w)
     if e.name in ("row", "col"):
         in_frame = _in_frame(variable, e.name, w)
-        pad = array.Literal(w.module.layout.pad, "PAD")
+        pad = Literal(w.module.layout.pad, "PAD")
         return replace(in_frame, node=in_frame.node - pad)
     assert isinstance(variable, AgentVar)
     match e.name:
@@ -271,7 +281,7 @@ def _in_frame(variable: Variable, side: OneOf["row", "col"], w: Writer) -> Value
         at = state_reads.cell(variable, w)
     cols = w.module.number("frame_cols", w.module.layout.cols)
     op = "//" if side == "row" else "%"
-    return w.keep(side, Value(array.Binary(op, at.node, cols), "i32", at.axes))
+    return w.keep(side, Value(Binary(op, at.node, cols), "i32", at.axes))
 
 
 def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
@@ -286,12 +296,12 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
     cols = _in_frame(a, "col", w) - _in_frame(b, "col", w)
     layout = w.module.layout
     if layout.wraps:
-        height = array.Literal(layout.height)
-        width = array.Literal(layout.width)
-        rows = replace(rows, node=array.call("shorter_way", rows.node, height))
-        cols = replace(cols, node=array.call("shorter_way", cols.node, width))
-    rows = replace(rows, node=array.call("jnp.abs", rows.node))
-    cols = replace(cols, node=array.call("jnp.abs", cols.node))
+        height = Literal(layout.height)
+        width = Literal(layout.width)
+        rows = replace(rows, node=call("shorter_way", rows.node, height))
+        cols = replace(cols, node=call("shorter_way", cols.node, width))
+    rows = replace(rows, node=call("jnp.abs", rows.node))
+    cols = replace(cols, node=call("jnp.abs", cols.node))
     return w.keep("distance", rows + cols)
 
 
@@ -311,7 +321,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     operation = CALCULATIONS[e.fn]
     dtype = VALUE_DTYPES[e.type.kind]
     is_whole = dtype == "i32" and all(a.type.kind == "int" for a in e.args)
-    args_dtype: array.DType = "i32" if is_whole else "f32"
+    args_dtype: DType = "i32" if is_whole else "f32"
     with w.deciding(operation.kind == "whole"):
         args = [as_dtype(lower(a, scope, w), args_dtype) for a in e.args]
     are_literal = all(a.literal for a in args)
@@ -326,7 +336,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     if is_operator and are_literal:
         return literal(operation.fold(args[0].number), args_dtype)
     if is_operator:
-        return replace(args[0], node=array.Unary(operation.array, args[0].node))
+        return replace(args[0], node=Unary(operation.array, args[0].node))
     if are_literal and operation.rounding is None:
         numbers = [a.number if args_dtype == dtype else float32(a.number) for a in args]
         return literal(operation.fold(*numbers), dtype)
@@ -342,7 +352,7 @@ def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
     """
     if not w.exact or value.dtype != "f32" or value.literal or _is_given(e):
         return value
-    return replace(value, node=array.call("exactly", value.node))
+    return replace(value, node=call("exactly", value.node))
 
 
 def _is_given(e: ir.Expr) -> bool:
@@ -359,10 +369,10 @@ def _is_given(e: ir.Expr) -> bool:
             return isinstance(e, ir.Number | ir.ParamRef) or e.type.kind == "int"
 
 
-def _called(kernel: str, args: list[Value], dtype: array.DType) -> Value:
+def _called(kernel: str, args: list[Value], dtype: DType) -> Value:
     """Returns a call of a function of arrays."""
     axes = union(*(a.axes for a in args))
-    return Value(array.call(kernel, *(aligned(a, axes) for a in args)), dtype, axes)
+    return Value(call(kernel, *(aligned(a, axes) for a in args)), dtype, axes)
 
 
 def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
@@ -391,7 +401,7 @@ def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer)
     """Returns numbers to be compared: reals if one of them is one."""
     with w.deciding():
         values = [lower(x, scope, w) for x in expressions]
-    dtype: array.DType = "f32" if any(v.dtype == "f32" for v in values) else "i32"
+    dtype: DType = "f32" if any(v.dtype == "f32" for v in values) else "i32"
     return [as_dtype(v, dtype) for v in values]
 
 

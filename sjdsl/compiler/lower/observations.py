@@ -41,12 +41,21 @@ from sjdsl.compiler.lower.painting import (
 )
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Attribute,
+    Call,
+    Cast,
+    Expression,
+    Literal,
+    Name,
+    Where,
+    call,
+    constant,
+    scalar,
+)
 
 
-def marks_seen(
-    marks: list[Part], planes: dict[str, Value], seen: list[array.Name], w: Writer
-) -> Value:
+def marks_seen(marks: list[Part], planes: dict[str, Value], seen: list[Name], w: Writer) -> Value:
     """Returns the marks of a cell as bits, one a phase."""
     first = marks[0]
     if len(marks) == 1:
@@ -104,9 +113,9 @@ def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Val
         return w.keep(f"is_{name}", raw.eq(first)), {}
     fields = [field.name for field, _ in look.painted]
     sizes = tuple(size for _, size in look.painted)
-    call = array.call("look_fields", raw.node, first.node, sizes)
+    parts = call("look_fields", raw.node, first.node, sizes)
     names = [f"is_{name}", *(f"{name}_{field}" for field in fields)]
-    is_kind, *values = w.keep_parts(tuple(names), call)
+    is_kind, *values = w.keep_parts(tuple(names), parts)
     by_field = {
         field: replace(raw, node=value) for field, value in zip(fields, values, strict=True)
     }
@@ -131,7 +140,7 @@ def _seen_by(axes: tuple[Axis, ...], **others: Variable) -> IterationScope:
     )
 
 
-def observe(w: Writer) -> array.Expression:
+def observe(w: Writer) -> Expression:
     """Writes the statements of `observe`; returns the observation."""
     game = w.module.game
     by_id = any(s.what == "other" for s in game.observables)
@@ -158,12 +167,12 @@ def observe(w: Writer) -> array.Expression:
     columns += _everyone(axes, w)
     columns += _own(axes, w)
     is_present = state_reads.present(AgentVar(iota(observer), observer), w)
-    present = array.Literal(None) if is_present == TRUE else is_present.node
+    present = Literal(None) if is_present == TRUE else is_present.node
     full = [_full(column, axes) for column in columns]
-    return array.call("planes_of", array.Name("WINDOW"), present, *full)
+    return call("planes_of", Name("WINDOW"), present, *full)
 
 
-def _cut_windows(painted: list[array.Name], w: Writer) -> list[array.Name]:
+def _cut_windows(painted: list[Name], w: Writer) -> list[Name]:
     """Writes the windows of all observers, of each painted plane."""
     sides = tuple(
         (side, w.module.number(side, getattr(w.module.game.window, side), "cells of a window"))
@@ -171,17 +180,15 @@ def _cut_windows(painted: list[array.Name], w: Writer) -> list[array.Name]:
     )
     seen = []
     for number, plane in enumerate(painted):
-        frame: array.Expression = array.Call(
-            array.Attribute(plane, "reshape"), (array.Name("FRAME"),)
-        )
+        frame: Expression = Call(Attribute(plane, "reshape"), (Name("FRAME"),))
         if w.module.layout.wraps:
-            frame = array.call("joined_edges", frame, array.Name("PAD"))
-        windows = array.Call(array.Name("windows"), (frame, POSITION, HEADING), sides)
+            frame = call("joined_edges", frame, Name("PAD"))
+        windows = Call(Name("windows"), (frame, POSITION, HEADING), sides)
         seen.append(w.bind(f"seen_{number}", windows))
     return seen
 
 
-def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> list[array.Name]:
+def _own_windows(seen: list[Name], axes: tuple[Axis, ...], w: Writer) -> list[Name]:
     """Returns the painted planes as each agent's own window has them.
 
     Beyond it everything is as off the map.
@@ -194,8 +201,8 @@ def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> l
     for number, view in reversed(list(enumerate(views))):
         w.origin = view.origin
         table = w.module.layout.view_cells_table(view)
-        constant = w.module.constant(f"view_{number}", table, "cells of one of the windows")
-        cells = Value(constant, "bool", axes[1:])
+        mask = w.module.constant(f"view_{number}", table, "cells of one of the windows")
+        cells = Value(mask, "bool", axes[1:])
         if view.condition is None:
             inside = cells
         else:
@@ -207,7 +214,7 @@ def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> l
     ]
 
 
-def _myself(w: Writer) -> array.Expression:
+def _myself(w: Writer) -> Expression:
     """Returns which cell of its window is the observer's own."""
     if w.module.layout.shows_cells_twice:
         comment = "which cells of its window show the observer's own"
@@ -215,7 +222,7 @@ def _myself(w: Writer) -> array.Expression:
         return table[HEADING]
     game = w.module.game
     numbers = (*view_size(game), game.window.ahead, game.window.left)
-    own_cell = array.call("own_cell", *map(array.constant, numbers))
+    own_cell = call("own_cell", *map(constant, numbers))
     comment = "which cell of its window is the observer's own"
     return w.module.constant("myself", own_cell, comment)[None]
 
@@ -225,13 +232,13 @@ def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
 
     Where nobody does it is the first of all.
     """
-    number = array.Cast(plane.node, "i32") - 1
-    index = Value(array.call("jnp.maximum", number, 0), "i32", plane.axes)
+    number = Cast(plane.node, "i32") - 1
+    index = Value(call("jnp.maximum", number, 0), "i32", plane.axes)
     return AgentVar(w.keep(name, index), sort=sort)
 
 
 def _part_of(
-    part: Part, parts: tuple[Part, ...], seen: array.Expression, axes: tuple[Axis, ...], w: Writer
+    part: Part, parts: tuple[Part, ...], seen: Expression, axes: tuple[Axis, ...], w: Writer
 ) -> Value:
     """Returns a part of a byte that was painted."""
     shifted = Value(seen, "u8", axes) >> shift_of(part, w)
@@ -241,10 +248,10 @@ def _part_of(
     return shifted & mask
 
 
-def _full(column: Value, axes: tuple[Axis, ...]) -> array.Expression:
+def _full(column: Value, axes: tuple[Axis, ...]) -> Expression:
     """Returns a value broadcast to axes: a column over the window."""
     if column.literal:
-        column = replace(column, node=array.scalar(column.node, "u8"))
+        column = replace(column, node=scalar(column.node, "u8"))
     return spread(column, axes)
 
 
@@ -346,7 +353,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     if w.module.layout.shows_cells_twice:  # the observer's own cell is seen only inside its window
         is_self = is_self & somebody
     if not by_id:
-        observers = array.Cast(HEADING, "u8")[:, None]
+        observers = Cast(HEADING, "u8")[:, None]
         heading = agent.node - 1
         difference = heading - observers
         other = w.keep_node("others", relative_heading(difference), "u8")
@@ -355,7 +362,7 @@ def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> lis
     place = _seen_by(axes, other=standing)
     observers = HEADING[:, None]
     difference = HEADING[standing.index.node] - observers
-    other = array.Cast(relative_heading(difference), "u8")
+    other = Cast(relative_heading(difference), "u8")
     columns = [_agent_plane(is_self, somebody, other, axes, w)]
     is_other = somebody & ~is_self
     theirs = w.keep("theirs", Value(is_other, "bool", axes))
@@ -399,15 +406,15 @@ def _visible(
 
 
 def _agent_plane(
-    is_self: array.Expression,
-    somebody: array.Expression,
-    other: array.Expression,
+    is_self: Expression,
+    somebody: Expression,
+    other: Expression,
     axes: tuple[Axis, ...],
     w: Writer,
 ) -> Value:
     """Returns the plane of agents: 1 for the observer, 0 for nobody, and numbers for others."""
-    others = array.Where(somebody, other, array.Literal(0))
-    plane = array.Cast(array.Where(is_self, array.Literal(1), others), "u8")
+    others = Where(somebody, other, Literal(0))
+    plane = Cast(Where(is_self, Literal(1), others), "u8")
     return w.keep("agents", Value(plane, "u8", axes))
 
 
@@ -432,11 +439,11 @@ def _field_observable(
     if stored.dtype == "u8":
         return stored
     if declared.type.kind != "int" or not state_reads.fits_byte(declared, w):
-        bounded = array.call("jnp.minimum", stored.node, 255)
-        return replace(stored, node=array.Cast(bounded, "u8"), dtype="u8")
-    if isinstance(stored.node, array.Cast) and stored.node.source == "u8":
+        bounded = call("jnp.minimum", stored.node, 255)
+        return replace(stored, node=Cast(bounded, "u8"), dtype="u8")
+    if isinstance(stored.node, Cast) and stored.node.source == "u8":
         return replace(stored, node=stored.node.value, dtype="u8")  # the byte that was widened
-    return replace(stored, node=array.Cast(stored.node, "u8"), dtype="u8")
+    return replace(stored, node=Cast(stored.node, "u8"), dtype="u8")
 
 
 def _attribute_observable(observable: ir.Observable, place: IterationScope, w: Writer) -> Value:
@@ -478,7 +485,7 @@ def _turned_to_observer(heading: Value, axes: tuple[Axis, ...]) -> Value:
     observers = HEADING[:, None]
     turned = heading.node - observers
     number = (turned & 3) + 1
-    return Value(array.Cast(number, "u8"), "u8", axes)
+    return Value(Cast(number, "u8"), "u8", axes)
 
 
 def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
@@ -493,8 +500,8 @@ def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
             w.origin = observable.origin
             value = _visible(observable, _field_observable(observable, body, place, w), place, w)
             value = w.keep(f"everyone_{observable.field}", value)
-            reshape = array.Attribute(_full(value, (*pair, window)), "reshape")
-            planes = array.Call(reshape, (observer.extent, array.Literal(-1)))
+            reshape = Attribute(_full(value, (*pair, window)), "reshape")
+            planes = Call(reshape, (observer.extent, Literal(-1)))
             columns.append(Value(planes, "u8", axes))
     return columns
 

@@ -14,7 +14,16 @@ from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    DTYPES,
+    Cast,
+    Expression,
+    Literal,
+    Where,
+    call,
+    scalar,
+    written,
+)
 from sjdsl.runtime.actions import HEADINGS
 
 
@@ -26,13 +35,13 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         reached = reduce("any", scope.mask, tuple(a for a in scope.axes if a != who.axis))
         if reached.axes:
             return reached
-        return Value(array.call("jnp.full", extent, reached.node), "bool")
+        return Value(call("jnp.full", extent, reached.node), "bool")
     at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
-    nobody = array.call("jnp.zeros", extent, array.DTYPES["bool"])
-    return Value(array.written("set_at", nobody, (at.node,), array.Literal(True)), "bool")
+    nobody = call("jnp.zeros", extent, DTYPES["bool"])
+    return Value(written("set_at", nobody, (at.node,), Literal(True)), "bool")
 
 
-def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array.Expression:
+def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expression:
     """Returns a number from 0 on for each agent that a statement reaches, `[N]` int32.
 
     All instances that reach an agent have the same number for it; agents that none reaches get
@@ -44,28 +53,24 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
         at = select(scope.mask, who.index, Value(extent, "i32"))
         axes = union(at.axes, value.axes)
         places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
-        zeros = array.call("jnp.zeros", extent, array.DTYPES["i32"])
-        return array.written("set_at", zeros, (places,), spread(value, axes))
+        zeros = call("jnp.zeros", extent, DTYPES["i32"])
+        return written("set_at", zeros, (places,), spread(value, axes))
     if any(a != who.axis for a in value.axes):
         others = tuple(a for a in scope.axes if a != who.axis)
         value = reduce("max", select(scope.mask, value, literal(0, "i32")), others)
-    return value.node if value.axes else array.call("jnp.full", extent, value.node)
+    return value.node if value.axes else call("jnp.full", extent, value.node)
 
 
-def put(
-    name: str, sort: ir.Sort, who: array.Expression, value: array.Expression, w: Writer
-) -> None:
+def put(name: str, sort: ir.Sort, who: Expression, value: Expression, w: Writer) -> None:
     """Writes a new value of an attribute for some agents, or some movers of a name.
 
     who: which of them, `[N]` bool.
     """
     attribute = attribute_of(name, sort)
-    w.assign(attribute, array.Where(who, value, w.current(attribute)))
+    w.assign(attribute, Where(who, value, w.current(attribute)))
 
 
-def turn(
-    sort: ir.Sort, who: array.Expression, facing: str | None, stream: int | None, w: Writer
-) -> None:
+def turn(sort: ir.Sort, who: Expression, facing: str | None, stream: int | None, w: Writer) -> None:
     """Turns some agents or movers: north, east, ..., to any heading (None), or not at all ("same").
 
     The heading of a mover is a field of words, and so a byte.
@@ -73,21 +78,21 @@ def turn(
     if facing == "same":
         return
     is_byte = sort.what == "mover"
-    heading: array.Expression
+    heading: Expression
     if facing is None:
         assert stream is not None
-        bits = array.call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
-        heading = array.call("below", bits, 4)
+        bits = call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
+        heading = call("below", bits, 4)
         if is_byte:
-            heading = array.Cast(heading, "u8")
+            heading = Cast(heading, "u8")
     else:
         heading = w.module.number(facing, HEADINGS.index(facing))
         if is_byte:
-            heading = array.scalar(heading, "u8")
+            heading = scalar(heading, "u8")
     put("heading", sort, who, heading, w)
 
 
-def any_of(masks: list[array.Expression]) -> array.Expression:
+def any_of(masks: list[Expression]) -> Expression:
     first, *others = masks
     for other in others:
         first = first | other

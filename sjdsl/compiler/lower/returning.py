@@ -13,7 +13,7 @@ from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
 from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer, replaced
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, Where, call, path
 
 
 def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writer) -> None:
@@ -31,32 +31,32 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writ
     w.origin = None
 
 
-def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, array.Expression]:
+def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, Expression]:
     """Writes the ticks that everybody is still away; returns who is due, `[N]` bool."""
-    due: dict[ir.Sort, array.Expression] = {}
-    left: dict[str, array.Expression] = {}
-    one = array.Literal(1)
+    due: dict[ir.Sort, Expression] = {}
+    left: dict[str, Expression] = {}
+    one = Literal(1)
     for sort in sorts:
         attribute = attribute_of("away", sort)
-        away = array.path(f"state.{attribute}")
+        away = path(f"state.{attribute}")
         is_nowhere = state_reads.positions(w, sort).eq(state_reads.nowhere(w).node)
         is_due = is_nowhere & away.eq(one)
         is_waiting = is_nowhere & (away > one)
         due[sort] = w.bind("due", is_due)
-        left[attribute] = away - array.Cast(is_waiting, "i32")
-    w.set(array.Name("state"), replaced("state", left))
+        left[attribute] = away - Cast(is_waiting, "i32")
+    w.set(Name("state"), replaced("state", left))
     return due
 
 
-def _bring_back_to(pool: Pool, due: array.Expression, w: Writer) -> None:
+def _bring_back_to(pool: Pool, due: Expression, w: Writer) -> None:
     """Writes how those come back who are due and were sent to a pool."""
     position, heading, away, away_facing, away_pool = (
         attribute_of(name, pool.sort)
         for name in ("position", "heading", "away", "away_facing", "away_pool")
     )
 
-    def stored(attribute: str) -> array.Expression:
-        return array.path(f"state.{attribute}")
+    def stored(attribute: str) -> Expression:
+        return path(f"state.{attribute}")
 
     to_pool = stored(away_pool).eq(pool.number)
     back = w.keep_node("back", due & to_pool, "bool")
@@ -65,23 +65,23 @@ def _bring_back_to(pool: Pool, due: array.Expression, w: Writer) -> None:
     arguments = [state_reads.cells_of(pool.kinds, w), free, back]
     for stream in (pool.send.cell_stream, pool.send.heading_stream):
         number = w.stream(stream ^ ir.RETURN)
-        arguments.append(array.call("random_bits", KEY, number, w.module.extent(pool.sort)))
+        arguments.append(call("random_bits", KEY, number, w.module.extent(pool.sort)))
     arguments += [stored(position), stored(heading), stored(away_facing)]
     if fitting is not None:
         arguments.append(fitting)
-    new_position = array.Name(w.names.fresh(position))
-    new_heading = array.Name(w.names.fresh(heading))
-    placed = array.Name(w.names.fresh("placed"))
-    w.unpack((new_position, new_heading, placed), array.call("come_back", *arguments))
-    changes: dict[str, array.Expression] = {
+    new_position = Name(w.names.fresh(position))
+    new_heading = Name(w.names.fresh(heading))
+    placed = Name(w.names.fresh("placed"))
+    w.unpack((new_position, new_heading, placed), call("come_back", *arguments))
+    changes: dict[str, Expression] = {
         position: new_position,
         heading: new_heading,
-        away: array.Where(placed, array.Literal(0), stored(away)),
+        away: Where(placed, Literal(0), stored(away)),
     }
-    w.set(array.Name("state"), replaced("state", changes))
+    w.set(Name("state"), replaced("state", changes))
 
 
-def _fitting_on_return(pool: Pool, w: Writer) -> array.Expression | None:
+def _fitting_on_return(pool: Pool, w: Writer) -> Expression | None:
     """Returns which cells fit each agent when it comes back, `[N, S]` bool.
 
     None if the same fit all.

@@ -31,7 +31,21 @@ from sjdsl.compiler.lower.domains import (
 from sjdsl.compiler.lower.draws import KEY, first_limit, need_no_state, random_bits
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, SetOfOne, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    REST,
+    Call,
+    Expression,
+    Lambda,
+    Literal,
+    Name,
+    Slice,
+    Where,
+    call,
+    constant,
+    reduction,
+    scalar,
+)
 
 MANY_SETS = 64  # from so many sets on, bits are drawn only if some set has several members
 
@@ -71,13 +85,13 @@ def pick(
     axes = (*outer_axes, axis)
     mask = w.keep("member", mask_over(inner, axes))
     found = w.keep(
-        "found", Value(array.reduction("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
+        "found", Value(reduction("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
     )
-    wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
+    wanted = Value(scalar(number.node, "i32"), "i32") if number.literal else number
     if not turns.size:
         return inner.when(FALSE), ~found, s.body
     given = mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes)
-    chosen, body = array.call("choose", *given), s.body
+    chosen, body = call("choose", *given), s.body
     match s.body:
         case (ir.Chance(branches=(ir.Branch() as branch,), otherwise=()) as chance,) if (
             inner.digits == ((iota(axis), axis.extent),)
@@ -85,9 +99,7 @@ def pick(
             w.origin = chance.origin
             limit = first_limit(branch.test, inner, w)
             if not limit.axes:  # the same for all members
-                chosen = array.call(
-                    "choose_by_chance", *given, KEY, w.stream(chance.stream), limit.node
-                )
+                chosen = call("choose_by_chance", *given, KEY, w.stream(chance.stream), limit.node)
                 body = branch.body
     w.origin = s.origin
     return (
@@ -98,7 +110,7 @@ def pick(
 
 
 def _pick_one(
-    s: ir.Pick, scope: IterationScope, inner: IterationScope, total: array.Literal, w: Writer
+    s: ir.Pick, scope: IterationScope, inner: IterationScope, total: Literal, w: Writer
 ) -> tuple[IterationScope, Value]:
     """A `pick 1`: the number of the member instead of a mask over all."""
     axis, name = inner.axes[-1], s.domain.var.name
@@ -121,17 +133,17 @@ def _pick_one(
     if many and need_no_state(scope.digits):  # most steps need none of the random bits
         assert members is not None
         if not _is_where_any(scope.mask, members, w):
-            source = array.Where(aligned(scope.mask, axes), source, array.Literal(0))
-        alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
+            source = Where(aligned(scope.mask, axes), source, Literal(0))
+        alone = call("pick_of_sets", source, KEY, Lambda(("key",), drawn))
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
         there = w.keep("found", picked.ne(literal(0, picked.dtype)))
-        best_one = w.keep(name, Value(array.call("member_of", picked.node), "i32", axes))
+        best_one = w.keep(name, Value(call("member_of", picked.node), "i32", axes))
         chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, scope.mask & there))
     else:
-        best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
+        best, found = Name(w.names.fresh(name)), Name(w.names.fresh("found"))
         w.unpack(
             (best, found),
-            array.call(
+            call(
                 ("pick_of_large_set" if large else "pick_of_set") if members else "pick",
                 source,
                 drawn,
@@ -145,7 +157,7 @@ def _pick_one(
                 best_one if member.axis is not None else _take(member.site, axis, best_one),
                 member.kinds,
             )
-    if isinstance(chosen, CellVar) and isinstance(chosen.site.node, array.Call):
+    if isinstance(chosen, CellVar) and isinstance(chosen.site.node, Call):
         chosen = replace(chosen, site=w.keep(name, chosen.site))
     place = replace(
         scope.binding(**{name: chosen}, **under(s.domain, chosen, w)),
@@ -180,21 +192,21 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
         return Value(values.node[best.node], dtype, best.axes)
     is_row_each = values.axes == (*best.axes, axis) and len(best.axes) == 1
     if is_row_each and best.axes[0].size >= state_reads.MANY:
-        return Value(array.call("entries_at", values.node, best.node), dtype, best.axes)
+        return Value(call("entries_at", values.node, best.node), dtype, best.axes)
     # What is picked may differ along more axes than what it is picked from.
     axes = union(values.axes, best.axes)
     if best.axes:
         at = aligned(best, axes)
     else:
-        at = array.call("jnp.full", (array.Literal(1),) * len(axes), best.node)
+        at = call("jnp.full", (Literal(1),) * len(axes), best.node)
     place = axes.index(axis)
     aligned_values = aligned(values, axes)
-    entry = array.call("jnp.take_along_axis", aligned_values, at, axis=place)
-    keys: tuple[array.Expression | array.Slice, ...]
+    entry = call("jnp.take_along_axis", aligned_values, at, axis=place)
+    keys: tuple[Expression | Slice, ...]
     if axes[-1] == axis:
-        keys = (array.REST, array.Literal(0))
+        keys = (REST, Literal(0))
     else:
-        keys = tuple(array.Literal(0) if a == axis else array.ALL for a in axes)
+        keys = tuple(Literal(0) if a == axis else ALL for a in axes)
     return Value(entry[keys], dtype, tuple(a for a in axes if a != axis))
 
 
@@ -231,9 +243,9 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
         number = w.keep(d.var.name, Value(numbers, "i32")).node
         exists = ok.node
     else:
-        sizes = array.constant(tuple(map(len, shape.lanes)))
-        call = array.call("nearest_in_lanes", ok.node, numbers, sizes)
-        number, exists = w.keep_parts((d.var.name, "found"), call)
+        sizes = constant(tuple(map(len, shape.lanes)))
+        pair = call("nearest_in_lanes", ok.node, numbers, sizes)
+        number, exists = w.keep_parts((d.var.name, "found"), pair)
     chosen = Value(number, "i32", (*outer, lanes))
     variable: Variable
     if isinstance(candidate, AgentVar):
@@ -259,9 +271,9 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
     axes = swept.cells.axes
     on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.sort))
     standing = w.keep("standing", Value(on_cells, "bool")).node
-    first_one = array.reduction("argmax", standing, (-1,))
+    first_one = reduction("argmax", standing, (-1,))
     who = w.keep(d.var.name, Value(first_one, "i32", axes))
-    anybody = w.keep("anybody", Value(array.reduction("any", standing, (-1,)), "bool", axes))
+    anybody = w.keep("anybody", Value(reduction("any", standing, (-1,)), "bool", axes))
     if has_inner_blocks(w.module.shape(d.restriction.shape), w):
         anybody = anybody & swept.ok
     return AgentVar(who, sort=d.var.sort), anybody, swept.axis

@@ -24,7 +24,7 @@ from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Expression, Literal, Name, call, scalar, written
 from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 
 
@@ -35,8 +35,8 @@ class Sent(Record):
     """
 
     send: ir.Send
-    who: array.Expression
-    fitting: array.Expression | None
+    who: Expression
+    fitting: Expression | None
 
 
 class Leaving(Record):
@@ -44,8 +44,8 @@ class Leaving(Record):
 
     pool: Pool
     send: ir.Send
-    who: array.Expression
-    delays: array.Expression
+    who: Expression
+    delays: Expression
 
 
 @dataclass
@@ -55,7 +55,7 @@ class Sends:
     pools: tuple[Pool, ...]
     now: dict[int, list[Sent]] = field(default_factory=dict)
     away: list[Leaving] = field(default_factory=list)
-    removed: list[tuple[ir.Sort, array.Expression]] = field(default_factory=list)
+    removed: list[tuple[ir.Sort, Expression]] = field(default_factory=list)
     shifted: list[Shifted] = field(default_factory=list)
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
@@ -70,7 +70,7 @@ class Sends:
         fitting = _fitting(s, scope, w) if can_be_at_once else None
         delays = _delays(s, as_dtype(w.value(s.after, scope.always()), "i32"), scope, w)
         if can_be_at_once:
-            zero = array.Literal(0)
+            zero = Literal(0)
             stays = sent & delays.eq(zero)
             at_once.append(Sent(s, w.keep_node("at_once", stays, "bool"), fitting))
             leaves = sent & (delays > zero)
@@ -86,7 +86,7 @@ class Sends:
         self.removed.append((body_sort(s.who), removed))
 
 
-def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression | None:
+def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
     """Returns which cells of the destination fit each agent that is sent, `[N, S]` bool.
 
     None if the same fit all.
@@ -106,12 +106,12 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression |
     index = select(scope.mask, who.index, Value(extent, "i32"))
     places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
     rows = spread(fits, (*axes, axis))
-    empty = array.call("jnp.zeros", (extent, axis.extent), array.Name("bool"))
-    table = array.written("set_at", empty, (places,), rows)
+    empty = call("jnp.zeros", (extent, axis.extent), Name("bool"))
+    table = written("set_at", empty, (places,), rows)
     return w.keep_node("fitting", table, "bool")
 
 
-def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array.Expression:
+def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expression:
     """Returns the ticks that each agent is away, `[N]` int32, or one number for all.
 
     All statements that send one agent agree.
@@ -120,13 +120,13 @@ def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array
         return delay.node
     if delay.axes:
         return w.keep_node("delay", of_each(s.who, delay, scope, w), "i32")
-    number = array.scalar(delay.node, "i32") if delay.literal else delay.node
+    number = scalar(delay.node, "i32") if delay.literal else delay.node
     return w.keep_node("delay", number, "i32")
 
 
 def finish(sends: Sends, w: Writer) -> None:
     """Writes where all who are sent or removed in a phase come to be."""
-    entered: list[tuple[Pool, array.Name]] = []
+    entered: list[tuple[Pool, Name]] = []
     for pool in sends.pools:
         if sends.now.get(pool.number):
             placed = _place_pool(pool, sends, entered, w)
@@ -136,18 +136,18 @@ def finish(sends: Sends, w: Writer) -> None:
         sort = leaving.pool.sort
         put("position", sort, leaving.who, state_reads.nowhere(w).node, w)
         put("away", sort, leaving.who, leaving.delays, w)
-        put("away_pool", sort, leaving.who, array.Literal(leaving.pool.number), w)
+        put("away_pool", sort, leaving.who, Literal(leaving.pool.number), w)
         put("away_facing", sort, leaving.who, _facing(leaving.send, w), w)
     w.origin = None
     for sort, removed in sends.removed:
         put("position", sort, removed, state_reads.nowhere(w).node, w)
         if w.module.stores_away(sort):
-            put("away", sort, removed, array.Literal(0), w)
+            put("away", sort, removed, Literal(0), w)
     if sends.shifted:
         settle(sends.shifted, w)
 
 
-def _facing(s: ir.Send, w: Writer) -> array.Literal:
+def _facing(s: ir.Send, w: Writer) -> Literal:
     """Returns the heading that an agent sent away will have."""
     match s.facing:
         case None:
@@ -158,9 +158,7 @@ def _facing(s: ir.Send, w: Writer) -> array.Literal:
             return w.module.number(heading, HEADINGS.index(heading))
 
 
-def _place_pool(
-    pool: Pool, sends: Sends, entered: list[tuple[Pool, array.Name]], w: Writer
-) -> array.Name:
+def _place_pool(pool: Pool, sends: Sends, entered: list[tuple[Pool, Name]], w: Writer) -> Name:
     """Writes the placing of those who are sent to a pool at once; returns who found a cell."""
     parts = sends.now[pool.number]
     w.origin = parts[0].send.origin
@@ -174,15 +172,15 @@ def _place_pool(
         who = placed if len(parts) == 1 else part.who & placed
         turn(pool.sort, who, part.send.facing, pool.send.heading_stream, w)
     if w.module.stores_away(pool.sort):
-        put("away", pool.sort, placed, array.Literal(0), w)
+        put("away", pool.sort, placed, Literal(0), w)
     return placed
 
 
-def _fitting_of_all(parts: list[Sent]) -> array.Expression | None:
+def _fitting_of_all(parts: list[Sent]) -> Expression | None:
     """Returns which cells fit each agent, for all statements that send to a pool."""
     if len(parts) == 1 or parts[0].fitting is None:
         return parts[0].fitting
-    fitting: list[array.Expression] = []
+    fitting: list[Expression] = []
     for part in parts:
         if part.fitting is not None:
             sent = part.who[:, None]
@@ -192,12 +190,12 @@ def _fitting_of_all(parts: list[Sent]) -> array.Expression | None:
 
 def place(
     pool: Pool,
-    sent: array.Expression,
-    leaving: array.Expression | None,
-    fitting: array.Expression | None,
+    sent: Expression,
+    leaving: Expression | None,
+    fitting: Expression | None,
     w: Writer,
-    entered: list[tuple[Pool, array.Name]],
-) -> array.Name:
+    entered: list[tuple[Pool, Name]],
+) -> Name:
     """Writes the placing of one pool; returns who found a cell.
 
     sent: who is placed, `[N]` bool. leaving, entered: see `free_cells`. fitting: which cells fit
@@ -205,17 +203,17 @@ def place(
     """
     attribute = attribute_of("position", pool.sort)
     free = free_cells(pool, leaving, fitting is None, w, entered)
-    placed = array.Name(w.names.fresh("placed"))
+    placed = Name(w.names.fresh("placed"))
     before = w.current(attribute)
-    position = w.changed.get(attribute) or array.Name(w.names.fresh(attribute))
-    assert isinstance(position, array.Name)
+    position = w.changed.get(attribute) or Name(w.names.fresh(attribute))
+    assert isinstance(position, Name)
     w.changed[attribute] = position
     extent = w.module.extent(pool.sort)
-    bits = array.call("random_bits", KEY, w.stream(pool.send.cell_stream), extent)
+    bits = call("random_bits", KEY, w.stream(pool.send.cell_stream), extent)
     cells = state_reads.cells_of(pool.kinds, w)
     if fitting is None:
-        result = array.call("place", cells, free, bits, before, sent)
+        result = call("place", cells, free, bits, before, sent)
     else:
-        result = array.call("place_fitting", cells, free, fitting, bits, before, sent)
+        result = call("place_fitting", cells, free, fitting, bits, before, sent)
     w.unpack((position, placed), result)
     return placed

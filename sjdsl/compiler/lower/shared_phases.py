@@ -10,7 +10,16 @@ from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import RESERVED, Names, phase_function
 from sjdsl.compiler.lower.writer import replaced
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Assign,
+    Binary,
+    Call,
+    Expression,
+    Literal,
+    Name,
+    Return,
+    Statement,
+)
 
 
 class Turn(Record):
@@ -21,7 +30,7 @@ class Turn(Record):
     """
 
     function: Function
-    given: tuple[array.Expression, ...] = ()
+    given: tuple[Expression, ...] = ()
     marks: str = ""
 
 
@@ -44,9 +53,9 @@ class SharedBody:
     given: tuple[tuple[str, ...], ...]
     names: Names
     variables: dict[tuple[str, ...], str] = field(default_factory=dict)
-    own: dict[tuple[object, ...], array.Name] = field(default_factory=dict)
-    numbers: dict[str, tuple[array.Name, list[int]]] = field(default_factory=dict)
-    arguments: list[tuple[array.Expression, ...]] = field(default_factory=list)
+    own: dict[tuple[object, ...], Name] = field(default_factory=dict)
+    numbers: dict[str, tuple[Name, list[int]]] = field(default_factory=dict)
+    arguments: list[tuple[Expression, ...]] = field(default_factory=list)
 
     def node(self, nodes: tuple[object, ...]) -> object:
         """Returns the nodes of all uses as one, with a parameter where they differ.
@@ -57,21 +66,21 @@ class SharedBody:
         if any(type(node) is not type(first) for node in nodes):
             raise CannotShare
         match first:
-            case array.Assign():
+            case Assign():
                 value = self.node(tuple(node.value for node in nodes))  # type: ignore[attr-defined]
                 names_of_uses = (node.names for node in nodes)  # type: ignore[attr-defined]
                 targets = [self.variable(names) for names in zip(*names_of_uses, strict=True)]
                 return replace(first, names=tuple(targets), value=value)  # type: ignore[arg-type]
-            case array.Name():
+            case Name():
                 identifiers = tuple(node.identifier for node in nodes)  # type: ignore[attr-defined]
                 if identifiers in self.variables:
-                    return array.Name(self.variables[identifiers])
+                    return Name(self.variables[identifiers])
                 return (
                     first
                     if len(set(identifiers)) == 1
                     else self.parameter(nodes, identifiers, tuple(map(str.isupper, identifiers)))
                 )
-            case array.Literal():
+            case Literal():
                 values = tuple((node.value, node.name) for node in nodes)  # type: ignore[attr-defined]
                 names = tuple(name for _, name in values)
                 if len(set(values)) == 1:
@@ -97,7 +106,7 @@ class SharedBody:
 
     def parameter(
         self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]
-    ) -> array.Expression:
+    ) -> Expression:
         """Returns what stands for different numbers or tables: a parameter, or one plus a number."""
         if not all(closed):
             raise CannotShare
@@ -105,7 +114,7 @@ class SharedBody:
         if key in self.own:
             return self.own[key]
         word = self.parameter_in(names)
-        literals = [node.value for node in nodes if isinstance(node, array.Literal)]
+        literals = [node.value for node in nodes if isinstance(node, Literal)]
         numbers = [value for value in literals if isinstance(value, int)]
         are_numbers = len(numbers) == len(nodes)
         if are_numbers and word in self.numbers:
@@ -115,7 +124,7 @@ class SharedBody:
                 return _plus(parameter, differences.pop())
         is_stream = names[0].startswith("STREAM")
         name = "stream" if is_stream else self.common(names) or "number"
-        self.own[key] = array.Name(self.names.fresh(name))
+        self.own[key] = Name(self.names.fresh(name))
         self.arguments.append(nodes)  # type: ignore[arg-type]
         if word and are_numbers:
             self.numbers.setdefault(word, (self.own[key], numbers))
@@ -159,11 +168,11 @@ class SharedBody:
         ]
 
 
-def _plus(parameter: array.Name, number: int) -> array.Expression:
+def _plus(parameter: Name, number: int) -> Expression:
     """Returns a parameter plus a number: an enum value has other numbers in other enums."""
     if number == 0:
         return parameter
-    return array.Binary("-" if number < 0 else "+", parameter, array.Literal(abs(number)))
+    return Binary("-" if number < 0 else "+", parameter, Literal(abs(number)))
 
 
 def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
@@ -193,7 +202,7 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     if any(len(one) != len(parameters) for one in given):
         parameters = ()
     first = uses[0][1]
-    taken = {node.identifier for node in walk(first) if isinstance(node, array.Name)}
+    taken = {node.identifier for node in walk(first) if isinstance(node, Name)}
     shared_body = SharedBody(parameters, given, Names(RESERVED | taken))
     marks = [f"mark_{phase.name}" for phase, _ in uses]
     try:
@@ -207,7 +216,7 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
         return alone
     assert isinstance(body, tuple)
     last = body[-1]
-    assert isinstance(last, array.Return)
+    assert isinstance(last, Return)
     marked = len(last.values) > 2
     returns = "tuple[State, Outcome, Array]" if marked else first.returns
     types = [_type_of(nodes[0]) for nodes in shared_body.arguments]
@@ -225,19 +234,19 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     }
 
 
-def _type_of(argument: array.Expression) -> str:
+def _type_of(argument: Expression) -> str:
     """Returns the type of an argument: a table, or a number."""
-    if isinstance(argument, array.Literal):
+    if isinstance(argument, Literal):
         return type(argument.value).__name__
     return "Array"
 
 
-def _marks_apart(body: tuple[array.Statement, ...], mark: str) -> tuple[array.Statement, ...]:
+def _marks_apart(body: tuple[Statement, ...], mark: str) -> tuple[Statement, ...]:
     """Returns the body of a function that returns the cells it marks apart from the state."""
     last = body[-1]
-    assert isinstance(last, array.Return)
+    assert isinstance(last, Return)
     state, out = last.values
-    changes = dict(state.keywords) if isinstance(state, array.Call) else {}
+    changes = dict(state.keywords) if isinstance(state, Call) else {}
     if mark not in changes:
         return body
     marked = changes.pop(mark)

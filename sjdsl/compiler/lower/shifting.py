@@ -29,7 +29,18 @@ from sjdsl.compiler.lower.expressions import agent, owner
 from sjdsl.compiler.lower.per_agent import of_each, per_agent, turn
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Binary,
+    Expression,
+    Literal,
+    Name,
+    Where,
+    as_array,
+    call,
+    constant,
+    path,
+    reduction,
+)
 from sjdsl.runtime.actions import DIRECTIONS, HEADINGS
 
 
@@ -48,8 +59,8 @@ class Shifted(Record):
     """
 
     statement: ir.Shift
-    who: array.Expression
-    target: array.Expression
+    who: Expression
+    target: Expression
 
 
 def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
@@ -75,7 +86,7 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
 
 def _stride(heading: Value, w: Writer) -> Value:
     cols = w.module.layout.cols
-    strides = array.constant([row * cols + col for row, col in DIRECTIONS])
+    strides = constant([row * cols + col for row, col in DIRECTIONS])
     table = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
     return w.keep("stride", Value(table[heading.node], "i32", heading.axes))
 
@@ -87,11 +98,11 @@ def _cells_on(course: _Course, number: Value, w: Writer) -> Value:
         distance = course.stride * number
         return course.start + distance
     axes = union(course.start.axes, course.heading.axes, number.axes)
-    heading = replace(course.heading, node=array.as_array(course.heading.node, "i32"))
+    heading = replace(course.heading, node=as_array(course.heading.node, "i32"))
     parts = [aligned(part, axes) for part in (course.start, heading, number)]
-    height = array.Literal(layout.height)
-    width = array.Literal(layout.width)
-    return Value(array.call("cells_on", *parts, height, width, array.Name("PAD")), "i32", axes)
+    height = Literal(layout.height)
+    width = Literal(layout.width)
+    return Value(call("cells_on", *parts, height, width, Name("PAD")), "i32", axes)
 
 
 def _heading(
@@ -118,7 +129,7 @@ def _written_heading(heading: ir.Expr, quarters: int, scope: IterationScope, w: 
         return literal((numbers[int(value.number)] + quarters) % 4, "i32")
     if numbers == list(range(len(HEADINGS))):
         return _turned(as_dtype(value, "i32"), quarters)
-    table = array.as_array(array.constant([(n + quarters) % 4 for n in numbers]), "i32")
+    table = as_array(constant([(n + quarters) % 4 for n in numbers]), "i32")
     return replace(value, node=table[value.node], dtype="i32")
 
 
@@ -134,8 +145,8 @@ def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Val
     if layout.wraps:
         rows = w.keep("shorter", _shorter_way(rows, layout.height))
         cols = w.keep("shorter", _shorter_way(cols, layout.width))
-    down = replace(rows, node=array.call("jnp.abs", rows.node))
-    across = replace(cols, node=array.call("jnp.abs", cols.node))
+    down = replace(rows, node=call("jnp.abs", rows.node))
+    across = replace(cols, node=call("jnp.abs", cols.node))
     looks_along_row = _bit(state_reads.heading(who, w))
     zero = literal(0, "i32")
     upright = select(
@@ -161,13 +172,13 @@ def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Val
 def _difference(goal: Value, position: Value, op: str, w: Writer) -> Value:
     """Returns how many rows (`//`) or columns (`%`) lie from one cell to another."""
     cols = w.module.number("frame_cols", w.module.layout.cols)
-    end = replace(goal, node=array.Binary(op, goal.node, cols))
-    start = replace(position, node=array.Binary(op, position.node, cols))
+    end = replace(goal, node=Binary(op, goal.node, cols))
+    start = replace(position, node=Binary(op, position.node, cols))
     return end - start
 
 
 def _shorter_way(distance: Value, length: int) -> Value:
-    return replace(distance, node=array.call("shorter_way", distance.node, length))
+    return replace(distance, node=call("shorter_way", distance.node, length))
 
 
 def _is_half(distance: Value, length: int) -> Value:
@@ -203,7 +214,7 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
     number = iota(axis) + 1
     cells = w.keep("way", _cells_on(course, number, w))
     is_open = _is_open(cells, who, w)
-    standing = array.reduction("any", stand_on(cells, everybody), (len(cells.axes),))
+    standing = reduction("any", stand_on(cells, everybody), (len(cells.axes),))
     last = number >= steps
     taken = select(last, literal(False, "bool"), Value(standing, "bool", cells.axes))
     free = is_open & ~taken
@@ -246,18 +257,18 @@ def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
     position = attribute_of("position", sort)
     extent = w.module.extent(sort)
     before = w.bind("before", w.current(position))
-    targets: array.Expression = before
-    ranks: array.Expression = array.call("jnp.zeros", extent, array.path("jnp.uint32"))
+    targets: Expression = before
+    ranks: Expression = call("jnp.zeros", extent, path("jnp.uint32"))
     for move in moves:
         w.origin = move.statement.origin
-        bits = array.call("random_bits", KEY, w.stream(move.statement.stream), extent)
-        targets = array.Where(move.who, move.target, targets)
-        ranks = bits if len(moves) == 1 else array.Where(move.who, bits, ranks)
+        bits = call("random_bits", KEY, w.stream(move.statement.stream), extent)
+        targets = Where(move.who, move.target, targets)
+        ranks = bits if len(moves) == 1 else Where(move.who, bits, ranks)
     for other in body_sorts(w.module.game):
         if other != sort:  # who stands on a cell keeps it
-            taken = array.call("is_one_of", targets, w.current(attribute_of("position", other)))
-            targets = array.Where(taken, before, targets)
-    resolved = array.call("resolve", before, targets, ranks, exchange=True)
+            taken = call("is_one_of", targets, w.current(attribute_of("position", other)))
+            targets = Where(taken, before, targets)
+    resolved = call("resolve", before, targets, ranks, exchange=True)
     w.assign(position, resolved)
     has_moved = w.current(position).ne(before)
     for move in moves:

@@ -11,11 +11,11 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, select
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
 from sjdsl.compiler.program.expressions import (
     NEW_AXIS,
     DType,
     Expression,
+    Literal,
     Name,
     Sequence,
     call,
@@ -294,7 +294,7 @@ def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     assert isinstance(variable, CellVar)
     at = cell(variable, w)
     cols = w.module.number("frame_cols", w.module.layout.cols)
-    pad = array.Literal(w.module.layout.pad, "PAD")
+    pad = Literal(w.module.layout.pad, "PAD")
     row = at.node // cols - pad
     col = at.node % cols - pad
     kept = (row << ROW) + col
@@ -304,7 +304,7 @@ def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
 def frame_cell(value: Value, w: Writer) -> Value:
     """Returns the cell of the frame that a kept one is; 0 for nowhere."""
     cols = w.module.number("frame_cols", w.module.layout.cols)
-    pad = array.Literal(w.module.layout.pad, "PAD")
+    pad = Literal(w.module.layout.pad, "PAD")
     row = (value.node >> ROW) + pad
     col = (value.node & (1 << ROW) - 1) + pad
     at = replace(value, node=row * cols + col)
