@@ -58,6 +58,7 @@ from sjdsl.compiler.program.expressions import (
     path,
     reduction,
     scalar,
+    zeros,
 )
 from sjdsl.runtime.fields import StateField
 
@@ -297,7 +298,7 @@ def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
     parts: list[Expression] = list(w.marked)
     missing = mark_size(phase, w.module.game) - sum(w.marked.values())
     if missing:
-        parts.append(call("jnp.zeros", missing, DTYPES["i32"]))
+        parts.append(zeros("i32", missing))
     if len(parts) == 1:
         return parts[0]
     return call("jnp.concatenate", list(parts))

@@ -96,13 +96,13 @@ def over_neighbours(
         .when(state_reads.is_site(site, d.var.kinds, w))
     )
     if d.where is not None:
-        inner = inner.when(w.value(d.where, inner.always()))
+        inner = inner.when(w.value(d.where, inner))
     fold = "sum" if isinstance(e, ir.Count | ir.Sum) else REDUCTIONS[e.fn].array
     if isinstance(e, ir.Count):
         value = inner.mask
     else:
         nothing = literal(0, "i32") if otherwise is None else otherwise
-        value = select(inner.mask, as_dtype(w.value(e.value, inner.always()), "i32"), nothing)
+        value = select(inner.mask, as_dtype(w.value(e.value, inner), "i32"), nothing)
     _, *given = w.parameters.items()
     body = Lambda(
         (number.identifier, *(name.identifier for _, name in given)), spread(value, (axis,))
@@ -139,8 +139,8 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
         if not new:
             return as_dtype(inner.mask, "i32")
         return w.keep(name, reduce("sum", inner.mask, new))
-    value = as_dtype(w.value(e.value, inner.always()), "i32" if e.type.kind == "int" else "f32")
-    values = select(inner.mask, value, literal(0, value.dtype))
+    value = as_dtype(w.value(e.value, inner), "i32" if e.type.kind == "int" else "f32")
+    values = select(inner.mask, value, 0)
     if new and w.exact and value.dtype == "f32":
         return w.keep("total", _exact_sum(values, new))
     return w.keep("total", reduce("sum", values, new))
@@ -176,7 +176,7 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
     dtype: DType = "i32" if e.type.kind == "int" else "f32"
     otherwise = None
     if e.otherwise is not None:
-        otherwise = as_dtype(w.value(e.otherwise, scope.always()), dtype)
+        otherwise = as_dtype(w.value(e.otherwise, scope), dtype)
     if is_empty(e.domain, w):
         assert otherwise is not None
         return otherwise
@@ -185,7 +185,7 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
         return w.keep(reduction.kept, over_neighbours(e, scope, w, otherwise))
     inner = enter(e.domain, scope.always(), w)
     new = tuple(a for a in inner.axes if a not in scope.axes)
-    value = as_dtype(w.value(e.value, inner.always()), dtype)
+    value = as_dtype(w.value(e.value, inner), dtype)
     mask = inner.mask
     if any(a in value.axes for a in new):
         if mask != TRUE and otherwise not in (None, neutral):

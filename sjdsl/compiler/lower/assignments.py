@@ -53,6 +53,7 @@ from sjdsl.compiler.program.expressions import (
     scalar,
     shape_of,
     written,
+    zeros,
 )
 
 MOST_NESTED = 100  # additions in one expression, through which Python goes recursively
@@ -192,7 +193,7 @@ def _outranking(
     best: Expression | None = w.best_ranks.get(target.attribute)
     if best is not None:
         ranks = w.bind("rank", call("outranking", place, ranks, best))
-    best = best or call("jnp.zeros", extent, DTYPES["u32"])
+    best = best or zeros("u32", extent)
     kept = w.bind("best", call("best_ranks", place, ranks, best))
     w.best_ranks[target.attribute] = kept
     return ranks
@@ -261,7 +262,7 @@ def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) 
         e = e.model_copy(update={"type": target.type})
     if target.type.kind == "cell":
         return state_reads.kept_cell(e, scope, w)
-    value = w.value(e, scope.always())
+    value = w.value(e, scope)
     match target.type.kind:
         case "word":
             return to_words(value, e.type.words, target.type.words, w, declared_by(target, w))
@@ -428,7 +429,7 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
             continue
         dtype: DType = "f32" if target.read.type.kind == "real" else "i32"
         with w.deciding(decides):
-            value = as_dtype(w.value(s.value, scope.always()), dtype)
+            value = as_dtype(w.value(s.value, scope), dtype)
         is_exact = decides and value.dtype == "f32"
         if is_exact:
             _count_terms(target, s, w)
@@ -455,11 +456,11 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     """
     scope = target.scope
     if scope.mask == TRUE or not value.levels:
-        masked = select(scope.mask, value, literal(0, value.dtype))
+        masked = select(scope.mask, value, 0)
     else:
         axes = union(scope.mask.axes, value.axes)
         test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
-        masked = replace(value, node=Where(test, _row_aligned(value, axes), Literal(0)), axes=axes)
+        masked = replace(value, node=Where(test, aligned(value, axes), Literal(0)), axes=axes)
     sums = w.added.setdefault(target.attribute, [])
     own = target.own_axes
     key = target.key(w) if own is None or target.along is None else None
@@ -477,9 +478,7 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         entries = union(own, (target.along,))
         total = reduce("sum", masked, tuple(a for a in scope.axes if a not in entries))
         is_array = bool(total.axes or total.levels)
-        node = (
-            rolled(_row_aligned(total, entries), entries, target.along) if is_array else total.node
-        )
+        node = rolled(aligned(total, entries), entries, target.along) if is_array else total.node
         sums.append(
             w.keep(
                 f"{target.attribute}_added",
@@ -492,7 +491,7 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         if (
             total.axes or total.levels
         ):  # a row that is the same for all is aligned too: JAX would not know which axis it lacks
-            total = replace(total, node=_row_aligned(total, own), axes=own)
+            total = replace(total, node=aligned(total, own), axes=own)
         sums.append(w.keep(f"{target.attribute}_added", total))
         return
     assert target.who is not None
@@ -508,7 +507,7 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     )
     if is_exact:
         zeros = call("fixed_point", zeros)
-    amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
+    amount = aligned(total, axes) if total.axes or total.levels else total.node
     shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
     places = (spread(index, axes) if axes else index.node,)
     sets = written("add_at", zeros, places, amount)
@@ -520,20 +519,10 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     )
 
 
-def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> Expression:
-    """Returns a value lined up with axes, its levels last."""
-    if value.axes == axes:
-        return value.node
-    return value.node[
-        *(ALL if a in value.axes else NEW_AXIS for a in axes),
-        *[ALL] * value.levels,
-    ]
-
-
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
     scope, who = target.scope, target.who
-    member = w.value(s.value, scope.always())
+    member = w.value(s.value, scope)
     joining = scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
     dtype, words = w.module.set_dtype, w.module.numbers_per_set
     keys = [x for x in (target.key(w),) if x is not None]
@@ -565,8 +554,8 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
                 dtype,
                 (itself,),
             )
-            zeros = call("jnp.zeros", shape_of(tuple(extents)), DTYPES[dtype])
-            sets = written("add_at", zeros, tuple(places), aligned(bits, axes))
+            none = zeros(dtype, *extents)
+            sets = written("add_at", none, tuple(places), aligned(bits, axes))
         else:
             sets = _folded(places, aligned(member, axes), extents, w)
     if target.read.type.by and not keys:  # to every entry of the row
@@ -582,7 +571,7 @@ def _folded(
 
     places: where each instance adds; sizes: how many places there are.
     """
-    empty = call("jnp.zeros", shape_of((*sizes, w.module.agents)), Name("bool"))
+    empty = zeros("bool", *sizes, w.module.agents)
     table = written("set_at", empty, (*places, member), Literal(True))
     members = w.keep("members", Value(table, "bool")).node
     if w.module.numbers_per_set:

@@ -4,7 +4,6 @@ An operation lines its operands up by the names of their axes. Axes are in the o
 were made, those of outer statements first.
 """
 
-import functools
 import operator
 from array import array
 from collections.abc import Callable
@@ -28,6 +27,7 @@ from sjdsl.compiler.program.expressions import (
     Index,
     Literal,
     Name,
+    Part,
     Slice,
     Unary,
     Where,
@@ -65,15 +65,15 @@ class Axis(Record):
 
 
 def _operator(op: str) -> Callable[["Value", "Operand"], "Value"]:
-    return lambda left, right: binary(op, left, _value(right, left.dtype))
+    return lambda left, right: binary(op, left, as_value(right, left.dtype))
 
 
 class Value(Record):
-    """An array: `node` computes it. Operators combine arrays by the names of their axes.
+    """An array that `node` computes.
 
-    `==` tells whether two are computed alike; `eq` and `ne` compare them entry by entry.
-    The axes are `axes`, then `levels` more: those of the entries of rows and tables, and last that
-    of the numbers of large sets of agents.
+    Its axes are `axes`, then `levels` more: those of the entries of rows and tables, and last that
+    of the numbers of large sets of agents. Operators align arrays by their axes. `==` says whether
+    two values are the same expression; `eq` and `ne` compare entry by entry.
     """
 
     node: Expression
@@ -137,7 +137,8 @@ TRUE = literal(True, "bool")
 FALSE = literal(False, "bool")
 
 
-def _value(operand: Operand, dtype: DType) -> Value:
+def as_value(operand: Operand, dtype: DType) -> Value:
+    """Returns a number, or a number that the module names, as a value of a dtype."""
     match operand:
         case Value():
             return operand
@@ -181,8 +182,16 @@ def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression
     lacking = max(0, levels - value.levels)
     if value.axes == axes and not lacking:
         return value.node
-    keys = [ALL if axis in value.axes else NEW_AXIS for axis in axes]
-    return indexed(value.node, (*keys, *[NEW_AXIS] * lacking))
+    return indexed(value.node, (*_keys(value, axes), *[NEW_AXIS] * lacking))
+
+
+def row_aligned(row: Value, axes: tuple[Axis, ...]) -> Expression:
+    """Returns a row with an axis of length 1 for each of `axes` that it lacks, its levels last."""
+    return row.node if row.axes == axes else Index(row.node, _keys(row, axes))
+
+
+def _keys(value: Value, axes: tuple[Axis, ...]) -> tuple[Slice | Literal, ...]:
+    return tuple(ALL if axis in value.axes else NEW_AXIS for axis in axes)
 
 
 def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expression:
@@ -209,6 +218,23 @@ def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
     if value.axes == axes:
         return value.node
     return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
+
+
+def called(kernel: str, *arguments: Value | Part, dtype: DType | None = None) -> Value:
+    """Returns a call of a function of arrays, which are aligned.
+
+    dtype: of the result; that of the first argument if None.
+    """
+    first = arguments[0]
+    assert isinstance(first, Value)
+    axes = union(*(a.axes for a in arguments if isinstance(a, Value)))
+    nodes = [aligned(a, axes) if isinstance(a, Value) else a for a in arguments]
+    return Value(call(kernel, *nodes), dtype or first.dtype, axes, first.levels)
+
+
+def looked_up(table: Expression, key: Value, dtype: DType) -> Value:
+    """Returns entries of a table of the map or of the game."""
+    return Value(table[key.node], dtype, key.axes)
 
 
 def taken(value: Value, key: Expression, levels: int = 0) -> Value:
@@ -309,22 +335,12 @@ def _is_neutral(op: str, value: Value) -> bool:
     return value.number == _NEUTRAL.get(op)
 
 
-def both(*conditions: Value) -> Value:
-    """Returns the conjunction."""
-    return functools.reduce(operator.and_, conditions, TRUE)
-
-
-def either(tests: list[Value]) -> Value:
-    """Returns the disjunction."""
-    return functools.reduce(operator.or_, tests, FALSE)
-
-
 def select(condition: Value, a: Operand, b: Operand) -> Value:
     """Returns `a` where the condition holds, else `b`; numbers are of the other one's dtype."""
     if not isinstance(a, Value):
         assert isinstance(b, Value)
-        a = _value(a, b.dtype)
-    b = _value(b, a.dtype)
+        a = as_value(a, b.dtype)
+    b = as_value(b, a.dtype)
     if condition == TRUE:
         return a
     if condition == FALSE:

@@ -59,7 +59,7 @@ def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         site, is_on = state_reads.site_under(agent, d.on.kinds, w)
         inner = inner.binding(**{d.on.name: CellVar(site, d.on.kinds)}).when(is_on)
     if d.where is not None:
-        inner = inner.when(w.value(d.where, inner.always()))
+        inner = inner.when(w.value(d.where, inner))
     return inner
 
 
@@ -90,7 +90,7 @@ def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
         return None
     if d.restriction.value.type.kind != "agents":
         return None
-    return w.value(d.restriction.value, scope.always())
+    return w.value(d.restriction.value, scope)
 
 
 def extended(

@@ -116,7 +116,7 @@ def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     Where only a guard keeps it from being negative, rounding may bring it below 0: it is 0 then.
     """
     with w.deciding():
-        p = real(e, scope.always(), w)
+        p = real(e, scope, w)
     if e.type.low < 0:
         return replace(p, node=call("jnp.maximum", p.node, 0.0))
     return p
@@ -138,8 +138,8 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     assert s.low is not None and s.high is not None
     if s.type.kind == "real":
         return w.keep(s.name, _between(s, s.low, s.high, bits, scope, w))
-    low = as_dtype(w.value(s.low, scope.always()), "i32")
-    high = as_dtype(w.value(s.high, scope.always()), "i32")
+    low = as_dtype(w.value(s.low, scope), "i32")
+    high = as_dtype(w.value(s.high, scope), "i32")
     span = high - low + 1
     axes = union(bits.axes, span.axes)
     drawn = Value(call("below", aligned(bits, axes), aligned(span, axes)), "i32", axes)
@@ -151,8 +151,8 @@ def _between(
 ) -> Value:
     """Returns a real drawn between two others."""
     with w.deciding(s.name in w.module.deciding.variables):
-        start = operand(low, real(low, scope.always(), w), w)
-        end = operand(high, real(high, scope.always(), w), w)
+        start = operand(low, real(low, scope, w), w)
+        end = operand(high, real(high, scope, w), w)
         share = replace(bits, node=call("unit", bits.node), dtype="f32")
         offset = (end - start) * share
         if w.exact:

@@ -14,6 +14,7 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     binary,
     literal,
+    row_aligned,
     select,
     taken,
     union,
@@ -46,7 +47,7 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
     axes = union(row.axes, key.axes)
     if e.type.kind == "agents" and row.levels == 2:
-        found = call("entry", numbers_first(aligned_row(row, axes)), aligned(key, axes))
+        found = call("entry", numbers_first(row_aligned(row, axes)), aligned(key, axes))
         return Value(numbers_last(found), row.dtype, axes, 1)
     if row.levels != 1:
         instead = "write one of the words out with `case`"
@@ -55,7 +56,7 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
             e.origin,
             instead,
         )
-    return Value(call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
+    return Value(call("entry", row_aligned(row, axes), aligned(key, axes)), row.dtype, axes)
 
 
 def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
@@ -102,13 +103,6 @@ def rolled(node: Expression, axes: tuple[Axis, ...], along: Axis) -> Expression:
     return call("jnp.moveaxis", node, place, last)
 
 
-def aligned_row(row: Value, axes: tuple[Axis, ...]) -> Expression:
-    """Returns a row lined up with axes, its levels last."""
-    if row.axes == axes:
-        return row.node
-    return row.node[tuple(ALL if a in row.axes else NEW_AXIS for a in axes)]
-
-
 def numbers_first(sets: Expression) -> Expression:
     """Returns large sets with the axis of their numbers first, so that entries come last."""
     return call("jnp.moveaxis", sets, -1, 0)
@@ -121,10 +115,10 @@ def numbers_last(sets: Expression) -> Expression:
 
 def _expected(row: Value, shares: Value, w: Writer) -> Value:
     axes = union(row.axes, shares.axes)
-    left = aligned_row(shares, axes)
+    left = row_aligned(shares, axes)
     if row.levels > 1:
         left = left[*[ALL] * (len(axes) + 1), *[NEW_AXIS] * (row.levels - 1)]
-    products = left * aligned_row(as_dtype(row, "f32"), axes)
+    products = left * row_aligned(as_dtype(row, "f32"), axes)
     place = len(axes)
     if w.exact:
         total: Expression = call("sum_in_order", products, place)

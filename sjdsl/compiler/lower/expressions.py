@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import reduce
+from operator import and_, or_
 from typing import Literal as OneOf
 from typing import assert_never
 
@@ -17,16 +18,15 @@ from sjdsl.compiler.lower.axes import (
     aligned,
     as_dtype,
     binary,
-    both,
-    either,
     float32,
     literal,
+    row_aligned,
     select,
     summed,
     union,
 )
 from sjdsl.compiler.lower.condition_names import condition_name, value_name
-from sjdsl.compiler.lower.entries import aligned_row, entry, numbers_first, numbers_last, to_words
+from sjdsl.compiler.lower.entries import entry, numbers_first, numbers_last, to_words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
 from sjdsl.compiler.program.expressions import (
@@ -121,7 +121,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return ~lower(e.value, scope, w)
         case ir.Logic():
             parts = [lower(a, scope, w) for a in e.args]
-            return either(parts) if e.fn == "or" else both(*parts)
+            return reduce(or_ if e.fn == "or" else and_, parts)
         case ir.Count() | ir.Sum():
             return total(e, scope, w)
         case ir.Extreme():
@@ -169,7 +169,7 @@ def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
     value = lower(e.value, scope, w)
     if container.levels:
         axes = union(container.axes, value.axes)
-        node = call("has_member", aligned_row(container, axes), aligned(value, axes))
+        node = call("has_member", row_aligned(container, axes), aligned(value, axes))
         return Value(node, "bool", axes)
     shifted = as_dtype(container, "u32") >> as_dtype(value, "u32")
     bit = shifted & 1
@@ -208,8 +208,8 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
         case _:
             pass
     axes = union(row.axes, filler.axes)
-    entries = aligned_row(row, axes)
-    fill = scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
+    entries = row_aligned(row, axes)
+    fill = scalar(filler.node, row.dtype) if filler.literal else row_aligned(filler, axes)
     if row.levels > 1:  # of large sets
         if not filler.literal:
             fill = numbers_first(fill)
@@ -409,7 +409,7 @@ def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> V
     """Returns whether a word is one of some. e: what the value is of."""
     declared = declared_by(e, w)
     numbers = [w.module.word(word, e.type.words, declared) for word in words]
-    return either([value.eq(number) for number in numbers])
+    return reduce(or_, [value.eq(number) for number in numbers])
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:

@@ -114,7 +114,7 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     position = state_reads.positions(w, mover.sort)
     match course:
         case ir.Along():
-            value = w.value(course.heading, inner.always())
+            value = w.value(course.heading, inner)
             heading = to_words(value, course.heading.type.words, HEADINGS, w)
             spread_heading = Value(spread(heading, (axis,)), "u8", (axis,))
             direction = w.keep("way", as_dtype(spread_heading, "i32"))

@@ -8,7 +8,7 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, literal, union
 from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, scalar
+from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, scalar, zeros
 
 POSITION, HEADING = path("state.position"), path("state.heading")
 
@@ -90,7 +90,7 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     comment = "looks of the cells of the frame, fields aside"
     base = w.module.constant("base", layout.base_table(numbers), comment)
     frame_cells = w.module.number("frame_cells", layout.rows * layout.cols)
-    empty = call("jnp.zeros", frame_cells, path("jnp.uint8"))
+    empty = zeros("u8", frame_cells)
     planes = [
         w.bind(f"plane_{plane}", base if plane == content.plane else empty)
         for plane in range(1 + max(p.plane for p in parts))

@@ -15,7 +15,6 @@ from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    DTYPES,
     Cast,
     Expression,
     Literal,
@@ -23,6 +22,7 @@ from sjdsl.compiler.program.expressions import (
     call,
     scalar,
     written,
+    zeros,
 )
 from sjdsl.runtime.actions import HEADINGS
 
@@ -37,7 +37,7 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return reached
         return Value(call("jnp.full", extent, reached.node), "bool")
     at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
-    nobody = call("jnp.zeros", extent, DTYPES["bool"])
+    nobody = zeros("bool", extent)
     return Value(written("set_at", nobody, (at.node,), Literal(True)), "bool")
 
 
@@ -53,8 +53,8 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expre
         at = select(scope.mask, who.index, Value(extent, "i32"))
         axes = union(at.axes, value.axes)
         places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
-        zeros = call("jnp.zeros", extent, DTYPES["i32"])
-        return written("set_at", zeros, (places,), spread(value, axes))
+        none = zeros("i32", extent)
+        return written("set_at", none, (places,), spread(value, axes))
     if any(a != who.axis for a in value.axes):
         others = tuple(a for a in scope.axes if a != who.axis)
         value = reduce("max", select(scope.mask, value, literal(0, "i32")), others)

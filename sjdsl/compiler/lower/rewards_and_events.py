@@ -38,7 +38,7 @@ MANY = 64  # instances from which on agents are counted by the bits of sets
 
 def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
     """Adds to the rewards of this step."""
-    amount = real(s.value, scope.always(), w)
+    amount = real(s.value, scope, w)
     named = "" if isinstance(s.value, ir.Number) else value_name(s.value)
     name = f"num_{named}" if named else "times"  # how often each agent gets it
     if s.receiver is not None:
@@ -55,11 +55,7 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     """Counts an event."""
     event = event_named(w.module.game, s.event)
     attribute = f"event_{param_attribute(s.event)}"
-    amount = (
-        literal(1, "i32")
-        if s.amount is None
-        else as_dtype(w.value(s.amount, scope.always()), "i32")
-    )
+    amount = literal(1, "i32") if s.amount is None else as_dtype(w.value(s.amount, scope), "i32")
     if s.word is None:
         _count(s, attribute, None, amount, scope, w)
         return
@@ -126,9 +122,7 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
     if e.type.kind == "agents":
         members = w.value(e, scope)
         if many:
-            return _counted(
-                select(scope.mask, members, literal(0, members.dtype)), amount, axis, scope, w, name
-            )
+            return _counted(select(scope.mask, members, 0), amount, axis, scope, w, name)
         return _summed(scope.mask & in_set(members, axis), amount, scope.axes, w, name)
     who = agent(e, scope, w)
     if who.axis is not None:
@@ -146,7 +140,7 @@ def _summed_by_agent(
 ) -> Value:
     """Returns what each agent gets in all from the instances, each of which names one."""
     is_same = not any(a in amount.axes for a in scope.axes)
-    amounts = scope.mask if is_same else select(scope.mask, amount, literal(0, amount.dtype))
+    amounts = scope.mask if is_same else select(scope.mask, amount, 0)
     axes = union(index.axes, amounts.axes)
     node = call("segment_sum", spread(amounts, axes), spread(index, axes), axis.extent)
     alike = literal(math.prod(a.size for a in scope.axes if a not in axes), "i32")
@@ -166,7 +160,7 @@ def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
     dtype = w.module.set_dtype
     bit = scalar(Literal(1), dtype) << as_dtype(who.index, dtype).node
     one = alone.members if alone is not None else replace(who.index, node=bit, dtype=dtype)
-    return select(scope.mask, one, literal(0, one.dtype))
+    return select(scope.mask, one, 0)
 
 
 def _counted(
@@ -187,7 +181,7 @@ def _summed(reached: Value, amount: Value, over: tuple[Axis, ...], w: Writer, na
         return reduce("sum", amount, over)
     if over and not any(axis in amount.axes for axis in over):
         return _times(w.keep(name, reduce("sum", reached, over)), amount)
-    return reduce("sum", select(reached, amount, literal(0, amount.dtype)), over)
+    return reduce("sum", select(reached, amount, 0), over)
 
 
 def _times(count: Value, amount: Value) -> Value:

@@ -1,7 +1,9 @@
 """Lowers quantifiers that choose members: `pick` at random, `first` along lanes of a shape."""
 
 from dataclasses import replace
+from functools import reduce
 from math import prod
+from operator import or_
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import state_reads
@@ -12,7 +14,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    either,
     iota,
     literal,
     spread,
@@ -65,7 +66,7 @@ def pick(
     if is_empty(s.domain, w):
         return scope.when(FALSE), TRUE, s.body
     inner = _candidates_of(s.domain, scope.always(), w)
-    number = as_dtype(w.value(s.number, scope.always()), "i32")
+    number = as_dtype(w.value(s.number, scope), "i32")
     if inner.axes == scope.axes:  # the member is determined: it is there or not
         there = inner.mask
         return (
@@ -136,7 +137,7 @@ def _pick_one(
             source = Where(aligned(scope.mask, axes), source, Literal(0))
         alone = call("pick_of_sets", source, KEY, Lambda(("key",), drawn))
         picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
-        there = w.keep("found", picked.ne(literal(0, picked.dtype)))
+        there = w.keep("found", picked.ne(0))
         best_one = w.keep(name, Value(call("member_of", picked.node), "i32", axes))
         chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, scope.mask & there))
     else:
@@ -168,7 +169,7 @@ def _pick_one(
 
 def _is_where_any(mask: Value, members: Value, w: Writer) -> bool:
     """Returns whether a mask takes no member from any set: it holds for all, or for those with members."""
-    has_members = members.ne(literal(0, members.dtype)).node
+    has_members = members.ne(0).node
     return mask == TRUE or mask.node in (has_members, w.known.get((has_members, "bool")))
 
 
@@ -182,7 +183,7 @@ def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationS
     inner = enter(d.model_copy(update={"restriction": None}), scope, w)
     candidate = inner.variables[d.var.name].number
     numbers = [number_in(d, scope.variables[member.name], w) for member in d.restriction.members]
-    return inner.when(either([candidate.eq(number) for number in numbers]))
+    return inner.when(reduce(or_, [candidate.eq(number) for number in numbers]))
 
 
 def _take(values: Value, axis: Axis, best: Value) -> Value:

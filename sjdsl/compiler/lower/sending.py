@@ -24,7 +24,15 @@ from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Expression, Literal, Name, call, scalar, written
+from sjdsl.compiler.program.expressions import (
+    Expression,
+    Literal,
+    Name,
+    call,
+    scalar,
+    written,
+    zeros,
+)
 from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 
 
@@ -68,7 +76,7 @@ class Sends:
             return
         can_be_at_once = s.after.type.low <= 0
         fitting = _fitting(s, scope, w) if can_be_at_once else None
-        delays = _delays(s, as_dtype(w.value(s.after, scope.always()), "i32"), scope, w)
+        delays = _delays(s, as_dtype(w.value(s.after, scope), "i32"), scope, w)
         if can_be_at_once:
             zero = Literal(0)
             stays = sent & delays.eq(zero)
@@ -106,7 +114,7 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
     index = select(scope.mask, who.index, Value(extent, "i32"))
     places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
     rows = spread(fits, (*axes, axis))
-    empty = call("jnp.zeros", (extent, axis.extent), Name("bool"))
+    empty = zeros("bool", extent, axis.extent)
     table = written("set_at", empty, (places,), rows)
     return w.keep_node("fitting", table, "bool")
 

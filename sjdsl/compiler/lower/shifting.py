@@ -15,7 +15,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    both,
     indexed,
     iota,
     literal,
@@ -38,8 +37,8 @@ from sjdsl.compiler.program.expressions import (
     as_array,
     call,
     constant,
-    path,
     reduction,
+    zeros,
 )
 from sjdsl.runtime.actions import DIRECTIONS, HEADINGS
 
@@ -74,11 +73,11 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
         goes = is_somewhere & state_reads.present(who, w)
     else:
         assert s.steps is not None
-        steps = as_dtype(w.value(s.steps, scope.always()), "i32")
+        steps = as_dtype(w.value(s.steps, scope), "i32")
         heading, has_heading = _heading(s, who, position, scope, w)
         course = _Course(position, heading, _stride(heading, w))
         moves = steps > 0
-        goes = both(moves, has_heading, _is_free(s.steps.type, who, course, steps, w))
+        goes = moves & has_heading & _is_free(s.steps.type, who, course, steps, w)
         goal = w.keep("goal", _cells_on(course, steps, w))
     target = w.keep("target", select(goes, goal, position))
     return Shifted(s, sent, w.keep_node("target", of_each(s.who, target, scope, w), "i32"))
@@ -124,7 +123,7 @@ def _heading(
 def _written_heading(heading: ir.Expr, quarters: int, scope: IterationScope, w: Writer) -> Value:
     """Returns a heading turned by so many quarters to the right, as a number from 0 to 3."""
     numbers = [HEADINGS.index(word) for word in heading.type.words]
-    value = w.value(heading, scope.always())
+    value = w.value(heading, scope)
     if value.literal:
         return literal((numbers[int(value.number)] + quarters) % 4, "i32")
     if numbers == list(range(len(HEADINGS))):
@@ -258,7 +257,7 @@ def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
     extent = w.module.extent(sort)
     before = w.bind("before", w.current(position))
     targets: Expression = before
-    ranks: Expression = call("jnp.zeros", extent, path("jnp.uint32"))
+    ranks: Expression = zeros("u32", extent)
     for move in moves:
         w.origin = move.statement.origin
         bits = call("random_bits", KEY, w.stream(move.statement.stream), extent)

@@ -18,14 +18,13 @@ from sjdsl.compiler.lower.statements import mark_size
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import Field
 from sjdsl.compiler.program.expressions import (
-    DTYPES,
     Expression,
     Literal,
-    Name,
     call,
     constant,
     path,
     shape_of,
+    zeros,
 )
 from sjdsl.runtime.fields import StateField
 
@@ -44,9 +43,9 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
         size = mark_size(phase, game)
         comment = f"cells that {phase.label} can mark"
         number = w.module.number(f"marks_of_{phase.name}", size, comment)
-        zeros = call("jnp.zeros", number, INT32)
+        none = zeros("i32", number)
         meaning = f"cells marked by {phase.label}; 0: none"
-        fields.append(Field(f"mark_{phase.name}", f"[{size}]", "int32", meaning, zeros))
+        fields.append(Field(f"mark_{phase.name}", f"[{size}]", "int32", meaning, none))
     return fields
 
 
@@ -60,14 +59,14 @@ def _pose_fields(sort: ir.Sort, w: Writer) -> list[Field]:
     shape = "[N]" if is_agent else f"[{extent.size}]"
 
     def of_each(name: str, meaning: str) -> Field:
-        zeros = call("jnp.zeros", extent, INT32)
-        return Field(attribute_of(name, sort), shape, "int32", meaning, zeros)
+        none = zeros("i32", extent)
+        return Field(attribute_of(name, sort), shape, "int32", meaning, none)
 
     fields = [of_each("position", f"cell of each {sort.name} in the padded frame; 0: nowhere")]
     if is_agent:
         fields.append(of_each("heading", "0 north, 1 east, 2 south, 3 west"))
     if w.module.stores_moved(sort):
-        no = call("jnp.zeros", extent, Name("bool"))
+        no = zeros("bool", extent)
         meaning = "did the last movement change the cell"
         fields.append(Field(attribute_of("moved", sort), shape, "bool_", meaning, no))
     if w.module.stores_away(sort):
@@ -188,8 +187,8 @@ def param_value(value: object, type_: ir.Type) -> object:
 
 def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of Outcome."""
-    no_reward = call("jnp.zeros", w.module.agents, DTYPES["f32"])
-    not_ended = call("jnp.zeros", (), Name("bool"))
+    no_reward = zeros("f32", w.module.agents)
+    not_ended = zeros("bool")
     fields = [
         Field("reward", "[N]", "float32", "raw rewards of this step", no_reward),
         Field("ended", "[]", "bool_", "whether an `end` was performed", not_ended),
@@ -205,9 +204,9 @@ def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
             size.append(w.module.num_entries(event.by))
             dims.append(str(len(event.by)))
             meaning = f"{meaning}, by {_level(event.by)}"
-        zeros = call("jnp.zeros", shape_of(tuple(size)), INT32)
+        none = zeros("i32", *size)
         name = f"event_{param_attribute(event.name)}"
-        fields.append(Field(name, f"[{', '.join(dims)}]", "int32", meaning, zeros))
+        fields.append(Field(name, f"[{', '.join(dims)}]", "int32", meaning, none))
     return fields
 
 

@@ -289,7 +289,7 @@ def no_cell(w: Writer) -> Value:
 def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns a cell as a field keeps it: 256 times its row, and its column."""
     if not isinstance(e, ir.Member):
-        return w.value(e, scope.always())
+        return w.value(e, scope)
     variable = scope.variables[e.name]
     assert isinstance(variable, CellVar)
     at = cell(variable, w)
@@ -313,5 +313,5 @@ def frame_cell(value: Value, w: Writer) -> Value:
 
 def held_cell(e: ir.Expr, kinds: tuple[str, ...], scope: IterationScope, w: Writer) -> CellVar:
     """Returns the cell that a value is, by its number among some kinds; past the end: none."""
-    at = frame_cell(w.value(e, scope.always()), w)
+    at = frame_cell(w.value(e, scope), w)
     return CellVar(w.keep(f"{'_'.join(kinds)}_held", site_at(at, kinds, w)), kinds)

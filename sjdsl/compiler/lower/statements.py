@@ -29,7 +29,7 @@ def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Se
             case ir.Let():
                 before = len(w.body)
                 with w.deciding(s.name in w.module.deciding.variables):
-                    value = w.value(s.value, scope.always())
+                    value = w.value(s.value, scope)
                 value = w.keep(s.name, w.rename(s.name, value, before))
                 scope = replace(scope, locals={**scope.locals, s.name: value})
             case ir.Draw():
@@ -112,7 +112,7 @@ def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
         if number > 2:  # of many branches the conditions would pile up
             rest = replace(rest, mask=w.keep("rest", rest.mask))
         name = condition_name(branch.test, w.module.game)
-        test = w.value(branch.test, scope.always())
+        test = w.value(branch.test, scope)
         if len(s.branches) > 1 or s.otherwise:
             test = w.keep(name or "holds", test)
         mask_name = f"where_{name}" if name and rest.mask != TRUE else name
