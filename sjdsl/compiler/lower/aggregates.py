@@ -17,6 +17,7 @@ from sjdsl.compiler.lower.axes import (
     select,
     spread,
     union,
+    without,
 )
 from sjdsl.compiler.lower.domains import enter, is_empty, neighbours_constant, shape_name, whole_set
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
@@ -134,7 +135,7 @@ def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
     if is_over_neighbours(e, scope, w):
         return w.keep(name, over_neighbours(e, scope, w))
     inner = enter(e.domain, scope.always(), w)
-    new = tuple(a for a in inner.axes if a not in scope.axes)
+    new = without(inner.axes, scope.axes)
     if isinstance(e, ir.Count):
         if not new:
             return as_dtype(inner.mask, "i32")
@@ -166,7 +167,7 @@ def _exact_sum(values: Value, over: tuple[Axis, ...]) -> Value:
     """Returns the sum of reals over axes, which decides something."""
     axes = union(values.axes, over)
     places = constant(tuple(axes.index(axis) for axis in over))
-    kept = tuple(axis for axis in axes if axis not in over)
+    kept = without(axes, over)
     return Value(call("exact_sum", spread(values, axes), places), "f32", kept)
 
 
@@ -184,7 +185,7 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
     if otherwise == neutral and is_over_neighbours(e, scope, w):
         return w.keep(reduction.kept, over_neighbours(e, scope, w, otherwise))
     inner = enter(e.domain, scope.always(), w)
-    new = tuple(a for a in inner.axes if a not in scope.axes)
+    new = without(inner.axes, scope.axes)
     value = as_dtype(w.value(e.value, inner), dtype)
     mask = inner.mask
     if any(a in value.axes for a in new):

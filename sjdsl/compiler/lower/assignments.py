@@ -16,6 +16,8 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    axes_of,
+    broadcast,
     indexed,
     iota,
     joined,
@@ -25,6 +27,7 @@ from sjdsl.compiler.lower.axes import (
     spread,
     taken,
     union,
+    without,
 )
 from sjdsl.compiler.lower.draws import random_bits
 from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
@@ -44,14 +47,11 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Literal,
     Name,
-    Slice,
     Where,
     as_array,
     call,
-    constant,
     reduction,
     scalar,
-    shape_of,
     written,
     zeros,
 )
@@ -90,7 +90,11 @@ class Target(Record):
         """Returns the place of the entry of a row that is written; None for all of it."""
         if not self.keys:
             return None
-        return row_key(self.keys[0], self.read.type.by[0], self.scope.always(), w)
+        return row_key(self.keys[0], self.read.type.by[0], self.scope, w)
+
+    def num_entries(self, w: Writer) -> Literal:
+        """Returns how many entries a row has."""
+        return w.module.num_entries(self.read.type.by[0])
 
     @property
     def along(self) -> Axis | None:
@@ -102,11 +106,6 @@ class Target(Record):
         if axis is None or self.own_axes is None or axis in self.own_axes:
             return None
         return axis
-
-
-def past_the_end(who: Variable, w: Writer) -> Value:
-    """Returns the number after that of the last agent or cell: what is written there is dropped."""
-    return Value(w.module.extent(who.sort), "i32")
 
 
 def fields_of_several_lots(phase: ir.Phase) -> frozenset[tuple[str, str]]:
@@ -126,17 +125,16 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     by lot is overwritten where this one drew a greater rank.
     """
     scope = target.scope
-    one = literal(1, "u32")
-    bits = random_bits(stream, scope, w) >> one
-    rank = select(scope.mask, bits + one, literal(0, "u32"))
-    index = literal(0, "i32") if target.who is None else target.who.number
+    who = target.who
+    bits = random_bits(stream, scope, w) >> 1
+    rank = select(scope.mask, bits + 1, 0)
+    index = literal(0, "i32") if who is None else who.number
     key = target.key(w)
-    axes = union(scope.axes, index.axes, rank.axes, value.axes, () if key is None else key.axes)
-    zero = literal(0, "i32")
-    at = _flat(select(scope.mask, index, zero), axes, "i32")
+    axes = union(scope.axes, axes_of(index, rank, value, key))
+    at = _flat(select(scope.mask, index, 0), axes, "i32")
     entry: Expression | None = None
     if key is not None:
-        entry = _flat(select(scope.mask, as_dtype(key, "i32"), zero), axes, "i32")
+        entry = _flat(select(scope.mask, as_dtype(key, "i32"), 0), axes, "i32")
     ranks = _flat(rank, axes, "u32")
     place, extent = _lot_places(target, at, entry, w)
     if (target.read.held_by.what, target.read.name) in w.several_lots:
@@ -144,23 +142,19 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
         ranks = _outranking(target, place, w.bind("rank", ranks), extent, w)
     won = w.bind("won", call("drawn_by_lot", place, ranks, extent))
     current = w.current(target.attribute)
-    if target.who is None and entry is None:
+    if who is None and entry is None:
         drawn_first = reduction("argmax", won, (0,))
         drawn = _values(value, target, axes, w)[drawn_first]
         w.assign(target.attribute, Where(reduction("any", won), drawn, current))
         return
-    keys: tuple[Expression, ...]
-    if target.who is None:
-        past = scalar(w.module.num_entries(target.read.type.by[0]), "i32")
-        keys = (Where(won, place, past),)
+    places: tuple[Expression, ...]
+    if who is None or entry is None:
+        places = (Where(won, place, scalar(extent, "i32")),)
     else:
-        past = scalar(past_the_end(target.who, w).node, "i32")
-        if entry is None:
-            keys = (Where(won, place, past),)
-        else:
-            keys = (Where(won, at, past), entry)
+        past_the_end = scalar(w.module.extent(who.sort), "i32")
+        places = (Where(won, at, past_the_end), entry)
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
-    w.assign(target.attribute, written("set_at", current, keys, new))
+    w.assign(target.attribute, written("set_at", current, places, new))
 
 
 def _lot_places(
@@ -175,11 +169,10 @@ def _lot_places(
         extent = w.module.extent(target.who.sort)
     if entry is None:
         return at, extent
-    num_entries = w.module.num_entries(target.read.type.by[0])
+    num_entries = target.num_entries(w)
     if target.who is None:
         return entry, num_entries
-    place = at * num_entries + entry
-    return place, extent * num_entries
+    return at * num_entries + entry, extent * num_entries
 
 
 def _outranking(
@@ -191,11 +184,11 @@ def _outranking(
 ) -> Name:
     """Returns the ranks above those that earlier statements drew for a target, others as 0."""
     best: Expression | None = w.best_ranks.get(target.attribute)
-    if best is not None:
+    if best is None:
+        best = zeros("u32", extent)
+    else:
         ranks = w.bind("rank", call("outranking", place, ranks, best))
-    best = best or zeros("u32", extent)
-    kept = w.bind("best", call("best_ranks", place, ranks, best))
-    w.best_ranks[target.attribute] = kept
+    w.best_ranks[target.attribute] = w.bind("best", call("best_ranks", place, ranks, best))
     return ranks
 
 
@@ -207,13 +200,12 @@ def _values(
     along_row: whether one value that a whole row is set to gets a new axis.
     """
     type_ = target.read.type
-    if target.keys:
-        type_ = type_.model_copy(update={"by": ()})
-    entries = [w.module.num_entries(level) for level in type_.by]
-    set_extents = [Literal(w.module.numbers_per_set)] * (w.module.levels(type_) - len(entries))
+    levels = () if target.keys else type_.by
+    entries = tuple(map(w.module.num_entries, levels))
+    set_extents = w.module.set_extents(type_)
     if value.levels > len(set_extents):
         return _flat(value, axes, value.dtype, (*entries, *set_extents))
-    flat = _flat(value, axes, value.dtype, tuple(set_extents))
+    flat = _flat(value, axes, value.dtype, set_extents)
     if along_row and entries and value.levels == len(set_extents):
         return flat[:, None]
     return flat
@@ -292,35 +284,38 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
         table = layout.numbers_table(who.kinds, kind)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
-        key = who.site.node if who.axis is None else Slice(None, Literal(-1))
-        cell = CellVar(Value(name[key], "i32", who.site.axes), (kind,))
+        numbers = name[who.site.node] if who.axis is None else name[:-1]
+        cell = CellVar(Value(numbers, "i32", who.site.axes), (kind,))
         of_kinds.append(Target(w.module.field(read, kind), cell, keys, read, scope))
     return of_kinds
 
 
 def _write(target: Target, value: Value, w: Writer) -> None:
     """Writes one field where the scope's mask holds."""
-    own, along = target.own_axes, target.along
+    own = target.own_axes
+    along = target.along
     key = target.key(w) if along is None else None
-    if own is None or (key is not None and any(a.size > 1 and a not in own for a in key.axes)):
+    if own is None or (key is not None and any(a.size > 1 for a in without(key.axes, own))):
         _scatter(target, key, value, w)
         return
-    stored = Value(
-        w.current(target.attribute),
-        state_reads.storage(target.declared, w),
-        own,
-        w.module.levels(target.read.type),
-    )
-    before = stored if along is None else unrolled(stored, along)
-    own = before.axes
-    over = tuple(a for a in target.scope.axes if a not in own)
-    mask = reduce("any", target.scope.mask, over)
-    if mask == FALSE:
+    dtype = state_reads.storage(target.declared, w)
+    levels = w.module.levels(target.read.type)
+    before = Value(w.current(target.attribute), dtype, own, levels)
+    if along is not None:
+        before = unrolled(before, along)
+    mask = target.scope.mask
+    lacking = without(target.scope.axes, before.axes)
+    reached = reduce("any", mask, lacking)
+    if reached == FALSE:
         return
-    key = None if key is None else _of_the_one(key, over, target.scope.mask)
-    after = _entries(before, mask, key, target, _of_the_one(value, over, target.scope.mask), w)
+    value = _of_the_one(value, lacking, mask)
+    if key is None:
+        after = _whole(before, reached, value)
+    else:
+        after = _entry(before, reached, _of_the_one(key, lacking, mask), target, value, w)
     if after != before:
-        w.assign(target.attribute, after.node if along is None else rolled(after.node, own, along))
+        node = after.node if along is None else rolled(after.node, before.axes, along)
+        w.assign(target.attribute, node)
 
 
 def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
@@ -336,53 +331,50 @@ def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
     if any(a.size > 1 for a in gone):  # the sum is the value of the one instance that happens
         assert mask != TRUE, over
         number: DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
-        masked = select(mask, as_dtype(value, number), literal(0, number))
+        masked = select(mask, as_dtype(value, number), 0)
         return as_dtype(reduce("sum", masked, over), value.dtype)
     keys = tuple(Literal(0) if a in gone else ALL for a in value.axes)
-    kept = tuple(a for a in value.axes if a not in gone)
-    return replace(value, node=value.node[keys], axes=kept)
+    return replace(value, node=value.node[keys], axes=without(value.axes, gone))
 
 
-def _entries(
-    before: Value, mask: Value, key: Value | None, target: Target, value: Value, w: Writer
-) -> Value:
-    """Returns the field with the value in its place: the whole, or one entry of a row."""
-    if key is None and mask != TRUE:
+def _whole(before: Value, mask: Value, value: Value) -> Value:
+    """Returns the field with the value in its place."""
+    if mask != TRUE:
         return select(mask, value, before)
-    if (
-        key is None
-        and value.axes == before.axes
-        and value.levels == before.levels
-        and not value.literal
-    ):
+    is_full = value.axes == before.axes and value.levels == before.levels
+    if is_full and not value.literal:
         return value
-    if key is None and not value.axes and not value.levels:
+    if not value.axes and not value.levels:
         return replace(before, node=call("jnp.full_like", before.node, value.node))
-    if key is None:
-        rows = aligned(value, before.axes, before.levels)
-        return replace(before, node=call("jnp.broadcast_to", rows, Attribute(before.node, "shape")))
+    rows = aligned(value, before.axes, before.levels)
+    return replace(before, node=call("jnp.broadcast_to", rows, Attribute(before.node, "shape")))
+
+
+def _entry(
+    before: Value, mask: Value, key: Value, target: Target, value: Value, w: Writer
+) -> Value:
+    """Returns the rows of a field with the value in one entry of each."""
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
-        of_words = {"axis": constant(-2)} if before.levels > 1 else {}
-        return replace(before, node=call("set_entry", before.node, key.node, new.node, **of_words))
-    hit = _entries_of_word(key, before.axes, target, w)
+        of_sets = {"axis": -2} if before.levels > 1 else {}
+        return replace(before, node=call("set_entry", before.node, key.node, new.node, **of_sets))
+    is_entry = _entries_of_word(key, before.axes, target, w)
     if mask != TRUE:
-        hit = hit & _for_each_word(mask, before.axes)
+        is_entry = is_entry & _for_each_word(mask, before.axes)
     if before.levels > 1:  # of large sets
-        words = hit[..., None]
-        return replace(
-            before, node=Where(words, aligned(value, before.axes, before.levels), before.node)
-        )
-    return replace(before, node=Where(hit, _for_each_word(value, before.axes), before.node))
+        is_entry = is_entry[..., None]
+        new_entry = aligned(value, before.axes, before.levels)
+    else:
+        new_entry = _for_each_word(value, before.axes)
+    return replace(before, node=Where(is_entry, new_entry, before.node))
 
 
 def _entries_of_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> Expression:
     """Returns which entries of the rows are those of a word that is computed."""
-    words = w.module.num_entries(target.read.type.by[0])
-    hit = call("one_hot", aligned(key, axes), words)
+    is_entry = call("one_hot", aligned(key, axes), target.num_entries(w))
     if axes and not key.axes:
-        return hit[*[NEW_AXIS] * len(axes), :]
-    return hit
+        return is_entry[*[NEW_AXIS] * len(axes), :]
+    return is_entry
 
 
 def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> Expression:
@@ -397,22 +389,20 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
         assert key is not None
         index = as_dtype(key, "i32")
         name = "to_entry"
-        past = Value(w.module.num_entries(target.read.type.by[0]), "i32")
+        past_the_end = target.num_entries(w)
         entry = None
     else:
         index = target.who.number
         name = _place(target.who)
-        past = past_the_end(target.who, w)
+        past_the_end = w.module.extent(target.who.sort)
         entry = key
-    axes = union(index.axes, scope.mask.axes, value.axes, () if entry is None else entry.axes)
-    at = w.keep(name, Value(spread(select(scope.mask, index, past), axes), "i32", axes))
-    keys: tuple[Expression, ...] = (at.node,)
-    if entry is not None:
-        keys = (at.node, aligned(entry, axes))
+    axes = axes_of(index, scope.mask, value, entry)
+    at = w.keep(name, broadcast(select(scope.mask, index, past_the_end), axes)).node
+    places = (at,) if entry is None else (at, aligned(entry, axes))
     levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
     current = w.current(target.attribute)
-    w.assign(target.attribute, written("set_at", current, keys, new))
+    w.assign(target.attribute, written("set_at", current, places, new))
 
 
 def _place(who: Variable) -> str:
@@ -454,114 +444,90 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
 
     is_exact: whether they are of reals as fixed-point numbers, whose digits are one more level.
     """
-    scope = target.scope
-    if scope.mask == TRUE or not value.levels:
-        masked = select(scope.mask, value, 0)
-    else:
-        axes = union(scope.mask.axes, value.axes)
-        test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
-        masked = replace(value, node=Where(test, aligned(value, axes), Literal(0)), axes=axes)
-    sums = w.added.setdefault(target.attribute, [])
-    own = target.own_axes
-    key = target.key(w) if own is None or target.along is None else None
-    if key is not None:
-        axes = union(
-            masked.axes, key.axes
-        )  # a row that has the value at the key's word and 0 elsewhere
+    masked = select(target.scope.mask, value, 0)
+    key = target.key(w) if target.along is None else None
+    if key is not None:  # a row that has the value at the key's word and 0 elsewhere
+        axes = axes_of(masked, key)
+        is_entry = _entries_of_word(key, axes, target, w)
         zero = scalar(literal(0, masked.dtype).node, masked.dtype)
-        row = Where(_entries_of_word(key, axes, target, w), _for_each_word(masked, axes), zero)
-        masked = Value(row, masked.dtype, axes, 1)
+        masked = Value(Where(is_entry, _for_each_word(masked, axes), zero), masked.dtype, axes, 1)
     if is_exact:
-        given = scalar(masked.node, "f32") if masked.literal else masked.node
-        masked = Value(call("fixed_point", given), "i32", masked.axes, masked.levels + 1)
-    if own is not None and target.along is not None:
-        entries = union(own, (target.along,))
-        total = reduce("sum", masked, tuple(a for a in scope.axes if a not in entries))
-        is_array = bool(total.axes or total.levels)
-        node = rolled(aligned(total, entries), entries, target.along) if is_array else total.node
-        sums.append(
-            w.keep(
-                f"{target.attribute}_added",
-                Value(node, total.dtype, own if is_array else (), is_array + is_exact),
-            )
-        )
-        return
-    if own is not None:
-        total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))
-        if (
-            total.axes or total.levels
-        ):  # a row that is the same for all is aligned too: JAX would not know which axis it lacks
-            total = replace(total, node=aligned(total, own), axes=own)
-        sums.append(w.keep(f"{target.attribute}_added", total))
-        return
-    assert target.who is not None
-    index = target.who.number
-    axes = union(index.axes, masked.axes)
-    total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
-    extent = w.module.extent(target.who.sort)
-    dtype = "f32" if is_exact else total.dtype
-    zeros = call(
-        "jnp.zeros",
-        shape_of((extent, *map(w.module.num_entries, target.read.type.by))),
-        DTYPES[dtype],
-    )
+        reals = scalar(masked.node, "f32") if masked.literal else masked.node
+        masked = Value(call("fixed_point", reals), "i32", masked.axes, masked.levels + 1)
+    if target.own_axes is not None:
+        total = _total(target, target.own_axes, masked, is_exact)
+    else:
+        assert target.who is not None
+        total = _scattered(target, target.who, masked, is_exact, w)
+    sums = w.added.setdefault(target.attribute, [])
+    sums.append(w.keep(f"{target.attribute}_added", total))
+
+
+def _total(target: Target, own: tuple[Axis, ...], terms: Value, is_exact: bool) -> Value:
+    """Returns the sum of the terms for each member of `own`, the axes of a field."""
+    along = target.along
+    kept = own if along is None else union(own, (along,))
+    total = reduce("sum", terms, without(target.scope.axes, kept))
+    if not total.axes and not total.levels:
+        return total
+    # A row that is the same for all is aligned too: JAX would not know which axis it lacks.
+    node = aligned(total, kept)
+    if along is None:
+        return replace(total, node=node, axes=own)
+    return Value(rolled(node, kept, along), total.dtype, own, 1 + is_exact)
+
+
+def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: Writer) -> Value:
+    """Returns the sum of the terms for each agent or cell, which are at computed places."""
+    index = who.number
+    axes = axes_of(index, terms)
+    total = reduce("sum", terms, without(target.scope.axes, axes))
+    extent = w.module.extent(who.sort)
+    levels = target.read.type.by
+    none = zeros("f32" if is_exact else total.dtype, extent, *map(w.module.num_entries, levels))
     if is_exact:
-        zeros = call("fixed_point", zeros)
-    amount = aligned(total, axes) if total.axes or total.levels else total.node
-    shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
-    places = (spread(index, axes) if axes else index.node,)
-    sets = written("add_at", zeros, places, amount)
-    sums.append(
-        w.keep(
-            f"{target.attribute}_added",
-            Value(sets, total.dtype, shape, len(target.read.type.by) + is_exact),
-        )
-    )
+        none = call("fixed_point", none)
+    sums = written("add_at", none, (spread(index, axes),), aligned(total, axes))
+    everybody = Axis(f"all of {target.attribute}", extent.size, 0)
+    return Value(sums, total.dtype, (everybody,), len(levels) + is_exact)
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
-    scope, who = target.scope, target.who
-    member = w.value(s.value, scope)
-    joining = scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
-    dtype, words = w.module.set_dtype, w.module.numbers_per_set
-    keys = [x for x in (target.key(w),) if x is not None]
-    around = union(member.axes, *(k.axes for k in keys), scope.mask.axes)
-    sizes = [w.module.num_entries(target.read.type.by[0]) for _ in keys]
+    mask = target.scope.mask
+    who = target.who
+    member = w.value(s.value, target.scope)
+    key = target.key(w)
+    index = member if who is None else who.number
+    axes = axes_of(index, member, key, mask)
+    # What is not added has a number past the end.
+    past_the_end = w.module.agents if who is None else w.module.extent(who.sort)
+    at = broadcast(select(mask, index, past_the_end), axes)
+    at = w.keep("member" if who is None else _place(who), at)
+    places: list[Expression] = []
+    sizes: list[Literal] = []
+    if who is not None:
+        places.append(at.node)
+        sizes.append(past_the_end)
+    if key is not None:
+        places.append(aligned(key, axes))
+        sizes.append(target.num_entries(w))
+    joining = target.scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
+    axis = None if joining is None else joining.axis
+    joins_once = axis in axes and all(a.size == 1 for a in axes if a != axis)
     sets: Expression
-    if who is None:  # those who are not added are numbers past the end
-        axes = around
-        at = w.keep(
-            "member",
-            Value(
-                spread(select(scope.mask, member, Value(w.module.agents, "i32")), axes), "i32", axes
-            ),
-        )
-        sets = _folded([aligned(key, axes) for key in keys], at.node, sizes, w)
+    if who is None:
+        sets = _folded(places, at.node, sizes, w)
+    elif axis is not None and joins_once and not w.module.numbers_per_set:
+        dtype = w.module.set_dtype
+        bits = Value(scalar(Literal(1), dtype) << iota(axis, dtype).node, dtype, (axis,))
+        sets = written("add_at", zeros(dtype, *sizes), tuple(places), aligned(bits, axes))
     else:
-        axes = union(who.number.axes, around)
-        at = Value(spread(select(scope.mask, who.number, past_the_end(who, w)), axes), "i32", axes)
-        places = [w.keep(_place(who), at).node, *(aligned(key, axes) for key in keys)]
-        extents = [w.module.extent(who.sort), *sizes]
-        itself = joining.axis if isinstance(joining, AgentVar) else None
-        once = (
-            itself is not None and itself in axes and all(a.size == 1 or a == itself for a in axes)
-        )  # each agent joins once at most
-        if once and not words:
-            assert itself is not None
-            bits = Value(
-                scalar(Literal(1), dtype) << iota(itself, dtype).node,
-                dtype,
-                (itself,),
-            )
-            none = zeros(dtype, *extents)
-            sets = written("add_at", none, tuple(places), aligned(bits, axes))
-        else:
-            sets = _folded(places, aligned(member, axes), extents, w)
-    if target.read.type.by and not keys:  # to every entry of the row
-        sets = sets[*[ALL] * (who is not None), None]
-    joined_sets = w.keep(f"{target.attribute}_joined", Value(sets, dtype))
-    w.joined.setdefault(target.attribute, []).append(joined_sets.node)
+        sets = _folded(places, aligned(member, axes), sizes, w)
+    if target.read.type.by and key is None:  # to every entry of the row
+        sets = sets[None] if who is None else sets[:, None]
+    joined_sets = w.keep_node(f"{target.attribute}_joined", sets, w.module.set_dtype)
+    w.joined.setdefault(target.attribute, []).append(joined_sets)
 
 
 def _folded(
@@ -573,7 +539,7 @@ def _folded(
     """
     empty = zeros("bool", *sizes, w.module.agents)
     table = written("set_at", empty, (*places, member), Literal(True))
-    members = w.keep("members", Value(table, "bool")).node
+    members = w.keep_node("members", table, "bool")
     if w.module.numbers_per_set:
         return call("pack", members)
     return call("as_bits", members, DTYPES[w.module.set_dtype])
@@ -589,23 +555,24 @@ def finish(w: Writer) -> None:
         is_exact = attribute in w.terms
         if is_exact:
             node = call("fixed_point", node)
-        for number, total in enumerate(sums, 1):
-            node = joined("+", node, total.node)
-            if number % MOST_NESTED == 0:
-                node = w.bind(attribute, node)
+        node = _combined("+", node, [total.node for total in sums], attribute, w)
         if is_exact:
             node = call("rounded", node)
         if declared.capped:
-            low = Literal(int(declared.type.low))
-            high = Literal(int(declared.type.high))
-            node = call("jnp.clip", node, low, high)
+            node = call("jnp.clip", node, int(declared.type.low), int(declared.type.high))
         if stored_dtype not in ("i32", "f32"):
             node = Cast(node, stored_dtype)
         w.assign(attribute, node)
     for attribute, sets in w.joined.items():
-        node = w.current(attribute)
-        for number, members in enumerate(sets, 1):
-            node = node | members
-            if number % MOST_NESTED == 0:
-                node = w.bind(attribute, node)
-        w.assign(attribute, node)
+        w.assign(attribute, _combined("|", w.current(attribute), sets, attribute, w))
+
+
+def _combined(
+    op: str, node: Expression, terms: list[Expression], attribute: str, w: Writer
+) -> Expression:
+    """Returns a field together with sums or sets; many are combined step by step."""
+    for number, term in enumerate(terms, 1):
+        node = joined(op, node, term)
+        if number % MOST_NESTED == 0:
+            node = w.bind(attribute, node)
+    return node

@@ -172,6 +172,16 @@ def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
     return tuple(sorted({a for group in axes for a in group}, key=lambda a: a.order))
 
 
+def axes_of(*values: Value | None) -> tuple[Axis, ...]:
+    """Returns the axes of all the values, left to right."""
+    return union(*(value.axes for value in values if value is not None))
+
+
+def without(axes: tuple[Axis, ...], others: tuple[Axis, ...]) -> tuple[Axis, ...]:
+    """Returns the axes that are not among others."""
+    return tuple(axis for axis in axes if axis not in others)
+
+
 def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression:
     """Returns a value with an axis of length 1 for each of `axes` and `levels` that it lacks.
 
@@ -220,6 +230,11 @@ def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
     return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
 
 
+def broadcast(value: Value, axes: tuple[Axis, ...]) -> Value:
+    """Returns a value with exactly these axes."""
+    return replace(value, node=spread(value, axes), axes=axes)
+
+
 def called(kernel: str, *arguments: Value | Part, dtype: DType | None = None) -> Value:
     """Returns a call of a function of arrays, which are aligned.
 
@@ -227,7 +242,7 @@ def called(kernel: str, *arguments: Value | Part, dtype: DType | None = None) ->
     """
     first = arguments[0]
     assert isinstance(first, Value)
-    axes = union(*(a.axes for a in arguments if isinstance(a, Value)))
+    axes = axes_of(*(a for a in arguments if isinstance(a, Value)))
     nodes = [aligned(a, axes) if isinstance(a, Value) else a for a in arguments]
     return Value(call(kernel, *nodes), dtype or first.dtype, axes, first.levels)
 

@@ -8,9 +8,9 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    axes_of,
     iota,
     literal,
-    union,
 )
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.expressions import operand, real
@@ -100,7 +100,7 @@ def _next_limit(lower: Value, probability: ir.Expr, scope: IterationScope, w: Wr
     """Returns the limit below which a branch of a chain happens, or one before it."""
     with w.deciding():
         p = operand(probability, _probability(probability, scope, w), w)
-    axes = union(lower.axes, p.axes)
+    axes = axes_of(lower, p)
     return Value(call("next_threshold", aligned(lower, axes), _array(p, axes)), "u32", axes)
 
 
@@ -141,7 +141,7 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     low = as_dtype(w.value(s.low, scope), "i32")
     high = as_dtype(w.value(s.high, scope), "i32")
     span = high - low + 1
-    axes = union(bits.axes, span.axes)
+    axes = axes_of(bits, span)
     drawn = Value(call("below", aligned(bits, axes), aligned(span, axes)), "i32", axes)
     return w.keep(s.name, drawn + low)
 

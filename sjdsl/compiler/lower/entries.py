@@ -12,6 +12,7 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    axes_of,
     binary,
     literal,
     row_aligned,
@@ -45,7 +46,7 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
     key = row_key(e.key, e.row.type.by[0], scope, w)
     if key.literal or not row.axes:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
-    axes = union(row.axes, key.axes)
+    axes = axes_of(row, key)
     if e.type.kind == "agents" and row.levels == 2:
         found = call("entry", numbers_first(row_aligned(row, axes)), aligned(key, axes))
         return Value(numbers_last(found), row.dtype, axes, 1)
@@ -114,7 +115,7 @@ def numbers_last(sets: Expression) -> Expression:
 
 
 def _expected(row: Value, shares: Value, w: Writer) -> Value:
-    axes = union(row.axes, shares.axes)
+    axes = axes_of(row, shares)
     left = row_aligned(shares, axes)
     if row.levels > 1:
         left = left[*[ALL] * (len(axes) + 1), *[NEW_AXIS] * (row.levels - 1)]

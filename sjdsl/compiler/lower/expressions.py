@@ -1,7 +1,7 @@
 """Lowers expressions to array expressions."""
 
 from dataclasses import replace
-from functools import reduce
+from functools import partial, reduce
 from operator import and_, or_
 from typing import Literal as OneOf
 from typing import assert_never
@@ -17,13 +17,14 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    axes_of,
     binary,
+    called,
     float32,
     literal,
     row_aligned,
     select,
     summed,
-    union,
 )
 from sjdsl.compiler.lower.condition_names import condition_name, value_name
 from sjdsl.compiler.lower.entries import entry, numbers_first, numbers_last, to_words
@@ -33,7 +34,6 @@ from sjdsl.compiler.program.expressions import (
     Binary,
     DType,
     Expression,
-    Literal,
     Unary,
     call,
     path,
@@ -96,14 +96,12 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.InSet():
             return in_set(e, scope, w)
         case ir.IsEmpty():
-            container = lower(e.container, scope, w)
-            empty = container.eq(0)
-            if not container.levels:
+            empty = lower(e.container, scope, w).eq(0)
+            if not empty.levels:
                 return empty
             return replace(empty, node=reduction("all", empty.node, (-1,)), levels=0)
         case ir.Chose():
-            action = Value(w.module.action(e.action), "i32")
-            return chosen.action_of(e.agent, scope).eq(action)
+            return chosen.action_of(e.agent, scope).eq(w.module.action(e.action))
         case ir.Unoccupied():
             cell = owner(e.cell, scope, w)
             assert isinstance(cell, CellVar)
@@ -112,7 +110,9 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             _, is_on = state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)
             return is_on
         case ir.StandsAt():
-            return stands_at(e, scope, w)
+            # One that is away is on cell 0 of the frame, which is no cell of the map.
+            position = state_reads.location(owner(e.agent, scope, w), w)
+            return position.eq(state_reads.location(owner(e.cell, scope, w), w))
         case ir.ChoseWith():
             return chosen.chose_with(e, scope, w)
         case ir.ArgumentOf():
@@ -136,8 +136,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Mix():
             row = lower(e.row, scope, w)
             shares = call("exact_mix" if w.exact else "mix", row.node)
-            name = value_name(e.row)
-            name = f"{name}_shares" if name else "shares"
+            name = f"{value_name(e.row)}_shares".strip("_")
             return w.keep(name, Value(shares, "f32", row.axes, 1))
         case ir.ShiftRow():
             return shift(e, scope, w)
@@ -168,12 +167,11 @@ def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
     container = lower(e.container, scope, w)
     value = lower(e.value, scope, w)
     if container.levels:
-        axes = union(container.axes, value.axes)
+        axes = axes_of(container, value)
         node = call("has_member", row_aligned(container, axes), aligned(value, axes))
         return Value(node, "bool", axes)
     shifted = as_dtype(container, "u32") >> as_dtype(value, "u32")
-    bit = shifted & 1
-    return bit.ne(0)
+    return (shifted & 1).ne(0)
 
 
 def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
@@ -207,16 +205,15 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
             filler = as_dtype(filler, VALUE_DTYPES[kind])
         case _:
             pass
-    axes = union(row.axes, filler.axes)
+    axes = axes_of(row, filler)
     entries = row_aligned(row, axes)
     fill = scalar(filler.node, row.dtype) if filler.literal else row_aligned(filler, axes)
-    if row.levels > 1:  # of large sets
-        if not filler.literal:
-            fill = numbers_first(fill)
-        moved = call("shifted", numbers_first(entries), e.by, fill)
-        return replace(row, node=numbers_last(moved), axes=axes)
-    moved = call("shifted", entries, e.by, fill)
-    return replace(row, node=moved, axes=axes)
+    if row.levels == 1:
+        return replace(row, node=call("shifted", entries, e.by, fill), axes=axes)
+    if not filler.literal:
+        fill = numbers_first(fill)
+    moved = call("shifted", numbers_first(entries), e.by, fill)  # rows of large sets
+    return replace(row, node=numbers_last(moved), axes=axes)
 
 
 def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -257,8 +254,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     variable = owner(e.owner, scope, w)
     if e.name in ("row", "col"):
         in_frame = _in_frame(variable, e.name, w)
-        pad = Literal(w.module.layout.pad, "PAD")
-        return replace(in_frame, node=in_frame.node - pad)
+        return replace(in_frame, node=in_frame.node - w.module.pad)
     assert isinstance(variable, AgentVar)
     match e.name:
         case "index":
@@ -275,13 +271,9 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
 
 def _in_frame(variable: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
     """Returns the row or column of an agent or a cell in the frame around the map."""
-    if isinstance(variable, AgentVar):
-        at = state_reads.position(variable, w)
-    else:
-        at = state_reads.cell(variable, w)
-    cols = w.module.number("frame_cols", w.module.layout.cols)
+    at = state_reads.location(variable, w)
     op = "//" if side == "row" else "%"
-    return w.keep(side, Value(Binary(op, at.node, cols), "i32", at.axes))
+    return w.keep(side, replace(at, node=Binary(op, at.node, w.module.frame_cols)))
 
 
 def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
@@ -296,24 +288,9 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
     cols = _in_frame(a, "col", w) - _in_frame(b, "col", w)
     layout = w.module.layout
     if layout.wraps:
-        height = Literal(layout.height)
-        width = Literal(layout.width)
-        rows = replace(rows, node=call("shorter_way", rows.node, height))
-        cols = replace(cols, node=call("shorter_way", cols.node, width))
-    rows = replace(rows, node=call("jnp.abs", rows.node))
-    cols = replace(cols, node=call("jnp.abs", cols.node))
-    return w.keep("distance", rows + cols)
-
-
-def stands_at(e: ir.StandsAt, scope: IterationScope, w: Writer) -> Value:
-    """Returns whether an agent or a mover is on a cell.
-
-    One that is away is on cell 0 of the frame, which is no cell of the map.
-    """
-    cell = owner(e.cell, scope, w)
-    assert isinstance(cell, CellVar)
-    position = state_reads.position(agent(e.agent, scope, w), w)
-    return position.eq(state_reads.cell(cell, w))
+        rows = called("shorter_way", rows, layout.height)
+        cols = called("shorter_way", cols, layout.width)
+    return w.keep("distance", called("jnp.abs", rows) + called("jnp.abs", cols))
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
@@ -329,7 +306,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
         if operation.rounding is not None or operation.exact:
             args = [operand(a, value, w) for a, value in zip(e.args, args, strict=True)]
         if operation.exact:
-            return _called(operation.exact, args, dtype)
+            return called(operation.exact, *args, dtype=dtype)
     is_operator = not operation.array[0].isalpha()
     if is_operator and len(args) == 2:
         return binary(operation.array, args[0], args[1])
@@ -341,8 +318,8 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
         numbers = [a.number if args_dtype == dtype else float32(a.number) for a in args]
         return literal(operation.fold(*numbers), dtype)
     if operation.least == operation.most:
-        return as_dtype(_called(operation.array, args, args_dtype), dtype)
-    return reduce(lambda left, right: _called(operation.array, [left, right], dtype), args)
+        return as_dtype(called(operation.array, *args), dtype)
+    return reduce(partial(called, operation.array), args)
 
 
 def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
@@ -352,7 +329,7 @@ def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
     """
     if not w.exact or value.dtype != "f32" or value.literal or _is_given(e):
         return value
-    return replace(value, node=call("exactly", value.node))
+    return called("exactly", value)
 
 
 def _is_given(e: ir.Expr) -> bool:
@@ -367,12 +344,6 @@ def _is_given(e: ir.Expr) -> bool:
             return _is_given(e.row)
         case _:
             return isinstance(e, ir.Number | ir.ParamRef) or e.type.kind == "int"
-
-
-def _called(kernel: str, args: list[Value], dtype: DType) -> Value:
-    """Returns a call of a function of arrays."""
-    axes = union(*(a.axes for a in args))
-    return Value(call(kernel, *(aligned(a, axes) for a in args)), dtype, axes)
 
 
 def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:

@@ -10,6 +10,7 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    broadcast,
     iota,
     spread,
 )
@@ -116,7 +117,7 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
         case ir.Along():
             value = w.value(course.heading, inner)
             heading = to_words(value, course.heading.type.words, HEADINGS, w)
-            spread_heading = Value(spread(heading, (axis,)), "u8", (axis,))
+            spread_heading = broadcast(heading, (axis,))
             direction = w.keep("way", as_dtype(spread_heading, "i32"))
             goes = inner.mask
         case ir.Wander():
@@ -226,5 +227,5 @@ def _members(
         cells = spread(at, (axis,))[:, None]
         return cells, spread(mask, (axis,))[:, None]
     if not mask.axes:
-        mask = Value(spread(mask, (new,)), "bool", (new,))
+        mask = broadcast(mask, (new,))
     return aligned(at, (axis, new)), aligned(mask, (axis, new))

@@ -4,11 +4,12 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower.axes import (
     Value,
+    axes_of,
     literal,
     reduce,
     select,
     spread,
-    union,
+    without,
 )
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.expressions import agent
@@ -32,7 +33,7 @@ def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     who = agent(e, scope, w)
     extent = w.module.extent(who.sort)
     if who.axis is not None:
-        reached = reduce("any", scope.mask, tuple(a for a in scope.axes if a != who.axis))
+        reached = reduce("any", scope.mask, without(scope.axes, (who.axis,)))
         if reached.axes:
             return reached
         return Value(call("jnp.full", extent, reached.node), "bool")
@@ -51,12 +52,12 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expre
     extent = w.module.extent(who.sort)
     if who.axis is None:
         at = select(scope.mask, who.index, Value(extent, "i32"))
-        axes = union(at.axes, value.axes)
+        axes = axes_of(at, value)
         places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
         none = zeros("i32", extent)
         return written("set_at", none, (places,), spread(value, axes))
     if any(a != who.axis for a in value.axes):
-        others = tuple(a for a in scope.axes if a != who.axis)
+        others = without(scope.axes, (who.axis,))
         value = reduce("max", select(scope.mask, value, literal(0, "i32")), others)
     return value.node if value.axes else call("jnp.full", extent, value.node)
 

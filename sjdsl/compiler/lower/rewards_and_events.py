@@ -12,13 +12,14 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    axes_of,
     joined,
     literal,
     one_hot,
     reduce,
     select,
     spread,
-    union,
+    without,
 )
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.domains import in_set
@@ -126,7 +127,7 @@ def per_agent(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
         return _summed(scope.mask & in_set(members, axis), amount, scope.axes, w, name)
     who = agent(e, scope, w)
     if who.axis is not None:
-        return _summed(scope.mask, amount, tuple(a for a in scope.axes if a != who.axis), w, name)
+        return _summed(scope.mask, amount, without(scope.axes, (who.axis,)), w, name)
     if many:
         return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
     if scope.mask == TRUE or not who.index.axes:
@@ -141,7 +142,7 @@ def _summed_by_agent(
     """Returns what each agent gets in all from the instances, each of which names one."""
     is_same = not any(a in amount.axes for a in scope.axes)
     amounts = scope.mask if is_same else select(scope.mask, amount, 0)
-    axes = union(index.axes, amounts.axes)
+    axes = axes_of(index, amounts)
     node = call("segment_sum", spread(amounts, axes), spread(index, axes), axis.extent)
     alike = literal(math.prod(a.size for a in scope.axes if a not in axes), "i32")
     if is_same:

@@ -14,10 +14,13 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    axes_of,
+    broadcast,
     iota,
     literal,
     spread,
     union,
+    without,
 )
 from sjdsl.compiler.lower.domains import (
     enter,
@@ -53,7 +56,7 @@ MANY_SETS = 64  # from so many sets on, bits are drawn only if some set has seve
 
 def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
     """Returns the mask of a scope with all the axes spelt out."""
-    return Value(spread(inner.mask, axes), "bool", axes)
+    return broadcast(inner.mask, axes)
 
 
 def pick(
@@ -82,7 +85,7 @@ def pick(
         return *_pick_one(s, scope, inner, total, w), s.body
     turns = w.axis("turn", min(s.most, total.size))
     word = random_bits(s.stream, scope, w, turns)
-    outer_axes = union(word.axes[:-1], tuple(a for a in inner.mask.axes if a != axis))
+    outer_axes = union(word.axes[:-1], without(inner.mask.axes, (axis,)))
     axes = (*outer_axes, axis)
     mask = w.keep("member", mask_over(inner, axes))
     found = w.keep(
@@ -121,7 +124,7 @@ def _pick_one(
     )  # no axis for the one turn: on a GPU, XLA would store the words before it drops the axis
     members = whole_set(s.domain, scope, w)
     around = (members or inner.mask).axes
-    axes = union(word.axes, tuple(a for a in around if a != axis))
+    axes = union(word.axes, without(around, (axis,)))
     drawn = spread(word, axes)
     source = aligned(members, axes) if members else mask_over(inner, (*axes, axis)).node
     large = members is not None and members.levels > 0
@@ -195,7 +198,7 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
     if is_row_each and best.axes[0].size >= state_reads.MANY:
         return Value(call("entries_at", values.node, best.node), dtype, best.axes)
     # What is picked may differ along more axes than what it is picked from.
-    axes = union(values.axes, best.axes)
+    axes = axes_of(values, best)
     if best.axes:
         at = aligned(best, axes)
     else:
@@ -208,7 +211,7 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
         keys = (REST, Literal(0))
     else:
         keys = tuple(Literal(0) if a == axis else ALL for a in axes)
-    return Value(entry[keys], dtype, tuple(a for a in axes if a != axis))
+    return Value(entry[keys], dtype, without(axes, (axis,)))
 
 
 def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
@@ -235,9 +238,9 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
         ok = ok & is_on
     if d.where is not None:
         ok = ok & w.value(d.where, place)
-    outer = tuple(a for a in union(ok.axes, candidate.number.axes) if a != axis)
+    outer = tuple(a for a in axes_of(ok, candidate.number) if a != axis)
     axes = (*outer, axis)
-    ok = w.keep("eligible", Value(spread(ok, axes), "bool", axes))
+    ok = w.keep("eligible", broadcast(ok, axes))
     lanes = w.axis("lane", len(shape.lanes))
     numbers = spread(candidate.number, axes)
     if max(map(len, shape.lanes)) == 1:  # every cell is a lane

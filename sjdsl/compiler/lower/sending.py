@@ -15,6 +15,7 @@ from sjdsl.compiler.lower.axes import (
     select,
     spread,
     union,
+    without,
 )
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.expressions import agent
@@ -105,11 +106,11 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
     fits = fitting_cells(s, axis, scope.always(), w)
     who = agent(s.who, scope, w)
     if who.axis is not None:
-        others = tuple(a for a in scope.axes if a != who.axis)
+        others = without(scope.axes, (who.axis,))
         if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
             fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
-    axes = union(who.index.axes, scope.mask.axes, tuple(a for a in fits.axes if a != axis))
+    axes = union(who.index.axes, scope.mask.axes, without(fits.axes, (axis,)))
     extent = w.module.extent(who.sort)
     index = select(scope.mask, who.index, Value(extent, "i32"))
     places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")

@@ -15,12 +15,12 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
+    axes_of,
     indexed,
     iota,
     literal,
     reduce,
     select,
-    union,
 )
 from sjdsl.compiler.lower.domains import blocked_by, conditional_blocks, stand_on
 from sjdsl.compiler.lower.draws import KEY
@@ -96,7 +96,7 @@ def _cells_on(course: _Course, number: Value, w: Writer) -> Value:
     if not layout.wraps:
         distance = course.stride * number
         return course.start + distance
-    axes = union(course.start.axes, course.heading.axes, number.axes)
+    axes = axes_of(course.start, course.heading, number)
     heading = replace(course.heading, node=as_array(course.heading.node, "i32"))
     parts = [aligned(part, axes) for part in (course.start, heading, number)]
     height = Literal(layout.height)

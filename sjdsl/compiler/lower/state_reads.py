@@ -136,6 +136,11 @@ def position(owner: AgentVar, w: Writer) -> Value:
     return at if owner.axis is not None else w.keep("position", at)
 
 
+def location(variable: Variable, w: Writer) -> Value:
+    """Returns the cells in the frame of agents, movers or cell variables."""
+    return position(variable, w) if isinstance(variable, AgentVar) else cell(variable, w)
+
+
 def heading(owner: AgentVar, w: Writer) -> Value:
     """Returns the headings of agents or movers, int32."""
     stored = w.stored(attribute_of("heading", owner.sort))

@@ -6,7 +6,7 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import shape_named
 from sjdsl.compiler.lower.assignments import add, set_
-from sjdsl.compiler.lower.axes import FALSE, TRUE, joined, reduce, select
+from sjdsl.compiler.lower.axes import FALSE, TRUE, joined, reduce, select, without
 from sjdsl.compiler.lower.condition_names import condition_name, domain_name
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
@@ -128,7 +128,7 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
         instead = "mark around an agent that an `each` names"
         raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
     swept = sweep(ir.Near(shape=s.shape, anchor=s.anchor), scope, w)
-    happens = reduce("any", scope.mask, tuple(a for a in scope.axes if a not in swept.cells.axes))
+    happens = reduce("any", scope.mask, without(scope.axes, swept.cells.axes))
     cells = select(happens & swept.ok, swept.cells, nowhere(w))
     flat = Call(Attribute(cells.node, "reshape"), (Literal(-1),))
     marked = w.keep_node("marked", flat, "i32")

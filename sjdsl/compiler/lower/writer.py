@@ -201,6 +201,15 @@ class Module:
                 raise AssertionError(sort)
 
     @property
+    def frame_cols(self) -> Literal:
+        """How many columns the padded map has."""
+        return self.number("frame_cols", self.layout.cols)
+
+    @property
+    def pad(self) -> Literal:
+        return Literal(self.layout.pad, "PAD")
+
+    @property
     def set_dtype(self) -> DType:
         """The dtype of a set of agents, which is kept as a bit for each agent."""
         return "u8" if self.num_agents <= 8 else "u32"
@@ -212,7 +221,13 @@ class Module:
 
     def levels(self, type_: ir.Type) -> int:
         """Returns how many axes one value of a type has: see `Value.levels`."""
-        return len(type_.by) + (type_.kind == "agents" and self.numbers_per_set > 0)
+        return len(type_.by) + len(self.set_extents(type_))
+
+    def set_extents(self, type_: ir.Type) -> tuple[Literal, ...]:
+        """Returns how many numbers a large set of agents takes, for a type of such sets."""
+        if type_.kind == "agents" and self.numbers_per_set:
+            return (Literal(self.numbers_per_set),)
+        return ()
 
     def can_be_away(self, sort: ir.Sort = AGENTS) -> bool:
         """Returns whether agents, or movers of a name, can be off the map during a step."""

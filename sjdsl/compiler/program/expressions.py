@@ -301,9 +301,9 @@ def shape_of(sizes: tuple[Expression, ...]) -> Expression:
     return sizes[0] if len(sizes) == 1 else Sequence(sizes)
 
 
-def zeros(dtype: DType, *sizes: Expression) -> Call:
+def zeros(dtype: DType, *sizes: Part) -> Call:
     """Returns an array of zeros."""
-    return call("jnp.zeros", shape_of(sizes), DTYPES[dtype])
+    return call("jnp.zeros", shape_of(tuple(map(constant, sizes))), DTYPES[dtype])
 
 
 def live(body: list[Statement]) -> tuple[Statement, ...]:
