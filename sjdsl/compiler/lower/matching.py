@@ -4,8 +4,12 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import Axis, Value, iota, spread
 from sjdsl.compiler.lower.domains import enter
 from sjdsl.compiler.lower.draws import KEY
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
-from sjdsl.compiler.lower.selection import mask_over, nearest, under
+from sjdsl.compiler.lower.scope import (
+    IterationScope,
+    NotSupported,
+    numbered,
+)
+from sjdsl.compiler.lower.selection import nearest, under
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     Cast,
@@ -31,12 +35,8 @@ def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
         raise NotSupported("`match` of one certain agent", s.origin, instead)
     var = s.right.var
     partner = w.keep(var.name, _partners(s, left, w))
-    matched = partner < Value(w.module.extent(var.sort), "i32")
-    right: Variable
-    if var.sort.what == "cell":
-        right = CellVar(partner, var.kinds)
-    else:
-        right = AgentVar(partner, sort=var.sort)
+    matched = partner < w.module.extent(var.sort)
+    right = numbered(var, partner)
     inner = left.always().binding(**{var.name: right}, **under(s.right, right, w))
     return inner.when(scope.mask).when(w.keep("matched", matched))
 
@@ -51,10 +51,10 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
         raise NotSupported(feature, s.origin, "match a group with itself, or with other kinds")
     size = w.module.extent(right.var.sort)
     if s.first:
-        inner, lanes, found = nearest(right, left.always(), w)
+        inner, found = nearest(right, left.always(), w)
         mask = left.mask & found
         reached = inner.variables[right.var.name].number
-        return _among_reached(s, reached, mask, (rows, lanes), size, same_sort, w)
+        return _among_reached(s, reached, mask, (rows, inner.axes[-1]), size, same_sort, w)
     inner = enter(right, left, w)
     cols = inner.axes[-1]
     variable = inner.variables[right.var.name]
@@ -65,7 +65,7 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     if variable.axis is None:
         return _among_reached(s, variable.number, inner.mask, (rows, cols), size, same_sort, w)
     assert size.value == cols.size
-    pairs = mask_over(inner, (rows, cols)).node
+    pairs = spread(inner.mask, (rows, cols))
     if same_sort:
         pairs = pairs & ~call("jnp.eye", size, dtype=Name("bool"))
     pairs = w.keep_node("pairs", pairs, "bool")

@@ -19,6 +19,7 @@ from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.entries import to_words
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.state_reads import HEADING, POSITION
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     Binary,
@@ -34,13 +35,6 @@ from sjdsl.compiler.program.expressions import (
 from sjdsl.runtime.actions import HEADINGS, STEPS, TURNS
 
 NO_STEP = 4
-POSITION, HEADING = path("state.position"), path("state.heading")
-
-
-POSITION = path("state.position")
-
-
-HEADING = path("state.heading")
 
 
 def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:

@@ -30,8 +30,6 @@ from sjdsl.compiler.lower.cell_appearance import (
 from sjdsl.compiler.lower.expressions import agent as agent_of
 from sjdsl.compiler.lower.expressions import first_of
 from sjdsl.compiler.lower.painting import (
-    HEADING,
-    POSITION,
     Part,
     first_look,
     look_number,
@@ -40,6 +38,7 @@ from sjdsl.compiler.lower.painting import (
     shift_of,
 )
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
+from sjdsl.compiler.lower.state_reads import HEADING, POSITION
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     Attribute,

@@ -10,14 +10,6 @@ from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, scalar, zeros
 
-POSITION, HEADING = path("state.position"), path("state.heading")
-
-
-POSITION = path("state.position")
-
-
-HEADING = path("state.heading")
-
 
 class Part(Record):
     """Some bits of a painted byte. marks: the phase whose marks they are."""
@@ -146,7 +138,7 @@ def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer
     if are_told_apart:
         shown = Value(Arange(extent, "u8"), "u8") + one
     elif is_agent:
-        shown = Value(Cast(HEADING, "u8"), "u8") + one
+        shown = Value(Cast(state_reads.HEADING, "u8"), "u8") + one
     else:
         shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
     shifted = shown << shift_of(part, w)

@@ -2,6 +2,7 @@
 
 from dataclasses import field, replace
 
+from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
@@ -74,6 +75,13 @@ class CellVar(Record):
 
 
 Variable = AgentVar | CellVar
+
+
+def numbered(var: ir.Member, number: Value) -> Variable:
+    """Returns the agents, movers or cells that a variable of a domain is, by their numbers."""
+    if var.sort.what == "cell":
+        return CellVar(number, var.kinds)
+    return AgentVar(number, sort=var.sort)
 
 
 class IterationScope(Record):

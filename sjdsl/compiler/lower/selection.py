@@ -16,8 +16,10 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     axes_of,
     broadcast,
+    called,
     iota,
     literal,
+    looked_up,
     spread,
     union,
     without,
@@ -33,30 +35,29 @@ from sjdsl.compiler.lower.domains import (
     whole_set,
 )
 from sjdsl.compiler.lower.draws import KEY, first_limit, need_no_state, random_bits
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, SetOfOne, Variable
+from sjdsl.compiler.lower.scope import (
+    AgentVar,
+    CellVar,
+    IterationScope,
+    SetOfOne,
+    Variable,
+    numbered,
+)
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     ALL,
-    REST,
     Call,
     Expression,
     Lambda,
     Literal,
     Name,
-    Slice,
     Where,
     call,
-    constant,
     reduction,
     scalar,
 )
 
 MANY_SETS = 64  # from so many sets on, bits are drawn only if some set has several members
-
-
-def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
-    """Returns the mask of a scope with all the axes spelt out."""
-    return broadcast(inner.mask, axes)
 
 
 def pick(
@@ -72,30 +73,39 @@ def pick(
     number = as_dtype(w.value(s.number, scope), "i32")
     if inner.axes == scope.axes:  # the member is determined: it is there or not
         there = inner.mask
-        return (
-            inner.when(scope.mask).when(there & (number > 0)),
-            ~there,
-            s.body,
-        )
-    axis = inner.axes[-1]
+        return inner.when(scope.mask).when(there & (number > 0)), ~there, s.body
     member = inner.variables[s.domain.var.name]
-    is_near = isinstance(s.domain.restriction, ir.Near) and isinstance(member, CellVar)
-    total = axis.extent if is_near else w.module.extent(member.sort)
+    total = w.module.extent(member.sort)
+    if isinstance(member, CellVar) and isinstance(s.domain.restriction, ir.Near):
+        total = inner.axes[-1].extent
     if number == literal(1, "i32"):
         return *_pick_one(s, scope, inner, total, w), s.body
+    return _pick_several(s, scope, inner, number, total, w)
+
+
+def _pick_several(
+    s: ir.Pick,
+    scope: IterationScope,
+    inner: IterationScope,
+    number: Value,
+    total: Literal,
+    w: Writer,
+) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
+    """Returns what `pick` does. total: how many candidates there are."""
+    axis = inner.axes[-1]
     turns = w.axis("turn", min(s.most, total.size))
-    word = random_bits(s.stream, scope, w, turns)
-    outer_axes = union(word.axes[:-1], without(inner.mask.axes, (axis,)))
-    axes = (*outer_axes, axis)
-    mask = w.keep("member", mask_over(inner, axes))
-    found = w.keep(
-        "found", Value(reduction("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
-    )
-    wanted = Value(scalar(number.node, "i32"), "i32") if number.literal else number
+    bits = random_bits(s.stream, scope, w, turns)
+    outer = union(bits.axes[:-1], without(inner.mask.axes, (axis,)))
+    mask = w.keep("member", broadcast(inner.mask, (*outer, axis)))
+    found = w.keep_node("found", reduction("any", mask.node, (len(outer),)), "bool")
+    nobody = ~Value(found, "bool", outer)
     if not turns.size:
-        return inner.when(FALSE), ~found, s.body
-    given = mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes)
-    chosen, body = call("choose", *given), s.body
+        return inner.when(FALSE), nobody, s.body
+    if number.literal:
+        number = replace(number, node=scalar(number.node, "i32"))
+    arguments = [mask.node, spread(bits, (*outer, turns)), spread(number, outer)]
+    chosen = call("choose", *arguments)
+    body = s.body
     match s.body:
         case (ir.Chance(branches=(ir.Branch() as branch,), otherwise=()) as chance,) if (
             inner.digits == ((iota(axis), axis.extent),)
@@ -103,77 +113,76 @@ def pick(
             w.origin = chance.origin
             limit = first_limit(branch.test, inner, w)
             if not limit.axes:  # the same for all members
-                chosen = call("choose_by_chance", *given, KEY, w.stream(chance.stream), limit.node)
+                stream = w.stream(chance.stream)
+                chosen = call("choose_by_chance", *arguments, KEY, stream, limit.node)
                 body = branch.body
     w.origin = s.origin
-    return (
-        replace(inner, mask=scope.mask & w.keep("taken", Value(chosen, "bool", axes))),
-        ~found,
-        body,
-    )
+    taken = w.keep("taken", Value(chosen, "bool", mask.axes))
+    return replace(inner, mask=scope.mask & taken), nobody, body
 
 
 def _pick_one(
     s: ir.Pick, scope: IterationScope, inner: IterationScope, total: Literal, w: Writer
 ) -> tuple[IterationScope, Value]:
-    """A `pick 1`: the number of the member instead of a mask over all."""
-    axis, name = inner.axes[-1], s.domain.var.name
+    """Returns what `pick 1` does: the scope with the member's number, and where there is none."""
+    axis = inner.axes[-1]
+    name = s.domain.var.name
     member = inner.variables[name]
-    word = random_bits(
-        s.stream, scope, w
-    )  # no axis for the one turn: on a GPU, XLA would store the words before it drops the axis
+    # The bits have no axis for the one turn: on a GPU, XLA would store them before it drops it.
+    bits = random_bits(s.stream, scope, w)
     members = whole_set(s.domain, scope, w)
-    around = (members or inner.mask).axes
-    axes = union(word.axes, without(around, (axis,)))
-    drawn = spread(word, axes)
-    source = aligned(members, axes) if members else mask_over(inner, (*axes, axis)).node
-    large = members is not None and members.levels > 0
-    many = (
-        members is not None
-        and not large
-        and members.axes == axes
-        and prod(a.size for a in axes) >= MANY_SETS
-    )
-    if many and need_no_state(scope.digits):  # most steps need none of the random bits
-        assert members is not None
-        if not _is_where_any(scope.mask, members, w):
-            source = Where(aligned(scope.mask, axes), source, Literal(0))
-        alone = call("pick_of_sets", source, KEY, Lambda(("key",), drawn))
-        picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
-        there = w.keep("found", picked.ne(0))
-        best_one = w.keep(name, Value(call("member_of", picked.node), "i32", axes))
-        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, scope.mask & there))
+    around = inner.mask if members is None else members
+    axes = union(bits.axes, without(around.axes, (axis,)))
+    drawn = spread(bits, axes)
+    if members is not None and _are_many_sets(members, axes) and need_no_state(scope.digits):
+        chosen, found = _pick_of_sets(members, drawn, scope, name, w)
+        picked = chosen.number
     else:
-        best, found = Name(w.names.fresh(name)), Name(w.names.fresh("found"))
-        w.unpack(
-            (best, found),
-            call(
-                ("pick_of_large_set" if large else "pick_of_set") if members else "pick",
-                source,
-                drawn,
-            ),
-        )
-        there, best_one = Value(found, "bool", axes), Value(best, "i32", axes)
-        if isinstance(member, AgentVar):
-            chosen = AgentVar(best_one, sort=member.sort)
-        else:  # its number, or the number at its place in a shape
-            chosen = CellVar(
-                best_one if member.axis is not None else _take(member.site, axis, best_one),
-                member.kinds,
-            )
-    if isinstance(chosen, CellVar) and isinstance(chosen.site.node, Call):
-        chosen = replace(chosen, site=w.keep(name, chosen.site))
-    place = replace(
-        scope.binding(**{name: chosen}, **under(s.domain, chosen, w)),
-        digits=(*scope.digits, (best_one, total)),
-    )
-    return place.when(there), ~there
+        if members is None:
+            kernel = "pick"
+            source = spread(inner.mask, (*axes, axis))
+        else:
+            kernel = "pick_of_large_set" if members.levels else "pick_of_set"
+            source = aligned(members, axes)
+        results = (Name(w.names.fresh(name)), Name(w.names.fresh("found")))
+        w.unpack(results, call(kernel, source, drawn))
+        picked = Value(results[0], "i32", axes)
+        found = Value(results[1], "bool", axes)
+        number = picked
+        if member.axis is None:  # it is a cell's place in a shape
+            number = _take(member.number, axis, picked)
+            if isinstance(number.node, Call):
+                number = w.keep(name, number)
+        chosen = numbered(s.domain.var, number)
+    place = scope.binding(**{name: chosen}, **under(s.domain, chosen, w))
+    place = replace(place, digits=(*scope.digits, (picked, total)))
+    return place.when(found), ~found
 
 
-def _is_where_any(mask: Value, members: Value, w: Writer) -> bool:
-    """Returns whether a mask takes no member from any set: it holds for all, or for those with members."""
+def _are_many_sets(members: Value, axes: tuple[Axis, ...]) -> bool:
+    """Returns whether there are so many small sets that most steps need no random bits."""
+    is_many = prod(a.size for a in axes) >= MANY_SETS
+    return is_many and members.axes == axes and not members.levels
+
+
+def _pick_of_sets(
+    members: Value, drawn: Expression, scope: IterationScope, name: str, w: Writer
+) -> tuple[Variable, Value]:
+    """Returns an agent of each set, and where there is one.
+
+    drawn: computes random bits, which is done only if some set has several members.
+    """
     has_members = members.ne(0).node
-    return mask == TRUE or mask.node in (has_members, w.known.get((has_members, "bool")))
+    # A mask takes no member from any set if it holds for all sets, or for those with members.
+    takes_none = (has_members, w.known.get((has_members, "bool")))
+    source = members.node
+    if scope.mask != TRUE and scope.mask.node not in takes_none:
+        source = Where(aligned(scope.mask, members.axes), source, Literal(0))
+    alone = call("pick_of_sets", source, KEY, Lambda(("key",), drawn))
+    picked = w.keep("picked", replace(members, node=alone))
+    found = w.keep("found", picked.ne(0))
+    index = w.keep(name, called("member_of", picked, dtype="i32"))
+    return AgentVar(index, alone=SetOfOne(picked, scope.mask & found)), found
 
 
 def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
@@ -193,7 +202,7 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
     """Returns the entry of `values` along an axis that `best` names."""
     dtype = values.dtype
     if values.axes == (axis,):
-        return Value(values.node[best.node], dtype, best.axes)
+        return looked_up(values.node, best, dtype)
     is_row_each = values.axes == (*best.axes, axis) and len(best.axes) == 1
     if is_row_each and best.axes[0].size >= state_reads.MANY:
         return Value(call("entries_at", values.node, best.node), dtype, best.axes)
@@ -202,16 +211,15 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
     if best.axes:
         at = aligned(best, axes)
     else:
-        at = call("jnp.full", (Literal(1),) * len(axes), best.node)
-    place = axes.index(axis)
-    aligned_values = aligned(values, axes)
-    entry = call("jnp.take_along_axis", aligned_values, at, axis=place)
-    keys: tuple[Expression | Slice, ...]
+        at = call("jnp.full", (1,) * len(axes), best.node)
+    entry: Expression = call(
+        "jnp.take_along_axis", aligned(values, axes), at, axis=axes.index(axis)
+    )
     if axes[-1] == axis:
-        keys = (REST, Literal(0))
+        entry = entry[..., 0]
     else:
-        keys = tuple(Literal(0) if a == axis else ALL for a in axes)
-    return Value(entry[keys], dtype, without(axes, (axis,)))
+        entry = entry[tuple(0 if a == axis else ALL for a in axes)]
+    return Value(entry, dtype, without(axes, (axis,)))
 
 
 def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
@@ -222,62 +230,54 @@ def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
     return {d.on.name: CellVar(site, d.on.kinds)}
 
 
-def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Axis, Value]:
-    """Returns the scope of the nearest member in each lane, the lanes' axis, and its mask.
+def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value]:
+    """Returns the scope of the nearest member in each lane, and in which lanes there is one.
 
-    The mask says where there is a member; the scope is without a mask.
+    The scope has one more axis, of the lanes, and no mask.
     """
     assert isinstance(d.restriction, ir.Near)
     shape = w.module.shape(d.restriction.shape)
-    candidate, ok, axis = _candidates(d, scope, w)
+    candidate, eligible = _candidates(d, scope, w)
+    axis = candidate.number.axes[-1]
     place = replace(scope, axes=(*scope.axes, axis), mask=TRUE).binding(**{d.var.name: candidate})
     if d.on is not None:
         assert isinstance(candidate, AgentVar)
         place = place.binding(**under(d, candidate, w))
         _, is_on = state_reads.site_under(candidate, d.on.kinds, w)
-        ok = ok & is_on
+        eligible = eligible & is_on
     if d.where is not None:
-        ok = ok & w.value(d.where, place)
-    outer = tuple(a for a in axes_of(ok, candidate.number) if a != axis)
+        eligible = eligible & w.value(d.where, place)
+    outer = without(axes_of(eligible, candidate.number), (axis,))
     axes = (*outer, axis)
-    ok = w.keep("eligible", broadcast(ok, axes))
-    lanes = w.axis("lane", len(shape.lanes))
+    eligible = w.keep("eligible", broadcast(eligible, axes))
     numbers = spread(candidate.number, axes)
-    if max(map(len, shape.lanes)) == 1:  # every cell is a lane
-        number = w.keep(d.var.name, Value(numbers, "i32")).node
-        exists = ok.node
+    lanes = w.axis("lane", len(shape.lanes))
+    lengths = tuple(map(len, shape.lanes))
+    if max(lengths) == 1:  # every cell is a lane
+        number = w.keep_node(d.var.name, numbers, "i32")
+        exists = eligible.node
     else:
-        sizes = constant(tuple(map(len, shape.lanes)))
-        pair = call("nearest_in_lanes", ok.node, numbers, sizes)
+        pair = call("nearest_in_lanes", eligible.node, numbers, lengths)
         number, exists = w.keep_parts((d.var.name, "found"), pair)
-    chosen = Value(number, "i32", (*outer, lanes))
-    variable: Variable
-    if isinstance(candidate, AgentVar):
-        variable = AgentVar(chosen, sort=candidate.sort)
-    else:
-        variable = CellVar(chosen, candidate.kinds)
-    inner = replace(
-        scope,
-        axes=(*scope.axes, lanes),
-        digits=(*scope.digits, (iota(lanes), lanes.extent)),
-    )
-    inner = inner.always().binding(**{d.var.name: variable}, **under(d, variable, w))
-    return inner, lanes, Value(exists, "bool", (*outer, lanes))
+    variable = numbered(d.var, Value(number, "i32", (*outer, lanes)))
+    digits = (*scope.digits, (iota(lanes), lanes.extent))
+    inner = replace(scope, axes=(*scope.axes, lanes), digits=digits, mask=TRUE)
+    inner = inner.binding(**{d.var.name: variable}, **under(d, variable, w))
+    return inner, Value(exists, "bool", (*outer, lanes))
 
 
-def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value, Axis]:
-    """Returns who is on each cell of the shape, whether somebody is, and the shape's axis."""
+def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value]:
+    """Returns who is on each cell of the shape, along its axis, and whether somebody is."""
     assert isinstance(d.restriction, ir.Near)
     if d.var.sort.what == "cell":
-        site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
-        return CellVar(site, d.var.kinds), ok, axis
+        site, exists = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
+        return CellVar(site, d.var.kinds), exists
     swept = sweep(d.restriction, scope, w)
-    axes = swept.cells.axes
     on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.sort))
-    standing = w.keep("standing", Value(on_cells, "bool")).node
-    first_one = reduction("argmax", standing, (-1,))
-    who = w.keep(d.var.name, Value(first_one, "i32", axes))
+    standing = w.keep_node("standing", on_cells, "bool")
+    axes = swept.cells.axes
+    who = w.keep(d.var.name, Value(reduction("argmax", standing, (-1,)), "i32", axes))
     anybody = w.keep("anybody", Value(reduction("any", standing, (-1,)), "bool", axes))
     if has_inner_blocks(w.module.shape(d.restriction.shape), w):
         anybody = anybody & swept.ok
-    return AgentVar(who, sort=d.var.sort), anybody, swept.axis
+    return AgentVar(who, sort=d.var.sort), anybody
