@@ -9,6 +9,7 @@ from sjdsl.compiler.lower.axes import (
     aligned,
     as_dtype,
     axes_of,
+    called,
     iota,
     literal,
 )
@@ -40,11 +41,11 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
         return Value(call("random_bits", KEY, w.stream(stream), *extents), "u32", axes)
     number = literal(0, "i32")
     for digit, radix in digits:
-        number = number * Value(radix, "i32") + digit
+        number = number * radix + digit
     node = as_array(number.node, "u32") if number.literal else Cast(number.node, "u32")
     stream_number = w.stream(stream)
-    instance = w.keep("instance", Value(node, "u32", number.axes))
-    bits = call("random_bits_at", KEY, stream_number, instance.node)
+    instance = w.keep_node("instance", node, "u32")
+    bits = call("random_bits_at", KEY, stream_number, instance)
     return w.keep("word", Value(bits, "u32", number.axes))
 
 
@@ -92,7 +93,10 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
 
 def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns the limit below which a draw makes the first branch of a chain happen."""
-    p = _probability(probability, scope, w)
+    return _threshold(_probability(probability, scope, w))
+
+
+def _threshold(p: Value) -> Value:
     return Value(call("threshold", _array(p)), "u32", p.axes)
 
 
@@ -118,7 +122,7 @@ def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     with w.deciding():
         p = real(e, scope, w)
     if e.type.low < 0:
-        return replace(p, node=call("jnp.maximum", p.node, 0.0))
+        return called("jnp.maximum", p, 0.0)
     return p
 
 
@@ -141,8 +145,7 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     low = as_dtype(w.value(s.low, scope), "i32")
     high = as_dtype(w.value(s.high, scope), "i32")
     span = high - low + 1
-    axes = axes_of(bits, span)
-    drawn = Value(call("below", aligned(bits, axes), aligned(span, axes)), "i32", axes)
+    drawn = called("below", bits, span, dtype="i32")
     return w.keep(s.name, drawn + low)
 
 
@@ -153,10 +156,9 @@ def _between(
     with w.deciding(s.name in w.module.deciding.variables):
         start = operand(low, real(low, scope, w), w)
         end = operand(high, real(high, scope, w), w)
-        share = replace(bits, node=call("unit", bits.node), dtype="f32")
-        offset = (end - start) * share
+        offset = (end - start) * called("unit", bits, dtype="f32")
         if w.exact:
-            offset = replace(offset, node=call("exactly", offset.node))
+            offset = called("exactly", offset)
         return start + offset
 
 
@@ -169,9 +171,7 @@ def _weighted(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Valu
         with w.deciding():
             p = _probability(weight, scope, w)
             total = p if total is None else _add_weight(total, weight, p, w)
-        limit = Value(call("threshold", _array(total)), "u32", total.axes)
-        is_later = as_dtype(shifted >= limit, "i32")
-        place = place + is_later
+        place = place + as_dtype(shifted >= _threshold(total), "i32")
     if s.numbers:
         values = constant(list(s.numbers))
         comment = f"what `{s.name}` is drawn from"
@@ -183,5 +183,5 @@ def _weighted(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Valu
 def _add_weight(total: Value, weight: ir.Expr, p: Value, w: Writer) -> Value:
     """Returns the sum of some weights and the next one."""
     if not total.literal:
-        total = replace(total, node=call("exactly", total.node))
+        total = called("exactly", total)
     return total + operand(weight, p, w)

@@ -11,27 +11,31 @@ from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.ir.queries import body_sort, body_sorts
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
+    FALSE,
     TRUE,
     Value,
-    aligned,
     as_dtype,
-    axes_of,
-    indexed,
+    called,
     iota,
     literal,
+    looked_up,
     reduce,
     select,
 )
-from sjdsl.compiler.lower.domains import blocked_by, conditional_blocks, stand_on
+from sjdsl.compiler.lower.domains import (
+    always_block,
+    blocked_by,
+    conditional_blocks,
+    is_inside,
+    stand_on,
+)
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.expressions import agent, owner
 from sjdsl.compiler.lower.per_agent import of_each, per_agent, turn
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    Binary,
     Expression,
-    Literal,
     Name,
     Where,
     as_array,
@@ -69,15 +73,13 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
     position = state_reads.position(who, w)
     if s.to is not None:
         goal = state_reads.frame_cell(state_reads.kept_cell(s.to, scope, w), w)
-        is_somewhere = goal.ne(state_reads.nowhere(w))
-        goes = is_somewhere & state_reads.present(who, w)
+        goes = goal.ne(state_reads.nowhere(w)) & state_reads.present(who, w)
     else:
         assert s.steps is not None
         steps = as_dtype(w.value(s.steps, scope), "i32")
         heading, has_heading = _heading(s, who, position, scope, w)
         course = _Course(position, heading, _stride(heading, w))
-        moves = steps > 0
-        goes = moves & has_heading & _is_free(s.steps.type, who, course, steps, w)
+        goes = (steps > 0) & has_heading & _is_free(s.steps.type, who, course, steps, w)
         goal = w.keep("goal", _cells_on(course, steps, w))
     target = w.keep("target", select(goes, goal, position))
     return Shifted(s, sent, w.keep_node("target", of_each(s.who, target, scope, w), "i32"))
@@ -87,21 +89,17 @@ def _stride(heading: Value, w: Writer) -> Value:
     cols = w.module.layout.cols
     strides = constant([row * cols + col for row, col in DIRECTIONS])
     table = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
-    return w.keep("stride", Value(table[heading.node], "i32", heading.axes))
+    return w.keep("stride", looked_up(table, heading, "i32"))
 
 
 def _cells_on(course: _Course, number: Value, w: Writer) -> Value:
     """Returns the cells so many cells on; they may lie beyond the map, unless it wraps."""
     layout = w.module.layout
     if not layout.wraps:
-        distance = course.stride * number
-        return course.start + distance
-    axes = axes_of(course.start, course.heading, number)
+        return course.start + course.stride * number
     heading = replace(course.heading, node=as_array(course.heading.node, "i32"))
-    parts = [aligned(part, axes) for part in (course.start, heading, number)]
-    height = Literal(layout.height)
-    width = Literal(layout.width)
-    return Value(call("cells_on", *parts, height, width, Name("PAD")), "i32", axes)
+    size = (layout.height, layout.width, Name("PAD"))
+    return called("cells_on", course.start, heading, number, *size)
 
 
 def _heading(
@@ -111,11 +109,7 @@ def _heading(
     if s.heading is not None:
         return _written_heading(s.heading, s.quarters, scope, w), TRUE
     assert s.other is not None
-    other = owner(s.other, scope, w)
-    if isinstance(other, AgentVar):
-        goal = state_reads.position(other, w)
-    else:
-        goal = state_reads.cell(other, w)
+    goal = state_reads.location(owner(s.other, scope, w), w)
     heading, is_apart = _toward(goal, who, position, w)
     return _turned(heading, s.quarters), is_apart
 
@@ -139,63 +133,37 @@ def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Val
     map are equally long, it takes the one in which the agent looks, if that is along the side.
     """
     layout = w.module.layout
-    rows = w.keep("rows", _difference(goal, position, "//", w))
-    cols = w.keep("columns", _difference(goal, position, "%", w))
+    frame_cols = w.module.frame_cols
+    rows = w.keep("rows", goal // frame_cols - position // frame_cols)
+    cols = w.keep("columns", goal % frame_cols - position % frame_cols)
     if layout.wraps:
-        rows = w.keep("shorter", _shorter_way(rows, layout.height))
-        cols = w.keep("shorter", _shorter_way(cols, layout.width))
-    down = replace(rows, node=call("jnp.abs", rows.node))
-    across = replace(cols, node=call("jnp.abs", cols.node))
-    looks_along_row = _bit(state_reads.heading(who, w))
-    zero = literal(0, "i32")
-    upright = select(
-        down.eq(across),
-        looks_along_row.eq(zero),
-        down > across,
-    )
-    vertical = select(rows < zero, literal(0, "i32"), literal(2, "i32"))
-    horizontal = select(cols < zero, literal(3, "i32"), literal(1, "i32"))
-    toward = select(upright, vertical, horizontal)
+        rows = w.keep("shorter", called("shorter_way", rows, layout.height))
+        cols = w.keep("shorter", called("shorter_way", cols, layout.width))
+    down = called("jnp.abs", rows)
+    across = called("jnp.abs", cols)
+    looks = state_reads.heading(who, w)
+    is_upright = select(down.eq(across), (looks & 1).eq(0), down > across)
+    vertical = select(rows < 0, literal(0, "i32"), 2)
+    horizontal = select(cols < 0, literal(3, "i32"), 1)
+    toward = select(is_upright, vertical, horizontal)
     is_apart = goal.ne(position)
     if layout.wraps:
         both_ways = [_is_half(rows, layout.height), _is_half(cols, layout.width)]
-        either_way = w.keep("either_way", select(upright, *both_ways))
-        looks = state_reads.heading(who, w)
-        is_across = _bit(looks).ne(_bit(toward))
+        either_way = w.keep("either_way", select(is_upright, *both_ways))
+        is_across = (looks & 1).ne(toward & 1)
         stuck = w.keep("stuck", either_way & is_across)
         toward = select(either_way, looks, toward)
         is_apart = is_apart & ~stuck
     return toward, is_apart
 
 
-def _difference(goal: Value, position: Value, op: str, w: Writer) -> Value:
-    """Returns how many rows (`//`) or columns (`%`) lie from one cell to another."""
-    cols = w.module.number("frame_cols", w.module.layout.cols)
-    end = replace(goal, node=Binary(op, goal.node, cols))
-    start = replace(position, node=Binary(op, position.node, cols))
-    return end - start
-
-
-def _shorter_way(distance: Value, length: int) -> Value:
-    return replace(distance, node=call("shorter_way", distance.node, length))
-
-
 def _is_half(distance: Value, length: int) -> Value:
     """Returns whether a distance is half of what goes round the map."""
-    twice = literal(2, "i32") * distance
-    return twice.eq(length)
-
-
-def _bit(heading: Value) -> Value:
-    """Returns 0 for north and south, 1 for east and west."""
-    return Value(heading.node & 1, "i32", heading.axes)
+    return (literal(2, "i32") * distance).eq(length)
 
 
 def _turned(heading: Value, quarters: int) -> Value:
-    if not quarters:
-        return heading
-    turned = heading + quarters
-    return replace(turned, node=turned.node & 3)
+    return (heading + quarters) & 3 if quarters else heading
 
 
 def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w: Writer) -> Value:
@@ -214,11 +182,10 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
     cells = w.keep("way", _cells_on(course, number, w))
     is_open = _is_open(cells, who, w)
     standing = reduction("any", stand_on(cells, everybody), (len(cells.axes),))
-    last = number >= steps
-    taken = select(last, literal(False, "bool"), Value(standing, "bool", cells.axes))
+    taken = select(number >= steps, FALSE, Value(standing, "bool", cells.axes))
     free = is_open & ~taken
     if number_of.low < most:  # what lies beyond the last cell does not matter
-        free = select(number > steps, literal(True, "bool"), free)
+        free = select(number > steps, TRUE, free)
     return w.keep("clear", reduce("all", free, (axis,)))
 
 
@@ -226,13 +193,9 @@ def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
     """Returns which cells of the frame are on the map and do not block the agent or mover."""
     name = who.sort.plural
     layout = w.module.layout
-    inside = w.module.constant("inside", layout.inside_table, "cells of the map in the frame")
-    is_open = Value(indexed(inside, (cells.node,)), "bool", cells.axes)
+    is_open = is_inside(cells, w)
     if layout.count(layout.blocking_glyphs(name)):
-        comment = f"cells that always block {name}"
-        fixed = w.module.constant(f"blocks_{name}", layout.blocking_table(name), comment)
-        blocked = fixed[cells.node]
-        is_open = is_open & Value(~blocked, "bool", cells.axes)
+        is_open = is_open & ~always_block(cells, name, w)
     for block, kind in conditional_blocks(name, w):
         is_open = is_open & ~blocked_by(block, kind, cells, w, who)
     return is_open
