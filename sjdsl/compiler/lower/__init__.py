@@ -144,7 +144,7 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
     )
 
 
-def _turns(pools: dict[str, tuple[Pool, ...]], module: Module) -> list[Turn]:
+def _turns(pools: Pools, module: Module) -> list[Turn]:
     """Returns the calls of a step, without those of functions that do nothing."""
     lowered: list[tuple[ir.Turn, Function]] = []
     for turn in module.game.schedule:
@@ -314,7 +314,7 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
     return "\n".join([first, *(margin.sub("", line, count=1).rstrip() for line in rest)])
 
 
-def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
+def _tick(pools: Pools, module: Module) -> Function:
     w = Writer(module, "tick")
     one = Literal(1)
     for field in all_fields(module.game):

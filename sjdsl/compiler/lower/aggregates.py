@@ -8,7 +8,7 @@ from sjdsl.compiler.ir.operations import REDUCTIONS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     TRUE,
-    Axis,
+    Axes,
     Value,
     as_dtype,
     iota,
@@ -93,7 +93,7 @@ def over_neighbours(
     w.parameters[number] = number
     inner = (
         scope.always()
-        .binding(**{d.var.name: CellVar(site, d.var.kinds, beside=True)})
+        .binding(d.var.name, CellVar(site, d.var.kinds, beside=True))
         .when(state_reads.is_site(site, d.var.kinds, w))
     )
     if d.where is not None:
@@ -163,7 +163,7 @@ def _whole_number(d: ir.Domain, w: Writer) -> Value | None:
     return Value(w.module.num_cells(d.var.kinds), "i32")
 
 
-def _exact_sum(values: Value, over: tuple[Axis, ...]) -> Value:
+def _exact_sum(values: Value, over: Axes) -> Value:
     """Returns the sum of reals over axes, which decides something."""
     axes = union(values.axes, over)
     places = constant(tuple(axes.index(axis) for axis in over))
@@ -246,7 +246,7 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
     other = CellVar(iota(axis), d.var.kinds, axis)
     member = (
-        TRUE if d.where is None else w.value(d.where, scope.always().binding(**{d.var.name: other}))
+        TRUE if d.where is None else w.value(d.where, scope.always().binding(d.var.name, other))
     )
     vector = member.node if axis in member.axes else spread(member, (axis,))
     return w.keep("near", Value(call("count_near", vector, constant), "i32", (anchor.axis,)))

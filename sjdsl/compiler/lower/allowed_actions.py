@@ -1,7 +1,5 @@
 """Lowers `forbid`: the function that says which actions are open to each agent."""
 
-from dataclasses import replace
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, iota
@@ -65,7 +63,7 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
         table = w.module.constant(f"{action.name}_{name}", constant(places), comment, "i32")
         value = argument_value(argument, Value(table, "i32", (action_axis,)))
         if argument.type.kind == "agent":
-            scope = scope.binding(**{name: AgentVar(value)})
+            scope = scope.binding(name, AgentVar(value))
         else:
-            scope = replace(scope, locals={**scope.locals, name: value})
+            scope = scope.letting(name, value)
     return scope

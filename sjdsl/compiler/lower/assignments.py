@@ -12,6 +12,7 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
     TRUE,
+    Axes,
     Axis,
     Value,
     aligned,
@@ -77,7 +78,7 @@ class Target(Record):
         return attribute_name(self.declared)
 
     @property
-    def own_axes(self) -> tuple[Axis, ...] | None:
+    def own_axes(self) -> Axes | None:
         """The axis of those whose field it is, none for the world's.
 
         None if they are computed numbers.
@@ -193,7 +194,7 @@ def _outranking(
 
 
 def _values(
-    value: Value, target: Target, axes: tuple[Axis, ...], w: Writer, along_row: bool = False
+    value: Value, target: Target, axes: Axes, w: Writer, along_row: bool = False
 ) -> Expression:
     """Returns the value of each instance, in the order of their numbers.
 
@@ -213,7 +214,7 @@ def _values(
 
 def _flat(
     value: Value,
-    axes: tuple[Axis, ...],
+    axes: Axes,
     dtype: DType,
     inside: tuple[Expression, ...] = (),
 ) -> Expression:
@@ -318,7 +319,7 @@ def _write(target: Target, value: Value, w: Writer) -> None:
         w.assign(target.attribute, node)
 
 
-def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
+def _of_the_one(value: Value, over: Axes, mask: Value) -> Value:
     """Returns a value or key without axes of the scope that the target lacks.
 
     It is that of the one instance that writes. The value differs along them only if one instance
@@ -369,7 +370,7 @@ def _entry(
     return replace(before, node=Where(is_entry, new_entry, before.node))
 
 
-def _entries_of_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writer) -> Expression:
+def _entries_of_word(key: Value, axes: Axes, target: Target, w: Writer) -> Expression:
     """Returns which entries of the rows are those of a word that is computed."""
     is_entry = call("one_hot", aligned(key, axes), target.num_entries(w))
     if axes and not key.axes:
@@ -377,7 +378,7 @@ def _entries_of_word(key: Value, axes: tuple[Axis, ...], target: Target, w: Writ
     return is_entry
 
 
-def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> Expression:
+def _for_each_word(value: Value, axes: Axes) -> Expression:
     """Returns a value with one more axis, for the entries of a row; a scalar stays one."""
     return indexed(aligned(value, axes), (REST, NEW_AXIS)) if value.axes else value.node
 
@@ -463,7 +464,7 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     sums.append(w.keep(f"{target.attribute}_added", total))
 
 
-def _total(target: Target, own: tuple[Axis, ...], terms: Value, is_exact: bool) -> Value:
+def _total(target: Target, own: Axes, terms: Value, is_exact: bool) -> Value:
     """Returns the sum of the terms for each member of `own`, the axes of a field."""
     along = target.along
     kept = own if along is None else union(own, (along,))

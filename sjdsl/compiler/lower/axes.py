@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import prod
 from typing import Literal as OneOf
+from typing import TypeAlias
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.operations import COMPARISONS
@@ -119,7 +120,8 @@ class Value(Record):
         return self.node.value
 
 
-Operand = Value | float | Literal
+Axes: TypeAlias = tuple[Axis, ...]
+Operand: TypeAlias = Value | float | Literal
 
 
 def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
@@ -167,22 +169,22 @@ def one_hot(number: Value, axis: Axis) -> Value:
     return Value(node, "bool", (*number.axes, axis))
 
 
-def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+def union(*axes: Axes) -> Axes:
     """Returns all the axes, left to right."""
     return tuple(sorted({a for group in axes for a in group}, key=lambda a: a.order))
 
 
-def axes_of(*values: Value | None) -> tuple[Axis, ...]:
+def axes_of(*values: Value | None) -> Axes:
     """Returns the axes of all the values, left to right."""
     return union(*(value.axes for value in values if value is not None))
 
 
-def without(axes: tuple[Axis, ...], others: tuple[Axis, ...]) -> tuple[Axis, ...]:
+def without(axes: Axes, others: Axes) -> Axes:
     """Returns the axes that are not among others."""
     return tuple(axis for axis in axes if axis not in others)
 
 
-def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression:
+def aligned(value: Value, axes: Axes, levels: int = 0) -> Expression:
     """Returns a value with an axis of length 1 for each of `axes` and `levels` that it lacks.
 
     Scalars stay scalars.
@@ -195,12 +197,12 @@ def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression
     return indexed(value.node, (*_keys(value, axes), *[NEW_AXIS] * lacking))
 
 
-def row_aligned(row: Value, axes: tuple[Axis, ...]) -> Expression:
+def row_aligned(row: Value, axes: Axes) -> Expression:
     """Returns a row with an axis of length 1 for each of `axes` that it lacks, its levels last."""
     return row.node if row.axes == axes else Index(row.node, _keys(row, axes))
 
 
-def _keys(value: Value, axes: tuple[Axis, ...]) -> tuple[Slice | Literal, ...]:
+def _keys(value: Value, axes: Axes) -> tuple[Slice | Literal, ...]:
     return tuple(ALL if axis in value.axes else NEW_AXIS for axis in axes)
 
 
@@ -223,14 +225,14 @@ def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expressio
     return Index(node, keys)
 
 
-def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
+def spread(value: Value, axes: Axes) -> Expression:
     """Returns a value broadcast to exactly these axes; a scalar over no axes stays one."""
     if value.axes == axes:
         return value.node
     return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
 
 
-def broadcast(value: Value, axes: tuple[Axis, ...]) -> Value:
+def broadcast(value: Value, axes: Axes) -> Value:
     """Returns a value with exactly these axes."""
     return replace(value, node=spread(value, axes), axes=axes)
 
@@ -374,9 +376,7 @@ def select(condition: Value, a: Operand, b: Operand) -> Value:
     return Value(Where(test, then, otherwise), dtype, axes, levels)
 
 
-def reduce(
-    fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: tuple[Axis, ...]
-) -> Value:
+def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: Axes) -> Value:
     """Returns `any`, `all`, `sum`, `min` or `max` over axes.
 
     A value without one of the axes is the same all along it, so its sum is multiplied.

@@ -64,7 +64,7 @@ def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         agent = inner.variables[d.var.name]
         assert isinstance(agent, AgentVar)
         site, is_on = state_reads.site_under(agent, d.on.kinds, w)
-        inner = inner.binding(**{d.on.name: CellVar(site, d.on.kinds)}).when(is_on)
+        inner = inner.binding(d.on.name, CellVar(site, d.on.kinds)).when(is_on)
     if d.where is not None:
         inner = inner.when(w.value(d.where, inner))
     return inner
@@ -110,7 +110,7 @@ def extended(
 ) -> IterationScope:
     """Returns the scope with one more quantifier around it."""
     return replace(
-        scope.binding(**{d.var.name: variable}),
+        scope.binding(d.var.name, variable),
         axes=scope.axes if axis is None else (*scope.axes, axis),
         digits=(*scope.digits, (digit, radix)),
     )

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import (
+    Axes,
     Axis,
     Value,
     aligned,
@@ -126,7 +127,7 @@ def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     return p
 
 
-def _array(p: Value, axes: tuple[Axis, ...] | None = None) -> Expression:
+def _array(p: Value, axes: Axes | None = None) -> Expression:
     """Returns a probability as an array, lined up with axes."""
     return scalar(p.node, "f32") if p.literal else aligned(p, p.axes if axes is None else axes)
 

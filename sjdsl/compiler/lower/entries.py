@@ -8,6 +8,7 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.lower.axes import (
+    Axes,
     Axis,
     Value,
     aligned,
@@ -95,7 +96,7 @@ def unrolled(row: Value, along: Axis) -> Value:
     return replace(row, node=node, axes=axes, levels=row.levels - 1)
 
 
-def rolled(node: Expression, axes: tuple[Axis, ...], along: Axis) -> Expression:
+def rolled(node: Expression, axes: Axes, along: Axis) -> Expression:
     """Returns an array over axes with one of them last: the inverse of `unrolled`."""
     place = axes.index(along)
     last = len(axes) - 1

@@ -27,7 +27,7 @@ def fitting_cells(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> V
     """
     assert s.domain.where is not None
     cell = CellVar(iota(axis), s.domain.var.kinds, axis)
-    inner = scope.binding(**{s.domain.var.name: cell})
+    inner = scope.binding(s.domain.var.name, cell)
     return w.value(s.domain.where, replace(inner, axes=(*scope.axes, axis)))
 
 

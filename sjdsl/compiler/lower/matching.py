@@ -9,7 +9,7 @@ from sjdsl.compiler.lower.scope import (
     NotSupported,
     numbered,
 )
-from sjdsl.compiler.lower.selection import nearest, under
+from sjdsl.compiler.lower.selection import bound, nearest
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     Cast,
@@ -37,7 +37,7 @@ def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
     partner = w.keep(var.name, _partners(s, left, w))
     matched = partner < w.module.extent(var.sort)
     right = numbered(var, partner)
-    inner = left.always().binding(**{var.name: right}, **under(s.right, right, w))
+    inner = bound(s.right, right, left.always(), w)
     return inner.when(scope.mask).when(w.keep("matched", matched))
 
 

@@ -9,7 +9,7 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     TRUE,
-    Axis,
+    Axes,
     Value,
     as_dtype,
     binary,
@@ -76,9 +76,7 @@ def somebody_seen(planes: dict[str, Value], w: Writer) -> Value:
     return w.keep("somebody", planes["agent"].ne(0))
 
 
-def without_hidden_marks(
-    marks: Value, planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer
-) -> Value:
+def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: Axes, w: Writer) -> Value:
     """Returns the marks that are seen: none on the cells on which they are hidden."""
     all_hidden = w.module.game.hidden
     by_kind = {look.kind.name: look for look in looks(w.module.game) if look.present}
@@ -121,9 +119,7 @@ def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Val
     return replace(raw, node=is_kind, dtype="bool"), by_field
 
 
-def seen_cell(
-    look: Look, name: str, values: dict[str, Value], axes: tuple[Axis, ...]
-) -> IterationScope:
+def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> IterationScope:
     """Returns the scope of a condition about the observer and a cell that it sees.
 
     values: of the painted fields, which need not be looked up.
@@ -132,7 +128,7 @@ def seen_cell(
     return _seen_by(axes, **{name: cell})
 
 
-def _seen_by(axes: tuple[Axis, ...], **others: Variable) -> IterationScope:
+def _seen_by(axes: Axes, **others: Variable) -> IterationScope:
     """Returns the scope of a condition about the observer, the first axis, and others."""
     return IterationScope(
         axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), **others}
@@ -187,7 +183,7 @@ def _cut_windows(painted: list[Name], w: Writer) -> list[Name]:
     return seen
 
 
-def _own_windows(seen: list[Name], axes: tuple[Axis, ...], w: Writer) -> list[Name]:
+def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
     """Returns the painted planes as each agent's own window has them.
 
     Beyond it everything is as off the map.
@@ -236,9 +232,7 @@ def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
     return AgentVar(w.keep(name, index), sort=sort)
 
 
-def _part_of(
-    part: Part, parts: tuple[Part, ...], seen: Expression, axes: tuple[Axis, ...], w: Writer
-) -> Value:
+def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: Axes, w: Writer) -> Value:
     """Returns a part of a byte that was painted."""
     shifted = Value(seen, "u8", axes) >> shift_of(part, w)
     if sum(p.plane == part.plane for p in parts) == 1:
@@ -247,14 +241,14 @@ def _part_of(
     return shifted & mask
 
 
-def _full(column: Value, axes: tuple[Axis, ...]) -> Expression:
+def _full(column: Value, axes: Axes) -> Expression:
     """Returns a value broadcast to axes: a column over the window."""
     if column.literal:
         column = replace(column, node=scalar(column.node, "u8"))
     return spread(column, axes)
 
 
-def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
+def _content(raw: Value, axes: Axes, w: Writer) -> Value:
     """Returns the content as each observer is shown it."""
     game = w.module.game
     found = [look for look in looks(game) if look.present]
@@ -286,7 +280,7 @@ def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
     return binary("+" if shift > 0 else "-", raw, Value(by, "u8"))
 
 
-def _shown(look: Look, values: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> Value:
+def _shown(look: Look, values: dict[str, Value], axes: Axes, w: Writer) -> Value:
     """Returns the number of a kind's look for each observer, from its painted values."""
     name = look.kind.name
     place = seen_cell(look, name, values, axes)
@@ -344,7 +338,7 @@ def _condition(test: ir.Expr, place: IterationScope, w: Writer) -> Value:
         raise
 
 
-def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> list[Value]:
+def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
     """Returns the plane of agents, then one for each field that is shown of the others."""
     is_self = _myself(w)
     agent = w.keep("agent", agent)
@@ -408,7 +402,7 @@ def _agent_plane(
     is_self: Expression,
     somebody: Expression,
     other: Expression,
-    axes: tuple[Axis, ...],
+    axes: Axes,
     w: Writer,
 ) -> Value:
     """Returns the plane of agents: 1 for the observer, 0 for nobody, and numbers for others."""
@@ -457,7 +451,7 @@ def _attribute_observable(observable: ir.Observable, place: IterationScope, w: W
     return as_dtype(value, "u8")
 
 
-def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+def _movers(planes: dict[str, Value], axes: Axes, w: Writer) -> list[Value]:
     """Returns the planes of movers: where they are, then one for each field shown of them."""
     columns = []
     for observable in w.module.game.observables:
@@ -479,7 +473,7 @@ def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list
     return columns
 
 
-def _turned_to_observer(heading: Value, axes: tuple[Axis, ...]) -> Value:
+def _turned_to_observer(heading: Value, axes: Axes) -> Value:
     """Returns headings relative to the observer's, from 1 for the same one on."""
     observers = HEADING[:, None]
     turned = heading.node - observers
@@ -487,7 +481,7 @@ def _turned_to_observer(heading: Value, axes: tuple[Axis, ...]) -> Value:
     return Value(Cast(number, "u8"), "u8", axes)
 
 
-def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+def _everyone(axes: Axes, w: Writer) -> list[Value]:
     """Returns what is shown of every agent: for each field a plane an agent, by their numbers."""
     columns = []
     observer, window = axes
@@ -505,7 +499,7 @@ def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
     return columns
 
 
-def _own(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+def _own(axes: Axes, w: Writer) -> list[Value]:
     """Returns the planes of the observer's own fields and the world's."""
     columns = []
     observer = AgentVar(iota(axes[0]), axes[0])

@@ -16,7 +16,7 @@ from sjdsl.compiler.lower.writer import Writer, replaced
 from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, Where, call, path
 
 
-def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writer) -> None:
+def bring_back(pools: Pools, sorts: list[ir.Sort], w: Writer) -> None:
     """Writes how delays count down, and how those come back whose delay is over.
 
     They come back pool by pool, each onto the map as it then is. sorts: of those who can be away.

@@ -8,6 +8,7 @@ from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.queries import event_named
 from sjdsl.compiler.lower.axes import (
     TRUE,
+    Axes,
     Axis,
     Value,
     aligned,
@@ -165,7 +166,7 @@ def _counted(
     return _times(count, _times(alike, amount))
 
 
-def _summed(reached: Value, amount: Value, over: tuple[Axis, ...], w: Writer, name: str) -> Value:
+def _summed(reached: Value, amount: Value, over: Axes, w: Writer, name: str) -> Value:
     """Returns the sum over the instances that are reached.
 
     Where all give the same, they are counted, which is cheaper than adding.

@@ -10,6 +10,7 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
     TRUE,
+    Axes,
     Axis,
     Value,
     aligned,
@@ -154,12 +155,12 @@ def _pick_one(
             if isinstance(number.node, Call):
                 number = w.keep(name, number)
         chosen = numbered(s.domain.var, number)
-    place = scope.binding(**{name: chosen}, **under(s.domain, chosen, w))
+    place = bound(s.domain, chosen, scope, w)
     place = replace(place, digits=(*scope.digits, (picked, total)))
     return place.when(found), ~found
 
 
-def _are_many_sets(members: Value, axes: tuple[Axis, ...]) -> bool:
+def _are_many_sets(members: Value, axes: Axes) -> bool:
     """Returns whether there are so many small sets that most steps need no random bits."""
     is_many = prod(a.size for a in axes) >= MANY_SETS
     return is_many and members.axes == axes and not members.levels
@@ -222,12 +223,13 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
     return Value(entry, dtype, without(axes, (axis,)))
 
 
-def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
-    """Returns the variable of the cell under an agent, if a domain binds one."""
-    if d.on is None or not isinstance(agent, AgentVar):
-        return {}
-    site, _ = state_reads.site_under(agent, d.on.kinds, w)
-    return {d.on.name: CellVar(site, d.on.kinds)}
+def bound(d: ir.Domain, member: Variable, scope: IterationScope, w: Writer) -> IterationScope:
+    """Returns the scope with a member of a domain, and the cell under it if the domain binds it."""
+    scope = scope.binding(d.var.name, member)
+    if d.on is None or not isinstance(member, AgentVar):
+        return scope
+    site, _ = state_reads.site_under(member, d.on.kinds, w)
+    return scope.binding(d.on.name, CellVar(site, d.on.kinds))
 
 
 def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value]:
@@ -239,10 +241,10 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
     shape = w.module.shape(d.restriction.shape)
     candidate, eligible = _candidates(d, scope, w)
     axis = candidate.number.axes[-1]
-    place = replace(scope, axes=(*scope.axes, axis), mask=TRUE).binding(**{d.var.name: candidate})
+    place = replace(scope, axes=(*scope.axes, axis), mask=TRUE)
+    place = bound(d, candidate, place, w)
     if d.on is not None:
         assert isinstance(candidate, AgentVar)
-        place = place.binding(**under(d, candidate, w))
         _, is_on = state_reads.site_under(candidate, d.on.kinds, w)
         eligible = eligible & is_on
     if d.where is not None:
@@ -262,8 +264,7 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
     variable = numbered(d.var, Value(number, "i32", (*outer, lanes)))
     digits = (*scope.digits, (iota(lanes), lanes.extent))
     inner = replace(scope, axes=(*scope.axes, lanes), digits=digits, mask=TRUE)
-    inner = inner.binding(**{d.var.name: variable}, **under(d, variable, w))
-    return inner, Value(exists, "bool", (*outer, lanes))
+    return bound(d, variable, inner, w), Value(exists, "bool", (*outer, lanes))
 
 
 def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value]:

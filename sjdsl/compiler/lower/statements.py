@@ -31,9 +31,9 @@ def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Se
                 with w.deciding(s.name in w.module.deciding.variables):
                     value = w.value(s.value, scope)
                 value = w.keep(s.name, w.rename(s.name, value, before))
-                scope = replace(scope, locals={**scope.locals, s.name: value})
+                scope = scope.letting(s.name, value)
             case ir.Draw():
-                scope = replace(scope, locals={**scope.locals, s.name: draw(s, scope, w)})
+                scope = scope.letting(s.name, draw(s, scope, w))
             case _:
                 statement(s, scope, w, sends)
 
