@@ -25,7 +25,7 @@ from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe
-from sjdsl.compiler.lower.pools import Pool, all_pools
+from sjdsl.compiler.lower.pools import Pool, Pools, all_pools
 from sjdsl.compiler.lower.returning import bring_back
 from sjdsl.compiler.lower.scope import IterationScope, NotSupported
 from sjdsl.compiler.lower.sending import Sends

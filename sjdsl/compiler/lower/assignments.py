@@ -42,7 +42,6 @@ from sjdsl.compiler.program.expressions import (
     REST,
     Attribute,
     Broadcast,
-    Call,
     Cast,
     DType,
     Expression,
@@ -52,6 +51,7 @@ from sjdsl.compiler.program.expressions import (
     as_array,
     call,
     reduction,
+    reshaped,
     scalar,
     written,
     zeros,
@@ -226,7 +226,7 @@ def _flat(
     if value.literal:
         node = as_array(node, dtype)
     full = Broadcast(node, (*(a.extent for a in axes), *inside))
-    return Call(Attribute(full, "reshape"), (Literal(-1), *inside))
+    return reshaped(full, -1, *inside)
 
 
 def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:

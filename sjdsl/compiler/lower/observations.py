@@ -12,7 +12,7 @@ from sjdsl.compiler.lower.axes import (
     Axes,
     Value,
     as_dtype,
-    binary,
+    called,
     iota,
     literal,
     select,
@@ -37,11 +37,10 @@ from sjdsl.compiler.lower.painting import (
     parts_of,
     shift_of,
 )
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.state_reads import HEADING, POSITION
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    Attribute,
     Call,
     Cast,
     Expression,
@@ -49,7 +48,7 @@ from sjdsl.compiler.program.expressions import (
     Name,
     Where,
     call,
-    constant,
+    reshaped,
     scalar,
 )
 
@@ -59,15 +58,15 @@ def marks_seen(marks: list[Part], planes: dict[str, Value], seen: list[Name], w:
     first = marks[0]
     if len(marks) == 1:
         return planes[first.name]
-    if all(m.plane == first.plane and m.shift == first.shift + i for i, m in enumerate(marks)):
+    places = [(mark.plane, mark.shift) for mark in marks]
+    if places == [(first.plane, first.shift + number) for number in range(len(marks))]:
         whole = replace(planes[first.name], node=seen[first.plane])
-        shift = Value(w.module.number("mark_shift", first.shift), "u8")
-        mask = Value(w.module.number("mark_mask", 2 ** len(marks) - 1), "u8")
+        shift = w.module.number("mark_shift", first.shift)
+        mask = w.module.number("mark_mask", 2 ** len(marks) - 1)
         return (whole >> shift) & mask
     bits = planes[first.name]
-    for place, mark in enumerate(marks[1:], 1):
-        bit = planes[mark.name] << place
-        bits = bits | bit
+    for number, mark in enumerate(marks[1:], 1):
+        bits = bits | (planes[mark.name] << number)
     return bits
 
 
@@ -85,7 +84,7 @@ def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: Axes, w: 
         raw = w.keep("raw", raw)
     for hidden in all_hidden:
         if hidden.what == "marks" and hidden.on == "agents":
-            marks = select(somebody_seen(planes, w), literal(0, "u8"), marks)
+            marks = select(somebody_seen(planes, w), 0, marks)
         for kind in hidden.kinds:
             if kind not in by_kind:
                 continue
@@ -95,7 +94,7 @@ def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: Axes, w: 
             if hidden.when is not None:
                 scope = seen_cell(look, hidden.name, values, axes)
                 is_hidden = is_hidden & w.value(hidden.when, scope)
-            marks = w.keep("marks", select(is_hidden, literal(0, "u8"), marks))
+            marks = w.keep("marks", select(is_hidden, 0, marks))
     return marks
 
 
@@ -111,12 +110,10 @@ def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Val
     fields = [field.name for field, _ in look.painted]
     sizes = tuple(size for _, size in look.painted)
     parts = call("look_fields", raw.node, first.node, sizes)
-    names = [f"is_{name}", *(f"{name}_{field}" for field in fields)]
-    is_kind, *values = w.keep_parts(tuple(names), parts)
-    by_field = {
-        field: replace(raw, node=value) for field, value in zip(fields, values, strict=True)
-    }
-    return replace(raw, node=is_kind, dtype="bool"), by_field
+    names = [f"{name}_{field}" for field in fields]
+    is_kind, *nodes = w.keep_parts((f"is_{name}", *names), parts)
+    values = [replace(raw, node=node) for node in nodes]
+    return replace(raw, node=is_kind, dtype="bool"), dict(zip(fields, values, strict=True))
 
 
 def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> IterationScope:
@@ -124,15 +121,15 @@ def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> It
 
     values: of the painted fields, which need not be looked up.
     """
-    cell = CellVar(literal(0, "i32"), (look.kind.name,), painted=tuple(values.items()), seen=axes)
-    return _seen_by(axes, **{name: cell})
+    painted = tuple(values.items())
+    cell = CellVar(literal(0, "i32"), (look.kind.name,), painted=painted, seen=axes)
+    return _observer_scope(axes).binding(name, cell)
 
 
-def _seen_by(axes: Axes, **others: Variable) -> IterationScope:
-    """Returns the scope of a condition about the observer, the first axis, and others."""
-    return IterationScope(
-        axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), **others}
-    )
+def _observer_scope(axes: Axes) -> IterationScope:
+    """Returns the scope of a condition about the observer, who is along the first axis."""
+    observer = AgentVar(iota(axes[0]), axes[0])
+    return IterationScope(axes=axes, variables={"agent": observer})
 
 
 def observe(w: Writer) -> Expression:
@@ -169,16 +166,16 @@ def observe(w: Writer) -> Expression:
 
 def _cut_windows(painted: list[Name], w: Writer) -> list[Name]:
     """Writes the windows of all observers, of each painted plane."""
-    sides = tuple(
-        (side, w.module.number(side, getattr(w.module.game.window, side), "cells of a window"))
-        for side in ("ahead", "behind", "left", "right")
-    )
+    sides = []
+    for side in ("ahead", "behind", "left", "right"):
+        cells = getattr(w.module.game.window, side)
+        sides.append((side, w.module.number(side, cells, "cells of a window")))
     seen = []
     for number, plane in enumerate(painted):
-        frame: Expression = Call(Attribute(plane, "reshape"), (Name("FRAME"),))
+        frame: Expression = reshaped(plane, Name("FRAME"))
         if w.module.layout.wraps:
             frame = call("joined_edges", frame, Name("PAD"))
-        windows = Call(Name("windows"), (frame, POSITION, HEADING), sides)
+        windows = Call(Name("windows"), (frame, POSITION, HEADING), tuple(sides))
         seen.append(w.bind(f"seen_{number}", windows))
     return seen
 
@@ -191,7 +188,7 @@ def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
     views = w.module.game.window.views
     if not views:
         return seen
-    place = _seen_by(axes[:1])
+    place = _observer_scope(axes[:1])
     inside = TRUE  # replaced by the last view, which has no condition
     for number, view in reversed(list(enumerate(views))):
         w.origin = view.origin
@@ -203,10 +200,11 @@ def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
         else:
             inside = select(_condition(view.condition, place, w), cells, inside)
     inside = w.keep("in_window", inside)
-    return [
-        w.bind(name.identifier, select(inside, Value(name, "u8", axes), literal(0, "u8")).node)
-        for name in seen
-    ]
+    own = []
+    for name in seen:
+        visible = select(inside, Value(name, "u8", axes), 0)
+        own.append(w.bind(name.identifier, visible.node))
+    return own
 
 
 def _myself(w: Writer) -> Expression:
@@ -216,8 +214,7 @@ def _myself(w: Writer) -> Expression:
         table = w.module.constant("myself", w.module.layout.own_cells_table, comment)
         return table[HEADING]
     game = w.module.game
-    numbers = (*view_size(game), game.window.ahead, game.window.left)
-    own_cell = call("own_cell", *map(constant, numbers))
+    own_cell = call("own_cell", *view_size(game), game.window.ahead, game.window.left)
     comment = "which cell of its window is the observer's own"
     return w.module.constant("myself", own_cell, comment)[None]
 
@@ -227,8 +224,7 @@ def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
 
     Where nobody does it is the first of all.
     """
-    number = Cast(plane.node, "i32") - 1
-    index = Value(call("jnp.maximum", number, 0), "i32", plane.axes)
+    index = called("jnp.maximum", as_dtype(plane, "i32") - 1, 0)
     return AgentVar(w.keep(name, index), sort=sort)
 
 
@@ -237,8 +233,7 @@ def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: Axes, 
     shifted = Value(seen, "u8", axes) >> shift_of(part, w)
     if sum(p.plane == part.plane for p in parts) == 1:
         return shifted
-    mask = Value(w.module.number(f"{part.name}_mask", 2**part.bits - 1), "u8")
-    return shifted & mask
+    return shifted & w.module.number(f"{part.name}_mask", 2**part.bits - 1)
 
 
 def _full(column: Value, axes: Axes) -> Expression:
@@ -251,20 +246,21 @@ def _full(column: Value, axes: Axes) -> Expression:
 def _content(raw: Value, axes: Axes, w: Writer) -> Value:
     """Returns the content as each observer is shown it."""
     game = w.module.game
-    found = [look for look in looks(game) if look.present]
-    if all(look.same and look.raw == look.final for look in found):
+    present = [look for look in looks(game) if look.present]
+    if all(look.same and look.raw == look.final for look in present):
         return raw
     raw = w.keep("raw", raw)
-    arms, shown, shift = [], raw, 0
-    for look in (
-        look for look in found if look.same
-    ):  # those before this one may show more or fewer values than are painted
-        if look.final - look.raw != shift:
+    arms = []
+    shown = raw
+    shift = 0
+    for look in present:
+        # Looks before this one may show more or fewer values than are painted.
+        if look.same and look.final - look.raw != shift:
             arms.append((raw < first_look(look, w), shown))
             shift = look.final - look.raw
             shown = _shifted(raw, shift, look.kind.name, w)
     shown = first_of(arms, shown, w)
-    for look in found:
+    for look in present:
         if not look.same:
             is_kind, values = look_fields(look, raw, w)
             shown = w.keep("content", select(is_kind, _shown(look, values, axes, w), shown))
@@ -275,9 +271,11 @@ def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
     """Returns the numbers that are shown of a kind and those after it, from the painted ones."""
     if shift == 0:
         return raw
-    name, comment = ("up", "added to") if shift > 0 else ("down", "taken from")
-    by = w.module.number(f"{kind}_{name}", abs(shift), f"{comment} what is painted, from {kind} on")
-    return binary("+" if shift > 0 else "-", raw, Value(by, "u8"))
+    if shift > 0:
+        comment = f"added to what is painted, from {kind} on"
+        return raw + w.module.number(f"{kind}_up", shift, comment)
+    comment = f"taken from what is painted, from {kind} on"
+    return raw - w.module.number(f"{kind}_down", -shift, comment)
 
 
 def _shown(look: Look, values: dict[str, Value], axes: Axes, w: Writer) -> Value:
@@ -290,10 +288,10 @@ def _shown(look: Look, values: dict[str, Value], axes: Axes, w: Writer) -> Value
     first = Value(w.module.number(f"{name}_shown", look.final, "as it is shown"), "u8")
     if not look.observables:  # a kind of which only marks are seen has one look
         return first
-    seen = [
-        w.keep(f"shown_{observable.field}", _observable(observable, words, values, place, w))
-        for observable, words in zip(look.observables, look.final_words, strict=True)
-    ]
+    seen = []
+    for observable, words in zip(look.observables, look.final_words, strict=True):
+        shown = _observable(observable, words, values, place, w)
+        seen.append(w.keep(f"shown_{observable.field}", shown))
     return look_number(first, tuple(map(len, look.final_words)), seen)
 
 
@@ -325,7 +323,7 @@ def _observable(
         shown = values[observable.field]
     if observable.hidden_when is not None:
         is_hidden = _condition(observable.hidden_when, place, w)
-        shown = select(is_hidden, literal(len(words) - 1, "u8"), shown)
+        shown = select(is_hidden, len(words) - 1, shown)
     return shown
 
 
@@ -347,23 +345,26 @@ def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
         is_self = is_self & somebody
     if not by_id:
         observers = Cast(HEADING, "u8")[:, None]
-        heading = agent.node - 1
-        difference = heading - observers
+        difference = agent.node - 1 - observers
         other = w.keep_node("others", relative_heading(difference), "u8")
         return [_agent_plane(is_self, somebody, other, axes, w)]
     standing = _standing(agent, "who", AGENTS, w)
-    place = _seen_by(axes, other=standing)
+    place = _observer_scope(axes).binding("other", standing)
     observers = HEADING[:, None]
     difference = HEADING[standing.index.node] - observers
     other = Cast(relative_heading(difference), "u8")
     columns = [_agent_plane(is_self, somebody, other, axes, w)]
     is_other = somebody & ~is_self
     theirs = w.keep("theirs", Value(is_other, "bool", axes))
-    for observable in w.module.game.observables:
-        if observable.what == "other":
-            value = _one_up(observable, _field_observable(observable, standing, place, w))
-            columns.append(_visible(observable, value, place, w, theirs))
+    for observable in _shown_of("other", w):
+        value = _one_up(observable, _field_observable(observable, standing, place, w))
+        columns.append(_visible(observable, value, place, w, theirs))
     return columns
+
+
+def _shown_of(what: str, w: Writer) -> list[ir.Observable]:
+    """Returns what is shown of others, of movers, of everyone, of the observer or of the world."""
+    return [observable for observable in w.module.game.observables if observable.what == what]
 
 
 def _one_up(observable: ir.Observable, value: Value) -> Value:
@@ -380,22 +381,21 @@ def _visible(
 
     Where the rules do not show it, it is 0, or the word `hidden` if it is shown under a condition.
     """
-    zero = literal(0, "u8")
     hidden_when = observable.hidden_when
     if observable.shown_when is None:
-        value = select(exists, value, zero)
+        value = select(exists, value, 0)
         if hidden_when is None:
             return value
-        return select(w.value(hidden_when, place), zero, value)
+        return select(w.value(hidden_when, place), 0, value)
     words = shown_words(observable)
-    hidden = zero
+    hidden = 0
     if words:
         is_one_up = observable.what in ("other", "mover")
-        hidden = literal(len(words) - 1 + is_one_up, "u8")
+        hidden = len(words) - 1 + is_one_up
     is_shown = w.value(observable.shown_when, place)
     if hidden_when is not None:
         is_shown = is_shown & ~w.value(hidden_when, place)
-    return select(exists, select(is_shown, value, hidden), zero)
+    return select(exists, select(is_shown, value, hidden), 0)
 
 
 def _agent_plane(
@@ -447,21 +447,19 @@ def _attribute_observable(observable: ir.Observable, place: IterationScope, w: W
     value = w.value(read, place)
     if observable.field in ("row", "col"):
         is_present = state_reads.present(agent_of(owner, place, w), w)
-        value = select(is_present, value, literal(0, "i32"))
+        value = select(is_present, value, 0)
     return as_dtype(value, "u8")
 
 
 def _movers(planes: dict[str, Value], axes: Axes, w: Writer) -> list[Value]:
     """Returns the planes of movers: where they are, then one for each field shown of them."""
     columns = []
-    for observable in w.module.game.observables:
-        if observable.what != "mover":
-            continue
+    for observable in _shown_of("mover", w):
         w.origin = observable.origin
         painted = planes[observable.kind]
         exists = painted.ne(0)
         mover = _standing(painted, f"which_{observable.kind}", observable.sort, w)
-        place = _seen_by(axes, **{observable.kind: mover})
+        place = _observer_scope(axes).binding(observable.kind, mover)
         if not observable.field:
             value = as_dtype(exists, "u8")
         elif observable.field == "heading" and not observable.labels:
@@ -476,8 +474,7 @@ def _movers(planes: dict[str, Value], axes: Axes, w: Writer) -> list[Value]:
 def _turned_to_observer(heading: Value, axes: Axes) -> Value:
     """Returns headings relative to the observer's, from 1 for the same one on."""
     observers = HEADING[:, None]
-    turned = heading.node - observers
-    number = (turned & 3) + 1
+    number = ((heading.node - observers) & 3) + 1
     return Value(Cast(number, "u8"), "u8", axes)
 
 
@@ -487,15 +484,13 @@ def _everyone(axes: Axes, w: Writer) -> list[Value]:
     observer, window = axes
     pair = (observer, w.axis("everyone", w.module.agents))
     body = AgentVar(iota(pair[1]), pair[1])
-    place = _seen_by(pair, everyone=body)
-    for observable in w.module.game.observables:
-        if observable.what == "everyone":
-            w.origin = observable.origin
-            value = _visible(observable, _field_observable(observable, body, place, w), place, w)
-            value = w.keep(f"everyone_{observable.field}", value)
-            reshape = Attribute(_full(value, (*pair, window)), "reshape")
-            planes = Call(reshape, (observer.extent, Literal(-1)))
-            columns.append(Value(planes, "u8", axes))
+    place = _observer_scope(pair).binding("everyone", body)
+    for observable in _shown_of("everyone", w):
+        w.origin = observable.origin
+        value = _visible(observable, _field_observable(observable, body, place, w), place, w)
+        value = w.keep(f"everyone_{observable.field}", value)
+        planes = reshaped(_full(value, (*pair, window)), observer.extent, -1)
+        columns.append(Value(planes, "u8", axes))
     return columns
 
 
@@ -503,14 +498,11 @@ def _own(axes: Axes, w: Writer) -> list[Value]:
     """Returns the planes of the observer's own fields and the world's."""
     columns = []
     observer = AgentVar(iota(axes[0]), axes[0])
-    place = _seen_by(axes[:1])
-    for what in ("own", "world"):
-        for observable in w.module.game.observables:
-            if observable.what != what:
-                continue
-            w.origin = observable.origin
-            body = observer if what == "own" else None
-            value = _field_observable(observable, body, place, w)
-            visible = _visible(observable, value, place, w)
-            columns.append(w.keep(f"shown_{observable.field}", visible))
+    place = _observer_scope(axes[:1])
+    for observable in (*_shown_of("own", w), *_shown_of("world", w)):
+        w.origin = observable.origin
+        body = observer if observable.what == "own" else None
+        value = _field_observable(observable, body, place, w)
+        visible = _visible(observable, value, place, w)
+        columns.append(w.keep(f"shown_{observable.field}", visible))
     return columns

@@ -10,7 +10,7 @@ from sjdsl.compiler.lower.axes import (
 )
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.pools import Pool, sends_of
+from sjdsl.compiler.lower.pools import Pool, Pools, sends_of
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer, replaced
 from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, Where, call, path

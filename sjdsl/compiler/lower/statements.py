@@ -18,7 +18,7 @@ from sjdsl.compiler.lower.selection import nearest, pick
 from sjdsl.compiler.lower.sending import Sends
 from sjdsl.compiler.lower.state_reads import nowhere
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Attribute, Call, Literal, Name
+from sjdsl.compiler.program.expressions import Name, reshaped
 
 
 def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends) -> None:
@@ -130,8 +130,7 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
     swept = sweep(ir.Near(shape=s.shape, anchor=s.anchor), scope, w)
     happens = reduce("any", scope.mask, without(scope.axes, swept.cells.axes))
     cells = select(happens & swept.ok, swept.cells, nowhere(w))
-    flat = Call(Attribute(cells.node, "reshape"), (Literal(-1),))
-    marked = w.keep_node("marked", flat, "i32")
+    marked = w.keep_node("marked", reshaped(cells.node, -1), "i32")
     assert isinstance(marked, Name)
     w.marked[marked] = mark_size(s, w.module.game)
 

@@ -306,6 +306,11 @@ def zeros(dtype: DType, *sizes: Part) -> Call:
     return call("jnp.zeros", shape_of(tuple(map(constant, sizes))), DTYPES[dtype])
 
 
+def reshaped(value: Expression, *sizes: Part) -> Call:
+    """Returns an array in another shape; -1 stands for whatever size remains."""
+    return Call(Attribute(value, "reshape"), tuple(map(constant, sizes)))
+
+
 def live(body: list[Statement]) -> tuple[Statement, ...]:
     """Returns the statements without those that give a name to what nothing reads."""
     kept: list[Statement] = []
