@@ -11,7 +11,7 @@ from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS
 from sjdsl.compiler.lower import chosen, state_reads
-from sjdsl.compiler.lower.aggregates import extreme, total
+from sjdsl.compiler.lower.aggregates import count, extreme, total
 from sjdsl.compiler.lower.axes import (
     TRUE,
     Value,
@@ -122,7 +122,9 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Logic():
             parts = [lower(a, scope, w) for a in e.args]
             return reduce(or_ if e.fn == "or" else and_, parts)
-        case ir.Count() | ir.Sum():
+        case ir.Count():
+            return count(e, scope, w)
+        case ir.Sum():
             return total(e, scope, w)
         case ir.Extreme():
             return extreme(e, scope, w)
