@@ -24,7 +24,6 @@ from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     DType,
     Lambda,
-    Name,
     Unary,
     call,
     constant,
@@ -85,7 +84,7 @@ def over_neighbours(
     anchor = scope.variables[d.restriction.anchor.name]
     assert isinstance(anchor, CellVar)
     table = neighbours_constant(d.restriction, anchor, d.var.kinds, w)
-    number = Name(w.names.fresh(d.var.name))
+    number = w.fresh(d.var.name)
     w.parameters[number] = number
     site = Value(number, "i32", scope.axes)
     inner = scope.always().binding(d.var.name, CellVar(site, d.var.kinds, beside=True))

@@ -50,6 +50,11 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
     return w.keep("word", Value(bits, "u32", number.axes))
 
 
+def bits_of_each(stream: int, sort: ir.Sort, w: Writer) -> Expression:
+    """Returns 32 random bits for each agent, or each mover of a name."""
+    return call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
+
+
 def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
     """Returns whether random bits depend on the key alone.
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import reduce
+from operator import or_
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
@@ -13,7 +15,6 @@ from sjdsl.compiler.lower.axes import (
     Value,
     iota,
 )
-from sjdsl.compiler.lower.per_agent import any_of
 from sjdsl.compiler.lower.pools import Pool
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
@@ -48,20 +49,22 @@ def free_cells(
     axis = w.axis("destination", extent)
     free = TRUE
 
-    def without(name: str, sites: Expression) -> Value:
+    def empty(name: str, sites: Expression) -> Value:
+        """Returns which cells are not among those that others stand on."""
         taken = call("occupied", w.keep_node(name, sites, "i32"), extent)
-        return free & Value(~taken, "bool", (axis,))
+        return Value(~taken, "bool", (axis,))
 
     if pool.phase != "start":
-        free = without("others", _sites_of_others(pool, leaving, w))
+        free = empty("others", _sites_of_others(pool, leaving, w))
     placed: dict[ir.Sort, list[Expression]] = {}
     for other, who in entered:
         if set(other.kinds) & set(pool.kinds):
             placed.setdefault(other.sort, []).append(who)
     for sort, masks in placed.items():
         positions = w.current(attribute_of("position", sort))
-        cells = Where(any_of(masks), positions, state_reads.nowhere(w).node)
-        free = without("entered", state_reads.site_at(Value(cells, "i32"), pool.kinds, w).node)
+        cells = Where(reduce(or_, masks), positions, state_reads.nowhere(w).node)
+        sites = state_reads.site_at(Value(cells, "i32"), pool.kinds, w)
+        free = free & empty("entered", sites.node)
     if pool.send.domain.where is not None and same_for_all:
         free = free & fitting_cells(pool.send, axis, IterationScope(), w)
     if free == TRUE:
@@ -82,4 +85,4 @@ def _sites_of_others(pool: Pool, leaving: Expression | None, w: Writer) -> Expre
             sites.append(Where(leaving, w.module.num_cells(pool.kinds), site.node))
     if len(sites) == 1:
         return sites[0]
-    return call("jnp.concatenate", list(sites))
+    return call("jnp.concatenate", sites)

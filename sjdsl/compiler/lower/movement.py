@@ -13,16 +13,16 @@ from sjdsl.compiler.lower.axes import (
     broadcast,
     iota,
     spread,
+    without,
 )
 from sjdsl.compiler.lower.domains import blocked_by, conditional_blocks, enter, is_empty
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.entries import to_words
 from sjdsl.compiler.lower.expressions import agent
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.state_reads import HEADING, POSITION
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    Binary,
     Cast,
     Expression,
     Literal,
@@ -31,6 +31,7 @@ from sjdsl.compiler.program.expressions import (
     call,
     constant,
     path,
+    zeros,
 )
 from sjdsl.runtime.actions import HEADINGS, STEPS, TURNS
 
@@ -77,7 +78,7 @@ def settle(s: ir.Move, sort: ir.Sort, target: Name, w: Writer) -> None:
     if w.module.game.movers:  # all others stay, and whoever wants a cell of theirs stays as well
         taken = call("is_one_of", target, state_reads.all_positions(w, but=sort))
         w.set(target, Where(taken, position, target))
-    bits = call("random_bits", KEY, w.stream(s.stream), w.module.extent(sort))
+    bits = bits_of_each(s.stream, sort, w)
     w.assign(attribute, call("resolve", position, target, bits))
     if w.module.stores_moved(sort):
         w.assign(attribute_of("moved", sort), w.current(attribute).ne(position))
@@ -134,9 +135,8 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
 
 def _next_table(sort: ir.Sort, w: Writer) -> Name:
     comment = f"where a step leads {sort.name}, by cell and direction; the cell itself if blocked"
-    return w.module.constant(
-        f"next_cell_of_{sort.name}", w.module.layout.next_table(sort.name), comment
-    )
+    table = w.module.layout.next_table(sort.name)
+    return w.module.constant(f"next_cell_of_{sort.name}", table, comment)
 
 
 def _keeps_heading(course: ir.Along | ir.Wander) -> bool:
@@ -172,9 +172,9 @@ def _open_direction(
     if course.goal is not None:
         better = _better(course.goal, course.away, scope, mover, axis, w)
         is_open = is_open & Value(better, "bool", axes)
-    direction = Name(w.names.fresh("way"))
-    found = Name(w.names.fresh("found"))
-    bits = call("random_bits", KEY, w.stream(course.stream), w.module.extent(mover.sort))
+    direction = w.fresh("way")
+    found = w.fresh("found")
+    bits = bits_of_each(course.stream, mover.sort, w)
     w.unpack((direction, found), call("pick", is_open.node, bits))
     goes = w.keep("goes", scope.mask & Value(found, "bool", (axis,)))
     return Value(direction, "i32", (axis,)), goes
@@ -188,18 +188,16 @@ def _better(
     away: farther from it. Returns `[M, 4]` bool.
     """
     if is_empty(goal, w):
-        return call("jnp.zeros", (axis.extent, Literal(4)), Name("bool"))
+        return zeros("bool", axis.extent, 4)
     cells, is_member = _members(goal, scope, axis, w)
     layout = w.module.layout
     positions = state_reads.positions(w, mover.sort)
-    cols = w.module.number("frame_cols", layout.cols)
+    arguments = [positions, cells, is_member, w.module.frame_cols]
     if layout.wraps:
-        height = Literal(layout.height)
-        width = Literal(layout.width)
-        gained = call("gains_around", positions, cells, is_member, cols, height, width)
+        gained = call("gains_around", *arguments, layout.height, layout.width)
     else:
-        gained = call("gains", positions, cells, is_member, cols)
-    return Binary(">" if away else "<", gained, Literal(0))
+        gained = call("gains", *arguments)
+    return gained > 0 if away else gained < 0
 
 
 def _members(
@@ -210,16 +208,11 @@ def _members(
     Both are `[M, T]`, or `[1, T]` if they are the same for all movers.
     """
     inner = enter(d, scope.always(), w)
-    candidate = inner.variables[d.var.name]
-    if isinstance(candidate, CellVar):
-        at = state_reads.cell(candidate, w)
-    else:
-        at = state_reads.position(candidate, w)
+    at = state_reads.location(inner.variables[d.var.name], w)
     mask = inner.mask
-    new = next((a for a in inner.axes if a not in scope.axes), None)
-    if new is None:  # one candidate for each mover
-        cells = spread(at, (axis,))[:, None]
-        return cells, spread(mask, (axis,))[:, None]
+    added = without(inner.axes, scope.axes)
+    if not added:  # one candidate for each mover
+        return spread(at, (axis,))[:, None], spread(mask, (axis,))[:, None]
     if not mask.axes:
-        mask = broadcast(mask, (new,))
-    return aligned(at, (axis, new)), aligned(mask, (axis, new))
+        mask = broadcast(mask, added)
+    return aligned(at, (axis, *added)), aligned(mask, (axis, *added))

@@ -5,13 +5,12 @@ from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower.axes import (
     Value,
     axes_of,
-    literal,
     reduce,
     select,
     spread,
     without,
 )
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
@@ -19,8 +18,10 @@ from sjdsl.compiler.program.expressions import (
     Cast,
     Expression,
     Literal,
+    Part,
     Where,
     call,
+    constant,
     scalar,
     written,
     zeros,
@@ -28,18 +29,17 @@ from sjdsl.compiler.program.expressions import (
 from sjdsl.runtime.actions import HEADINGS
 
 
-def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns which agents a statement reaches, `[N]` bool."""
+def per_agent(name: str, e: ir.Expr, scope: IterationScope, w: Writer) -> Expression:
+    """Returns which agents a statement reaches, `[N]` bool, under a name."""
     who = agent(e, scope, w)
     extent = w.module.extent(who.sort)
     if who.axis is not None:
         reached = reduce("any", scope.mask, without(scope.axes, (who.axis,)))
-        if reached.axes:
-            return reached
-        return Value(call("jnp.full", extent, reached.node), "bool")
-    at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
-    nobody = zeros("bool", extent)
-    return Value(written("set_at", nobody, (at.node,), Literal(True)), "bool")
+        node = reached.node if reached.axes else call("jnp.full", extent, reached.node)
+    else:
+        at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, extent))
+        node = written("set_at", zeros("bool", extent), (at.node,), Literal(True))
+    return w.keep_node(name, node, "bool")
 
 
 def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expression:
@@ -51,24 +51,24 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expre
     who = agent(e, scope, w)
     extent = w.module.extent(who.sort)
     if who.axis is None:
-        at = select(scope.mask, who.index, Value(extent, "i32"))
+        at = select(scope.mask, who.index, extent)
         axes = axes_of(at, value)
         places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
         none = zeros("i32", extent)
         return written("set_at", none, (places,), spread(value, axes))
     if any(a != who.axis for a in value.axes):
         others = without(scope.axes, (who.axis,))
-        value = reduce("max", select(scope.mask, value, literal(0, "i32")), others)
+        value = reduce("max", select(scope.mask, value, 0), others)
     return value.node if value.axes else call("jnp.full", extent, value.node)
 
 
-def put(name: str, sort: ir.Sort, who: Expression, value: Expression, w: Writer) -> None:
+def put(name: str, sort: ir.Sort, who: Expression, value: Part, w: Writer) -> None:
     """Writes a new value of an attribute for some agents, or some movers of a name.
 
     who: which of them, `[N]` bool.
     """
     attribute = attribute_of(name, sort)
-    w.assign(attribute, Where(who, value, w.current(attribute)))
+    w.assign(attribute, Where(who, constant(value), w.current(attribute)))
 
 
 def turn(sort: ir.Sort, who: Expression, facing: str | None, stream: int | None, w: Writer) -> None:
@@ -82,7 +82,7 @@ def turn(sort: ir.Sort, who: Expression, facing: str | None, stream: int | None,
     heading: Expression
     if facing is None:
         assert stream is not None
-        bits = call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
+        bits = bits_of_each(stream, sort, w)
         heading = call("below", bits, 4)
         if is_byte:
             heading = Cast(heading, "u8")
@@ -91,10 +91,3 @@ def turn(sort: ir.Sort, who: Expression, facing: str | None, stream: int | None,
         if is_byte:
             heading = scalar(heading, "u8")
     put("heading", sort, who, heading, w)
-
-
-def any_of(masks: list[Expression]) -> Expression:
-    first, *others = masks
-    for other in others:
-        first = first | other
-    return first

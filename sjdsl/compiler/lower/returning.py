@@ -8,7 +8,7 @@ from sjdsl.compiler.lower.axes import (
     iota,
     spread,
 )
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
 from sjdsl.compiler.lower.pools import Pool, Pools, sends_of
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, Variable
@@ -35,48 +35,40 @@ def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, Expression]:
     """Writes the ticks that everybody is still away; returns who is due, `[N]` bool."""
     due: dict[ir.Sort, Expression] = {}
     left: dict[str, Expression] = {}
-    one = Literal(1)
     for sort in sorts:
         attribute = attribute_of("away", sort)
         away = path(f"state.{attribute}")
         is_nowhere = state_reads.positions(w, sort).eq(state_reads.nowhere(w).node)
-        is_due = is_nowhere & away.eq(one)
-        is_waiting = is_nowhere & (away > one)
-        due[sort] = w.bind("due", is_due)
-        left[attribute] = away - Cast(is_waiting, "i32")
+        due[sort] = w.bind("due", is_nowhere & away.eq(1))
+        left[attribute] = away - Cast(is_nowhere & (away > 1), "i32")
     w.set(Name("state"), replaced("state", left))
     return due
 
 
 def _bring_back_to(pool: Pool, due: Expression, w: Writer) -> None:
     """Writes how those come back who are due and were sent to a pool."""
-    position, heading, away, away_facing, away_pool = (
-        attribute_of(name, pool.sort)
-        for name in ("position", "heading", "away", "away_facing", "away_pool")
-    )
+    sort = pool.sort
 
-    def stored(attribute: str) -> Expression:
-        return path(f"state.{attribute}")
+    def stored(name: str) -> Expression:
+        return path(f"state.{attribute_of(name, sort)}")
 
-    to_pool = stored(away_pool).eq(pool.number)
-    back = w.keep_node("back", due & to_pool, "bool")
+    back = w.keep_node("back", due & stored("away_pool").eq(pool.number), "bool")
     fitting = _fitting_on_return(pool, w)
     free = free_cells(pool, None, fitting is None, w)
     arguments = [state_reads.cells_of(pool.kinds, w), free, back]
     for stream in (pool.send.cell_stream, pool.send.heading_stream):
-        number = w.stream(stream ^ ir.RETURN)
-        arguments.append(call("random_bits", KEY, number, w.module.extent(pool.sort)))
-    arguments += [stored(position), stored(heading), stored(away_facing)]
+        arguments.append(bits_of_each(stream ^ ir.RETURN, sort, w))
+    arguments += [stored("position"), stored("heading"), stored("away_facing")]
     if fitting is not None:
         arguments.append(fitting)
-    new_position = Name(w.names.fresh(position))
-    new_heading = Name(w.names.fresh(heading))
-    placed = Name(w.names.fresh("placed"))
-    w.unpack((new_position, new_heading, placed), call("come_back", *arguments))
+    position = w.fresh(attribute_of("position", sort))
+    heading = w.fresh(attribute_of("heading", sort))
+    placed = w.fresh("placed")
+    w.unpack((position, heading, placed), call("come_back", *arguments))
     changes: dict[str, Expression] = {
-        position: new_position,
-        heading: new_heading,
-        away: Where(placed, Literal(0), stored(away)),
+        attribute_of("position", sort): position,
+        attribute_of("heading", sort): heading,
+        attribute_of("away", sort): Where(placed, Literal(0), stored("away")),
     }
     w.set(Name("state"), replaced("state", changes))
 

@@ -51,7 +51,6 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Lambda,
     Literal,
-    Name,
     Where,
     call,
     reduction,
@@ -145,7 +144,7 @@ def _pick_one(
         else:
             kernel = "pick_of_large_set" if members.levels else "pick_of_set"
             source = aligned(members, axes)
-        results = (Name(w.names.fresh(name)), Name(w.names.fresh("found")))
+        results = (w.fresh(name), w.fresh("found"))
         w.unpack(results, call(kernel, source, drawn))
         picked = Value(results[0], "i32", axes)
         found = Value(results[1], "bool", axes)

@@ -1,6 +1,8 @@
 """Lowers `send` and `remove`: collects who is sent in a phase, then places or removes them."""
 
+import functools
 from dataclasses import dataclass, field
+from operator import or_
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -17,10 +19,10 @@ from sjdsl.compiler.lower.axes import (
     union,
     without,
 )
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.per_agent import any_of, of_each, per_agent, put, turn
+from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, turn
 from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
@@ -69,7 +71,7 @@ class Sends:
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
         """Notes whom a statement sends."""
-        sent = w.keep("sent", per_agent(s.who, scope, w)).node
+        sent = per_agent("sent", s.who, scope, w)
         pool = next(p for p in self.pools if p.send.pool == s.pool)
         at_once = self.now.setdefault(pool.number, [])
         if s.after is None:
@@ -79,11 +81,9 @@ class Sends:
         fitting = _fitting(s, scope, w) if can_be_at_once else None
         delays = _delays(s, as_dtype(w.value(s.after, scope), "i32"), scope, w)
         if can_be_at_once:
-            zero = Literal(0)
-            stays = sent & delays.eq(zero)
-            at_once.append(Sent(s, w.keep_node("at_once", stays, "bool"), fitting))
-            leaves = sent & (delays > zero)
-            sent = w.keep_node("leaving", leaves, "bool")
+            stays = w.keep_node("at_once", sent & delays.eq(0), "bool")
+            at_once.append(Sent(s, stays, fitting))
+            sent = w.keep_node("leaving", sent & (delays > 0), "bool")
         self.away.append(Leaving(pool, s, sent, delays))
 
     def shift(self, s: ir.Shift, scope: IterationScope, w: Writer) -> None:
@@ -91,7 +91,7 @@ class Sends:
         self.shifted.append(shifted(s, scope, w))
 
     def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
-        removed = w.keep("removed", per_agent(s.who, scope, w)).node
+        removed = per_agent("removed", s.who, scope, w)
         self.removed.append((body_sort(s.who), removed))
 
 
@@ -112,11 +112,10 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
     axes = union(who.index.axes, scope.mask.axes, without(fits.axes, (axis,)))
     extent = w.module.extent(who.sort)
-    index = select(scope.mask, who.index, Value(extent, "i32"))
+    index = select(scope.mask, who.index, extent)
     places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
-    rows = spread(fits, (*axes, axis))
-    empty = zeros("bool", extent, axis.extent)
-    table = written("set_at", empty, (places,), rows)
+    none = zeros("bool", extent, axis.extent)
+    table = written("set_at", none, (places,), spread(fits, (*axes, axis)))
     return w.keep_node("fitting", table, "bool")
 
 
@@ -145,13 +144,13 @@ def finish(sends: Sends, w: Writer) -> None:
         sort = leaving.pool.sort
         put("position", sort, leaving.who, state_reads.nowhere(w).node, w)
         put("away", sort, leaving.who, leaving.delays, w)
-        put("away_pool", sort, leaving.who, Literal(leaving.pool.number), w)
+        put("away_pool", sort, leaving.who, leaving.pool.number, w)
         put("away_facing", sort, leaving.who, _facing(leaving.send, w), w)
     w.origin = None
     for sort, removed in sends.removed:
         put("position", sort, removed, state_reads.nowhere(w).node, w)
         if w.module.stores_away(sort):
-            put("away", sort, removed, Literal(0), w)
+            put("away", sort, removed, 0, w)
     if sends.shifted:
         settle(sends.shifted, w)
 
@@ -171,17 +170,17 @@ def _place_pool(pool: Pool, sends: Sends, entered: list[tuple[Pool, Name]], w: W
     """Writes the placing of those who are sent to a pool at once; returns who found a cell."""
     parts = sends.now[pool.number]
     w.origin = parts[0].send.origin
-    sent = w.keep_node("sent", any_of([part.who for part in parts]), "bool")
+    sent = w.keep_node("sent", functools.reduce(or_, [part.who for part in parts]), "bool")
     leaving = None
     if not any(s.stay for s in sends_of(pool, w.module)):  # who may stay keeps its cell
         away = [other.who for other in sends.away if other.pool is pool]
-        leaving = any_of([sent, *away])
+        leaving = functools.reduce(or_, [sent, *away])
     placed = place(pool, sent, leaving, _fitting_of_all(parts), w, entered)
     for part in parts:
         who = placed if len(parts) == 1 else part.who & placed
         turn(pool.sort, who, part.send.facing, pool.send.heading_stream, w)
     if w.module.stores_away(pool.sort):
-        put("away", pool.sort, placed, Literal(0), w)
+        put("away", pool.sort, placed, 0, w)
     return placed
 
 
@@ -189,12 +188,8 @@ def _fitting_of_all(parts: list[Sent]) -> Expression | None:
     """Returns which cells fit each agent, for all statements that send to a pool."""
     if len(parts) == 1 or parts[0].fitting is None:
         return parts[0].fitting
-    fitting: list[Expression] = []
-    for part in parts:
-        if part.fitting is not None:
-            sent = part.who[:, None]
-            fitting.append(sent & part.fitting)
-    return any_of(fitting)
+    fitting = [part.who[:, None] & part.fitting for part in parts if part.fitting is not None]
+    return functools.reduce(or_, fitting)
 
 
 def place(
@@ -212,13 +207,12 @@ def place(
     """
     attribute = attribute_of("position", pool.sort)
     free = free_cells(pool, leaving, fitting is None, w, entered)
-    placed = Name(w.names.fresh("placed"))
+    placed = w.fresh("placed")
     before = w.current(attribute)
-    position = w.changed.get(attribute) or Name(w.names.fresh(attribute))
+    position = w.changed.get(attribute) or w.fresh(attribute)
     assert isinstance(position, Name)
     w.changed[attribute] = position
-    extent = w.module.extent(pool.sort)
-    bits = call("random_bits", KEY, w.stream(pool.send.cell_stream), extent)
+    bits = bits_of_each(pool.send.cell_stream, pool.sort, w)
     cells = state_reads.cells_of(pool.kinds, w)
     if fitting is None:
         result = call("place", cells, free, bits, before, sent)

@@ -29,7 +29,7 @@ from sjdsl.compiler.lower.domains import (
     is_inside,
     stand_on,
 )
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent, owner
 from sjdsl.compiler.lower.per_agent import of_each, per_agent, turn
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
@@ -69,7 +69,7 @@ class Shifted(Record):
 def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
     """Returns whom a statement sends, and where."""
     who = agent(s.who, scope, w)
-    sent = w.keep("sent", per_agent(s.who, scope, w)).node
+    sent = per_agent("sent", s.who, scope, w)
     position = state_reads.position(who, w)
     if s.to is not None:
         goal = state_reads.frame_cell(state_reads.kept_cell(s.to, scope, w), w)
@@ -223,7 +223,7 @@ def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
     ranks: Expression = zeros("u32", extent)
     for move in moves:
         w.origin = move.statement.origin
-        bits = call("random_bits", KEY, w.stream(move.statement.stream), extent)
+        bits = bits_of_each(move.statement.stream, sort, w)
         targets = Where(move.who, move.target, targets)
         ranks = bits if len(moves) == 1 else Where(move.who, bits, ranks)
     for other in body_sorts(w.module.game):

@@ -348,9 +348,13 @@ class Writer:
             comment = f"{self.origin.file.rpartition('/')[2]}:{self.origin.line}"
         return self.module.number(f"stream_{self.purpose}", number, comment, "stream")
 
+    def fresh(self, name: str) -> Name:
+        """Returns a name that is free, close to the wanted one."""
+        return Name(self.names.fresh(name))
+
     def bind(self, name: str, node: Expression) -> Name:
         """Writes `name = node` under a name that is free."""
-        fresh = Name(self.names.fresh(identifier(name.lower())))
+        fresh = self.fresh(identifier(name.lower()))
         self.set(fresh, node)
         return fresh
 
@@ -386,9 +390,7 @@ class Writer:
     def keep_parts(self, names: tuple[str, ...], node: Expression) -> tuple[Name, ...]:
         """Names the parts of what a kernel returns; what computes the same is called once."""
         if node not in self.parts:
-            self.parts[node] = tuple(
-                Name(self.names.fresh(identifier(name.lower()))) for name in names
-            )
+            self.parts[node] = tuple(self.fresh(identifier(name.lower())) for name in names)
             self.unpack(self.parts[node], node)
         return self.parts[node]
 
@@ -402,7 +404,7 @@ class Writer:
         if not isinstance(last, Assign) or value.node != Name(last.names[0]) or len(last.names) > 1:
             return value
         self.names.taken.discard(last.names[0])
-        fresh = Name(self.names.fresh(identifier(name.lower())))
+        fresh = self.fresh(identifier(name.lower()))
         self.body[-1] = replace(last, names=(fresh.identifier,))
         self.known = {
             key: fresh if kept == value.node else kept for key, kept in self.known.items()
@@ -417,7 +419,7 @@ class Writer:
         """Returns the parameter that stands for a field of the cells around each cell."""
         assert isinstance(stored, Attribute)
         if stored not in self.parameters:
-            self.parameters[stored] = Name(self.names.fresh(stored.name))
+            self.parameters[stored] = self.fresh(stored.name)
         return self.parameters[stored]
 
     def forget(self) -> None:
@@ -444,7 +446,7 @@ class Writer:
 
     def _renew(self, values: dict[str, Expression], attribute: str, node: Expression) -> None:
         if attribute not in values:
-            values[attribute] = Name(self.names.fresh(attribute))
+            values[attribute] = self.fresh(attribute)
         name = values[attribute]
         assert isinstance(name, Name)
         self.set(name, node)
