@@ -7,7 +7,7 @@ from sjdsl.compiler.lower.chosen import argument_value
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import Expression, Name, Sequence, call, constant, live
+from sjdsl.compiler.program.expressions import Expression, Name, call, live
 
 READING = (("state", "State"), ("params", "Params"))
 NUM_ACTIONS = call("len", Name("ACTIONS"))
@@ -18,22 +18,19 @@ def allowed_actions(module: Module) -> Function:
     w = Writer(module)
     agents = module.game.agents
     axes = (w.axis("agent", module.agents), w.axis("action", len(agents.actions)))
-    shape = Sequence((module.agents, NUM_ACTIONS))
-    everything = call("jnp.ones", shape, Name("bool"))
+    everything = call("jnp.ones", (module.agents, NUM_ACTIONS), Name("bool"))
     allowed: Expression = everything
     for forbid in agents.forbids:
         w.origin = forbid.origin
         test = w.keep("forbidden", w.value(forbid.condition, _scope(forbid, axes, w)))
         closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
         comment = "actions a `forbid` is about"
-        table = module.constant("forbids", constant(closes), comment, "bool")
-        of_actions = table[None]
-        closed = w.bind("closed", aligned(test, axes) & of_actions)
-        is_open = ~closed
+        table = module.constant("forbids", closes, comment, "bool")
+        closed = w.bind("closed", aligned(test, axes) & table[None])
         if allowed == everything and axes[0] in test.axes:
-            allowed = is_open
+            allowed = ~closed
         else:
-            allowed = allowed & is_open
+            allowed = allowed & ~closed
     w.origin = None
     w.give_back(allowed)
     doc = "Returns which actions each agent may take: `[N, A]` bool."
@@ -60,7 +57,7 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
         for number in action.numbers:
             places[number] = (number - action.first) // rest % argument.count
         comment = f"the argument `{name}` of each action that is {action.name}(..), 0 of others"
-        table = w.module.constant(f"{action.name}_{name}", constant(places), comment, "i32")
+        table = w.module.constant(f"{action.name}_{name}", places, comment, "i32")
         value = argument_value(argument, Value(table, "i32", (action_axis,)))
         if argument.type.kind == "agent":
             scope = scope.binding(name, AgentVar(value))

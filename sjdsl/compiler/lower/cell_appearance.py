@@ -331,5 +331,4 @@ def largest(e: ir.Expr, game: ir.Game) -> float:
 
 def relative_heading(difference: Expression) -> Expression:
     """Returns the number of another's heading relative to the observer's."""
-    turned = difference & 3
-    return Literal(OTHER_FACING) + turned
+    return Literal(OTHER_FACING) + (difference & 3)

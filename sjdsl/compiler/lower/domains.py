@@ -34,7 +34,6 @@ from sjdsl.compiler.program.expressions import (
     Literal,
     Name,
     call,
-    constant,
     reduction,
 )
 
@@ -346,7 +345,7 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
         if block.what == name:
             blocked = blocked | _agents_block(block, cells, w)
     blocked = w.keep(f"{name}_blocked", blocked)
-    starts = constant([number == 0 for lane in shape.lanes for number in range(len(lane))])
+    starts = [number == 0 for lane in shape.lanes for number in range(len(lane))]
     comment = f"first cells of the lanes of {name}"
     first = w.module.constant(f"{name}_starts", starts, comment, "bool")
     return called("reached", blocked, on_map.node, first)

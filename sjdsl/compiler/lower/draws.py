@@ -26,7 +26,6 @@ from sjdsl.compiler.program.expressions import (
     Name,
     as_array,
     call,
-    constant,
     scalar,
 )
 
@@ -179,7 +178,7 @@ def _weighted(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Valu
             total = p if total is None else _add_weight(total, weight, p, w)
         place = place + as_dtype(shifted >= _threshold(total), "i32")
     if s.numbers:
-        values = constant(list(s.numbers))
+        values = list(s.numbers)
         comment = f"what `{s.name}` is drawn from"
         table = w.module.constant(f"{s.name}_values", values, comment, "i32")
         return replace(place, node=table[place.node])

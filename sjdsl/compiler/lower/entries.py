@@ -14,8 +14,8 @@ from sjdsl.compiler.lower.axes import (
     aligned,
     as_dtype,
     axes_of,
-    binary,
     literal,
+    looked_up,
     row_aligned,
     select,
     taken,
@@ -29,7 +29,6 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     as_array,
     call,
-    constant,
     reduction,
 )
 
@@ -49,16 +48,13 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
     axes = axes_of(row, key)
     if e.type.kind == "agents" and row.levels == 2:
-        found = call("entry", numbers_first(row_aligned(row, axes)), aligned(key, axes))
-        return Value(numbers_last(found), row.dtype, axes, 1)
+        sets = call("entry", numbers_first(row_aligned(row, axes)), aligned(key, axes))
+        return Value(numbers_last(sets), row.dtype, axes, 1)
     if row.levels != 1:
-        instead = "write one of the words out with `case`"
-        raise NotSupported(
-            "a table of several levels by words that differ from member to member",
-            e.origin,
-            instead,
-        )
-    return Value(call("entry", row_aligned(row, axes), aligned(key, axes)), row.dtype, axes)
+        feature = "a table of several levels by words that differ from member to member"
+        raise NotSupported(feature, e.origin, "write one of the words out with `case`")
+    node = call("entry", row_aligned(row, axes), aligned(key, axes))
+    return Value(node, row.dtype, axes)
 
 
 def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
@@ -152,10 +148,8 @@ def to_words(
     shift = numbers[-1] - (len(numbers) - 1)
     shifted = [(shift + i) % 256 for i in range(len(numbers))]
     if numbers[1:] == shifted[1:] and (numbers[0] == shifted[0] or len(numbers) > 4):
-        moved = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"))
+        moved = value - abs(shift) if shift < 0 else value + shift
         if numbers[0] == shifted[0]:
             return moved
-        is_first = value.eq(0)
-        return select(is_first, literal(numbers[0], "u8"), moved)
-    table = as_array(constant(numbers), "u8")
-    return replace(value, node=table[value.node])
+        return select(value.eq(0), numbers[0], moved)
+    return looked_up(as_array(numbers, "u8"), value, "u8")

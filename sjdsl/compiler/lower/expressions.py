@@ -329,21 +329,21 @@ def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
 
     Written numbers and parameters are float32 anyway.
     """
-    if not w.exact or value.dtype != "f32" or value.literal or _is_given(e):
+    if not w.exact or value.dtype != "f32" or value.literal or _is_unrounded(e):
         return value
     return called("exactly", value)
 
 
-def _is_given(e: ir.Expr) -> bool:
+def _is_unrounded(e: ir.Expr) -> bool:
     """Returns whether a number is no result of the arithmetic of reals.
 
     Such are written numbers, parameters and whole numbers.
     """
     match e:
         case ir.Named():
-            return _is_given(e.value)
+            return _is_unrounded(e.value)
         case ir.At() if e.key.type.kind != "mix":
-            return _is_given(e.row)
+            return _is_unrounded(e.row)
         case _:
             return isinstance(e, ir.Number | ir.ParamRef) or e.type.kind == "int"
 

@@ -52,9 +52,9 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     size = w.module.extent(right.var.sort)
     if s.first:
         inner, found = nearest(right, left.always(), w)
-        mask = left.mask & found
         reached = inner.variables[right.var.name].number
-        return _among_reached(s, reached, mask, (rows, inner.axes[-1]), size, same_sort, w)
+        axes = (rows, inner.axes[-1])
+        return _among_reached(s, reached, left.mask & found, axes, size, same_sort, w)
     inner = enter(right, left, w)
     cols = inner.axes[-1]
     variable = inner.variables[right.var.name]

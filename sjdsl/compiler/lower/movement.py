@@ -29,7 +29,6 @@ from sjdsl.compiler.program.expressions import (
     Name,
     Where,
     call,
-    constant,
     path,
     zeros,
 )
@@ -43,8 +42,8 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     game = w.module.game
     inner = enter(s.domain, scope, w)
     actions = game.agents.actions
-    turns = constant([TURNS.get(action, 0) for action in actions])
-    steps = constant([STEPS.get(action, NO_STEP) for action in actions])
+    turns = [TURNS.get(action, 0) for action in actions]
+    steps = [STEPS.get(action, NO_STEP) for action in actions]
     turn = w.module.constant("turn", turns, "quarter turns to the right by action", "i32")
     step = w.module.constant("step_by", steps, "direction of a step by action; 4: none", "i32")
     comment = "where a step leads, by cell and direction; the cell itself if blocked"

@@ -40,7 +40,6 @@ from sjdsl.compiler.program.expressions import (
     Where,
     as_array,
     call,
-    constant,
     reduction,
     zeros,
 )
@@ -87,7 +86,7 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
 
 def _stride(heading: Value, w: Writer) -> Value:
     cols = w.module.layout.cols
-    strides = constant([row * cols + col for row, col in DIRECTIONS])
+    strides = [row * cols + col for row, col in DIRECTIONS]
     table = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
     return w.keep("stride", looked_up(table, heading, "i32"))
 
@@ -122,8 +121,8 @@ def _written_heading(heading: ir.Expr, quarters: int, scope: IterationScope, w: 
         return literal((numbers[int(value.number)] + quarters) % 4, "i32")
     if numbers == list(range(len(HEADINGS))):
         return _turned(as_dtype(value, "i32"), quarters)
-    table = as_array(constant([(n + quarters) % 4 for n in numbers]), "i32")
-    return replace(value, node=table[value.node], dtype="i32")
+    table = as_array([(n + quarters) % 4 for n in numbers], "i32")
+    return looked_up(table, value, "i32")
 
 
 def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Value, Value]:

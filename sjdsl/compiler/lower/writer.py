@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import ceil
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -30,7 +31,6 @@ from sjdsl.compiler.program import Constant, Group, Number
 from sjdsl.compiler.program.expressions import (
     Assign,
     Attribute,
-    Call,
     DType,
     Expression,
     Literal,
@@ -38,6 +38,7 @@ from sjdsl.compiler.program.expressions import (
     Return,
     Statement,
     as_array,
+    call,
     path,
 )
 from sjdsl.runtime.actions import HEADINGS
@@ -80,9 +81,7 @@ class Module:
     _by_value: dict[Expression, str] = field(default_factory=dict)
     _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
 
-    def constant(
-        self, name: str, table: Expression, comment: str, dtype: DType | None = None
-    ) -> Name:
+    def constant(self, name: str, table: object, comment: str, dtype: DType | None = None) -> Name:
         """Returns the name of a module-level array; equal ones are kept once.
 
         dtype: of a table of written numbers.
@@ -155,16 +154,16 @@ class Module:
         game = self.game
         fields = all_fields(game)
         sets: dict[tuple[str, ...], WordSet] = {HEADINGS: WordSet("", "headings")}
-        for field_ in fields:
-            declared = WordSet(field_.held_by.name, attribute_name(field_))
-            sets.setdefault(field_.type.words, declared)
+        for declared in fields:
+            words = WordSet(declared.held_by.name, attribute_name(declared))
+            sets.setdefault(declared.type.words, words)
 
         def add(keys: tuple[str, ...], name: str) -> None:
             sets.setdefault(keys, WordSet(name, name))
 
-        for field_ in fields:
-            for level in field_.type.by:
-                add(level.names, attribute_name(field_))
+        for declared in fields:
+            for level in declared.type.by:
+                add(level.names, attribute_name(declared))
         for param in game.params:
             add(param.type.words, param.name)
             for level in param.type.by:
@@ -217,7 +216,7 @@ class Module:
     @property
     def numbers_per_set(self) -> int:
         """How many numbers of 32 bits a set of agents takes; 0 if one number holds it."""
-        return 0 if self.num_agents <= BITS_PER_NUMBER else -(-self.num_agents // BITS_PER_NUMBER)
+        return 0 if self.num_agents <= BITS_PER_NUMBER else ceil(self.num_agents / BITS_PER_NUMBER)
 
     def levels(self, type_: ir.Type) -> int:
         """Returns how many axes one value of a type has: see `Value.levels`."""
@@ -252,10 +251,8 @@ class Module:
             for observable in self.game.observables:
                 if shows_attribute(observable) and observable.field == "moved":
                     return True
-        return any(
-            isinstance(n, ir.Attribute) and n.name == "moved" and body_sort(n.owner) == sort
-            for n in self.nodes
-        )
+        reads = [n for n in self.nodes if isinstance(n, ir.Attribute) and n.name == "moved"]
+        return any(body_sort(read.owner) == sort for read in reads)
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:
@@ -401,14 +398,16 @@ class Writer:
         since: how many statements there were before it was lowered.
         """
         last = self.body[-1] if len(self.body) > since else None
-        if not isinstance(last, Assign) or value.node != Name(last.names[0]) or len(last.names) > 1:
+        if not isinstance(last, Assign) or len(last.names) > 1:
+            return value
+        if value.node != Name(last.names[0]):
             return value
         self.names.taken.discard(last.names[0])
         fresh = self.fresh(identifier(name.lower()))
         self.body[-1] = replace(last, names=(fresh.identifier,))
-        self.known = {
-            key: fresh if kept == value.node else kept for key, kept in self.known.items()
-        }
+        for key, kept in self.known.items():
+            if kept == value.node:
+                self.known[key] = fresh
         return replace(value, node=fresh)
 
     def stored(self, attribute: str) -> Expression:
@@ -454,4 +453,4 @@ class Writer:
 
 def replaced(name: str, changes: dict[str, Expression]) -> Expression:
     """Returns a state or outcome with new values of some attributes."""
-    return Call(path(f"{name}.replace"), (), tuple(changes.items())) if changes else Name(name)
+    return call(f"{name}.replace", **changes) if changes else Name(name)

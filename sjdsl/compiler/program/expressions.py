@@ -272,9 +272,11 @@ def written(
     return call(kernel, target, places[0] if len(places) == 1 else Sequence(places), value)
 
 
-def as_array(value: Expression, dtype: DType | None = None) -> Call:
+def as_array(value: object, dtype: DType | None = None) -> Call:
     """Returns numbers as an array."""
-    return Call(path("jnp.asarray"), (value,) if dtype is None else (value, DTYPES[dtype]))
+    if dtype is None:
+        return call("jnp.asarray", value)
+    return call("jnp.asarray", value, DTYPES[dtype])
 
 
 def scalar(value: Expression, dtype: DType) -> Call:
