@@ -23,6 +23,7 @@ from sjdsl.compiler.lower.assignments import fields_of_several_lots
 from sjdsl.compiler.lower.assignments import finish as finish_writes
 from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import token_planes
+from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe
 from sjdsl.compiler.lower.pools import Pool, Pools, all_pools
@@ -62,7 +63,10 @@ from sjdsl.compiler.program.expressions import (
 )
 from sjdsl.runtime.fields import StateField
 
-STATE, OUT, PARAMS, ACTIONS, KEY = (Name(x) for x in ("state", "out", "params", "actions", "key"))
+STATE = Name("state")
+OUT = Name("out")
+PARAMS = Name("params")
+ACTIONS = Name("actions")
 PHASE = (
     ("state", "State"),
     ("out", "Outcome"),
@@ -262,7 +266,7 @@ def _step(turns: list[Turn], module: Module) -> Function:
     marked = Name("marked")
     for turn in turns:
         results = (STATE, OUT, marked) if turn.marks else (STATE, OUT)
-        arguments = (STATE, OUT, PARAMS, ACTIONS, KEY, *turn.given)
+        arguments = (STATE, OUT, PARAMS, ACTIONS, KEY, *turn.arguments)
         w.unpack(results, call(turn.function.name, *arguments))
         if turn.marks:
             w.set(STATE, replaced("state", {turn.marks: marked}))
