@@ -30,7 +30,10 @@ from sjdsl.compiler.program.expressions import (
     call,
 )
 
-COMPARISON, UNARY, ATOM = 0, 6, 7
+LAMBDA = -1
+COMPARISON = 0
+UNARY = 6
+ATOM = 7
 PYTHON_PRECEDENCE = {
     **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), COMPARISON),
     **{
@@ -82,9 +85,8 @@ def flat(piece: "Piece | Bracketed") -> str:
         case Chain():
             return "".join(map(flat, piece.pieces))
         case Operation():
-            return flat(piece.first) + "".join(
-                f" {op} {flat(operand)}" for op, operand in piece.rest
-            )
+            rest = [f" {op} {flat(operand)}" for op, operand in piece.rest]
+            return flat(piece.first) + "".join(rest)
 
 
 def pieces(node: Expression | Slice) -> Piece:
@@ -93,13 +95,14 @@ def pieces(node: Expression | Slice) -> Piece:
         case Name():
             return node.identifier
         case Literal():
-            if node.name or isinstance(node.value, str):
-                return node.name or quoted(str(node.value))
+            if node.name:
+                return node.name
+            if isinstance(node.value, str):
+                return quoted(node.value)
             return "..." if node.value is ... else repr(node.value)
         case Slice():
-            start, stop = (
-                "" if part is None else flat(pieces(part)) for part in (node.start, node.stop)
-            )
+            start = "" if node.start is None else text(node.start)
+            stop = "" if node.stop is None else text(node.stop)
             return f"{start}:{stop}"
         case Unary():
             return _after(node.op, _operand(node.operand, UNARY))
@@ -107,25 +110,12 @@ def pieces(node: Expression | Slice) -> Piece:
             return _operation(node)
         case Sequence(items=items, is_list=is_list):
             inner = tuple(map(pieces, items))
-            return Chain(
-                (
-                    Bracketed("[", inner, "]")
-                    if is_list
-                    else Bracketed("(", inner, ")", comma=len(items) == 1),
-                )
-            )
+            if is_list:
+                return Chain((Bracketed("[", inner, "]"),))
+            return Chain((Bracketed("(", inner, ")", comma=len(items) == 1),))
         case Mapping():
-            return Chain(
-                (
-                    Bracketed(
-                        "{",
-                        tuple(
-                            _after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries
-                        ),
-                        "}",
-                    ),
-                )
-            )
+            entries = [_after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries]
+            return Chain((Bracketed("{", tuple(entries), "}"),))
         case Lambda():
             return _after(f"lambda {', '.join(node.parameters)}: ", pieces(node.body))
         case Attribute():
@@ -133,10 +123,9 @@ def pieces(node: Expression | Slice) -> Piece:
         case Index():
             return Chain((*_base(node.value), Bracketed("[", tuple(map(pieces, node.keys)), "]")))
         case Call():
-            named = tuple(_after(f"{name}=", pieces(value)) for name, value in node.keywords)
-            return Chain(
-                (*_base(node.function), Bracketed("(", (*map(pieces, node.arguments), *named), ")"))
-            )
+            named = [_after(f"{name}=", pieces(value)) for name, value in node.keywords]
+            arguments = (*map(pieces, node.arguments), *named)
+            return Chain((*_base(node.function), Bracketed("(", arguments, ")")))
         case Where():
             return pieces(call("jnp.where", node.condition, node.then, node.otherwise))
         case Cast():
@@ -152,12 +141,11 @@ def pieces(node: Expression | Slice) -> Piece:
 
 def _base(node: Expression) -> list["str | Bracketed"]:
     """Returns what a trailer follows, in brackets unless it binds as tightly."""
-    if _strength(node) < ATOM or (
-        isinstance(node, Literal) and not isinstance(node.value, str) and not node.name
-    ):
+    is_value = isinstance(node, Literal) and not isinstance(node.value, str) and not node.name
+    if is_value or _strength(node) < ATOM:
         return [Bracketed("(", (pieces(node),), ")")]
-    found = pieces(node)
-    return list(found.pieces) if isinstance(found, Chain) else [flat(found)]
+    base = pieces(node)
+    return list(base.pieces) if isinstance(base, Chain) else [flat(base)]
 
 
 def _strength(node: Expression) -> int:
@@ -172,7 +160,7 @@ def _strength(node: Expression) -> int:
         case Literal(value=int() | float() as value, name="") if copysign(1, value) < 0:
             return UNARY
         case Lambda():
-            return -1
+            return LAMBDA
         case _:
             return ATOM
 
@@ -180,11 +168,9 @@ def _strength(node: Expression) -> int:
 def _operand(node: Expression, least: int) -> Piece:
     """Returns an operand, in brackets if it binds less than it must."""
     mixes_bits = least == COMPARISON + 1 and isinstance(node, Binary) and node.op in BITWISE
-    return (
-        Chain((Bracketed("(", (pieces(node),), ")"),))
-        if _strength(node) < least or mixes_bits
-        else pieces(node)
-    )
+    if mixes_bits or _strength(node) < least:
+        return Chain((Bracketed("(", (pieces(node),), ")"),))
+    return pieces(node)
 
 
 def _operation(node: Binary) -> Operation:
@@ -193,12 +179,9 @@ def _operation(node: Binary) -> Operation:
     inner = UNARY if node.op in BITWISE else strength + 1
     right = _operand(node.right, inner)
     left = node.left
-    if (
-        isinstance(left, Binary)
-        and strength != COMPARISON
-        and PYTHON_PRECEDENCE[left.op] == strength
-    ):
-        if left.op == node.op or node.op not in BITWISE:
+    if isinstance(left, Binary) and strength != COMPARISON:
+        is_alike = PYTHON_PRECEDENCE[left.op] == strength
+        if is_alike and (left.op == node.op or node.op not in BITWISE):
             before = _operation(left)
             return Operation(before.first, (*before.rest, (node.op, right)))
     return Operation(_operand(left, inner), ((node.op, right),))
