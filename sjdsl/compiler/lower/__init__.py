@@ -45,7 +45,6 @@ from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
 from sjdsl.compiler.program.expressions import (
     DTYPES,
-    Call,
     Expression,
     Literal,
     Name,
@@ -159,10 +158,12 @@ def _turns(pools: Pools, module: Module) -> list[Turn]:
         if function.body != (Return((STATE, OUT)),):
             lowered.append((turn, function))
     phases = [(turn, function) for turn, function in lowered if isinstance(turn, ir.Phase)]
-    shared = iter(share(phases))
-    return [
-        Turn(function) if isinstance(turn, ir.Tick) else next(shared) for turn, function in lowered
-    ]
+    calls_of_phases = iter(share(phases))
+    calls = []
+    for turn, function in lowered:
+        is_phase = isinstance(turn, ir.Phase)
+        calls.append(next(calls_of_phases) if is_phase else Turn(function))
+    return calls
 
 
 def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
@@ -196,7 +197,7 @@ def _state_field_call(field: StateField) -> Expression:
     for declared in dataclasses.fields(field):
         value = getattr(field, declared.name)
         if value != declared.default:
-            arguments[declared.name] = constant(value)
+            arguments[declared.name] = value
     return call("StateField", **arguments)
 
 
@@ -217,28 +218,18 @@ def _used(
     return constants, tuple(sorted(numbers, key=lambda n: groups.index(n.group)))
 
 
-def _function(
-    w: Writer, name: str, parameters: tuple[tuple[str, str], ...], returns: str, doc: str
-) -> Function:
-    return Function(name, parameters, returns, doc, live(w.body))
-
-
 def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Function:
-    """Returns the function that makes the first value of a class."""
-    values = tuple((field.name, field.default) for field in fields)
-    made = Call(Name(class_), (), values)
-    return Function(name, (), class_, doc, (Return((made,)),))
+    """Returns the function that constructs the first value of a class."""
+    defaults = {field.name: field.default for field in fields}
+    return Function(name, (), class_, doc, (Return((call(class_, **defaults),)),))
 
 
 def _reset() -> Function:
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
     actions = call("jnp.full", Name("NUM_AGENTS"), STAY, DTYPES["i32"])
-    initial_state = call("initial_state")
-    no_outcome = call("no_outcome")
-    start = call("start", initial_state, no_outcome, PARAMS, actions, KEY)
-    state = start[0]
-    return Function("reset", parameters, "State", doc, (Return((state,)),))
+    start = call("start", call("initial_state"), call("no_outcome"), PARAMS, actions, KEY)
+    return Function("reset", parameters, "State", doc, (Return((start[0],)),))
 
 
 def _step(turns: list[Turn], module: Module) -> Function:
@@ -248,21 +239,21 @@ def _step(turns: list[Turn], module: Module) -> Function:
     in the order of the schedule.
     """
     w = Writer(module)
-    below = ACTIONS < 0
-    above = ACTIONS >= NUM_ACTIONS
-    w.set(ACTIONS, Where(below | above, STAY, ACTIONS))
+    is_unknown = (ACTIONS < 0) | (ACTIONS >= NUM_ACTIONS)
+    w.set(ACTIONS, Where(is_unknown, STAY, ACTIONS))
     if module.game.agents.forbids:
-        allowed = call("allowed_actions", STATE, PARAMS)
         chosen = call("one_hot", ACTIONS, NUM_ACTIONS)
-        w.set(Name("allowed"), reduction("any", allowed & chosen, (1,)))
-        w.set(ACTIONS, Where(Name("allowed"), ACTIONS, STAY))
+        is_open = call("allowed_actions", STATE, PARAMS) & chosen
+        allowed = Name("allowed")
+        w.set(allowed, reduction("any", is_open, (1,)))
+        w.set(ACTIONS, Where(allowed, ACTIONS, STAY))
     w.set(OUT, call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]
     if marks:
-        none: dict[str, Expression] = {
-            mark: call("jnp.zeros_like", path(f"state.{mark}")) for mark in marks
-        }
-        w.set(STATE, replaced("state", none))
+        changes: dict[str, Expression] = {}
+        for mark in marks:
+            changes[mark] = call("jnp.zeros_like", path(f"state.{mark}"))
+        w.set(STATE, replaced("state", changes))
     marked = Name("marked")
     for turn in turns:
         results = (STATE, OUT, marked) if turn.marks else (STATE, OUT)
@@ -276,7 +267,7 @@ def _step(turns: list[Turn], module: Module) -> Function:
         "`actions`: `[N]` int32; `key`: two uint32 words."
     )
     parameters = (("state", "State"), ("actions", "Array"), ("params", "Params"), ("key", "Array"))
-    return _function(w, "step", parameters, "tuple[State, Outcome]", doc)
+    return Function("step", parameters, "tuple[State, Outcome]", doc, live(w.body))
 
 
 def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function:
@@ -294,7 +285,9 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
     if w.marked:
         w.changed[f"mark_{phase.name}"] = _all_marks(phase, w)
     w.give_back(replaced("state", w.changed), replaced("out", w.outcome))
-    return _function(w, phase.name, PHASE, "tuple[State, Outcome]", _written(phase, module.sources))
+    return Function(
+        phase.name, PHASE, "tuple[State, Outcome]", _written(phase, module.sources), live(w.body)
+    )
 
 
 def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
@@ -305,7 +298,7 @@ def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
         parts.append(zeros("i32", missing))
     if len(parts) == 1:
         return parts[0]
-    return call("jnp.concatenate", list(parts))
+    return call("jnp.concatenate", parts)
 
 
 def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
@@ -320,13 +313,12 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
 
 def _tick(pools: Pools, module: Module) -> Function:
     w = Writer(module, "tick")
-    one = Literal(1)
     for field in all_fields(module.game):
         if field.timer:
             attribute = attribute_name(field)
             before = path(f"state.{attribute}")
             w.origin = field.origin
-            w.assign(attribute, call("jnp.maximum", before, one) - one)
+            w.assign(attribute, call("jnp.maximum", before, 1) - 1)
     w.origin = None
     doc = "All timers fall by one."
     away = [sort for sort in body_sorts(module.game) if module.stores_away(sort)]
@@ -338,7 +330,7 @@ def _tick(pools: Pools, module: Module) -> Function:
         plurals = " and ".join(sort.plural for sort in away)
         doc = f"All timers fall by one; {plurals} whose time away is over return."
     w.give_back(replaced("state", w.changed), OUT)
-    return _function(w, "tick", PHASE, "tuple[State, Outcome]", doc)
+    return Function("tick", PHASE, "tuple[State, Outcome]", doc, live(w.body))
 
 
 def _measures(module: Module) -> Function:
@@ -352,7 +344,7 @@ def _measures(module: Module) -> Function:
     w.origin = None
     w.give_back(constant(dict(values)))
     doc = "Returns the `mean` and `final` values at the end of a step: float32 scalars by name."
-    return _function(w, "measures", READING, "dict[str, Array]", doc)
+    return Function("measures", READING, "dict[str, Array]", doc, live(w.body))
 
 
 def _episode(module: Module) -> Function:
@@ -361,7 +353,7 @@ def _episode(module: Module) -> Function:
     value = w.value(module.game.episode, IterationScope())
     w.give_back(as_array(value.node, "i32"))
     doc = "Returns the steps until truncation: int32 scalar."
-    return _function(w, "episode_length", (("params", "Params"),), "Array", doc)
+    return Function("episode_length", (("params", "Params"),), "Array", doc, live(w.body))
 
 
 def _observe(module: Module) -> Function:
@@ -375,7 +367,7 @@ def _observe(module: Module) -> Function:
         f"Returns what each agent sees: `[N, {num_planes}, {rows}, {cols}]` uint8; "
         "planes as in TOKEN_PLANES."
     )
-    return _function(w, "observe", READING, "Array", doc)
+    return Function("observe", READING, "Array", doc, live(w.body))
 
 
 __all__ = ["NotSupported", "lower", "new_module", "token_planes"]

@@ -5,7 +5,7 @@ from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, glyphs_of
-from sjdsl.compiler.program.expressions import Expression, Literal, Name, call, constant
+from sjdsl.compiler.program.expressions import Expression, Literal, Name, call
 
 MAP = (Name("MAP"), Name("PAD"))
 
@@ -42,11 +42,13 @@ class Layout:
     def pad(self) -> int:
         """Cells of padding on each side: as far as a window or a shape reaches."""
         view = self.game.window
-        reach = [max(abs(a), abs(c)) for s in self.game.shapes for lane in s.lanes for a, c in lane]
+        lanes = [lane for shape in self.game.shapes for lane in shape.lanes]
+        reach = [max(abs(ahead), abs(right)) for lane in lanes for ahead, right in lane]
         along = max(view.ahead, view.behind)
         across = max(view.left, view.right)
-        corner = along == across  # then a window could show cell 0, which stands for nowhere
-        return max(along + corner, across + corner, 1, *reach)
+        if along == across:  # then a window could show cell 0, which stands for nowhere
+            along += 1
+        return max(along, across, 1, *reach)
 
     @property
     def cols(self) -> int:
@@ -83,28 +85,23 @@ class Layout:
 
         It is past the end for cells of other kinds, and once more at the end.
         """
-        group_glyphs = Literal(self.glyphs(group))
-        return call("numbers_among", MAP[0], group_glyphs, self.glyphs((kind,)))
+        return call("numbers_among", MAP[0], self.glyphs(group), self.glyphs((kind,)))
 
     def starts_table(
         self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str
     ) -> Expression:
         """The starting values of a kind's field, cell by cell."""
-        values = {
-            g.glyph: encode[dict(g.starts).get(field.name, field.start)]
-            for g in self.game.glyphs
-            if g.kind == kind
-        }
+        values = {}
+        for meaning in self.game.glyphs:
+            if meaning.kind == kind:
+                values[meaning.glyph] = encode[dict(meaning.starts).get(field.name, field.start)]
         return call("values_of", MAP[0], values, dtype)
 
     def starts(self, kind: str, field: ir.VarField) -> set[object]:
         """Returns the starting values that a kind's field has on this map."""
-        used = {g for row in self.game.rows for g in row}
-        return {
-            dict(g.starts).get(field.name, field.start)
-            for g in self.game.glyphs
-            if g.kind == kind and g.glyph in used
-        }
+        glyphs = set().union(*self.game.rows)
+        on_map = [g for g in self.game.glyphs if g.kind == kind and g.glyph in glyphs]
+        return {dict(g.starts).get(field.name, field.start) for g in on_map}
 
     def base_table(self, looks: dict[str, int]) -> Expression:
         """The frame painted with one number a kind."""
@@ -165,7 +162,7 @@ class Layout:
 
     def offsets_table(self, shape: ir.Shape) -> Expression:
         """What to add to a cell for each heading and each cell of a shape, lane by lane."""
-        cells = constant(tuple(cell for lane in shape.lanes for cell in lane))
+        cells = tuple(cell for lane in shape.lanes for cell in lane)
         return call("shape_offsets", *MAP, cells, **self._edges)
 
     def reach_table(self, shape: ir.Shape) -> Expression:
@@ -173,8 +170,8 @@ class Layout:
 
         They are bits, by cell and heading.
         """
-        lanes = constant(tuple(map(len, shape.lanes)))
-        glyphs = Literal(self.blocking_glyphs(shape.name))
+        lanes = tuple(map(len, shape.lanes))
+        glyphs = self.blocking_glyphs(shape.name)
         return call("lane_reach", *MAP, self.offsets_table(shape), lanes, glyphs, **self._edges)
 
     def neighbours_table(

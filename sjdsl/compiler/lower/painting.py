@@ -27,8 +27,10 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     by_id: whether agents are told apart by their numbers, not by their headings alone.
     """
     num_contents = max(look.raw + look.raw_values for look in looks(game))
-    wanted: list[tuple[str, int, ir.Phase | None]] = [("content", _bits(num_contents), None)]
-    wanted.append(("agent", _bits(game.agents.number + 1) if by_id else 3, None))
+    agent_bits = _bits(game.agents.number + 1) if by_id else 3
+    wanted: list[tuple[str, int, ir.Phase | None]] = []
+    wanted.append(("content", _bits(num_contents), None))
+    wanted.append(("agent", agent_bits, None))
     for movers in game.movers:
         number = shown_movers(movers, game)
         if number:
@@ -37,8 +39,11 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     parts: list[Part] = []
     used = [0]  # bits of each plane
     for name, bits, phase in wanted:
-        plane = next((i for i, u in enumerate(used) if u + bits <= 8), len(used))
-        if plane == len(used):
+        with_room = [plane for plane, taken in enumerate(used) if taken + bits <= 8]
+        if with_room:
+            plane = with_room[0]
+        else:
+            plane = len(used)
             used.append(0)
         parts.append(Part(name, plane, used[plane], bits, phase))
         used[plane] += bits
@@ -83,17 +88,16 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     base = w.module.constant("base", layout.base_table(numbers), comment)
     frame_cells = w.module.number("frame_cells", layout.rows * layout.cols)
     empty = zeros("u8", frame_cells)
-    planes = [
-        w.bind(f"plane_{plane}", base if plane == content.plane else empty)
-        for plane in range(1 + max(p.plane for p in parts))
-    ]
+    planes = []
+    for plane in range(1 + max(part.plane for part in parts)):
+        planes.append(w.bind(f"plane_{plane}", base if plane == content.plane else empty))
     _paint_fields(planes[content.plane], content, w)
     for part in parts:
         if part.marks is not None:
             w.origin = part.marks.origin
-            plane = planes[part.plane]
             bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
-            w.set(plane, call("paint", plane, path(f"state.{part.name}"), bit))
+            painted = call("paint", planes[part.plane], path(f"state.{part.name}"), bit)
+            w.set(planes[part.plane], painted)
     by_name = {part.name: part for part in parts}
     for sort in body_sorts(w.module.game):
         if sort.name in by_name:
@@ -134,11 +138,10 @@ def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer
     extent = w.module.extent(sort)
     w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
     are_told_apart = by_id if is_agent else part.bits > 1
-    one = literal(1, "u8")
     if are_told_apart:
-        shown = Value(Arange(extent, "u8"), "u8") + one
+        shown = Value(Arange(extent, "u8"), "u8") + 1
     elif is_agent:
-        shown = Value(Cast(state_reads.HEADING, "u8"), "u8") + one
+        shown = Value(Cast(state_reads.HEADING, "u8"), "u8") + 1
     else:
         shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
     shifted = shown << shift_of(part, w)

@@ -88,8 +88,7 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     meaning = f"{field.name}: {_meaning(field)}"
     if field.type.by:
         meaning = f"{meaning}; by {_level(field.type.by[0])}"
-    if field.type.kind == "agents" and w.module.numbers_per_set:
-        dims.append(str(w.module.numbers_per_set))
+    dims += [str(extent.size) for extent in w.module.set_extents(field.type)]
     default = _default(field, game, dtype, w)
     return Field(attribute_name(field), f"[{', '.join(dims)}]", dtype, meaning, default)
 
@@ -146,8 +145,7 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> Expres
         if field.held_by.what != "world":
             size.append(w.module.extent(field.held_by))
         size += map(w.module.num_entries, field.type.by)
-        if field.type.kind == "agents" and w.module.numbers_per_set:
-            size.append(Literal(w.module.numbers_per_set))
+        size += w.module.set_extents(field.type)
         first = _start(next(iter(starts), field.start), field, w)
         return call("jnp.full", shape_of(tuple(size)), first, path(f"jnp.{dtype}"))
     for glyph in game.glyphs:

@@ -86,8 +86,8 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             mark(s, scope, w)
         case ir.End():
             ended = w.total("ended")
-            happens_here = reduce("any", scope.mask, scope.mask.axes).node
-            w.accumulate("ended", joined("|", ended, happens_here))
+            ends = reduce("any", scope.mask, scope.mask.axes)
+            w.accumulate("ended", joined("|", ended, ends.node))
         case ir.Let() | ir.Draw():
             raise AssertionError(s)
         case _:
@@ -100,7 +100,8 @@ def _inside(
     """Writes a block. name: of its mask, which is kept if several statements read it."""
     if not body or scope.mask == FALSE:
         return
-    if len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
+    num_statements = len(body) + sum(len(getattr(s, "body", ())) for s in body)
+    if num_statements > 1:
         scope = replace(scope, mask=w.keep(name or "active", scope.mask))
     block(body, scope, w, sends)
 
