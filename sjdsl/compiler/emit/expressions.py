@@ -1,7 +1,7 @@
-"""Expressions as Python text: operator precedence and brackets. The one place where nodes of a program become text on one line.
+"""Expressions as Python text on one line: operator precedence and brackets.
 
-An operand gets brackets where Python's precedence asks for them, and where a bit operation meets another operation: few
-readers know whether `a + b & c == d` is `((a + b) & c) == d`.
+An operand gets brackets where Python's precedence asks for them, and where a bit operation meets
+another operation: few readers know whether `a + b & c == d` is `((a + b) & c) == d`.
 """
 
 from math import copysign
@@ -46,7 +46,10 @@ BITWISE = {"|", "^", "&", "<<", ">>"}
 
 
 class Bracketed(Record):
-    """`open` items `close`, the items with commas between them; `comma`: one follows the last even on one line."""
+    """Items between `open` and `close`, separated by commas.
+
+    comma: whether one follows the last item even on one line.
+    """
 
     open: str
     items: tuple["Piece", ...]
@@ -61,7 +64,7 @@ class Chain(Record):
 
 
 class Operation(Record):
-    """Operands with operators between them that may stand on lines of their own: `a`, `+ b`, `+ c`."""
+    """Operands and operators, which may be on lines of their own: `a`, `+ b`, `+ c`."""
 
     first: "Piece"
     rest: tuple[tuple[str, "Piece"], ...]

@@ -1,4 +1,4 @@
-"""Line breaks: pieces of an expression laid out in lines of at most 120 columns, as a formatter would break them."""
+"""Breaks expressions into lines of at most 120 columns, as a formatter would."""
 
 from sjdsl.compiler.emit.expressions import Bracketed, Chain, Operation, Piece, flat
 
@@ -36,7 +36,10 @@ def layout(piece: Piece, column: int, indent: int, after: int, bracketed: bool =
 
 
 def _last_broken(piece: Operation, column: int, indent: int, after: int) -> str | None:
-    """Returns `a + f(` … `)`: only the last operand is broken, if all before it fits on the first line."""
+    """Returns `a + f(` … `)`, where only the last operand is broken.
+
+    None if what is before it doesn't fit on the first line.
+    """
     *before, (op, last) = piece.rest
     head = f"{flat(Operation(piece.first, tuple(before)))} {op} "
     if not isinstance(last, Chain) or column + len(head) > WIDTH // 2:
@@ -64,7 +67,7 @@ def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
 
 
 def _items(bracket: Bracketed, indent: int) -> str:
-    """Returns what stands in brackets on lines of its own: one for all if it fits, else one for each."""
+    """Returns what is in brackets, on one line if it fits, else on a line for each item."""
     together = ", ".join(map(flat, bracket.items)) + "," * bracket.comma
     chains = [item for item in bracket.items if isinstance(item, Chain)]
     has_rows = any(isinstance(chain.pieces[0], Bracketed) for chain in chains)

@@ -78,7 +78,7 @@ class Target(Record):
         return attribute_name(self.declared)
 
     @property
-    def own_axes(self) -> Axes | None:
+    def owner_axes(self) -> Axes | None:
         """The axis of those whose field it is, none for the world's.
 
         None if they are computed numbers.
@@ -104,7 +104,7 @@ class Target(Record):
         None where entries are found one by one.
         """
         axis = whole_axis(self.keys[0], self.scope) if self.keys else None
-        if axis is None or self.own_axes is None or axis in self.own_axes:
+        if axis is None or self.owner_axes is None or axis in self.owner_axes:
             return None
         return axis
 
@@ -293,15 +293,17 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
 
 def _write(target: Target, value: Value, w: Writer) -> None:
     """Writes one field where the scope's mask holds."""
-    own = target.own_axes
+    owner_axes = target.owner_axes
     along = target.along
     key = target.key(w) if along is None else None
-    if own is None or (key is not None and any(a.size > 1 for a in without(key.axes, own))):
+    if owner_axes is None or (
+        key is not None and any(a.size > 1 for a in without(key.axes, owner_axes))
+    ):
         _scatter(target, key, value, w)
         return
     dtype = state_reads.storage(target.declared, w)
     levels = w.module.levels(target.read.type)
-    before = Value(w.current(target.attribute), dtype, own, levels)
+    before = Value(w.current(target.attribute), dtype, owner_axes, levels)
     if along is not None:
         before = unrolled(before, along)
     mask = target.scope.mask
@@ -429,7 +431,7 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
 
 def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
     """Counts the terms of an exact sum, and refuses too many."""
-    separate = target.own_axes or ()  # each member of these has a sum of its own
+    separate = target.owner_axes or ()  # each member of these has a sum of its own
     summed = prod(axis.size for axis in target.scope.axes if axis not in separate)
     terms = w.terms.get(target.attribute, 0) + summed
     if terms >= MOST_TERMS:
@@ -455,8 +457,8 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     if is_exact:
         reals = scalar(masked.node, "f32") if masked.literal else masked.node
         masked = Value(call("fixed_point", reals), "i32", masked.axes, masked.levels + 1)
-    if target.own_axes is not None:
-        total = _total(target, target.own_axes, masked, is_exact)
+    if target.owner_axes is not None:
+        total = _total(target, target.owner_axes, masked, is_exact)
     else:
         assert target.who is not None
         total = _scattered(target, target.who, masked, is_exact, w)
@@ -464,18 +466,18 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     sums.append(w.keep(f"{target.attribute}_added", total))
 
 
-def _total(target: Target, own: Axes, terms: Value, is_exact: bool) -> Value:
-    """Returns the sum of the terms for each member of `own`, the axes of a field."""
+def _total(target: Target, owner_axes: Axes, terms: Value, is_exact: bool) -> Value:
+    """Returns the sum of the terms for each member of `owner_axes`, the axes of a field."""
     along = target.along
-    kept = own if along is None else union(own, (along,))
+    kept = owner_axes if along is None else union(owner_axes, (along,))
     total = reduce("sum", terms, without(target.scope.axes, kept))
     if not total.axes and not total.levels:
         return total
     # A row that is the same for all is aligned too: JAX would not know which axis it lacks.
     node = aligned(total, kept)
     if along is None:
-        return replace(total, node=node, axes=own)
-    return Value(rolled(node, kept, along), total.dtype, own, 1 + is_exact)
+        return replace(total, node=node, axes=owner_axes)
+    return Value(rolled(node, kept, along), total.dtype, owner_axes, 1 + is_exact)
 
 
 def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: Writer) -> Value:

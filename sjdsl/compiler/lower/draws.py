@@ -102,7 +102,7 @@ def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value
 
 
 def _threshold(p: Value) -> Value:
-    return Value(call("threshold", _array(p)), "u32", p.axes)
+    return Value(call("threshold", _array(p, p.axes)), "u32", p.axes)
 
 
 def _next_limit(lower: Value, probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -131,9 +131,9 @@ def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     return p
 
 
-def _array(p: Value, axes: Axes | None = None) -> Expression:
-    """Returns a probability as an array, lined up with axes."""
-    return scalar(p.node, "f32") if p.literal else aligned(p, p.axes if axes is None else axes)
+def _array(p: Value, axes: Axes) -> Expression:
+    """Returns a probability as an array, aligned with axes."""
+    return scalar(p.node, "f32") if p.literal else aligned(p, axes)
 
 
 def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:

@@ -51,10 +51,10 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
         raise NotSupported(feature, s.origin, "match a group with itself, or with other kinds")
     size = w.module.extent(right.var.sort)
     if s.first:
-        inner, found = nearest(right, left.always(), w)
+        inner, exists = nearest(right, left.always(), w)
         reached = inner.variables[right.var.name].number
         axes = (rows, inner.axes[-1])
-        return _among_reached(s, reached, left.mask & found, axes, size, same_sort, w)
+        return _among_reached(s, reached, left.mask & exists, axes, size, same_sort, w)
     inner = enter(right, left, w)
     cols = inner.axes[-1]
     variable = inner.variables[right.var.name]

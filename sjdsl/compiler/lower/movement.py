@@ -172,10 +172,10 @@ def _open_direction(
         better = _better(course.goal, course.away, scope, mover, axis, w)
         is_open = is_open & Value(better, "bool", axes)
     direction = w.fresh("way")
-    found = w.fresh("found")
+    has_way = w.fresh("found")
     bits = bits_of_each(course.stream, mover.sort, w)
-    w.unpack((direction, found), call("pick", is_open.node, bits))
-    goes = w.keep("goes", scope.mask & Value(found, "bool", (axis,)))
+    w.unpack((direction, has_way), call("pick", is_open.node, bits))
+    goes = w.keep("goes", scope.mask & Value(has_way, "bool", (axis,)))
     return Value(direction, "i32", (axis,)), goes
 
 

@@ -200,11 +200,11 @@ def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
         else:
             inside = select(_condition(view.condition, place, w), cells, inside)
     inside = w.keep("in_window", inside)
-    own = []
+    windows = []
     for name in seen:
         visible = select(inside, Value(name, "u8", axes), 0)
-        own.append(w.bind(name.identifier, visible.node))
-    return own
+        windows.append(w.bind(name.identifier, visible.node))
+    return windows
 
 
 def _myself(w: Writer) -> Expression:

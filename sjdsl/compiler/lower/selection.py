@@ -97,8 +97,8 @@ def _pick_several(
     bits = random_bits(s.stream, scope, w, turns)
     outer = union(bits.axes[:-1], without(inner.mask.axes, (axis,)))
     mask = w.keep("member", broadcast(inner.mask, (*outer, axis)))
-    found = w.keep_node("found", reduction("any", mask.node, (len(outer),)), "bool")
-    nobody = ~Value(found, "bool", outer)
+    exists = w.keep_node("found", reduction("any", mask.node, (len(outer),)), "bool")
+    nobody = ~Value(exists, "bool", outer)
     if not turns.size:
         return inner.when(FALSE), nobody, s.body
     if number.literal:
@@ -135,7 +135,7 @@ def _pick_one(
     axes = union(bits.axes, without(around.axes, (axis,)))
     drawn = spread(bits, axes)
     if members is not None and _are_many_sets(members, axes) and need_no_state(scope.digits):
-        chosen, found = _pick_of_sets(members, drawn, scope, name, w)
+        chosen, exists = _pick_of_sets(members, drawn, scope, name, w)
         picked = chosen.number
     else:
         if members is None:
@@ -147,7 +147,7 @@ def _pick_one(
         results = (w.fresh(name), w.fresh("found"))
         w.unpack(results, call(kernel, source, drawn))
         picked = Value(results[0], "i32", axes)
-        found = Value(results[1], "bool", axes)
+        exists = Value(results[1], "bool", axes)
         number = picked
         if member.axis is None:  # it is a cell's place in a shape
             number = _take(member.number, axis, picked)
@@ -156,7 +156,7 @@ def _pick_one(
         chosen = numbered(s.domain.var, number)
     place = bound(s.domain, chosen, scope, w)
     place = replace(place, digits=(*scope.digits, (picked, total)))
-    return place.when(found), ~found
+    return place.when(exists), ~exists
 
 
 def _are_many_sets(members: Value, axes: Axes) -> bool:
@@ -180,9 +180,9 @@ def _pick_of_sets(
         source = Where(aligned(scope.mask, members.axes), source, Literal(0))
     alone = call("pick_of_sets", source, KEY, Lambda(("key",), drawn))
     picked = w.keep("picked", replace(members, node=alone))
-    found = w.keep("found", picked.ne(0))
+    exists = w.keep("found", picked.ne(0))
     index = w.keep(name, called("member_of", picked, dtype="i32"))
-    return AgentVar(index, alone=SetOfOne(picked, scope.mask & found)), found
+    return AgentVar(index, alone=SetOfOne(picked, scope.mask & exists)), exists
 
 
 def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:

@@ -48,8 +48,8 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             _inside(body, inner, w, sends, f"{s.domain.var.name}_found")
             _inside(s.otherwise, scope.when(nobody), w, sends)
         case ir.First() if not is_empty(s.domain, w):
-            inner, found = nearest(s.domain, scope, w)
-            inner = inner.when(scope.mask).when(found)
+            inner, exists = nearest(s.domain, scope, w)
+            inner = inner.when(scope.mask).when(exists)
             _inside(s.body, inner, w, sends, f"{s.domain.var.name}_found")
         case ir.Match() if not is_empty(s.left, w) and not is_empty(s.right, w):
             _inside(s.body, match_(s, scope, w), w, sends)
