@@ -29,7 +29,7 @@ TABLE_OF: dict[type[Node], tuple[str, str]] = {
     ast.Constant: ("constants", ""), ast.Kind: ("kinds", ""), ast.Group: ("groups", ""), ast.Field: ("fields", ""),
     ast.Timer: ("fields", ""), ast.Define: ("defines", ""), ast.Movers: ("movers", ""), ast.Shape: ("shapes", "shape "),
     ast.Phase: ("phases", "phase "), ast.Variant: ("variants", "variant "), ast.Scenario: ("scenarios", "scenario "),
-    ast.ScriptedPolicy: ("policies", "policy "),
+    ast.ScriptedPolicy: ("policies", "policy "), ast.Task: ("tasks", "task "),
 }  # fmt: skip
 TABLE_OF_AGENTS: dict[type[Node], str] = {
     ast.Field: "agent_fields", ast.Timer: "agent_fields", ast.Forbid: "forbids", ast.Blocks: "agent_blocks",
@@ -50,6 +50,7 @@ class Composition:
     about: dict[str, str] = field(default_factory=dict)
     constants: dict[str, ast.Constant] = field(default_factory=dict)
     episode: ast.Episode | None = None
+    tasks: dict[str, ast.Task] = field(default_factory=dict)
     kinds: dict[str, ast.Kind] = field(default_factory=dict)
     groups: dict[str, ast.Group] = field(default_factory=dict)
     fields: dict[str, ast.Field | ast.Timer] = field(default_factory=dict)
@@ -103,6 +104,10 @@ class Composition:
         attributes = [attribute for owner in owners for attribute in owner.attributes]
         fields = [a for a in attributes if isinstance(a, ast.Field | ast.Timer)]
         return [*fields, *self.agent_fields.values(), *self.fields.values()]
+
+    def task_fields(self) -> dict[str, ast.TaskField]:
+        """Returns the fields of tasks by name."""
+        return {field.name.text: field for task in self.tasks.values() for field in task.fields}
 
     def number_names(self) -> tuple[list[str], list[str]]:
         """Returns the names of the sizes and of the parameters."""

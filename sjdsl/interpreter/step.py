@@ -43,20 +43,28 @@ def reset(
       sends: whether its `send` statements are performed; without them, nobody has a place.
     """
     board = board_of(game)
-    return _begun(board, declared_world(board, dict(params)), draws, tell, sends)
+    laid = declared_world(board, dict(params))
+    if game.task is not None:
+        laid = _phase(game.task.draw, _starting(board, laid, draws), _empty_outcome(board), tell)
+    return _begun(board, laid, draws, tell, sends)
 
 
 def _begun(
     board: Board, before: World, draws: Draws, tell: Tell | None, sends: bool = True
 ) -> World:
     """Returns the state after the phase `start`."""
-    stay = board.game.agents.actions.index("stay")
-    instance = Instance(board, before, (stay,) * board.agents, draws)
+    instance = _starting(board, before, draws)
     world = _phase(board.game.start, instance, _empty_outcome(board), tell, sends)
     for body in bodies(world):
         has_place = where_is(body, world) is not None or away_of(body, world) is not None
         assert has_place or not sends, f"{body} has no place"
     return world
+
+
+def _starting(board: Board, world: World, draws: Draws) -> Instance:
+    """Returns an instance of a phase that comes before the first step, when everybody stays."""
+    stay = board.game.agents.actions.index("stay")
+    return Instance(board, world, (stay,) * board.agents, draws)
 
 
 def _next_trial(board: Board, ended: World, draws: Draws, tell: Tell | None) -> World:
@@ -73,7 +81,9 @@ def _next_trial(board: Board, ended: World, draws: Draws, tell: Tell | None) -> 
 def _keep(before: World, after: World, board: Board) -> None:
     """Gives the kept fields in `after` the values that they have in `before`."""
     assert board.game.trials is not None
-    after.fields["trial"] = before.fields["trial"]
+    of_task = () if board.game.task is None else board.game.task.fields
+    for name in ("trial", *of_task):
+        after.fields[name] = before.fields[name]
     for kept in board.game.trials.kept:
         if kept.held_by.what == "world":
             after.fields[kept.name] = before.fields[kept.name]

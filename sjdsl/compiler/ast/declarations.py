@@ -98,6 +98,18 @@ class Episode(Node):
     trials: Trials | None
 
 
+class TaskField(Named):
+    """different: no two entries of the row are equal."""
+
+    by: By | None
+    different: bool
+    type: Type
+
+
+class Task(Named):
+    fields: tuple[TaskField, ...]
+
+
 class Field(Named):
     """start None: the type's default (0, nobody) or, for words, an error."""
 
@@ -337,7 +349,7 @@ class Variant(Named):
 
 
 Section = (
-    Cite | About | Constant | Episode | Kind | Group | Field | Timer | Map | Agents | Movers | Shape | Define | Schedule | Phase | Observe
+    Cite | About | Constant | Episode | Task | Kind | Group | Field | Timer | Map | Agents | Movers | Shape | Define | Schedule | Phase | Observe
     | Look | Metrics | Checks | ScriptedPolicy | Scenario | Variant
 )  # fmt: skip
 

@@ -82,7 +82,9 @@ def _start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
 
 
 def _is_kept(read: ir.FieldRead, game: ir.Game) -> bool:
-    """Returns whether later trials of an episode may begin with another value of a field."""
+    """Returns whether a field isn't as declared at the start: a task or a trial before set it."""
+    if game.task is not None and read.held_by.what == "world" and read.name in game.task.fields:
+        return True
     if game.trials is None:
         return False
     if read.held_by.what == "world" and read.name == "trial":

@@ -28,6 +28,7 @@ from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.possible import know_steps, report_never
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.tasks import check_not_told, task
 from sjdsl.compiler.elaborate.trials import episode
 from sjdsl.compiler.elaborate.window import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
@@ -75,6 +76,7 @@ def elaborate(
     check_requires(game, checks_scope)
     agents = build_agents(game, static, problems)
     start_phase = start(game, scope)
+    typed_task = task(game, scope)
     turns = schedule(game, scope)
     view = window(game, scope)
     rules: list[ir.Node] = [*turns, *kinds]
@@ -82,6 +84,8 @@ def elaborate(
         rules.append(agents)
     typed_observables = observables(game, rules, scope)
     typed_hidden = hidden(game, scope)
+    if agents is not None:
+        check_not_told(agents, typed_observables, scope)
     typed_measures = measures(game, Scope(static, problems, part="metrics"))
     typed_checks = checks(game, checks_scope)
     typed_looks = looks(game, static, problems)
@@ -105,6 +109,7 @@ def elaborate(
         params=tuple(static.params.values()),
         episode=length,
         trials=trials,
+        task=typed_task,
         kinds=kinds,
         rows=rows,
         edges="joined" if static.wraps else "",

@@ -28,6 +28,8 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
         is_of_world = field.held_by.what == "world"
         if scope.static.has_trials and is_of_world and field.name == TRIAL:
             raise scope.fail(errors.TrialIsCounted(path.span))
+        if is_of_world and field.name in scope.static.task_fields:
+            raise scope.fail(errors.TaskWritten(path.span, name=field.name))
         return target, declaration(field, scope)
     match field:
         case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (name,)))):

@@ -19,11 +19,21 @@ from sjdsl.compiler.elaborate.lookup import repeated
 from sjdsl.compiler.elaborate.movers import declare_movers
 from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.tasks import declare_task
 from sjdsl.compiler.elaborate.trials import TRIAL, declare_trial
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
 
-Declared = ast.Constant | ast.Define | ast.Field | ast.Timer | ast.Kind | ast.Group | ast.Movers
+Declared = (
+    ast.Constant
+    | ast.Define
+    | ast.Field
+    | ast.TaskField
+    | ast.Timer
+    | ast.Kind
+    | ast.Group
+    | ast.Movers
+)
 Tables = Mapping[str, Mapping[str, Declared]]
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
 OBSERVED_NAMES = {  # what `observe` has names for, so that no kind can
@@ -93,6 +103,8 @@ def _word_sets(game: Composition) -> Iterator[ast.Words]:
             places += [field.type, field.by]
     places += [metric.by for metric in game.metrics.values() if isinstance(metric, ast.Event)]
     places += [number.by for number in game.constants.values()]
+    for declared in game.task_fields().values():
+        places += [declared.type, declared.by]
     if game.acts is not None:
         places += [argument.type for action in game.acts.actions for argument in action.arguments]
     yield from (place for place in places if isinstance(place, ast.Words))
@@ -109,6 +121,7 @@ def _check_names(game: Composition, words: Mapping[str, Span], problems: Problem
         "a number": game.constants,
         "a define": game.defines,
         "a field of the world": game.fields,
+        "a field of the task": game.task_fields(),
         **cells,
     }
     has_trials = game.episode is not None and game.episode.trials is not None
@@ -164,6 +177,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
         with problems.survive(static.broken, Symbol("name", name)):
             static.fields[name] = one_field(field, scope, ir.Sort("world"))
     declare_trial(game, scope)
+    declare_task(game, scope)
     declare_agents(game, scope)
     declare_movers(game, scope)
 
@@ -172,7 +186,7 @@ def _check_counts(game: Composition, problems: Problems) -> None:
     """Reports more kinds, fields or phases than a game may have."""
     counts = (
         ("kinds", len(game.kinds), limits.MAX_KINDS),
-        ("fields", len(game.declared_fields()), limits.MAX_FIELDS),
+        ("fields", len(game.declared_fields()) + len(game.task_fields()), limits.MAX_FIELDS),
         ("phases", len(game.phases), limits.MAX_PHASES),
     )
     for noun, number, limit in counts:

@@ -50,7 +50,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
         return ()
     _check_phases_exist(game, game.schedule, scope)
     labels: list[str] = []
-    functions = Names({"start"})
+    functions = Names({"start", "draw_task"})
     turns: list[ir.Turn] = []
     for turn in game.schedule.turns:
         with scope.problems.survive():

@@ -72,6 +72,7 @@ class Static:
     map_cols: int = 0
     wraps: bool = False
     has_trials: bool = False
+    task_fields: set[str] = field(default_factory=set)
     references: list[tuple[Span, Symbol]] = field(default_factory=list)
     used: set[Symbol] = field(default_factory=set)
     required: set[Symbol] = field(default_factory=set)

@@ -129,24 +129,39 @@ def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
         _check_declared(by.names, scope)
     level = level_of(by, scope)
     type_ = one.type.model_copy(update={"by": (level,)})
+    drawn = one.model_copy(update={"type": type_, "by": level, "different": s.different})
     if s.different:
         if one.weights:
             raise scope.expected(s.source.span, "values without weights", "a table of weights")
-        size = len(one.words)
-        if not size:
-            quantity = "what different values are drawn from"
-            for bound in (s.source, s.high):
-                assert bound is not None and not isinstance(bound, ast.Words | ast.Table)
-                scope.fixed(bound, quantity)
-            if one.type.kind == "real":
-                raise scope.expected(s.source.span, "whole numbers or words", "real numbers")
-            size = int(one.type.high - one.type.low) + 1
-        if size > limits.MAX_DEALT:
-            problem = f"different values are drawn from {size}"
-            raise scope.fail(limits.too_much(problem, limits.MAX_DEALT, s.source.span))
-        if size < len(level):
-            raise scope.fail(errors.TooFewToDeal(s.span, entries=len(level), values=size))
-    return one.model_copy(update={"type": type_, "by": level, "different": s.different})
+        if one.type.kind == "real":
+            raise scope.expected(s.source.span, "whole numbers or words", "real numbers")
+        for bound in (one.low, one.high):
+            if bound is not None and not isinstance(bound, ir.Number):
+                _refuse_unknown(bound, scope)
+        check_deal(drawn, s.span, scope)
+    return drawn
+
+
+def _refuse_unknown(bound: ir.Expr, scope: Scope) -> None:
+    """Reports an end of what different values are drawn from that isn't known when compiled."""
+    quantity = "what different values are drawn from"
+    for node in ir.walk(bound):
+        if isinstance(node, ir.ParamRef):
+            raise scope.fail(errors.ShapeParam(bound.span, name=node.name, quantity=quantity))
+    raise scope.fail(errors.NotFixed(bound.span, quantity=quantity))
+
+
+def check_deal(drawn: ir.Draw, span: Span, scope: Scope) -> None:
+    """Reports a row of different values that are no row, too many or too few."""
+    if drawn.by is None:
+        wanted = "`by` and the entries of a row, which are all different"
+        raise scope.expected(span, wanted, "one value")
+    values = len(drawn.words) or int(drawn.type.high - drawn.type.low) + 1
+    if values > limits.MAX_DEALT:
+        problem = f"different values are drawn from {values}"
+        raise scope.fail(limits.too_much(problem, limits.MAX_DEALT, span))
+    if values < len(drawn.by):
+        raise scope.fail(errors.TooFewToDeal(span, entries=len(drawn.by), values=values))
 
 
 def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:

@@ -347,6 +347,18 @@ class Trials(Node):
     kept: tuple[Kept, ...] = ()
 
 
+class Task(Node):
+    """Fields of the world that are drawn when an episode begins, before `start`, and written by no
+    rule.
+
+    `draw`: the phase that draws them.
+    """
+
+    name: str
+    fields: tuple[str, ...]
+    draw: Phase
+
+
 class Game(Node):
     """A whole game, one variant of it: what the interpreter runs and the lowering reads.
 
@@ -363,6 +375,7 @@ class Game(Node):
     params: tuple[Param, ...] = ()
     episode: Expr
     trials: Trials | None = None
+    task: Task | None = None
     kinds: tuple[Kind, ...]
     rows: tuple[str, ...]
     edges: Literal["", "joined"] = ""

@@ -104,6 +104,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Tick: "tick",
     ir.Kept: "kept held_by=held_by.what kinds=held_by.names name",
     ir.Trials: "trials number kept",
+    ir.Task: "task draw",
     ir.Event: "event name by",
     ir.Measure: "measure name mean value",
     ir.Label: "label name condition",
@@ -138,7 +139,7 @@ RULES = (
     ),
     *("window", "observables", "hidden", "events", "measures"),
 )
-OPTIONAL = ("trials",)  # hashed if there are any
+OPTIONAL = ("trials", "task")  # hashed if there are any
 
 
 def game_hash(game: ir.Game) -> str:

@@ -34,7 +34,7 @@ KERNELS = {
 RESERVED = {
     "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step", "observe", "measures", "tick", "allowed",
     "allowed_actions", "episode_length", "initial_state", "no_outcome", "default_params",
-    "next_trial", "trial_length",
+    "next_trial", "trial_length", "draw_task",
     *keyword.kwlist,
     *(name for names in KERNELS.values() for name in names),
 }  # fmt: skip

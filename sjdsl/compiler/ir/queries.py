@@ -159,8 +159,9 @@ def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:
 
 
 def phases_of(game: Game) -> tuple[Phase, ...]:
-    """Returns `start` and the phases of the schedule, in order."""
-    return (game.start, *(turn for turn in game.schedule if isinstance(turn, Phase)))
+    """Returns the draw of the task if there is one, `start`, and the phases of the schedule."""
+    drawn = () if game.task is None else (game.task.draw,)
+    return (*drawn, game.start, *(turn for turn in game.schedule if isinstance(turn, Phase)))
 
 
 def marking_phases(game: Game) -> tuple[Phase, ...]:

@@ -128,9 +128,12 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
         ),
     ]
     phases = dict.fromkeys(turn.function for turn in turns)
-    beginning = [_reset()]
+    beginning = [_reset(game)]
     if game.trials is not None:
-        beginning.append(next_trial(game, game.trials, _started(Name("laid")), module))
+        started = _started("start", Name("laid"))
+        beginning.append(next_trial(game, game.trials, _laid(game), started, module))
+    if game.task is not None:
+        beginning.append(_phase(game.task.draw, (), module))
     functions = (*constructors, *beginning, _step(turns, module), start, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
@@ -230,17 +233,23 @@ def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Funct
     return Function(name, (), class_, doc, (Return((call(class_, **defaults),)),))
 
 
-def _reset() -> Function:
+def _reset(game: ir.Game) -> Function:
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
-    state = _started(call("initial_state"))
+    state = _started("start", _laid(game))
     return Function("reset", parameters, "State", doc, (Return((state,)),))
 
 
-def _started(laid: Expression) -> Expression:
-    """Returns the state in which the phase `start` leaves another."""
+def _laid(game: ir.Game) -> Expression:
+    """Returns the state before `start`: what is declared, and the task of the episode."""
+    declared = call("initial_state")
+    return declared if game.task is None else _started(game.task.draw.name, declared)
+
+
+def _started(phase: str, before: Expression) -> Expression:
+    """Returns the state in which a phase before the first step leaves another."""
     actions = call("jnp.full", Name("NUM_AGENTS"), STAY, DTYPES["i32"])
-    return call("start", laid, call("no_outcome"), PARAMS, actions, KEY)[0]
+    return call(phase, before, call("no_outcome"), PARAMS, actions, KEY)[0]
 
 
 def _step(turns: list[Turn], module: Module) -> Function:

@@ -5,19 +5,22 @@ from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, written_field
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import Expression, Name, Where, call, live, path
+from sjdsl.compiler.program.expressions import Expression, Name, Where, live, path
 
 BEGINNING = (("state", "State"), ("is_last", "Array"), ("params", "Params"), ("key", "Array"))
 TRIAL = "world_trial"  # the attribute of State that counts the trials
 
 
-def next_trial(game: ir.Game, trials: ir.Trials, start: Expression, module: Module) -> Function:
+def next_trial(
+    game: ir.Game, trials: ir.Trials, laid: Expression, start: Expression, module: Module
+) -> Function:
     """Returns the function `next_trial`.
 
-    start: the state in which the phase `start` leaves the state `laid`.
+    laid: the state before `start` at the beginning of an episode. start: the state in which `start`
+    leaves the state `laid`.
     """
     w = Writer(module)
-    w.set(Name("laid"), call("initial_state"))
+    w.set(Name("laid"), laid)
     attributes = _kept_attributes(game, trials)
     kept = {attribute: path(f"state.{attribute}") for attribute in attributes}
     counted = path(f"state.{TRIAL}") + 1
@@ -45,8 +48,10 @@ def _unless_last(state: str, changes: dict[str, Expression]) -> dict[str, Expres
 
 
 def _kept_attributes(game: ir.Game, trials: ir.Trials) -> list[str]:
-    """Returns the attributes of State that are kept, without that of `trial`."""
+    """Returns the attributes of State that are kept, those of the task too, but not `trial`."""
     kept = {(field.held_by, field.name) for field in trials.kept}
+    if game.task is not None:
+        kept |= {(ir.Sort("world"), name) for name in game.task.fields}
     fields = [field for field in all_fields(game) if (field.held_by, field.name) in kept]
     return [attribute_name(field) for field in fields]
 

@@ -144,6 +144,11 @@ def aim(span: Span, *items: Any) -> ast.Aim:
     return ast.Aim(span, shape_ref(shape), domain, clauses.get("avoiding"), action)
 
 
+def task_field(span: Span, name: ast.Name, *items: Any) -> ast.TaskField:
+    (type_,), clauses = split(items)
+    return ast.TaskField(span, name, clauses.get("by"), "different" in clauses, type_)
+
+
 def draw(span: Span, name: ast.Name, *items: Any) -> ast.Draw:
     (source, *high), clauses = split(items)
     is_different = "different" in clauses
@@ -200,7 +205,7 @@ def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
 
 # The rules whose nodes have the names of the rules, and their children as fields.
 PLAIN = (
-    ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Kind, ast.Timer,
+    ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Task, ast.Kind, ast.Timer,
     ast.Numbers, ast.Words, ast.Group, ast.Movers, ast.Acts, ast.Action, ast.Moves, ast.Schedule,
     ast.Turn, ast.Block, ast.Let, ast.Each, ast.Pick, ast.First, ast.When, ast.Chance,
     ast.Add, ast.Give, ast.Remove, ast.Move, ast.Ahead, ast.Along, ast.End, ast.Members,
@@ -245,6 +250,7 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "keep": lambda _, *paths: paths,
     "phase": node(ast.Phase, parameters="names"),
     "draw": draw,
+    "task_field": task_field,
     "match": match_,
     "otherwise": lambda _, item: item,
     "set": node(ast.Set, lot="by_lot"),

@@ -253,6 +253,21 @@ class NotKept(TrialIsCounted):
     name: str
 
 
+class TaskWritten(AboutName, code="SJ516", title="Tasks"):
+    says = "no rule can change `{name}`: it is part of the task, which is drawn for an episode"
+    hints = ("for what changes in an episode, declare a field of the world",)
+
+
+class TaskTold(AboutName, code="SJ516", title="Tasks"):
+    says = "a `forbid` would tell agents `{name}`, which is part of the task and not shown"
+    hints = ("add `show {name}` to `observe`, or let the action have no effect instead",)
+
+
+class SecondTask(AboutName, code="SJ516", title="Tasks"):
+    says = "a game has one task, and this is a second, `{name}`"
+    hints = ("put its fields into the first",)
+
+
 class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):
     says = "not supported yet: {feature}"
     feature: str
