@@ -138,7 +138,7 @@ def make_status(look: Look, width: int, shown: Sequence[Snapshot] | None = None)
         item = Item(label=reading.name, reading=reading)
         world.append(replace(item, room=widest(item, [None], UNKNOWN_WIDTH)))
     of_agent = [Item(room=max(NUMBER_WIDTH, widest(Item(), agents, 0)))]
-    for field in look.held:
+    for field in look.possessions:
         for entry in range(len(field.words)):
             item = Item(label="" if entry else field.name, field=field, entry=entry)
             room = max(NUMBER_WIDTH - BETWEEN, widest(item, agents, 0))
