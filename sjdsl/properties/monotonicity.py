@@ -1,6 +1,7 @@
-"""Monotonicity analysis: whether an expression rises or falls when another grows. This decides `monotone` statically.
+"""Decides `monotone`: whether an expression rises or falls when another grows.
 
-Every operation is followed with the ranges of its parts; parameters of the game may have any value they can take.
+Every operation is followed with the ranges of its parts; parameters of the game may have any value
+that they can take.
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ from sjdsl.compiler.ir.ranges import range_of
 
 
 def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
-    """Returns whether a `monotone` is proved; False: it is not known."""
+    """Returns whether a `monotone` is proved; False if it isn't known."""
     value, argument = check.values
     wanted: Slope = "rising" if check.words[0] == "rising" else "falling"
     known = tuple(
@@ -31,15 +32,13 @@ def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
         return False
     (atom,) = atoms
     slopes = Slopes(atom, known)
-    own = fold(value, slopes)
-    other = fold(argument, slopes)
-    if own is None or other is None:
+    slope = fold(value, slopes)
+    argument_slope = fold(argument, slopes)
+    if slope is None or argument_slope is None:
         return False
-    return (
-        own == "level"
-        or other == "level"
-        or (own if other == "rising" else OPPOSITE[own]) == wanted
-    )
+    if "level" in (slope, argument_slope):
+        return True
+    return (slope if argument_slope == "rising" else OPPOSITE[slope]) == wanted
 
 
 def _is_fixed(e: ir.Node) -> bool:
@@ -95,5 +94,5 @@ class Slopes(Analysis[Slope | None]):
 
 
 def _stays(r: Range) -> bool:
-    """Returns whether a result is what was computed: a whole number that does not wrap, a real that is one."""
+    """Returns whether a result is what was computed: it doesn't wrap, and isn't infinite or NaN."""
     return (r.low, r.high) != INT32 if r.whole else r.sound

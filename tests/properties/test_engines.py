@@ -33,8 +33,8 @@ def test_both_engines_play_the_same(orchard: GameFamily) -> None:
     runner = EpisodeRunner(orchard, seed=5)
     runner.checks = dict(enumerate(orchard.own.checks))
     for check in (c for c in orchard.own.checks if c.sort == "expect"):
-        compiled = runner.compiled(check.policies, 0, 3)
-        interpreted = [runner.interpreted(check.policies, number) for number in range(3)]
+        compiled = runner.play_compiled(check.policies, 0, 3)
+        interpreted = [runner.play_interpreted(check.policies, number) for number in range(3)]
         for mine, theirs in zip(compiled, interpreted, strict=True):
             assert mine.actions == theirs.actions
             assert mine.totals == theirs.totals
@@ -50,7 +50,7 @@ def test_both_engines_play_the_same(orchard: GameFamily) -> None:
 def test_a_state_of_an_episode_is_the_interpreters(orchard: GameFamily) -> None:
     """Also with agents that are away, and sets and timers that are not at their start."""
     runner, policies = EpisodeRunner(orchard, seed=1), orchard.own.checks[4].policies
-    (episode,) = runner.compiled(policies, 0, 1)
+    (episode,) = runner.play_compiled(policies, 0, 1)
     trajectory = play(orchard.own, runner.scenario(policies, 0), len(episode.actions))
     player, away = runner._player, 0
     for step in range(len(episode.actions)):

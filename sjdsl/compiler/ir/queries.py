@@ -46,8 +46,12 @@ def contains(node: Node, *sorts: type[Node]) -> bool:
     return any(isinstance(inner, sorts) for inner in walk(node))
 
 
-def is_quantified(e: Node) -> bool:
-    """Returns whether an expression is written `any(D)` or `all(D)`, which are comparisons of counts."""
+def is_any_or_all(e: Node) -> bool:
+    """Returns whether an expression is written `any(D)` or `all(D)`.
+
+    Elaboration makes them comparisons of counts, and gives the count the origin of the whole
+    expression. A `count(D) > 0` that an author wrote has a shorter one inside.
+    """
     return (
         isinstance(e, Compare)
         and isinstance(e.left, Count)
