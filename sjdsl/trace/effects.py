@@ -75,8 +75,12 @@ def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[E
         *_bodies(account, board, numbers),
         *_announcements(account, board),
     ]
-    order = {id(done): number for number, done in enumerate(account.done)}
-    return sorted(effects, key=lambda effect: order.get(id(effect.by[0]), -1) if effect.by else -1)
+    numbers_of_statements = {id(done): number for number, done in enumerate(account.done)}
+
+    def order(effect: Effect) -> int:
+        return numbers_of_statements.get(id(effect.by[0]), -1) if effect.by else -1
+
+    return sorted(effects, key=order)
 
 
 # ---- fields
@@ -96,9 +100,9 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
                 (owner, (holder, number), old[number], new[number])
                 for number, owner in enumerate(owners)
             ]
-        for owner, place, old_value, new_value in values:
+        for owner, slot_owner, old_value, new_value in values:
             for entries, label, was, now in _entries(field.type.by, old_value, new_value):
-                slot = Slot(field.name, place, entries)
+                slot = Slot(field.name, slot_owner, entries)
                 by = tuple(writers[slot])
                 if isinstance(owner, Mover) and field.name == "heading" and not by:
                     continue  # it follows from its way
@@ -263,4 +267,5 @@ def _announcements(account: Account, board: Board) -> Iterator[Effect]:
 
 
 def _instance(done: Done, account: Account, board: Board) -> Instance:
+    """Returns the instance in which a statement was performed, as far as it reads the state."""
     return Instance(board, account.before, names=done.names)
