@@ -13,8 +13,9 @@ TURNED = ("same heading", "turned left", "opposite", "turned right")
 
 
 def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array], Array]]:
-    """Returns the number of channels, and the function
-    `(observation [N, C, rows, cols]) -> [N, rows, cols, C'] float32`.
+    """Returns the number of channels, and the function that makes them.
+
+    It is `(observation [N, C, rows, cols]) -> [N, rows, cols, C'] float32`.
 
     Args:
       env: with one-hot observations.

@@ -1,5 +1,6 @@
-"""SocialJax's reward modes at its scale: all but the common reward are multiplied by the number of
-agents.
+"""SocialJax's reward modes at its scale.
+
+All but the common reward are multiplied by the number of agents.
 """
 
 import math

@@ -19,8 +19,10 @@ class _Row(BaseModel):
 
 
 class Figure(_Row):
-    """One number of the infos: an event or a metric (`of`), or whether an action was chosen; `sum`:
-    over all agents."""
+    """One number of the infos: an event or a metric (`of`), or whether an action was chosen.
+
+    `sum`: over all agents.
+    """
 
     of: str | None = None
     action: str | None = None

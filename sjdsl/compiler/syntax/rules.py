@@ -36,9 +36,9 @@ def unquote(text: str) -> str:
 
 
 def split(items: tuple[Any, ...]) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """Returns the plain children of a rule, and its clauses by name."""
-    plain = tuple(i for i in items if not isinstance(i, Part))
-    return plain, {i.rule: i.content for i in items if isinstance(i, Part)}
+    """Returns the plain children of a rule, and the contents of its clauses by name."""
+    plain = tuple(item for item in items if not isinstance(item, Part))
+    return plain, {item.rule: item.content for item in items if isinstance(item, Part)}
 
 
 def node(kind: type[Node], *same: str, **other: str) -> Build:
@@ -72,6 +72,9 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
         return built
 
     return build
+
+
+# A function with the name of a rule of the grammar builds its node from the rule's children.
 
 
 def constant(span: Span, *items: Any) -> ast.Constant:
@@ -157,16 +160,22 @@ def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
 
 def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
     """Returns a chain of operators: `a + b - c` becomes `(a + b) - c`."""
-    for op, right in zip(rest[:-2:2], rest[1:-2:2], strict=True):
+    *inner, last_op, last = rest
+    for op, right in zip(inner[::2], inner[1::2], strict=True):
         left = ast.Binary(replace(span, end=right.span.end), op, left, right)
-    return ast.Binary(span, rest[-2], left, rest[-1])
+    return ast.Binary(span, last_op, left, last)
 
 
 def binary(op: str) -> Build:
     """Returns what builds a chain of one operator, which is no child of the rule."""
-    return lambda span, first, *rest: chain(
-        span, first, *(item for right in rest for item in (op, right))
-    )
+
+    def build(span: Span, first: ast.Expr, *rest: ast.Expr) -> ast.Expr:
+        operators_and_operands: list[Any] = []
+        for operand in rest:
+            operators_and_operands += [op, operand]
+        return chain(span, first, *operators_and_operands)
+
+    return build
 
 
 def entry(span: Span, key: tuple[Any, ...], value: Any) -> ast.Entry:
