@@ -92,12 +92,11 @@ def add_step(
     )
 
 
-def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpisodes]:
+def split_finished(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpisodes]:
     """Splits sums of B episodes by whether they are done, `[B]` bool.
 
     Returns the sums of those that continue, zero where they ended, and the totals of the others.
     """
-
     equal = equality(sums.returns)
     ended = FinishedEpisodes(
         episodes=jnp.ones_like(sums.length),
