@@ -153,7 +153,7 @@ def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
 
 def _destination(send: ir.Send) -> tuple[str, int, int]:
     """Returns the destination as written and the streams of its draws, equal in a pool."""
-    return printer.domain(send.domain), send.cell_stream, send.heading_stream
+    return printer.domain_text(send.domain), send.cell_stream, send.heading_stream
 
 
 def declared_world(board: Board, params: dict[str, Value]) -> World:

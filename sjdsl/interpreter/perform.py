@@ -55,9 +55,9 @@ def _perform_statement(statement: ir.Stmt, instance: Instance, writes: Writes) -
                 _perform_for(statement.body, statement.domain, member, outer, writes)
         case ir.First():
             nearest = nearest_members(statement.domain, instance)
-            for lane, member in enumerate(nearest):
-                if member is not None:
-                    inner = instance.for_member(member.names, lane, len(nearest))
+            for lane, first in enumerate(nearest):
+                if first is not None:
+                    inner = instance.for_member(first.names, lane, len(nearest))
                     perform(statement.body, inner, writes)
         case ir.Match():
             for left, right, drawn in chances.match_pairs(statement, instance):

@@ -12,7 +12,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.fold import BOUNDS, Analysis, fold, is_computed
 from sjdsl.compiler.ir.implications import Fact, compares, facts
 from sjdsl.compiler.ir.operations import CALCULATIONS, OPPOSITE, Moving, Slope
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import is_number_of_cells
 from sjdsl.compiler.ir.range_arithmetic import INT32, Range
 from sjdsl.compiler.ir.ranges import range_of

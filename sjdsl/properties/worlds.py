@@ -185,7 +185,8 @@ class WorldSearch:
         any_bias = self._rng.integers(0, len(BIASES), self.worlds)
         changing = any_bias * (self._rng.random(self.worlds) < UNFAIR)
         is_steady = self._play_whole() & (episode % 2 == 1)
-        return np.where(is_steady, episode // 2 % len(BIASES), changing).astype(np.uint32)
+        bias: np.ndarray = np.where(is_steady, episode // 2 % len(BIASES), changing)
+        return bias.astype(np.uint32)
 
     def _are_quiet(self, episode: np.ndarray) -> np.ndarray:
         """Returns in which worlds all agents only move in a segment, `[B]` bool."""
@@ -205,7 +206,9 @@ class WorldSearch:
         def choose(steps: int) -> np.ndarray:
             shape = (self.worlds, steps, self._program.agents)
             any_move = rng.choice(moves, shape)
-            return np.where(are_quiet[:, None, None], any_move, rng.integers(0, len(names), shape))
+            any_action = rng.integers(0, len(names), shape)
+            chosen: np.ndarray = np.where(are_quiet[:, None, None], any_move, any_action)
+            return chosen
 
         changing = choose(STEPS)
         habit = choose(1)

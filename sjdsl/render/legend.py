@@ -8,7 +8,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
-from sjdsl.compiler.ir.printer import expression
+from sjdsl.compiler.ir.printer import expression_text
 from sjdsl.render.appearance import (
     BAR_STEPS,
     Beam,
@@ -192,7 +192,7 @@ def _implies(rule: Rule, other: Rule) -> bool:
 
 def _parts(condition: ir.Expr | None) -> set[str]:
     """Returns the conditions that `and` joins, as texts."""
-    return set() if condition is None else set(map(expression, conjuncts(condition)))
+    return set() if condition is None else set(map(expression_text, conjuncts(condition)))
 
 
 def figure_entries(

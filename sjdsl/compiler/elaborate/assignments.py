@@ -19,7 +19,7 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.types import describe, is_number, join_units
 
 ONLY_ADD = "only `add` stops at the end of a range that is `capped`"

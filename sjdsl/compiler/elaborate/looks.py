@@ -12,7 +12,7 @@ from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.near_names import nearest
 

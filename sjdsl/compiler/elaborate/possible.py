@@ -11,7 +11,7 @@ from sjdsl.compiler.elaborate.lookup import interval_text
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.equivalence import form, is_exact
 from sjdsl.compiler.ir.implications import Fact, Interval, conjuncts, contradict, facts, narrowed
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import is_any_or_all
 from sjdsl.compiler.ir.range_arithmetic import ends
 from sjdsl.compiler.ir.ranges import range_of
@@ -150,7 +150,7 @@ def _as_float32(e: ir.Expr, low: float, high: float) -> tuple[float, float]:
 
     A computed number is rounded more than once, so its interval is widened first.
     """
-    if not range_of(e).given:
+    if not range_of(e).rounded_once:
         low -= SLACK * max(1.0, abs(low))
         high += SLACK * max(1.0, abs(high))
     return ends(low, high)

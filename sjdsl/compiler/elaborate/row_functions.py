@@ -13,7 +13,7 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
 from sjdsl.compiler.ir.operations import Function
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.types import describe, element, hull, integer, is_number, join_units, words
 
 NO_ORDER = "agents have no order: ask for one with `where`"

@@ -65,10 +65,11 @@ def is_computed(e: ir.Node) -> bool:
 
 
 def _of_value(e: Any, analysis: Analysis[V]) -> V:
+    """Returns what an expression is that only gives another a name or a narrower type."""
     return fold(e.value, analysis)
 
 
-# ---- values
+# ---- values: each function says what the expressions of a class are, by the table VALUES
 
 
 def _written(e: Any, _: Any) -> Any:
@@ -208,7 +209,7 @@ VALUES: dict[type[ir.Node], Rule] = {
 }
 
 
-# ---- bounds
+# ---- bounds: the same, by the table BOUNDS
 
 
 def _reduced_bounds(e: ir.SumRow, analysis: Any) -> Any:
