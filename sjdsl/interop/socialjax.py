@@ -212,6 +212,7 @@ class SocialJaxGame(Copied):
         )
 
     def _observation(self, observation: Array) -> Array:
+        """Returns the suite's channels of our observation."""
         channels = self._channels(observation)
         return channels.reshape(self.num_agents, -1) if self._flat else channels
 

@@ -137,6 +137,7 @@ def _logic(e: ir.Logic, instance: Instance) -> bool:
 
 
 def _field(e: ir.FieldRead, instance: Instance) -> Value:
+    """Returns the value of a field of its owner, or of the world."""
     if e.owner is None:
         return instance.world.fields[e.name]
     owner = evaluate(e.owner, instance)
@@ -149,6 +150,7 @@ def _field(e: ir.FieldRead, instance: Instance) -> Value:
 
 
 def _distance(e: ir.Distance, instance: Instance) -> int:
+    """Returns the steps between two agents, movers or cells."""
     a = cell_of(e.left, instance)
     b = cell_of(e.right, instance)
     assert a is not None and b is not None, f"the place of somebody who is away, or nowhere: {e}"
@@ -162,6 +164,7 @@ def cell_of(e: ir.Expr, instance: Instance) -> Cell | None:
 
 
 def _attribute(e: ir.Attribute, instance: Instance) -> Value:
+    """Returns a fact about an agent, a mover or a cell that is no field."""
     owner = evaluate(e.owner, instance)
     assert owner is not None, f"`{e.name}` of nobody"
     match e.name:
@@ -197,6 +200,7 @@ def _entry(e: ir.At, instance: Instance) -> Value:
 
 
 def _case(e: ir.Case, instance: Instance) -> Value:
+    """Returns the value of the one arm that applies."""
     subject = evaluate(e.subject, instance)
     if isinstance(subject, bool):
         subject = "yes" if subject else "no"
@@ -206,6 +210,7 @@ def _case(e: ir.Case, instance: Instance) -> Value:
 
 
 def _of_all_entries(e: ir.SumRow, instance: Instance) -> Value:
+    """Returns the sum, the least or the greatest of a row."""
     entries = list(evaluate(e.row, instance))
     match e.fn:
         case "sum":

@@ -59,6 +59,7 @@ class Instance:
     def _with(
         self, names: Mapping[str, Value], number: int, causes: tuple[Drawn, ...] | None = None
     ) -> "Instance":
+        """Returns an instance on the same state with other variables, number and causes."""
         causes = self.causes if causes is None else causes
         return Instance(
             board=self.board,

@@ -185,6 +185,7 @@ def _label(observable: ir.Observable, instance: Instance) -> str:
 
 
 def _is_hidden(observable: ir.Observable, instance: Instance) -> bool:
+    """Returns whether an observer may not see an observable."""
     if observable.shown_when is not None and not evaluate(observable.shown_when, instance):
         return True
     return observable.hidden_when is not None and evaluate(observable.hidden_when, instance)
@@ -202,6 +203,7 @@ def _expression_of(observable: ir.Observable, board: Board) -> ir.Expr:
 
 
 def _build_expression(observable: ir.Observable, board: Board) -> ir.Expr:
+    """Returns the expression that an observable shows, built anew."""
     if observable.value is not None:
         return observable.value
     owner = observable.owner
@@ -222,5 +224,6 @@ def _build_expression(observable: ir.Observable, board: Board) -> ir.Expr:
 
 
 def _observable_of(plane: planes.Plane) -> ir.Observable:
+    """Returns the observable of a plane that has one."""
     assert plane.observable is not None, plane
     return plane.observable

@@ -111,11 +111,12 @@ def copied(world: World) -> World:
 
 
 def _copied(herd: Herd) -> Herd:
+    """Returns movers with lists of their own."""
     return Herd(
-        list(herd.position),
-        list(herd.moved),
-        list(herd.away),
-        {name: list(values) for name, values in herd.fields.items()},
+        position=list(herd.position),
+        moved=list(herd.moved),
+        away=list(herd.away),
+        fields={name: list(values) for name, values in herd.fields.items()},
     )
 
 

@@ -253,11 +253,13 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
 
 
 def _get(slot: Slot, board: Board, world: World) -> Value:
+    """Returns the value of a slot."""
     values, key = _holder(slot, board, world)
     return reduce(getitem, slot.entries, values[key])
 
 
 def _put(slot: Slot, value: Value, board: Board, world: World) -> None:
+    """Sets the value of a slot."""
     values, key = _holder(slot, board, world)
     values[key] = with_entry(values[key], slot.entries, value)
 

@@ -100,6 +100,7 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
         return lower_for_agents(lambda scope, w: action_number(action, rule.given, scope, w)[0])
 
     def lower_rule(rule: ir.PolicyRule) -> LoweredRule:
+        """Returns a rule with its functions."""
         if isinstance(rule, ir.Act):
             condition = lower_for_agents(lambda scope, w: w.value(rule.condition, scope))
             return LoweredRule(rule, condition, action=lower_action(rule))

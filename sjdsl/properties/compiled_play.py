@@ -105,6 +105,7 @@ class CompiledPlay:
         totals_before: dict[str, Array],
         params: Any,
     ) -> Array:
+        """Returns what the checks read in a state, `[K]` float32."""
         lowered = self._lowered
         known = _read_totals(lowered.totals, totals, self._game)
         known |= _read_totals(lowered.totals_before, totals_before, self._game)
@@ -207,6 +208,7 @@ class EpisodePlayer:
         steps = self.env.episode_length
 
         def advance(carry: Any, t: Array) -> Any:
+            """Takes a step; an episode that is over stays as it is."""
             before, totals_before, was_over = carry
             actions = self._choose(before, derived_key(key, POLICY, t), script)
             after = self._play.step(before, totals_before, params, key, jnp.uint32(FAIR), actions)

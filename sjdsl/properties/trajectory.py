@@ -101,6 +101,7 @@ class Trajectory:
         return self._read(e, self.worlds[at], self.totals[at], at)
 
     def _read(self, e: ir.Expr, world: World, totals: Totals, at: int) -> Value:
+        """Returns the value of an expression of a check in a state that may not be added yet."""
         before = (self.worlds[at - 1], self.totals[at - 1]) if at else None
         return read_check(self.game, world, e, totals, before)
 

@@ -104,6 +104,7 @@ class Verification:
         return self._known[number]
 
     def _played_verdict(self, number: int) -> Verdict:
+        """Returns the verdict on a check that play decides."""
         check = self.family.own.checks[number]
         if check.sort == "expect":
             self._progress(f"{check.episodes} episodes of `{self.family.text_of(check)}`")

@@ -204,6 +204,7 @@ class WorldSearch:
         moves = np.array([action for action, name in enumerate(names) if name in MOVES])
 
         def choose(steps: int) -> np.ndarray:
+            """Returns random actions, `[B, steps, N]`."""
             shape = (self.worlds, steps, self._program.agents)
             any_move = rng.choice(moves, shape)
             any_action = rng.integers(0, len(names), shape)
@@ -421,6 +422,7 @@ class Program:
         """Returns the parts of `Played` for one world."""
 
         def advance(carry: Any, chosen: Array) -> Any:
+            """Takes a step; an episode that is over stays as it is."""
             before, totals_before, was_over = carry
             after = self._play.step(before, totals_before, params, key, bias, chosen)
             events = [after.events[name] > 0 for name in self._play.counted]

@@ -399,6 +399,7 @@ def _cell_fields(kind: ir.Kind, rules: tuple[Rule, ...], game: ir.Game) -> list[
 
 
 def _make_rule(look: ir.Look) -> Rule:
+    """Returns a `look` of the file with its colours and names of fields resolved."""
     body = look.body or ir.Paint()
     badge: Picture | None = None
     if look.badge is not None:

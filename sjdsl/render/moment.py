@@ -188,6 +188,7 @@ def _rows_and_columns(
 
 
 def _define_text(value: Any) -> str:
+    """Returns the value of a define in words."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return str(value)

@@ -255,6 +255,7 @@ class Scene:
         return draw_picture(self.stage.signs, self.stage.board, self.world)
 
     def _place(self, agent: int) -> tuple[int, int]:
+        """Returns the row and column of an agent. Raises ValueError if it is away."""
         place = self.places()[agent]
         if place is None:
             raise ValueError(f"agent {agent} is away")
@@ -328,10 +329,12 @@ class Scene:
         return values[name]
 
     def _allowed(self, action: str) -> list[bool]:
+        """Returns whether each agent may take an action."""
         number = self._read_actions(action)[0]
         return list(self.allowed[:, number].tolist())
 
     def _marks(self, label: str) -> set[tuple[int, int]]:
+        """Returns the row and column of the cells that a phase has marked."""
         names = {phase.label: phase.name for phase in marking_phases(self.env.game)}
         if label not in names:
             raise ValueError(f"no phase `{label}` marks cells{meant(label, names)}")

@@ -67,6 +67,7 @@ class Stage:
         return environment_of(*self._build(placed_by_hand=True))
 
     def _build(self, placed_by_hand: bool) -> tuple[Build, dict[str, Any]]:
+        """Returns the game as built, and its run-time numbers."""
         return build_game(
             self.game, self.variant, self.agents, self.params, self.map, placed_by_hand
         )

@@ -347,6 +347,7 @@ def loss_of(config: PPOConfig) -> Loss:
     own_loss = filled("loss", config.loss, config.own)
 
     def checked(*arguments: Any) -> tuple[Array, Metrics]:
+        """Returns what the loss of a user gives."""
         result = own_loss(*arguments)
         match result:
             case (value, dict() as parts) if not any(map(jnp.ndim, (value, *parts.values()))):

@@ -72,6 +72,8 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         return TrainState.start(key, start_learner(parameters, optimiser), worlds)
 
     def make_actor(parameters: Any, epsilon: Array) -> Actor:
+        """Returns agents that take their best action or, with probability `epsilon`, any."""
+
         def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Array]:
             allowed = allowed_in(env, masks, worlds.state)
             values = cast(Array, network.apply(parameters, worlds.observation))

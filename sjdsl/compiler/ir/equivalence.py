@@ -50,6 +50,7 @@ def form(e: Node, names: Names = NONE, memo: Memo | None = None) -> Form:
 
 
 def _compute_form(e: Node, names: Names, memo: Memo | None) -> Form:
+    """Returns `form(e, names, memo)`, computed anew."""
     match e:
         case Member() | Local():
             return ("variable", names.get(e.name, e.name))

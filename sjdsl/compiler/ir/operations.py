@@ -156,11 +156,13 @@ class Comparison(Record):
 
 
 def _product(a: Interval, b: Interval) -> Interval:
+    """Returns the interval of a product."""
     corners = [times(x, y) for x in a for y in b]
     return min(corners), max(corners)
 
 
 def _quotient(a: Interval, b: Interval) -> Interval:
+    """Returns the interval of a quotient."""
     # The ends are the wrong way round where conditions contradict each other.
     if min(b) <= 0 <= max(b):
         return -inf, inf
@@ -169,6 +171,7 @@ def _quotient(a: Interval, b: Interval) -> Interval:
 
 
 def _whole_quotient(a: Interval, b: Interval) -> Interval:
+    """Returns the interval of a quotient of whole numbers that is rounded down."""
     low, high = b
     divisors = [y for y in (low, -1, 1, high) if y and low <= y <= high]
     if not divisors:  # where it is 0, nothing is divided
@@ -217,6 +220,7 @@ def _scaled(slope: Slope, by: Range) -> Slope | None:
 
 
 def _quotient_slope(a: Moving, b: Moving) -> Slope | None:
+    """Returns the direction of a quotient."""
     if b.range.low <= 0 <= b.range.high:
         return None
     return _together([_scaled(a.slope, b.range), _scaled(OPPOSITE[b.slope], a.range)])
@@ -241,6 +245,7 @@ def _ramp_slope(parts: Sequence[Moving], below: Callable[[int, int], bool]) -> S
 
 
 def _quotient_rounding(a: Range, b: Range) -> Rounding:
+    """Returns how float32 rounds a quotient."""
     least = min(abs(b.low), abs(b.high))
     terms = times(a.terms / least, max(1.0, b.terms / least))
     return Rounding(terms, True, once=False)  # XLA may multiply by 1 / b

@@ -117,6 +117,7 @@ class FloatRanges(Analysis[Range]):
         return _exact(low, high, parts)
 
     def entry(self, e: ir.At, row: Range) -> Range:
+        """Returns the range of an entry of a row, or of a mean of its entries."""
         if e.key.type.kind != "mix":
             return row
         row = real(row)
