@@ -73,8 +73,8 @@ class VecGame(VecEnv):
         """Plays one step of every environment."""
         if self._actions is None:
             raise RuntimeError("call step_async before step_wait")
-        actions, self._actions = self._actions, None
-        observations, rewards, terminated, truncated, arrays = self._vector.step(actions)
+        observations, rewards, terminated, truncated, arrays = self._vector.step(self._actions)
+        self._actions = None
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for slot in np.nonzero(terminated | truncated)[0]:
             infos[slot]["terminal_observation"] = arrays["final_obs"][slot]

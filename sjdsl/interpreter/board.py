@@ -65,7 +65,8 @@ class Board:
         None if there is none.
         """
         if self.game.wraps:
-            row, col = row % len(self.game.rows), col % len(self.game.rows[0])
+            row %= len(self.game.rows)
+            col %= len(self.game.rows[0])
         cell = Cell(row, col)
         return cell if cell in self.kind_of else None
 

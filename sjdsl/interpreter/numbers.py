@@ -60,7 +60,8 @@ def _quotient(dividend: np.float32, divisor: np.float32) -> np.float32:
 def compare(fn: str, left: Any, right: Any) -> bool:
     """Returns whether the comparison holds; an integer beside a real is a float32."""
     if isinstance(left, np.float32) or isinstance(right, np.float32):
-        left, right = np.float32(left), np.float32(right)
+        left = np.float32(left)
+        right = np.float32(right)
     return bool(_COMPARISONS[fn](left, right))
 
 
@@ -100,8 +101,9 @@ def shares(row: tuple[Any, ...]) -> tuple[np.float32, ...]:
 
 def ramp(value: Any, zero_at: Any, one_at: Any) -> np.float32:
     """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
-    x, zero, one = np.float32(value), np.float32(zero_at), np.float32(one_at)
-    return min(max(_quotient(x - zero, one - zero), np.float32(0)), np.float32(1))
+    zero = np.float32(zero_at)
+    height = _quotient(np.float32(value) - zero, np.float32(one_at) - zero)
+    return min(max(height, np.float32(0)), np.float32(1))
 
 
 # All return a real for reals, but `round` returns an int.

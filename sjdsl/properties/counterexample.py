@@ -142,8 +142,8 @@ def _step_lines(family: GameFamily, moment: Moment, before: World, full: bool) -
 def _shortened(game: ir.Game, actions: Sequence[Sequence[int]]) -> Iterator[str]:
     """Yields what the agents do in steps 0, 1, …; many alike steps have one line."""
     first = 0
-    for chosen, alike in groupby(actions):
-        after = first + len(list(alike))
+    for chosen, steps in groupby(actions):
+        after = first + len(list(steps))
         if after - first > SAME:
             line = actions_line(game, first, chosen)
             yield line.replace(f"step {first}", f"steps {first} to {after - 1}", 1)

@@ -22,9 +22,10 @@ def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
     """Returns whether a `monotone` is proved; False if it isn't known."""
     value, argument = check.values
     wanted: Slope = "rising" if check.words[0] == "rising" else "falling"
-    known = tuple(
-        fact for test in game.checks if test.sort == "require" for fact in facts(test.values[0])
-    )
+    known: list[Fact] = []
+    for test in game.checks:
+        if test.sort == "require":
+            known += facts(test.values[0])
     if fold(value, Slopes(text(argument), known)) in ("level", wanted):
         return True
     atoms = _atoms(value) | _atoms(argument)

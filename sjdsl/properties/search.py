@@ -161,7 +161,7 @@ class Search:
         self.left = [number for number in self.left if number not in self.found]
 
 
-def simplified(found: Counterexample) -> Counterexample:
+def simplified(counterexample: Counterexample) -> Counterexample:
     """Returns a counterexample that is no longer, with fewer actions.
 
     It has the file's parameters if it can, and `stay` for actions that it doesn't need. All actions
@@ -169,34 +169,33 @@ def simplified(found: Counterexample) -> Counterexample:
     single actions. AGAIN steps are played at most, so some actions of a long counterexample may
     remain.
     """
-    budget = AGAIN - len(found.scenario.actions)
-    found = _played_as(replace(found.scenario, params=()), found) or found
-    for agent in range(found.trajectory.game.agents.number):
-        of_agent = [(t, actor) for t, actor in _active(found) if actor == agent]
-        found, budget = _without(of_agent, found, budget)
-    size = len(_active(found)) // 2
+    budget = AGAIN - len(counterexample.scenario.actions)
+    with_params_of_file = replace(counterexample.scenario, params=())
+    counterexample = _played_as(with_params_of_file, counterexample) or counterexample
+    for agent in range(counterexample.trajectory.game.agents.number):
+        of_agent = [(t, actor) for t, actor in _active(counterexample) if actor == agent]
+        counterexample, budget = _without(of_agent, counterexample, budget)
+    size = len(_active(counterexample)) // 2
     while size:
-        active = _active(found)
+        active = _active(counterexample)
         for first in range(0, len(active), size):
-            found, budget = _without(active[first : first + size], found, budget)
-        if size > 1 or active == _active(found):
+            counterexample, budget = _without(active[first : first + size], counterexample, budget)
+        if size > 1 or active == _active(counterexample):
             size //= 2
-    return found
+    return counterexample
 
 
-def _active(found: Counterexample) -> list[tuple[int, int]]:
+def _active(counterexample: Counterexample) -> list[tuple[int, int]]:
     """Returns (step, agent) where an agent does something, in order."""
-    stay = found.trajectory.game.agents.actions.index("stay")
-    return [
-        (t, agent)
-        for t, actions in enumerate(found.scenario.actions)
-        for agent, action in enumerate(actions)
-        if action != stay
-    ]
+    stay = counterexample.trajectory.game.agents.actions.index("stay")
+    active = []
+    for t, actions in enumerate(counterexample.scenario.actions):
+        active += [(t, agent) for agent, action in enumerate(actions) if action != stay]
+    return active
 
 
 def _without(
-    active: Sequence[tuple[int, int]], found: Counterexample, budget: int
+    active: Sequence[tuple[int, int]], counterexample: Counterexample, budget: int
 ) -> tuple[Counterexample, int]:
     """Returns a counterexample without some actions if it is one, else as it was.
 
@@ -204,33 +203,33 @@ def _without(
       active: (step, agent) of these actions, in order.
       budget: steps that may be played. What is left of it is returned, too.
     """
-    steps = [list(actions) for actions in found.scenario.actions]
+    steps = [list(actions) for actions in counterexample.scenario.actions]
     active = [(t, agent) for t, agent in active if t < len(steps)]
     since = active[0][0] if active else len(steps)
     cost = len(steps) - since
     if not 0 < cost <= budget:
-        return found, budget
-    stay = found.trajectory.game.agents.actions.index("stay")
+        return counterexample, budget
+    stay = counterexample.trajectory.game.agents.actions.index("stay")
     for t, agent in active:
         steps[t][agent] = stay
-    scenario = replace(found.scenario, actions=tuple(map(tuple, steps)))
-    return _played_as(scenario, found, since) or found, budget - cost
+    scenario = replace(counterexample.scenario, actions=tuple(map(tuple, steps)))
+    return _played_as(scenario, counterexample, since) or counterexample, budget - cost
 
 
 def _played_as(
-    scenario: Scenario, found: Counterexample, since: int | None = None
+    scenario: Scenario, counterexample: Counterexample, since: int | None = None
 ) -> Counterexample | None:
     """Returns the counterexample that a changed scenario gives to the same check.
 
-    Its steps before `since` are those of `found`. None if it gives none, or isn't changed.
+    Its steps before `since` are those of `counterexample`. None if it gives none, or isn't changed.
     """
-    if scenario == found.scenario:
+    if scenario == counterexample.scenario:
         return None
-    game = found.trajectory.game
-    checks = [] if found.number == FLOATS else [game.checks[found.number]]
-    begun = None if since is None else found.trajectory
+    game = counterexample.trajectory.game
+    checks = [] if counterexample.number == FLOATS else [game.checks[counterexample.number]]
+    begun = None if since is None else counterexample.trajectory
     trajectory = play(game, scenario, checks=checks, begun=begun, since=since or 0)
-    return _counterexample(found.number, scenario, trajectory)
+    return _counterexample(counterexample.number, scenario, trajectory)
 
 
 def _counterexample(

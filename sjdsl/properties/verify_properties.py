@@ -169,7 +169,9 @@ class Verification:
             return self._overflow(counterexample.trajectory, "examples", trace, scenario)
         check = self.family.own.checks[counterexample.number]
         reason = f"fails {when(counterexample.where.at)}"
-        return make_verdict(self.family, check, False, "examples", reason, trace, scenario)
+        return make_verdict(
+            self.family, check, False, "examples", reason, trace=trace, scenario=scenario
+        )
 
     def _overflow(
         self, trajectory: Trajectory, how: How, trace: Sequence[str], scenario: Scenario
@@ -179,7 +181,9 @@ class Verification:
         assert overflow is not None
         where = f"in step {overflow.before}" if trajectory.worlds else "in phase start"
         reason = f"a real leaves float32, which ends at {LARGEST}, {where}"
-        return make_verdict(self.family, overflow.node, False, how, reason, trace, scenario)
+        return make_verdict(
+            self.family, overflow.node, False, how, reason, trace=trace, scenario=scenario
+        )
 
     def _untested(self, number: int) -> tuple[str, ...]:
         """Returns the lines that a check depends on and that never ran, with their text.
@@ -241,7 +245,9 @@ class Verification:
         where = Violation(len(holds) - 1 if last is None else last + 1)
         trace = describe_episode(family, runner, episode, check.policies, number, where, self._full)
         scenario = runner.written_out(episode, where.at)
-        return make_verdict(family, check, False, "episodes", held + means, trace, scenario)
+        return make_verdict(
+            family, check, False, "episodes", held + means, trace=trace, scenario=scenario
+        )
 
     def _undecided(self, check: ir.Check, reason: str) -> Verdict:
         return make_verdict(self.family, check, None, "not decided", reason)

@@ -282,7 +282,7 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
             body = _tint_body(body, rule.colour)
     if body == Picture("floor", ground):  # a mark in the colour of its ground can't be seen
         body = None
-    read = frozenset().union(*(rule.reads for rule in applied))
+    read = {name for rule in applied for name in rule.reads}
     objects: list[Picture] = []
     edges: list[Colour | None] = []
     bars: list[tuple[int, int]] = []
@@ -379,7 +379,7 @@ def _apply_looks(
         ]
         for rule in applied:
             figure = apply_rule(figure, rule)
-        read = frozenset().union(*(rule.reads for rule in applied))
+        read = {name for rule in applied for name in rule.reads}
         badges = list(figure.badges)
         for field in carried:
             value = int(values[field.attribute][number])

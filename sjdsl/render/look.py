@@ -474,8 +474,8 @@ def _make_field_look(
                 "shape" if is_shape else "tint",
                 "word",
                 words,
-                colours_of(words) if is_shape else tints,
-                usual_words(field, is_taken(field.name, kind, game), shapes),
+                colours=colours_of(words) if is_shape else tints,
+                pictures=usual_words(field, is_taken(field.name, kind, game), shapes),
                 plain=next((number for number, word in enumerate(words) if word in NOTHING), 0),
                 left_out=left_out,
             )

@@ -160,7 +160,7 @@ def by_owner(name: str, values: Any, owners: list[Any]) -> dict[Any, Any]:
         for owner in values:
             if owner not in owners:
                 listed = ", ".join(map(str, owners[:6]))
-                more = ", …" if len(owners) > 6 else ""
-                raise ValueError(f"`{name}`: {owner} is none of {listed}{more}")
+                others = ", …" if len(owners) > 6 else ""
+                raise ValueError(f"`{name}`: {owner} is none of {listed}{others}")
         return dict(values)
     return dict.fromkeys(owners, values)

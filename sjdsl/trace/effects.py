@@ -54,10 +54,10 @@ class Effect:
     """
 
     sort: Sort
-    owner: Owner
-    name: str
-    old: Value
-    new: Value
+    owner: Owner = None
+    name: str = ""
+    old: Value = None
+    new: Value = None
     type: ir.Type | None = None
     by: tuple[Done, ...] = ()
     draws: tuple[Used, ...] = ()
@@ -108,7 +108,7 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
                     continue  # it follows from its way
                 lost = tuple(losers[slot])
                 name = field.name + label
-                yield Effect("field", owner, name, was, now, field.type, by, lost=lost)
+                yield Effect("field", owner, name, was, now, type=field.type, by=by, lost=lost)
 
 
 def _owners(
@@ -184,7 +184,7 @@ def _bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[
                     continue  # an effect on a field
             if old != new:
                 used = tuple(_used(sort, body, account, by, numbers))
-                yield Effect(sort, body, "", old, new, None, by, used)
+                yield Effect(sort, body, old=old, new=new, by=by, draws=used)
 
 
 def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
@@ -223,9 +223,11 @@ def _used(
         purpose: Purpose
         match sort, statement:
             case "heading", ir.Shift() | ir.Send():
-                purpose, stream = "which heading", statement.heading_stream
+                purpose = "which heading"
+                stream = statement.heading_stream
             case "place", ir.Send():
-                purpose, stream = "which cell", statement.cell_stream
+                purpose = "which cell"
+                stream = statement.cell_stream
             case "place", ir.Move(course=ir.Wander(stream=stream)):
                 purpose = "which way"
             case _:
@@ -248,20 +250,20 @@ def _announcements(account: Account, board: Board) -> Iterator[Effect]:
     for done in account.done:
         for agent, value in done.written.get("gives", ()):
             if value:
-                yield Effect("reward", agent, "", None, value, None, (done,))
+                yield Effect("reward", agent, new=value, by=(done,))
         for counted in done.written.get("tallies", ()):
             if counted.amount:
                 name = counted.event
                 if events[name].by:
                     name += f"[{counted.word}]"
-                yield Effect("event", counted.agent, name, None, counted.amount, None, (done,))
+                yield Effect("event", counted.agent, name, new=counted.amount, by=(done,))
         match done.statement:
             case ir.Mark():
                 near = ir.Near(shape=done.statement.shape, anchor=done.statement.anchor)
                 cells = sorted(cells_in(near, _instance(done, account, board)))
-                yield Effect("mark", None, "", None, tuple(cells), None, (done,))
+                yield Effect("mark", new=tuple(cells), by=(done,))
             case ir.End():
-                yield Effect("end", None, "", None, True, None, (done,))
+                yield Effect("end", new=True, by=(done,))
             case _:
                 pass
 

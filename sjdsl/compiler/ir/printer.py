@@ -118,7 +118,9 @@ def _arm_text(arm: ir.Arm) -> str:
     elif arm.low == arm.high:
         key = str(arm.low)
     else:
-        key = f"{'' if arm.low is None else arm.low}..{'' if arm.high is None else arm.high}"
+        low = "" if arm.low is None else arm.low
+        high = "" if arm.high is None else arm.high
+        key = f"{low}..{high}"
     return f"{key}: {expression_text(arm.value)}"
 
 
