@@ -104,6 +104,7 @@ class WorldSearch:
         power_of_two = 2 ** ((AT_ONCE // cells).bit_length() - 1)
         self.worlds = max(LEAST, min(MOST, power_of_two))
         self._whole = self.worlds // WHOLE  # so many, the first ones, play whole episodes
+        self._plays_whole: np.ndarray = np.arange(self.worlds) < self._whole
         steps = max(self.effort.examples * WORK // (cells * self.worlds), self._program.length)
         self._segments = steps // STEPS + 1
         self._random = Random(self.effort.seed)
@@ -173,10 +174,6 @@ class WorldSearch:
         params = [self._params_sets[i] for i in params_set]
         return self._program.begin(params, params_set, episode, self.effort.seed)
 
-    def _play_whole(self) -> np.ndarray:
-        """Returns which worlds play whole episodes, `[B]` bool."""
-        return np.arange(self.worlds) < self._whole
-
     def _choose_bias(self, episode: np.ndarray) -> np.ndarray:
         """Returns the bias of the draws of each world in a segment, `[B]` uint32.
 
@@ -184,15 +181,15 @@ class WorldSearch:
         """
         any_bias = self._rng.integers(0, len(BIASES), self.worlds)
         changing = any_bias * (self._rng.random(self.worlds) < UNFAIR)
-        is_steady = self._play_whole() & (episode % 2 == 1)
+        is_steady = self._plays_whole & (episode % 2 == 1)
         bias: np.ndarray = np.where(is_steady, episode // 2 % len(BIASES), changing)
         return bias.astype(np.uint32)
 
     def _are_quiet(self, episode: np.ndarray) -> np.ndarray:
         """Returns in which worlds all agents only move in a segment, `[B]` bool."""
         at_random = self._rng.random(self.worlds) < QUIET
-        throughout = self._play_whole() & (episode // 8 % 2 == 1)
-        return np.logical_or(at_random, throughout)
+        are_quiet: np.ndarray = at_random | self._plays_whole & (episode // 8 % 2 == 1)
+        return are_quiet
 
     def _choose_actions(self, are_quiet: np.ndarray) -> np.ndarray:
         """Returns random actions, `[B, STEPS, N]` int32.
