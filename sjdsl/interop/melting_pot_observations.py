@@ -29,8 +29,7 @@ def observe(env: Environment, state: Any, rule: Rule) -> np.ndarray:
       `field / of`, 0 for an agent that is off the map;
     * `{ fields }`: several rows of counts, -1 in rows without any;
     * `{ ballots, state }`: a one-hot row for each player: the player it votes for; nobody; or that
-    it
-      has no vote, because its state isn't the first enum value.
+      it has no vote, because its state isn't the first enum value.
     """
     is_on_map = np.asarray(state.position) > 0
 

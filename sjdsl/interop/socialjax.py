@@ -273,8 +273,11 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
     known = {*mode_names, *entry.kwargs, *COMMON, window}
     if entry.letters:
         known.add("map_ASCII")
-    for name in sorted(set(kwargs) - known):
-        raise TypeError(f"`{env_id}` has no keyword `{name}`; it has {', '.join(sorted(known))}")
+    unknown = sorted(set(kwargs) - known)
+    if unknown:
+        raise TypeError(
+            f"`{env_id}` has no keyword `{unknown[0]}`; it has {', '.join(sorted(known))}"
+        )
     if kwargs.get(window, side) != side:
         raise ValueError(
             f"{window} must be {side}; for another window, change the `observe` line of the game"
@@ -302,9 +305,10 @@ def _our_map(rows: Sequence[str], letters: dict[str, str]) -> tuple[str, ...]:
 
     As in the suite, short rows are filled with blanks.
     """
-    for letter in sorted(set("".join(rows)) - set(letters)):
+    unknown = sorted(set("".join(rows)) - set(letters))
+    if unknown:
         raise ValueError(
-            f"map_ASCII can't have the letter `{letter}`; "
+            f"map_ASCII can't have the letter `{unknown[0]}`; "
             f"its letters are {' '.join(map(repr, letters))}"
         )
     width = max(map(len, rows), default=0)

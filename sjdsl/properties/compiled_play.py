@@ -251,7 +251,7 @@ def episode_keys(seed: int, episode: np.ndarray) -> Array:
 
 
 def derived_key(key: Array, stream: int, number: Array) -> Array:
-    """Returns the key with a number in a stream of another, `[2]` uint32."""
+    """Returns the key that another gives for a number of one of its streams, `[2]` uint32."""
     first = 2 * number.astype(jnp.uint32)
     return random_bits_at(key, stream, first + jnp.arange(2, dtype=jnp.uint32))
 

@@ -80,7 +80,8 @@ class Slopes(Analysis[Slope | None]):
         return "level" if _is_fixed(e) else result
 
     def calculated(self, e: ir.Arithmetic, slopes: list[Slope | None]) -> Slope | None:
-        if not _stays(range_of(e)):
+        """Returns the direction of a calculation, from those of its arguments."""
+        if not _is_as_computed(range_of(e)):
             return None
         parts = []
         for slope, part in zip(slopes, e.args, strict=True):
@@ -94,6 +95,6 @@ class Slopes(Analysis[Slope | None]):
         return CALCULATIONS[e.fn].slope(parts, is_less)
 
 
-def _stays(r: Range) -> bool:
+def _is_as_computed(r: Range) -> bool:
     """Returns whether a result is what was computed: it doesn't wrap, and isn't infinite or NaN."""
     return (r.low, r.high) != INT32 if r.whole else r.sound

@@ -77,6 +77,7 @@ def make_page(game: ir.Game, moments: Iterable[Moment], speed: float = SPEED) ->
 
 
 def _asset(name: str) -> str:
+    """Returns a file of the page: its template, its style or a script."""
     return files("sjdsl.render").joinpath(f"page/{name}").read_text(encoding="utf-8")
 
 

@@ -163,8 +163,10 @@ class Stage:
             world.heading[agent] = heading
         for agent, absence in away.items():
             world.away[agent] = make_away(game, agent, *_ticks_and_phase(absence))
-        for sort in {*movers_away, *numbers} - {*world.movers}:
-            raise ValueError(f"the game has no movers `{sort}`{meant(sort, world.movers)}")
+        unknown = [sort for sort in (*movers_away, *numbers) if sort not in world.movers]
+        if unknown:
+            near = meant(unknown[0], world.movers)
+            raise ValueError(f"the game has no movers `{unknown[0]}`{near}")
         for sort, cells in read_mover_cells(rows, self.signs, numbers, movers_away).items():
             herd = world.movers[sort]
             herd.position = cells
@@ -186,7 +188,7 @@ class Stage:
         The phase `start` runs on both engines (unless the stage is `interpreted`) with the same
         draws. Raises CompileError if the map lacks cells that the game sends agents or movers to.
         """
-        _ = self._with_places
+        _ = self._with_places  # raises CompileError
         params = params or {}
         interpreted = self.numbers(params).interpreted
         world = reset(self.env.game, interpreted, Threefry(*key_bits(seed)))

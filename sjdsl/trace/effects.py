@@ -105,7 +105,7 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
                 slot = Slot(field.name, slot_owner, entries)
                 by = tuple(writers[slot])
                 if isinstance(owner, Mover) and field.name == "heading" and not by:
-                    continue  # it follows from its way
+                    continue  # an effect of its movement
                 lost = tuple(losers[slot])
                 name = field.name + label
                 yield Effect("field", owner, name, was, now, type=field.type, by=by, lost=lost)

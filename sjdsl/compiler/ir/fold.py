@@ -156,9 +156,9 @@ def _is_one_of_words(e: ir.InWords, analysis: Any) -> bool:
 
 
 def _is_in_range(e: ir.InRange, analysis: Any) -> bool:
-    above = partial(analysis.compares, e, "<=", e.low, e.value)
-    below = partial(analysis.compares, e, "<=", e.value, e.high)
-    return _joined("and", (above, below))
+    is_high_enough = partial(analysis.compares, e, "<=", e.low, e.value)
+    is_low_enough = partial(analysis.compares, e, "<=", e.value, e.high)
+    return _joined("and", (is_high_enough, is_low_enough))
 
 
 def _joined(fn: str, conditions: Iterable[Callable[[], bool]]) -> bool:

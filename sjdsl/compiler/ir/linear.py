@@ -29,13 +29,13 @@ class Linear(Record, eq=False):
     parts: dict[Form, Interval] = field(default_factory=dict)
 
     def plus(self, other: "Linear", factor: Fraction | int = 1) -> "Linear":
-        """Returns the sum with the other one times a factor."""
+        """Returns this sum plus `factor` times another."""
         factors = dict(self.factors)
-        for part, times_ in other.factors.items():
-            factors[part] = factors.get(part, Fraction(0)) + factor * times_
+        for part, other_factor in other.factors.items():
+            factors[part] = factors.get(part, Fraction(0)) + factor * other_factor
         return Linear(
             self.number + factor * other.number,
-            {p: f for p, f in factors.items() if f},
+            {part: sum_ for part, sum_ in factors.items() if sum_},
             self.parts | other.parts,
         )
 

@@ -76,9 +76,11 @@ class FloatRanges(Analysis[Range]):
         return replace(limited, terms=limited.largest) if result.rounded_once else limited
 
     def inside(self, _domain: ir.Domain) -> "FloatRanges":
+        """Returns the ranges without limits, as other variables are bound there."""
         return FloatRanges()
 
     def before(self) -> "FloatRanges":
+        """Returns the ranges without limits, as these are of another state."""
         return FloatRanges()
 
     def calculated(self, e: ir.Arithmetic, parts: list[Range]) -> Range:

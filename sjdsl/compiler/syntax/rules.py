@@ -187,17 +187,19 @@ def entry(span: Span, key: tuple[Any, ...], value: Any) -> ast.Entry:
 
 
 def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
+    """Returns an arm of a `case`: for an enum value, a number, a range, or `otherwise`."""
+    otherwise = ast.Arm(span, low=None, high=None, open=False, word=None, value=value)
     match key:
         case ("otherwise",):
-            return ast.Arm(span, None, None, False, None, value)
+            return otherwise
         case (ast.Name() as word,):
-            return ast.Arm(span, None, None, False, word, value)
+            return replace(otherwise, word=word)
         case (low,):
-            return ast.Arm(span, int(low), int(low), False, None, value)
+            return replace(otherwise, low=int(low), high=int(low))
         case (low, ".."):
-            return ast.Arm(span, int(low), None, True, None, value)
+            return replace(otherwise, low=int(low), open=True)
         case (low, "..", high):
-            return ast.Arm(span, int(low), int(high), False, None, value)
+            return replace(otherwise, low=int(low), high=int(high))
     raise AssertionError(key)
 
 
