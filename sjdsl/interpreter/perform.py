@@ -30,7 +30,8 @@ def perform(body: tuple[ir.Stmt, ...], instance: Instance, writes: Writes) -> No
                         {statement.name: evaluate(statement.value, instance)}
                     )
                 case ir.Draw():
-                    drawn = _recorded(chances.draw_value(statement, instance), writes)
+                    drawn = chances.draw_value(statement, instance)
+                    _record(drawn, writes)
                     instance = instance.binding({statement.name: drawn.result}).because(drawn)
                 case _:
                     sizes = writes.sizes()
@@ -51,7 +52,8 @@ def _perform_statement(statement: ir.Stmt, instance: Instance, writes: Writes) -
             if not candidates:
                 perform(statement.otherwise, instance, writes)
             for member, drawn in chances.pick_members(statement, candidates, instance):
-                outer = instance.because(_recorded(drawn, writes))
+                _record(drawn, writes)
+                outer = instance.because(drawn)
                 _perform_for(statement.body, statement.domain, member, outer, writes)
         case ir.First():
             nearest = nearest_members(statement.domain, instance)
@@ -61,7 +63,8 @@ def _perform_statement(statement: ir.Stmt, instance: Instance, writes: Writes) -
                     perform(statement.body, inner, writes)
         case ir.Match():
             for left, right, drawn in chances.match_pairs(statement, instance):
-                if _recorded(drawn, writes).result:
+                _record(drawn, writes)
+                if drawn.result:
                     outer = instance.binding(right.names).because(drawn)
                     _perform_for(statement.body, statement.left, left, outer, writes)
         case ir.When():
@@ -70,7 +73,8 @@ def _perform_statement(statement: ir.Stmt, instance: Instance, writes: Writes) -
             )
             perform(next(bodies, statement.otherwise), instance, writes)
         case ir.Chance():
-            drawn = _recorded(chances.choose_branch(statement, instance), writes)
+            drawn = chances.choose_branch(statement, instance)
+            _record(drawn, writes)
             body = statement.otherwise
             if drawn.result is not None:
                 body = statement.branches[drawn.result].body
@@ -112,11 +116,10 @@ def _perform_statement(statement: ir.Stmt, instance: Instance, writes: Writes) -
             assert_never(statement)
 
 
-def _recorded(drawn: Drawn, writes: Writes) -> Drawn:
-    """Adds a draw to the account of the phase, if there is one, and returns it."""
+def _record(drawn: Drawn, writes: Writes) -> None:
+    """Adds a draw to the account of the phase, if there is one."""
     if writes.drawn is not None:
         writes.drawn.append(drawn)
-    return drawn
 
 
 def _perform_for(

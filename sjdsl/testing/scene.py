@@ -195,13 +195,16 @@ class Scene:
     def value(self, name: str) -> Any:
         """Returns the value of a name.
 
-        Names of movers are like those of agents: `deer.FIELD`, `deer.row`.
-        `agent.FIELD`, `KIND.FIELD`: a list over agents or cells; `FIELD`: of the world; `…[word]`:
-        one entry of a `by` field. `agent.row`, `agent.col`, `agent.heading`, `agent.moved`,
-        `agent.away` (condition), `agent.ticks` (until it returns); `allowed ACTION`: may each agent
-        take it; `marks PHASE`: (row, column) of the marked cells; `steps`. Of the last step:
-        `reward`, `event NAME`, `metric NAME`, `terminated`, `truncated`. Raises ValueError for
-        another name.
+        * `agent.FIELD`, `KIND.FIELD`: a list over agents or cells; `FIELD`: of the world;
+          `…[word]`: one entry of a `by` field.
+        * `agent.row`, `agent.col`, `agent.heading`, `agent.moved`, `agent.away` (a condition),
+          `agent.ticks` (until it returns). Names of movers are like those of agents: `deer.row`.
+        * `allowed ACTION`: whether each agent may take it; `marks PHASE`: (row, column) of the
+          marked cells; `steps`.
+        * Of the last step: `reward`, `event NAME`, `metric NAME`, `terminated`, `truncated`.
+
+        Raises:
+          ValueError: there is no such name.
         """
         value, _ = self._read(name)
         return value
