@@ -56,7 +56,7 @@ class Entry(_Row):
 
 @cache
 def entries() -> dict[str, Entry]:
-    """Returns the ids."""
+    """Returns what the table says of each id of the suite."""
     table = tomllib.loads((games_folder() / FILE).read_text(encoding="utf-8"))
     return {name: Entry.model_validate(row) for name, row in table.items()}
 

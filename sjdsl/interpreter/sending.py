@@ -46,9 +46,11 @@ def send(phase: str, sends: list[Sending], instance: Instance, world: World) -> 
         # Whether the cells that fit differ from agent to agent.
         is_individual = any(variables_around(s.domain) for s in _sends_to(stream, instance.board))
         if not is_individual:
-            free = _fitting(domain, free, {}, instance)
+            free = _cells_that_fit(domain, free, {}, instance)
         for agent, statement, ticks, names in of_pool:
-            fitting = _fitting(statement.domain, free, names, instance) if is_individual else free
+            fitting = (
+                _cells_that_fit(statement.domain, free, names, instance) if is_individual else free
+            )
             if ticks > 0:
                 _leave(agent, Away(ticks, Pool(phase, pool), statement.facing), world)
             elif fitting:
@@ -116,7 +118,7 @@ def bring_back(instance: Instance, world: World) -> None:
             away = away_of(agent, instance.world)
             # The only variable that the destination may read is the agent that comes back.
             names = {variable.name: agent for variable in variables_around(statement.domain)}
-            fitting = _fitting(statement.domain, free, names, instance)
+            fitting = _cells_that_fit(statement.domain, free, names, instance)
             assert fitting or may_stay, _no_room(agent, statement)
             if fitting and away is not None:
                 cell, _ = instance.take(cell_stream, number_of(agent), fitting)
@@ -134,7 +136,7 @@ def free_cells(domain: ir.Domain, leaving: set[Body], instance: Instance) -> lis
     return [cell for cell in cells_of(instance.board, domain.var.kinds) if cell not in covered]
 
 
-def _fitting(
+def _cells_that_fit(
     domain: ir.Domain, free: list[Cell], names: Mapping[str, Value], instance: Instance
 ) -> list[Cell]:
     """Returns the free cells that pass the `where` of a destination. It may read `names`."""

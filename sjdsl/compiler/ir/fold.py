@@ -53,7 +53,7 @@ class Analysis(Generic[V]):
 
 
 def fold(e: ir.Expr, analysis: Analysis[V]) -> V:
-    """Returns what an expression is in an analysis. Raises UnknownValue."""
+    """Returns what an analysis says of an expression: a value, a range. Raises UnknownValue."""
     rule = analysis.rules.get(type(e))
     result = analysis.leaf(e) if rule is None else rule(e, analysis)
     return analysis.refined(e, result)

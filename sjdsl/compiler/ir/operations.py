@@ -15,7 +15,13 @@ from typing import Any, Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range, differ_as_reals, disjoint, real
+from sjdsl.compiler.ir.range_arithmetic import (
+    FLOAT32,
+    Range,
+    differ_as_reals,
+    disjoint,
+    to_float32,
+)
 from sjdsl.compiler.ir.types import SLACK, join_units, over_unit, times, times_unit
 
 Interval = tuple[float, float]
@@ -234,8 +240,8 @@ def _ramp_slope(parts: Sequence[Moving], below: Callable[[int, int], bool]) -> S
     value, zero_at, one_at = parts
     if not zero_at.slope == one_at.slope == "level":
         return None
-    zero = real(zero_at.range)
-    one = real(one_at.range)
+    zero = to_float32(zero_at.range)
+    one = to_float32(one_at.range)
     if zero.high < one.low or below(1, 2):
         return value.slope
     return OPPOSITE[value.slope] if one.high < zero.low or below(2, 1) else None
@@ -253,7 +259,7 @@ def _quotient_rounding(a: Range, b: Range) -> Rounding:
 
 def _ramp_range(parts: Sequence[Range]) -> Range:
     """Returns the range of a ramp; it may be NaN if its ends may be equal, or far apart."""
-    value, zero, one = map(real, parts)
+    value, zero, one = map(to_float32, parts)
     _, zero_at, one_at = parts
     # The ends differ, as a guard or a `require` says.
     are_exact = zero_at.rounded_once and one_at.rounded_once

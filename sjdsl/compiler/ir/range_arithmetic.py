@@ -46,8 +46,8 @@ class Range:
         return max(abs(self.low), abs(self.high))
 
 
-def real(r: Range) -> Range:
-    """Returns a number as float32."""
+def to_float32(r: Range) -> Range:
+    """Returns the range of a number once it is made a real."""
     if not r.whole:
         return r
     low, high = ends(r.low, r.high)
@@ -90,7 +90,7 @@ def range_of_type(type_: Type) -> Range:
     A counter without a limit goes as far as int32.
     """
     if type_.kind == "real":
-        return real(Range(type_.low, type_.high, whole=True))
+        return to_float32(Range(type_.low, type_.high, whole=True))
     low = max(INT32[0], type_.low)
     high = min(INT32[1], type_.high)
     return Range(low, high, whole=True, terms=max(abs(low), abs(high)))
@@ -113,12 +113,12 @@ def whole_range(low: float, high: float, *parts: Range) -> Range:
     )
 
 
-def rounded(r: Range, often: float = 1) -> Range:
-    """Returns a real with the slack of so many more roundings.
+def rounded(r: Range, times: float = 1) -> Range:
+    """Returns the range of a real after so many more roundings.
 
-    One that can leave float32 is infinite there.
+    An end beyond float32 becomes infinite.
     """
-    slack = often * SLACK
+    slack = times * SLACK
     low = r.low - slack * (abs(r.low) if r.steady else r.terms)
     high = r.high + slack * (abs(r.high) if r.steady else r.terms)
     low, high = ends(low, high)
@@ -134,7 +134,7 @@ def as_compared(ranges: Sequence[Range]) -> list[Range]:
     """Returns the ranges of numbers that are compared: as reals if one of them is one."""
     if all(r.whole for r in ranges):
         return list(ranges)
-    reals = [real(r) for r in ranges]
+    reals = [to_float32(r) for r in ranges]
     if all(r.literal for r in reals):
         return [rounded(r) for r in reals]
     return reals
@@ -150,5 +150,5 @@ def differ_as_reals(a: Range, b: Range) -> bool:
 
 def disjoint(a: Range, b: Range) -> bool:
     """Returns whether two numbers are never equal as float32."""
-    left, right = map(real, as_compared((a, b)))
+    left, right = map(to_float32, as_compared((a, b)))
     return left.high < right.low or right.high < left.low

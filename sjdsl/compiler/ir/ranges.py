@@ -22,8 +22,8 @@ from sjdsl.compiler.ir.range_arithmetic import (
     ends,
     is_finite,
     range_of_type,
-    real,
     rounded,
+    to_float32,
     whole_range,
 )
 from sjdsl.compiler.ir.types import without_zero
@@ -92,7 +92,7 @@ class FloatRanges(Analysis[Range]):
         are_counts = all(isinstance(part, ir.Count) for part in e.args)
         if row.share and e.type.unit == "fraction" and are_counts:  # of all, some
             return Range(0.0, 1.0, terms=1.0, rounded_once=False)
-        parts = parts if is_whole else [real(p) for p in parts]
+        parts = parts if is_whole else [to_float32(p) for p in parts]
         if row.divisor is not None:
             divisor = _not_zero(parts[row.divisor], e.args[row.divisor].type)
             parts[row.divisor] = divisor
@@ -105,7 +105,7 @@ class FloatRanges(Analysis[Range]):
             )
         if row.rounding is not None:
             return _of_reals(row, low, high, *parts)
-        exact = _exact(low, high, parts)
+        exact = _unrounded(low, high, parts)
         if row.factors:
             return exact
         return replace(exact, terms=min(exact.terms, exact.largest))  # no sum any more
@@ -113,16 +113,16 @@ class FloatRanges(Analysis[Range]):
     def either(self, e: ir.Expr, parts: Sequence[Range]) -> Range:
         """Returns the range of a number that is one of several, all made reals if one is."""
         if e.type.kind != "int":
-            parts = [real(part) for part in parts]
+            parts = [to_float32(part) for part in parts]
         low = min(part.low for part in parts)
         high = max(part.high for part in parts)
-        return _exact(low, high, parts)
+        return _unrounded(low, high, parts)
 
     def entry(self, e: ir.At, row: Range) -> Range:
         """Returns the range of an entry of a row, or of a mean of its entries."""
         if e.key.type.kind != "mix":
             return row
-        row = real(row)
+        row = to_float32(row)
         return rounded(replace(row, sound=row.sound and is_finite(row)), len(e.key.type.words))
 
     def total(self, r: Range, least: int, most: float) -> Range:
@@ -184,11 +184,8 @@ def apart(a: ir.Expr, b: ir.Expr, known: bool = False) -> bool:
     return disjoint(a_range, b_range) or (known and differ_as_reals(a_range, b_range))
 
 
-def _exact(low: float, high: float, parts: Sequence[Range]) -> Range:
-    """Returns the range of a number that is one of some, or the negative of one.
-
-    Nothing is rounded.
-    """
+def _unrounded(low: float, high: float, parts: Sequence[Range]) -> Range:
+    """Returns the range of a number that is one of the parts or its negative: none is rounded."""
     return Range(
         low,
         high,

@@ -41,22 +41,22 @@ FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)
 
 def parse(source: Source) -> ast.File:
     """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
-    result = _parsed(source)
+    result = _parse_once(source)
     if isinstance(result, ast.File):
         return result
     raise CompileError(result)
 
 
 @lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
-def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
+def _parse_once(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     """Returns the tree of a text, or its syntax errors."""
     try:
-        return _file(source)
+        return _parse(source)
     except CompileError as error:
         return error.diagnostics
 
 
-def _file(source: Source) -> ast.File:
+def _parse(source: Source) -> ast.File:
     """Returns the tree of a text. Raises CompileError."""
     problems = check_text(source)
     if problems:

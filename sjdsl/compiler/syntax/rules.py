@@ -53,17 +53,11 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
     declared = [field for field in fields(kind)[1:] if field.name not in clauses]
     names = [field.name for field in declared]
     number = len(declared)
-    is_list = bool(declared) and str(declared[-1].type).startswith("tuple[")
-    if not clauses and is_list:
-        return lambda span, *items: make(span, *items[: number - 1], items[number - 1 :])
-    if not clauses and any("None" in str(field.type) for field in declared):
-        return lambda span, *items: make(span, *items, *[None] * (number - len(items)))
-    if not clauses:
-        return make
+    takes_rest = bool(declared) and str(declared[-1].type).startswith("tuple[")
 
     def build(span: Span, *items: Any) -> Node:
         plain, contents = split(items)
-        if is_list:
+        if takes_rest:
             plain = (*plain[: number - 1], plain[number - 1 :])
         values = dict(zip_longest(names, plain))
         for name, clause in clauses.items():
