@@ -73,7 +73,7 @@ def pick_members(
     chosen: list[tuple[Bound, Drawn]] = []
     wanted = evaluate(statement.number, instance)
     for turn in range(min(max(0, wanted), len(left))):
-        number = instance.number * turns + turn
+        number = instance.number * turns + turn  # no other turn of any instance has it
         member, bits = instance.take(statement.stream, number, left)
         names = {**instance.names, **member.names}
         chosen.append((member, Drawn(statement, number, bits, True, names=names)))

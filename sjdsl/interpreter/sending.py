@@ -48,15 +48,14 @@ def send(phase: str, sends: list[Sending], instance: Instance, world: World) -> 
         if not is_individual:
             free = _cells_that_fit(domain, free, {}, instance)
         for agent, statement, ticks, names in of_pool:
-            fitting = (
-                _cells_that_fit(statement.domain, free, names, instance) if is_individual else free
-            )
+            fitting = list(free)
+            if is_individual:
+                fitting = _cells_that_fit(statement.domain, free, names, instance)
             if ticks > 0:
                 _leave(agent, Away(ticks, Pool(phase, pool), statement.facing), world)
             elif fitting:
                 cell, _ = instance.take(stream, number_of(agent), fitting)
-                if is_individual:
-                    free.remove(cell)
+                free.remove(cell)
                 entered.add(cell)
                 _enter(agent, cell, statement.facing, statement.heading_stream, instance, world)
             else:

@@ -151,8 +151,8 @@ def _writers(account: Account) -> tuple[dict[Slot, list[Done]], dict[Slot, list[
         for slot in dict.fromkeys(slot for slot, _ in writes):
             writers[slot].append(done)
         for lot in done.written.get("lots", ()):
-            has_won = winning[lot.slot] is lot
-            (writers if has_won else losers)[lot.slot].append(done)
+            performers = writers if winning[lot.slot] is lot else losers
+            performers[lot.slot].append(done)
     return writers, losers
 
 

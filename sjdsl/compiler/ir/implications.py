@@ -308,8 +308,6 @@ def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
 def limits_of(fn: str, subject: ir.Expr, other: Interval, exact: bool = True) -> Interval | None:
     """Returns the interval of a number that compares so with one in another interval.
 
-    A whole number that is below another is below it by one.
-
     exact: whether whole numbers are compared; otherwise both are rounded to float32, so that a
     whole number may be beyond its equal.
     """
@@ -320,8 +318,14 @@ def limits_of(fn: str, subject: ir.Expr, other: Interval, exact: bool = True) ->
         if fn in ("<=", ">=", "=="):
             low -= STEP * abs(low)
             high += STEP * abs(high)
-    least = ceil(low) if whole and not isinf(low) else low
-    most = floor(high) if whole and not isinf(high) else high
+    least = above = low
+    most = below = high
+    if whole and not isinf(low):
+        least = ceil(low)
+        above = floor(low) + 1
+    if whole and not isinf(high):
+        most = floor(high)
+        below = ceil(high) - 1
     match fn:
         case "==":
             return least, most
@@ -330,9 +334,9 @@ def limits_of(fn: str, subject: ir.Expr, other: Interval, exact: bool = True) ->
         case ">=":
             return least, inf
         case "<":
-            return -inf, ceil(high) - 1 if whole and not isinf(high) else high
+            return -inf, below
         case ">":
-            return floor(low) + 1 if whole and not isinf(low) else low, inf
+            return above, inf
         case _:
             return None
 

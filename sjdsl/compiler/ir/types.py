@@ -120,8 +120,8 @@ def without_zero(divisor: ir.Type) -> ir.Type:
     """
     if divisor.kind != "int":
         return divisor
-    low = divisor.low + (divisor.low == 0)
-    high = divisor.high - (divisor.high == 0)
+    low = 1 if divisor.low == 0 else divisor.low
+    high = -1 if divisor.high == 0 else divisor.high
     return divisor.model_copy(update={"low": low, "high": high}) if low <= high else divisor
 
 

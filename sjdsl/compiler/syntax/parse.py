@@ -253,7 +253,7 @@ def closing_braces(kinds: Sequence[str]) -> list[int]:
     """Returns for each token how many more `}` than `{` there are from it to the end."""
     counts = [0]
     for kind in reversed(kinds):
-        counts.append(counts[-1] + (kind == "RBRACE") - (kind == "LBRACE"))
+        counts.append(counts[-1] + {"RBRACE": 1, "LBRACE": -1}.get(kind, 0))
     return counts[::-1]
 
 
