@@ -115,4 +115,5 @@ def _partners(statement: ir.Match, left: Bound, instance: Instance) -> list[Boun
         rights = [member for member in nearest_members(statement.right, inner) if member]
     else:
         rights = members_of(statement.right, inner)
-    return list({m.member: m for m in rights if m.member != left.member}.values())
+    partners = {right.member: right for right in rights if right.member != left.member}
+    return list(partners.values())

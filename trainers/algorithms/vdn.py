@@ -243,7 +243,7 @@ def vdn_loss(
 
 
 def values_of_actions(values: Array, action: Array) -> Array:
-    """Returns the values `[...]` of actions `[...]`, of those of all actions `[..., A]`."""
+    """Returns the values of the given actions `[...]` from those of all actions `[..., A]`."""
     return jnp.take_along_axis(values, action[..., None], axis=-1)[..., 0]
 
 
