@@ -258,7 +258,7 @@ def derived_key(key: Array, stream: int, number: Array) -> Array:
 
 def _with_bias(module: Any) -> Any:
     """Returns a generated module whose keys have a third number, an index of BIASES."""
-    _, (text, file, name) = module.__reduce__()
+    _, (text, file, name) = module.__reduce__()  # a generated module is copied by its text
     draws = [draw for draw in ("random_bits", "random_bits_at") if hasattr(module, draw)]
     if draws:
         text += BIASED.format(

@@ -186,7 +186,7 @@ def _word_states(kind: KindLook) -> Iterator[Key]:
 
 
 def _implies(rule: Rule, other: Rule) -> bool:
-    """Returns whether another look surely applies wherever one does."""
+    """Returns whether `other` surely applies wherever `rule` does."""
     return _parts(other.condition) <= _parts(rule.condition)
 
 
