@@ -19,7 +19,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import body_sorts, kinds_by_glyph
 from sjdsl.properties.biased_draws import BIASES, Bias
-from sjdsl.properties.compiled_play import CompiledPlay, episode_keys
+from sjdsl.properties.compiled_play import FAIR, CompiledPlay, episode_keys
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import DRIFT, FLOATS, REAL
 from sjdsl.properties.random_play import MOVES, random_params
@@ -180,15 +180,19 @@ class WorldSearch:
         Half of the whole episodes have one bias throughout.
         """
         any_bias = self._rng.integers(0, len(BIASES), self.worlds)
-        changing = any_bias * (self._rng.random(self.worlds) < UNFAIR)
+        changing = np.where(self._rng.random(self.worlds) < UNFAIR, any_bias, FAIR)
         is_steady = self._plays_whole & (episode % 2 == 1)
         bias: np.ndarray = np.where(is_steady, episode // 2 % len(BIASES), changing)
         return bias.astype(np.uint32)
 
     def _are_quiet(self, episode: np.ndarray) -> np.ndarray:
-        """Returns in which worlds all agents only move in a segment, `[B]` bool."""
+        """Returns in which worlds all agents only move in a segment, `[B]` bool.
+
+        Of whole episodes, every other eight do so throughout.
+        """
         at_random = self._rng.random(self.worlds) < QUIET
-        are_quiet: np.ndarray = at_random | self._plays_whole & (episode // 8 % 2 == 1)
+        is_steady = self._plays_whole & (episode // 8 % 2 == 1)
+        are_quiet: np.ndarray = at_random | is_steady
         return are_quiet
 
     def _choose_actions(self, are_quiet: np.ndarray) -> np.ndarray:

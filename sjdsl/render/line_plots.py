@@ -77,7 +77,11 @@ def draw_panels(panels: Sequence[Panel], title: str = "", note: str = "") -> "Fi
 
     columns = min(COLUMNS, len(panels))
     rows = ceil(len(panels) / columns)
-    height = HEIGHT * rows + 0.4 * bool(title) + 0.3 * bool(note)
+    height = HEIGHT * rows
+    if title:
+        height += 0.4
+    if note:
+        height += 0.3
     like: dict[str, Axes] = {}  # y title -> the first plot that has it
     first: Axes | None = None
     labels: list[list[Label]] = []
