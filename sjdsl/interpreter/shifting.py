@@ -42,6 +42,7 @@ def make_shifting(agent: Body, statement: ir.Shift, instance: Instance) -> Shift
             if cell is None or is_blocked(cell, blocked, agent, instance):
                 return Shifting(agent, statement, place)
             path.append(cell)
+        # Whether the last cell is free is seen once all are sent.
         if all(is_free(cell, instance.world) for cell in path[:-1]):
             target = path[-1]
     return Shifting(agent, statement, target)

@@ -317,10 +317,10 @@ class Archive:
         free: list[int] = []
         too_many = len(self.rows) + len(summaries) - self._most
         if too_many > 0:
-            known = list(self.rows)
-            order = np.argsort([-self._seen[row] for row in self.rows.values()], kind="stable")
-            free = [self.rows.pop(known[i]) for i in order[:too_many]]
-        free += range(len(self.rows) + len(free), len(self.rows) + len(summaries))
+            often_seen_first = sorted(self.rows, key=lambda s: -self._seen[self.rows[s]])
+            free = [self.rows.pop(summary) for summary in often_seen_first[:too_many]]
+        used = len(self.rows) + len(free)
+        free += range(used, len(self.rows) + len(summaries))
         self.rows |= dict(zip(summaries, free, strict=True))
         self._seen[free] = 0
         self._continued[free] = 0
