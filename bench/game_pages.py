@@ -68,6 +68,7 @@ def main() -> int:
 
 
 def check_pages() -> int:
+    """Prints what is out of date; returns the exit status, 1 if anything is."""
     problems = [problem for page in PAGES for problem in page_problems(DOCS / f"{page}.md")]
     if not problems:
         print("the pages are up to date")
@@ -120,6 +121,7 @@ def page_problems(path: Path) -> list[str]:
 
 
 def figure_problems(games: Mapping[str, ir.Game], figures: Mapping[str, Figures]) -> list[str]:
+    """Returns a line for each game without current figures, and for figures of no game."""
     problems = [f"{name}: no figures" for name in games if name not in figures]
     for name, kept in figures.items():
         if name not in games:
@@ -130,6 +132,7 @@ def figure_problems(games: Mapping[str, ir.Game], figures: Mapping[str, Figures]
 
 
 def picture_problems(folder: Path, games: Mapping[str, ir.Game]) -> list[str]:
+    """Returns a line for each game without a current picture, and for each picture of no game."""
     game_of = {folder / f"{name}.png": game for name, game in games.items()}
     pictures = set(folder.glob("*.png"))
     problems = [f"{picture}: missing" for picture in sorted(game_of.keys() - pictures)]
@@ -218,6 +221,7 @@ def figure_names(game: ir.Game) -> dict[str, str]:
 
 
 def _rounded(value: float) -> float | None:
+    """Returns a figure with its significant digits; None if it isn't defined."""
     return float(f"{value:.{SIGNIFICANT_DIGITS}g}") if math.isfinite(value) else None
 
 
@@ -242,10 +246,11 @@ def games_page(page: str, figures: Mapping[str, Figures]) -> str:
 
 
 def _games_table(games: Mapping[str, Written]) -> list[str]:
+    """Returns the lines of the table of all games, with a column for each key of `about`."""
     keys: dict[str, None] = {}  # in the order in which the games name them
     for written in games.values():
-        keys.update((key, None) for key, _ in written.game.about if key != "summary")
-    columns = sorted(keys, key=lambda key: key.startswith(OWN_ENTRY))
+        keys |= dict.fromkeys(key for key, _ in written.game.about if key != "summary")
+    columns = sorted(keys, key=lambda key: key.startswith(OWN_ENTRY))  # ours come last
     head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in columns))
     rows = []
     for name, written in games.items():
@@ -275,6 +280,7 @@ def _size(game: ir.Game) -> str:
 
 
 def _game_section(name: str, written: Written, figures: Figures) -> list[str]:
+    """Returns the lines about one game."""
     game = written.game
     title = plain(game.title)
     lines = [
@@ -288,8 +294,10 @@ def _game_section(name: str, written: Written, figures: Figures) -> list[str]:
     summary = dict(game.about).get("summary", "")
     if summary:
         lines += [plain(summary), ""]
-    lines += [*_facts(name, written), "", "Numbers:", "", *parameters(written)]
-    figure_rows = [(key, *_figure(**figure)) for key, figure in figures["values"].items()]
+    lines += [*_facts_table(name, written), "", "Numbers:", "", *parameters(written)]
+    figure_rows = [
+        (key, *_mean_and_interval(**figure)) for key, figure in figures["values"].items()
+    ]
     lines += [
         f"A random policy, {figures['episodes']} episodes from seed {figures['seed']}, "
         "means with their 95 % confidence intervals:",
@@ -299,7 +307,8 @@ def _game_section(name: str, written: Written, figures: Figures) -> list[str]:
     return lines
 
 
-def _facts(name: str, written: Written) -> list[str]:
+def _facts_table(name: str, written: Written) -> list[str]:
+    """Returns the lines of a table of a game's agents, map, actions, sources and variants."""
     game = written.game
     edges = ", edges joined" if game.wraps else ""
     rows = [
@@ -325,13 +334,16 @@ def _window(window: ir.Window) -> str:
     return "; of some agents ".join(reaches)
 
 
-def _figure(mean: float | None, low: float | None, high: float | None) -> tuple[str, str]:
+def _mean_and_interval(
+    mean: float | None, low: float | None, high: float | None
+) -> tuple[str, str]:
+    """Returns two cells of a table; of a return or an equality that isn't defined, the reason."""
     if mean is None or low is None or high is None:
         return "not defined", "some returns are negative, or all are 0"
-    return _short(mean), f"{_short(low)} to {_short(high)}"
+    return _four_digits(mean), f"{_four_digits(low)} to {_four_digits(high)}"
 
 
-def _short(value: float) -> str:
+def _four_digits(value: float) -> str:
     return number(float(f"{value:.4g}"))
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from jax import Array
 
 import sjdsl
-from bench.socialjax_original import load
+from bench.socialjax_original import clip, load
 from sjdsl.interop.socialjax import ACTIONS
 from sjdsl.runtime.random_bits import key_words
 
@@ -31,14 +31,12 @@ ORIGINALS = {  # by the suite's id: module and class, agents, steps of an episod
 }
 MOVES = ACTIONS["turned round"]
 Figures = dict[str, Array]
-CLIP = jnp.clip
 
 
 def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: Any) -> Any:
     """Returns a game of the suite with individual rewards, without chex, under this version of JAX."""
-    chex = types.ModuleType(
-        "chex"
-    )  # of which the suite's modules use a dataclass and names of types
+    # The suite's modules use only its dataclass and names of types.
+    chex = types.ModuleType("chex")
     chex.dataclass = dataclasses.dataclass
     chex.PRNGKey = chex.Array = chex.ArrayDevice = jax.Array
     sys.modules.setdefault("chex", chex)
@@ -46,21 +44,14 @@ def suite_game(checkout: Path, original: str, steps: int = 1000, **arguments: An
     return load(checkout, original)(shared_rewards=False, num_inner_steps=steps, **arguments)
 
 
-def clip(x: Any, *bounds: Any, a_min: Any = None, a_max: Any = None, **named: Any) -> Array:
-    """Is `jnp.clip` that also takes its bounds by the names of older versions of JAX."""
-    if a_min is None:
-        return CLIP(x, *bounds, **named)
-    return CLIP(x, a_min, a_max)
-
-
 def closure(function: Any) -> dict[str, Any]:
-    """Returns the variables of the functions around one that it uses."""
+    """Returns the variables that a function uses of those around it, by name."""
     values = [cell.cell_contents for cell in function.__closure__]
     return dict(zip(function.__code__.co_freevars, values, strict=True))
 
 
 def sent_off(state: Any) -> Array:
-    """Returns which agents of a state of the suite begin the next step in another place than they are seen in."""
+    """Returns which agents of a state of the suite were hit, bool `[N]`: they are still seen at `agent_locs`, and begin the next step at `reborn_locs`."""
     return jnp.any(state.reborn_locs != state.agent_locs, axis=-1)
 
 
@@ -112,12 +103,12 @@ class Bridge:
         return zeros.at[places[:, 0], places[:, 1]].max(values)
 
     def place(self, state: Any) -> Array:
-        """Returns where our agents are, as the suite has it, `[N, 3]`: row, column, heading."""
+        """Returns where our agents are, in the suite's numbers, `[N, 3]`: row, column, heading."""
         row, col = jnp.divmod(state.position.astype(jnp.int32), self.module.FRAME[1])
         heading = (2 - state.heading.astype(jnp.int32)) % 4
         return jnp.stack([row - self.module.PAD, col - self.module.PAD, heading], axis=-1)
 
-    def placed(self, state: Any, places: Array) -> Any:
+    def with_places(self, state: Any, places: Array) -> Any:
         """Returns our state with its agents at these places."""
         row = places[:, 0].astype(jnp.int32) + self.module.PAD
         position = row * self.module.FRAME[1] + places[:, 1] + self.module.PAD
@@ -137,9 +128,10 @@ class Bridge:
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
         """Returns 1 for each sort of difference between the states after a step, else 0."""
         wanted = self.wanted(before, actions)
-        same = jnp.all(wanted[:, None] == wanted[None], axis=-1) & ~jnp.eye(self.agents, dtype=bool)
+        others = ~jnp.eye(self.agents, dtype=bool)
+        same_target = jnp.all(wanted[:, None] == wanted[None], axis=-1) & others  # [N, N]
         moving = jnp.any(wanted != before.reborn_locs[:, :2], axis=-1)
-        contested = jnp.any(same & moving[:, None])
+        contested = jnp.any(same_target & moving[:, None])
         elsewhere = jnp.any(self.place(ours) != after.agent_locs, axis=-1)
         differ = jnp.any(elsewhere & ~self.hit(after, actions))
         return {
@@ -148,14 +140,15 @@ class Bridge:
         }
 
     def hit(self, after: Any, actions: Array) -> Array:
-        """Returns which agents the suite's beams hit in the step that led to a state of its own."""
+        """Returns which agents the suite's beams hit in the step that led to its state `after`."""
         return self.inner["_interact"](jax.random.PRNGKey(0), after, actions)[0]
 
     def wanted(self, before: Any, actions: Array) -> Array:
         """Returns the cells to which agents want to go, `[N, 2]`."""
         module = sys.modules[type(self.suite).__module__]
         moving = (actions >= 2) & (actions < 6)
-        steps = jnp.where(moving[:, None], module.STEP_MOVE[jnp.minimum(actions, 7)][:, :2], 0)
+        steps = module.STEP_MOVE[jnp.minimum(actions, 7)][:, :2]
+        steps = jnp.where(moving[:, None], steps, 0)
         last = jnp.asarray([self.rows - 1, self.cols - 1])
         return jnp.clip(before.reborn_locs[:, :2] + steps, 0, last)
 
@@ -167,12 +160,11 @@ class Bridge:
 
     def figures(self, shown: Any, total: Array, actions: Array) -> Figures:
         """Returns what a step that ends in a state of the suite adds to an episode's figures."""
-        names = self.ours.action_names
-        chosen = {
-            names[number]: jnp.sum(actions == number) for number in range(self.zap, len(names))
-        }
-        shares = {f"`{name}` chosen": count for name, count in chosen.items()}
-        return {"return": total, "agents hit": sent_off(shown).sum(), **shares}
+        figures = {"return": total, "agents hit": sent_off(shown).sum()}
+        for number, name in enumerate(self.ours.action_names):
+            if number >= self.zap:
+                figures[f"`{name}` chosen"] = jnp.sum(actions == number)
+        return figures
 
     def step(self, key: Array, state: Any, shown: Any, actions: Array) -> tuple[Any, Any, Figures]:
         """Returns our next state, the suite's state that shows it, and what the step adds to the figures.
@@ -183,10 +175,11 @@ class Bridge:
         outcome = self.module.no_outcome()
         walked, _ = self.module.walk(state, outcome, self.ours.params, numbers, key_words(key))
         _, after, reward, _, _ = self.ours.step_env(key, state, numbers)
-        shown = self.beams(self.draw(shown, after, self.place(walked)), after, actions)
+        shown = self.draw(shown, after, self.place(walked))
+        shown = self.mark_beams(shown, after, actions)
         shown = shown.replace(
             reborn_locs=self.place(after).astype(jnp.int16),
-            agent_invs=shown.agent_invs + self.eaten(reward),
+            agent_invs=shown.agent_invs + self.newly_carried(reward),
         )
         return after, shown, self.figures(shown, reward.sum(), actions)
 
@@ -195,21 +188,22 @@ class Bridge:
         return self.draw(self.blank, state, self.place(state))
 
     def draw(self, shown: Any, state: Any, places: Array) -> Any:
-        """Returns a state of the suite with the ground of ours and agents at these places."""
-        grid = self.ground(state).at[places[:, 0], places[:, 1]].set(self.suite._agents)
+        """Returns a state of the suite with the map of ours, and agents at these places."""
+        grid = self.grid_without_agents(state)
+        grid = grid.at[places[:, 0], places[:, 1]].set(self.suite._agents)
         places = places.astype(jnp.int16)
         return shown.replace(grid=grid, agent_locs=places, reborn_locs=places)
 
-    def ground(self, state: Any) -> Array:
+    def grid_without_agents(self, state: Any) -> Array:
         """Returns the suite's numbers of what is on the map in our state, but for agents, int16 `[H, W]`."""
         raise NotImplementedError
 
-    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
+    def mark_beams(self, shown: Any, state: Any, actions: Array) -> Any:
         """Returns a state of the suite with the marks of its own beams; `state` is ours after the step."""
         del state
         return self.inner["_interact"](jax.random.PRNGKey(0), shown, actions)[1]
 
-    def eaten(self, reward: Array) -> Array:
+    def newly_carried(self, reward: Array) -> Array:
         """Returns what agents add to what the suite has them carry, int8 `[N, 1]`."""
         return (reward > 0).astype(jnp.int8)[:, None]
 
@@ -227,32 +221,32 @@ class CleanUp(Bridge):
         return self.board(labels, state.potential_dirt_and_dirt_locs) == 8
 
     def from_suite(self, state: Any) -> Any:
-        """Marks, and those who were hit, hide bare cells of the orchard."""
+        """Returns our equal state: marks, and agents that were hit, hide bare cells of the orchard."""
         orchard = self.cells("B")
-        left = self.board(sent_off(state), state.agent_locs)
-        hidden = (state.grid == 2) | (state.grid == 9) | left
+        hit = self.board(sent_off(state), state.agent_locs)
+        hidden = (state.grid == 2) | (state.grid == 9) | hit
         ours = self.module.initial_state().replace(
             step=jnp.int32(state.inner_t),
             water_state=self.dirty(state)[self.cells("HF")].astype(jnp.uint8),
             orchard_fruit=(state.grid[orchard] == 3).astype(jnp.uint8),
             orchard_hidden=hidden[orchard].astype(jnp.uint8),
         )
-        return self.placed(ours, state.reborn_locs)
+        return self.with_places(ours, state.reborn_locs)
 
     def hit(self, after: Any, actions: Array) -> Array:
-        """Zaps hit; cleaning beams don't."""
+        """Returns which agents zaps hit: cleaning beams hit none."""
         return self.inner["_interact_fire_zapping"](jax.random.PRNGKey(0), after, actions)[0]
 
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
-        """Adds those of the water."""
+        """Adds the differences of the water."""
         water = self.dirty(after)[self.cells("HF")] != (ours.water_state == 1)
         figures = super().differences(before, actions, after, ours)
         calm = ~figures["steps with a contest by lot"]
         more = calm & (water.sum() > 2)
         return {**figures, "steps after which more than the two cells of a dirt draw differ": more}
 
-    def ground(self, state: Any) -> Array:
-        """Apples, river and dirt."""
+    def grid_without_agents(self, state: Any) -> Array:
+        """Returns the map with apples, river and dirt."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16)
         grid = grid.at[self.cells("B")].set(
             jnp.where(state.orchard_fruit == 1, 3, 0).astype(jnp.int16)
@@ -262,8 +256,8 @@ class CleanUp(Bridge):
             jnp.where(state.water_state == 1, 8, 7).astype(jnp.int16)
         )
 
-    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
-        """Two sorts, zaps first."""
+    def mark_beams(self, shown: Any, state: Any, actions: Array) -> Any:
+        """Adds the marks of both sorts of beam, zaps first."""
         del state
         key = jax.random.PRNGKey(0)
         _, shown = self.inner["_interact_fire_zapping"](key, shown, actions)
@@ -278,32 +272,31 @@ class Harvest(Bridge):
     checkpoint = "harvest_common_open_seed30_reward_individual.pkl"
 
     def from_suite(self, state: Any) -> Any:
-        """Marks block the floor; marks, and those who were hit, hide soil."""
+        """Returns our equal state: marks block the floor; marks, and agents that were hit, hide soil."""
         soil = self.cells("A")
         marked = state.grid == 2
-        left = self.board(sent_off(state), state.agent_locs)
+        hit = self.board(sent_off(state), state.agent_locs)
         ours = self.module.initial_state().replace(
             step=jnp.int32(state.inner_t),
             soil_fruit=(state.grid[soil] == 3).astype(jnp.uint8),
-            soil_hidden=(marked | left)[soil].astype(jnp.uint8),
+            soil_hidden=(marked | hit)[soil].astype(jnp.uint8),
             floor_marked=marked[self.cells(".Q")].astype(jnp.uint8),
             gate_marked=marked[self.cells("P")].astype(jnp.uint8),
         )
-        return self.placed(ours, state.reborn_locs)
+        return self.with_places(ours, state.reborn_locs)
 
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
-        """Adds those of the marks."""
+        """Adds the differences of the marks."""
         floor, gates = self.cells(".Q"), self.cells("P")
         marked = after.grid == 2
-        differ = jnp.any(marked[floor] != ours.floor_marked) | jnp.any(
-            marked[gates] != ours.gate_marked
-        )
+        floor_differs = jnp.any(marked[floor] != ours.floor_marked)
+        differ = floor_differs | jnp.any(marked[gates] != ours.gate_marked)
         figures = super().differences(before, actions, after, ours)
         calm = ~figures["steps with a contest by lot"]
         return {**figures, "steps after which marks differ, without a contest": differ & calm}
 
-    def ground(self, state: Any) -> Array:
-        """Walls and apples."""
+    def grid_without_agents(self, state: Any) -> Array:
+        """Returns the map with walls and apples."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
         return grid.at[self.cells("A")].set(
             jnp.where(state.soil_fruit == 1, 3, 0).astype(jnp.int16)
@@ -317,7 +310,7 @@ class Closed(Harvest):
     checkpoint = ""
 
     def arguments(self, checkout: Path) -> dict[str, Any]:
-        """Its map is in a configuration."""
+        """Returns the map, which the suite keeps in a configuration."""
         file = checkout / "algorithms" / "IPPO" / "config" / f"ippo_cnn_{self.name}.yaml"
         return {"map_ASCII": re.findall(r'"([ AWQP]{20,})"', file.read_text())}
 
@@ -338,7 +331,7 @@ class Territory(Bridge):
     stepwise = False
 
     def suite_return(self, rewards: Array) -> Array:
-        """Its individual rewards are not multiplied by the number of agents."""
+        """Returns the sum of the rewards: here the suite multiplies none."""
         return rewards.sum()
 
     def bricks(self, state: Any) -> Array:
@@ -347,13 +340,13 @@ class Territory(Bridge):
         cracked = jnp.where(state.brick_damage == 1, 999, 0)
         return jnp.where(state.brick_damage == 0, owned, cracked).astype(jnp.int16)
 
-    def ground(self, state: Any) -> Array:
-        """Walls and bricks."""
+    def grid_without_agents(self, state: Any) -> Array:
+        """Returns the map with walls and bricks."""
         grid = jnp.zeros((self.rows, self.cols), jnp.int16).at[self.cells("#")].set(1)
         return grid.at[self.cells("R")].set(self.bricks(state))
 
-    def beams(self, shown: Any, state: Any, actions: Array) -> Any:
-        """Beams end at bricks, but must not break them again: walls stand in for them."""
+    def mark_beams(self, shown: Any, state: Any, actions: Array) -> Any:
+        """Adds the marks. Beams end at bricks, but must not break them again: walls stand in for them."""
         cells = self.cells("R")
         bricks = self.bricks(state)
         walls = jnp.where(bricks > 0, 1, shown.grid[cells]).astype(jnp.int16)
@@ -361,12 +354,12 @@ class Territory(Bridge):
             grid=shown.grid.at[cells].set(walls),
             claimed_coord=jnp.zeros((self.rows, self.cols), bool),
         )
-        shown = super().beams(shown, state, actions)
+        shown = super().mark_beams(shown, state, actions)
         marked = jnp.where(bricks > 0, bricks, shown.grid[cells])
         return shown.replace(grid=shown.grid.at[cells].set(marked))
 
-    def eaten(self, reward: Array) -> Array:
-        """Nothing is carried."""
+    def newly_carried(self, reward: Array) -> Array:
+        """Returns zeros: nothing is carried."""
         del reward
         return jnp.zeros((self.agents, 1), jnp.int8)
 

@@ -23,6 +23,8 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+CLIP = jnp.clip  # before others replace it by `clip`
+
 
 def main() -> None:
     """Prints the steps a second: the median of the rounds, the slowest and the fastest, and the microseconds of processor time."""
@@ -40,23 +42,33 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     asked = parser.parse_args()
     env = load(Path(asked.checkout), asked.game)(num_agents=asked.agents, shared_rewards=False)
-    run = jax.jit(loop(env, asked.envs, asked.steps))
+    run = jax.jit(make_loop(env, asked.envs, asked.steps))
     jax.block_until_ready(run(jax.random.PRNGKey(0)))
-    rates, busy, steps = [], [], asked.envs * asked.steps
+    steps = asked.envs * asked.steps
+    rates = []
+    microseconds = []
     for number in range(asked.rounds):
-        began, worked = time.perf_counter(), time.process_time()
+        start = time.perf_counter()
+        processor_start = time.process_time()
         jax.block_until_ready(run(jax.random.PRNGKey(number + 1)))
-        rates.append(steps / (time.perf_counter() - began))
-        busy.append((time.process_time() - worked) / steps * 1e6)
+        rates.append(steps / (time.perf_counter() - start))
+        microseconds.append((time.process_time() - processor_start) / steps * 1e6)
     spread = f"{min(rates):,.0f} to {max(rates):,.0f}"
     print(f"JAX {jax.__version__}, {asked.game}, {asked.agents} agents, {asked.envs} environments")
     print(
-        f"{statistics.median(rates):,.0f} steps a second ({spread}), {statistics.median(busy):.2f} us of processor time a step"
+        f"{statistics.median(rates):,.0f} steps a second ({spread}), {statistics.median(microseconds):.2f} us of processor time a step"
     )
 
 
+def clip(x: Any, *bounds: Any, a_min: Any = None, a_max: Any = None, **named: Any) -> jax.Array:
+    """As `jnp.clip`, but also takes its bounds by the names of JAX 0.4: newer versions need it in place of theirs."""
+    if a_min is None:
+        return CLIP(x, *bounds, **named)
+    return CLIP(x, a_min, a_max)
+
+
 def load(checkout: Path, game: str) -> Any:
-    """Returns the class of the game. Its packages stand empty: their own __init__ loads every game and what those need."""
+    """Returns the class of a game (`module:class`). Its packages are empty modules: their own __init__ loads every game and what those need."""
     module, name = game.split(":")
     parts = ["socialjax", "environments", *module.split(".")[:-1]]
     for depth in range(1, len(parts) + 1):
@@ -66,47 +78,46 @@ def load(checkout: Path, game: str) -> Any:
     return getattr(importlib.import_module(f"socialjax.environments.{module}"), name)
 
 
-def stepping(env: Any) -> Any:
-    """Returns a step of one environment, which begins anew at the end of an episode: (key, state, actions) to (state, rewards, observed)."""
+def make_step(env: Any) -> Any:
+    """Returns a step of one environment, which begins anew at the end of an episode: (key, state, actions) to (state, rewards, observation)."""
 
     def step(key: jax.Array, state: Any, actions: jax.Array) -> tuple[Any, jax.Array, jax.Array]:
-        """As `step` of SocialJax's MultiAgentEnv: both the next state and a fresh one are computed, and one of them is selected."""
-        key, again = jax.random.split(key)
-        observed, state, reward, done, _ = env.step_env(key, state, actions)
-        first, fresh = env.reset(again)
-        state, observed = jax.tree_util.tree_map(
+        """As `step` of SocialJax's MultiAgentEnv: both the next state and a new one are computed, and one of them is selected."""
+        key, reset_key = jax.random.split(key)
+        observation, state, reward, done, _ = env.step_env(key, state, actions)
+        first_observation, new_state = env.reset(reset_key)
+        state, observation = jax.tree_util.tree_map(
             lambda new, old: jax.lax.select(
                 done["__all__"], jnp.asarray(new, jnp.result_type(old)), jnp.asarray(old)
             ),
-            (fresh, first),
-            (state, observed),
+            (new_state, first_observation),
+            (state, observation),
         )
-        return state, reward, observed
+        return state, reward, observation
 
     return step
 
 
-def loop(env: Any, num_envs: int, num_steps: int) -> Any:
-    """Returns a function of a key that plays `steps` steps in each environment and sums the results."""
-    step = stepping(env)
+def make_loop(env: Any, num_envs: int, num_steps: int) -> Any:
+    """Returns a function of a key that plays `num_steps` steps in each environment; its result is the sum of all rewards and last observations."""
+    step = make_step(env)
 
     def run(key: jax.Array) -> jax.Array:
-        first, key = jax.random.split(key)
-        observed, states = jax.vmap(env.reset)(jax.random.split(first, num_envs))
+        reset_key, key = jax.random.split(key)
+        observations, states = jax.vmap(env.reset)(jax.random.split(reset_key, num_envs))
         states = jax.tree_util.tree_map(jnp.asarray, states)
 
         def body(carry: Any, key: jax.Array) -> tuple[Any, None]:
             states, total, _ = carry
-            acting, stepping = jax.random.split(key)
-            actions = jax.random.randint(acting, (num_envs, env.num_agents), 0, env.num_actions)
-            states, rewards, observed = jax.vmap(step)(
-                jax.random.split(stepping, num_envs), states, actions
-            )
-            return (states, total + jnp.sum(jnp.asarray(rewards, jnp.float32)), observed), None
+            action_key, step_key = jax.random.split(key)
+            actions = jax.random.randint(action_key, (num_envs, env.num_agents), 0, env.num_actions)
+            keys = jax.random.split(step_key, num_envs)
+            states, rewards, observations = jax.vmap(step)(keys, states, actions)
+            total += jnp.sum(jnp.asarray(rewards, jnp.float32))
+            return (states, total, observations), None
 
-        (_, total, last), _ = jax.lax.scan(
-            body, (states, jnp.float32(0), observed), jax.random.split(key, num_steps)
-        )
+        start = (states, jnp.float32(0), observations)
+        (_, total, last), _ = jax.lax.scan(body, start, jax.random.split(key, num_steps))
         return total + jnp.sum(jnp.asarray(last, jnp.float32))
 
     return run

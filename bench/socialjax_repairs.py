@@ -15,7 +15,7 @@ from pathlib import Path
 import jax
 
 from bench.socialjax_games import BRIDGES, Figures
-from bench.socialjax_rules import heading, play_suite, print_rows, trained_policy
+from bench.socialjax_rules import play_suite, print_heading, print_rows, trained_policy
 
 FILES = {
     "clean_up": "cleanup/clean_up.py",
@@ -52,20 +52,21 @@ def main() -> None:
     add("--episodes", type=int, default=48, help="with and without each repair")
     add("--seed", type=int, default=1)
     asked = parser.parse_args()
-    heading("suite", "repaired")
+    print_heading("suite", "repaired")
     for game in asked.games:
-        before = played(asked.checkout, game, asked.episodes, asked.seed)
+        before = play_trained(asked.checkout, game, asked.episodes, asked.seed)
         for name in asked.repairs:
             changes, games = REPAIRS[name]
             if game in games:
                 with tempfile.TemporaryDirectory() as folder:
-                    copy = repaired(asked.checkout, Path(folder) / "suite", FILES[game], changes)
-                    after = played(copy, game, asked.episodes, asked.seed + 1)
+                    copy = Path(folder) / "suite"
+                    copy_repaired(asked.checkout, copy, FILES[game], changes)
+                    after = play_trained(copy, game, asked.episodes, asked.seed + 1)
                 print_rows(f"`{game}`, {name}", before, after)
 
 
-def repaired(checkout: Path, copy: Path, file: str, changes: list[Change]) -> Path:
-    """Returns the folder of a copy of a checkout with these changes in one file of its games.
+def copy_repaired(checkout: Path, copy: Path, file: str, changes: list[Change]) -> None:
+    """Copies a checkout, with these changes in one file of its games.
 
     Raises:
       ValueError: the file hasn't the text of a change.
@@ -79,13 +80,13 @@ def repaired(checkout: Path, copy: Path, file: str, changes: list[Change]) -> Pa
             raise ValueError(f"{path} has no text `{old}`; check out commit 9df972d")
         path.write_text(text.replace(old, new))
         movement.write_text(movement.read_text().replace(f"dir_{old}", f"dir_{new}"))
-    return copy
 
 
-def played(checkout: Path, game: str, episodes: int, seed: int) -> Figures:
+def play_trained(checkout: Path, game: str, episodes: int, seed: int) -> Figures:
     """Returns the figures of episodes of the game's trained policy in the suite's code, `[E]`."""
-    for name in [name for name in sys.modules if name.startswith("socialjax.")]:
-        del sys.modules[name]
+    for name in list(sys.modules):  # of another copy of the suite
+        if name.startswith("socialjax."):
+            del sys.modules[name]
     bridge = BRIDGES[game](checkout)
     policy = trained_policy(checkout / "checkpoints" / bridge.checkpoint)
     return play_suite(bridge, policy, episodes, jax.random.key(seed), stepwise=False)[0]

@@ -14,6 +14,7 @@ import math
 import pickle
 import statistics
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,7 @@ def main() -> None:
     asked = parser.parse_args()
     key = jax.random.key(asked.seed)
     another = jax.random.fold_in(key, 1)
-    heading("suite", "ours")
+    print_heading("suite", "ours")
     for name in asked.ids:
         original, agents, steps = ORIGINALS[name]
         game = suite_game(asked.checkout, original, steps, num_agents=agents)
@@ -54,7 +55,7 @@ def main() -> None:
         ours = play_at_random(adapter, actions, steps, asked.random_episodes, another)
         print_rows(f"`{name}`, random", theirs, ours)
     print()
-    heading("suite", "ours")
+    print_heading("suite", "ours")
     for name in asked.games:
         bridge = BRIDGES[name](asked.checkout)
         policies = {"random": (random_policy(bridge), asked.random_episodes)}
@@ -62,16 +63,16 @@ def main() -> None:
             file = asked.checkout / "checkpoints" / bridge.checkpoint
             policies["trained"] = (trained_policy(file), asked.episodes)
         for kind, (policy, episodes) in policies.items():
-            theirs, apart = play_suite(bridge, policy, episodes, key, bridge.stepwise)
+            theirs, differences = play_suite(bridge, policy, episodes, key, bridge.stepwise)
             ours = play_ours(bridge, policy, episodes, another)
             print_rows(f"`{name}`, {kind}", theirs, ours)
-            for what, count in apart.items():
+            for difference, count in differences.items():
                 share = f"{float(count):.0f} of {episodes * (STEPS - 1):,}"
-                print(f"| `{name}`, {kind} | {what} | | | {share} |", flush=True)
+                print(f"| `{name}`, {kind} | {difference} | | | {share} |", flush=True)
 
 
-def heading(one: str, other: str) -> None:
-    """Prints the head of a table of two codes."""
+def print_heading(one: str, other: str) -> None:
+    """Prints the head of a table that compares two columns."""
     print(
         f"| game, policy | what | {one} | {other} | difference |\n| --- | --- | --: | --: | --: |"
     )
@@ -80,19 +81,19 @@ def heading(one: str, other: str) -> None:
 def print_rows(first: str, one: Figures, other: Figures) -> None:
     """Prints the means of two sets of episodes with their 95 % intervals, and the differences; figures are `[E]`."""
     for figure in one:
-        before, after = one[figure].tolist(), other[figure].tolist()
-        difference = statistics.fmean(after) - statistics.fmean(before)
-        width = math.hypot(half(before), half(after))
-        means = f"{mean(before)} | {mean(after)}"
+        values, other_values = one[figure].tolist(), other[figure].tolist()
+        difference = statistics.fmean(other_values) - statistics.fmean(values)
+        width = math.hypot(half_width(values), half_width(other_values))
+        means = f"{mean_text(values)} | {mean_text(other_values)}"
         print(f"| {first} | {figure} | {means} | {difference:+.1f} ± {width:.1f} |", flush=True)
 
 
-def mean(values: list[float]) -> str:
-    """Returns a mean with its 95 % interval."""
-    return f"{statistics.fmean(values):.1f} ± {half(values):.1f}"
+def mean_text(values: list[float]) -> str:
+    """Returns a mean with its 95 % interval: `1.5 ± 0.2`."""
+    return f"{statistics.fmean(values):.1f} ± {half_width(values):.1f}"
 
 
-def half(values: list[float]) -> float:
+def half_width(values: list[float]) -> float:
     """Returns half the width of the 95 % interval of a mean."""
     return Z_95 * statistics.stdev(values) / math.sqrt(len(values))
 
@@ -126,64 +127,64 @@ def trained_policy(file: Path) -> Policy:
 
 
 def play_at_random(env: Any, actions: int, steps: int, episodes: int, key: Array) -> Figures:
-    """Returns the return and the sums of the infos of each episode of random play, over the agents."""
+    """Returns the return and the sums of the infos of each episode of random play, over the agents, `[E]` each."""
 
     def figures(rewards: Array, infos: Figures) -> Figures:
-        shown = {name: infos[name] for name in infos if not name.endswith("_rewards")}
-        rows = {"return": rewards, **shown}
-        return {name: jnp.reshape(row, (episodes, -1)).sum(axis=1) for name, row in rows.items()}
+        values = {"return": rewards}
+        values |= {name: infos[name] for name in infos if not name.endswith("_rewards")}
+        return {name: jnp.reshape(value, (episodes, -1)).sum(1) for name, value in values.items()}
 
     def body(carry: Any, key: Array) -> tuple[Any, Figures]:
-        states, over = carry
-        acting, stepping = jax.random.split(key)
-        chosen = jax.random.randint(acting, (episodes, env.num_agents), 0, actions)
-        keys = jax.random.split(stepping, episodes)
+        states, is_over = carry
+        action_key, step_key = jax.random.split(key)
+        chosen = jax.random.randint(action_key, (episodes, env.num_agents), 0, actions)
+        keys = jax.random.split(step_key, episodes)
         _, states, rewards, done, infos = jax.vmap(env.step_env)(keys, states, chosen)
-        row = {name: jnp.where(over, 0, value) for name, value in figures(rewards, infos).items()}
-        return (states, over | done["__all__"]), row
+        counted = {
+            name: jnp.where(is_over, 0, value) for name, value in figures(rewards, infos).items()
+        }
+        return (states, is_over | done["__all__"]), counted
 
-    @jax.jit
-    def run(key: Array) -> Figures:
-        first, key = jax.random.split(key)
-        _, states = jax.vmap(env.reset)(jax.random.split(first, episodes))
-        start = (states, jnp.zeros(episodes, bool))
-        _, rows = jax.lax.scan(body, start, jax.random.split(key, steps - 1))
-        return jax.tree.map(lambda each: each.sum(axis=0), rows)
+    reset_key, key = jax.random.split(key)
+    _, states = jax.vmap(env.reset)(jax.random.split(reset_key, episodes))
+    return sum_over_steps(body, (states, jnp.zeros(episodes, bool)), key, steps)
 
-    return run(key)
+
+@partial(jax.jit, static_argnums=(0, 3))
+def sum_over_steps(
+    body: Callable[[Any, Array], tuple[Any, Any]], start: Any, key: Array, steps: int
+) -> Any:
+    """Returns the sums of what each step but the last of an episode gives. body: as of `scan`."""
+    _, by_step = jax.lax.scan(body, start, jax.random.split(key, steps - 1))
+    return jax.tree.map(lambda values: values.sum(axis=0), by_step)
 
 
 def play_suite(
     bridge: Bridge, policy: Policy, episodes: int, key: Array, stepwise: bool
 ) -> tuple[Figures, Figures]:
-    """Returns the figures of each episode in the suite, `[E]`.
+    """Returns the figures of each episode in the suite, `[E]`, and differences: scalars.
 
-    With `stepwise`, also in how many of all its steps ours differ from the same state.
+    differences: with `stepwise`, in how many steps ours, from the same state, differs in which way; else none.
     """
 
     def body(carry: Any, key: Array) -> tuple[Any, tuple[Figures, Figures]]:
-        seen, states = carry
-        acting, stepping = jax.random.split(key)
-        actions = policy(acting, seen)
-        keys = jax.random.split(stepping, episodes)
-        seen, after, rewards, _, _ = jax.vmap(bridge.suite.step_env)(keys, states, actions)
+        observations, states = carry
+        action_key, step_key = jax.random.split(key)
+        actions = policy(action_key, observations)
+        keys = jax.random.split(step_key, episodes)
+        observations, after, rewards, _, _ = jax.vmap(bridge.suite.step_env)(keys, states, actions)
         totals = jax.vmap(bridge.suite_return)(rewards)
         figures = jax.vmap(bridge.figures)(after, totals, actions)
-        apart: Figures = {}
+        differences: Figures = {}
         if stepwise:
             ours = jax.vmap(bridge.step_from)(keys, states, actions)
-            apart = jax.vmap(bridge.differences)(states, actions, after, ours)
-        return (seen, after), (figures, apart)
+            differences = jax.vmap(bridge.differences)(states, actions, after, ours)
+        return (observations, after), (figures, differences)
 
-    @jax.jit
-    def run(key: Array) -> tuple[Figures, Figures]:
-        first, key = jax.random.split(key)
-        start = jax.vmap(bridge.suite.reset)(jax.random.split(first, episodes))
-        _, (figures, apart) = jax.lax.scan(body, start, jax.random.split(key, STEPS - 1))
-        sums = jax.tree.map(lambda each: each.sum(axis=0), figures)
-        return sums, jax.tree.map(lambda each: each.sum(), apart)
-
-    return run(key)
+    reset_key, key = jax.random.split(key)
+    start = jax.vmap(bridge.suite.reset)(jax.random.split(reset_key, episodes))
+    figures, differences = sum_over_steps(body, start, key, STEPS)
+    return figures, jax.tree.map(jnp.sum, differences)
 
 
 def play_ours(bridge: Bridge, policy: Policy, episodes: int, key: Array) -> Figures:
@@ -191,21 +192,15 @@ def play_ours(bridge: Bridge, policy: Policy, episodes: int, key: Array) -> Figu
 
     def body(carry: Any, key: Array) -> tuple[Any, Figures]:
         states, shown = carry
-        acting, stepping = jax.random.split(key)
-        actions = policy(acting, jax.vmap(bridge.see)(shown))
-        keys = jax.random.split(stepping, episodes)
+        action_key, step_key = jax.random.split(key)
+        actions = policy(action_key, jax.vmap(bridge.see)(shown))
+        keys = jax.random.split(step_key, episodes)
         states, shown, figures = jax.vmap(bridge.step)(keys, states, shown, actions)
         return (states, shown), figures
 
-    @jax.jit
-    def run(key: Array) -> Figures:
-        first, key = jax.random.split(key)
-        _, states = jax.vmap(bridge.ours.reset)(jax.random.split(first, episodes))
-        start = (states, jax.vmap(bridge.begin)(states))
-        _, rows = jax.lax.scan(body, start, jax.random.split(key, STEPS - 1))
-        return jax.tree.map(lambda each: each.sum(axis=0), rows)
-
-    return run(key)
+    reset_key, key = jax.random.split(key)
+    _, states = jax.vmap(bridge.ours.reset)(jax.random.split(reset_key, episodes))
+    return sum_over_steps(body, (states, jax.vmap(bridge.begin)(states)), key, STEPS)
 
 
 if __name__ == "__main__":

@@ -15,8 +15,9 @@ from sjdsl.runtime.planes import TokenPlane
 class Environment(Protocol):
     """One environment of N agents, not batched: trainers `vmap` it.
 
-    It may also have `state_vector(state)`, `episode_length`, `with_params(params)` (the same
-    environment with other numbers), and `allowed_actions(state)`: `[N, A]` bool, which actions each
+    It may also have `state_vector(state)`, `episode_length`, `num_trials` (then the info of a step
+    has `trial`, the number of its trial), `with_params(params)` (the same environment with other
+    numbers), and `allowed_actions(state)`: `[N, A]` bool, which actions each
     agent may take. Without the last, or if `forbids_actions` is false, all actions are always
     allowed.
     """
@@ -81,6 +82,11 @@ class ObservableEnvironment(Environment, Protocol):
 def episode_length(env: Environment) -> int:
     """Returns the most steps of an episode; 0 if the environment doesn't say."""
     return int(getattr(env, "episode_length", 0))
+
+
+def num_trials(env: Environment) -> int:
+    """Returns the trials of an episode; 1 if the environment doesn't say."""
+    return int(getattr(env, "num_trials", 1))
 
 
 def reset_shapes(env: Environment) -> tuple[Any, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from sjdsl.cli.play import interpreted
+from sjdsl.cli.play import play_interpreted
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.syntax.read import read_source
@@ -80,7 +80,7 @@ def side_by_side(game: ir.Game, seed: int) -> Chosen:
 
 def played(game: ir.Game, steps: int = STEPS, seed: int = SEED) -> Iterator[Moment]:
     """Returns the moments of one episode, at most so many steps long."""
-    return interpreted(
+    return play_interpreted(
         game, default_params(game), seed, side_by_side(game, seed), repeat({}, steps)
     )
 

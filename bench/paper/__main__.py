@@ -23,12 +23,12 @@ from bench.paper.speeds import FILES, hours, read_speeds, speed
 from sjdsl.bench.markdown import replace_section
 from sjdsl.files import read_json, write_whole
 from sjdsl.results.loading import CURVES, RESULTS, load_both, write_frame
-from sjdsl.results.page import ENDINGS, FIGURES, Section, body_text, drawn, file_texts
+from sjdsl.results.page import ENDINGS, FIGURES, Section, body_text, draw_pictures, file_texts
 from sjdsl.results.refusals import ResultsWarning
 from sjdsl.results.sections import cross_play, learning_curves
 
 DATA, PAGE = Path("docs/results/data"), Path("docs/results.md")
-RANDOM = "return, summed over agents"  # the name of a figure in docs/games.json
+RETURN = "return, summed over agents"  # the name of a figure in docs/games.json
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -37,34 +37,29 @@ def main(arguments: Sequence[str]) -> int:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResultsWarning)
         data = read_data([Path(name) for name in arguments if name != "--check"])
-    _tell(
-        [
-            f"note: {warning.message}"
-            for warning in caught
-            if issubclass(warning.category, ResultsWarning)
-        ]
-    )  # about the named folders
-    sections = sections_of(data)
-    made = tuple(sections.values())
+    for warning in caught:  # about the named folders
+        if issubclass(warning.category, ResultsWarning):
+            print(f"note: {warning.message}", file=sys.stderr)
+    by_mark = sections_of(data)
+    sections = tuple(by_mark.values())
     texts = {f"{PAGE.stem}/data/{name}": write_frame(frame) for name, frame in data.items()}
-    texts |= {f"{PAGE.stem}/{name}": text for name, text in file_texts(made).items()}
-    texts[PAGE.name] = made_page(PAGE.read_text(encoding="utf-8"), sections)
+    texts |= {f"{PAGE.stem}/{name}": text for name, text in file_texts(sections).items()}
+    texts[PAGE.name] = fill_page(PAGE.read_text(encoding="utf-8"), by_mark)
     pictures = [
         f"{PAGE.stem}/{FIGURES}/{picture.name}.{ending}"
-        for section in made
+        for section in sections
         for picture in section.pictures
         for ending in ENDINGS
     ]
     if check:
-        return _tell(
-            [
-                *_other(texts),
-                *(f"{name}: missing" for name in pictures if not (PAGE.parent / name).is_file()),
-            ]
-        )
+        faults = _out_of_date(texts)
+        faults += [f"{name}: missing" for name in pictures if not (PAGE.parent / name).is_file()]
+        for fault in faults:
+            print(fault, file=sys.stderr)
+        return 1 if faults else 0
     for name, text in texts.items():
         write_whole(PAGE.parent / name, text)
-    for name, content in drawn(made).items():
+    for name, content in draw_pictures(sections).items():
         write_whole(PAGE.parent / PAGE.stem / name, content)
     kept = {*texts, *pictures}
     for path in (*DATA.parent.glob("tables/*"), *DATA.parent.glob(f"{FIGURES}/*")):
@@ -77,7 +72,7 @@ def read_data(sources: Sequence[Path]) -> dict[str, pd.DataFrame]:
     """Returns the tables of the data, with more sources added, by the name of their file."""
     files = [path for path in sources if path.suffix == ".json"]
     catalogues = [path for path in files if "sort" not in read_json(path)]
-    random = [row for path in catalogues for row in random_of(path)]
+    random = [row for path in catalogues for row in random_rows(path)]
     results, curves = load_both([DATA, *(path for path in sources if path not in files)], random)
     speeds = read_speeds(DATA, [path for path in files if path not in catalogues])
     return {
@@ -87,18 +82,22 @@ def read_data(sources: Sequence[Path]) -> dict[str, pd.DataFrame]:
     }
 
 
-def random_of(catalogue: Path) -> list[dict[str, Any]]:
-    """Returns the returns of a random policy in the bundled games, from docs/games.json."""
+def random_rows(catalogue: Path) -> list[dict[str, Any]]:
+    """Returns a row of results for a random policy in each bundled game, from docs/games.json."""
     rows = []
     for game, entry in read_json(catalogue).items():
-        figure = entry["values"][RANDOM]
-        found = {
-            "collective_return": figure["mean"],
-            "low": figure["low"],
-            "high": figure["high"],
-            "episodes": entry["episodes"],
-        }
-        rows.append({"record": "random", "game": game, "hash": entry["hash"], **found})
+        figure = entry["values"][RETURN]
+        rows.append(
+            {
+                "record": "random",
+                "game": game,
+                "hash": entry["hash"],
+                "collective_return": figure["mean"],
+                "low": figure["low"],
+                "high": figure["high"],
+                "episodes": entry["episodes"],
+            }
+        )
     return rows
 
 
@@ -123,27 +122,23 @@ def sections_of(data: dict[str, pd.DataFrame]) -> dict[str, Section]:
     }
 
 
-def made_page(page: str, sections: Mapping[str, Section]) -> str:
+def fill_page(page: str, sections: Mapping[str, Section]) -> str:
     """Returns the page with the sections between their marks."""
     for name, section in sections.items():
         page = replace_section(page, name, body_text(section, f"{PAGE.stem}/") + "\n")
     return page
 
 
-def _other(texts: dict[str, str]) -> list[str]:
-    """Returns the files that are out of date."""
-    paths = {name: PAGE.parent / name for name in texts}
-    return [
-        f"{path}: {'out of date' if path.is_file() else 'missing'}"
-        for name, path in paths.items()
-        if not path.is_file() or path.read_text(encoding="utf-8") != texts[name]
-    ]
-
-
-def _tell(lines: Sequence[str]) -> int:
-    for line in lines:
-        print(line, file=sys.stderr)
-    return int(bool(lines))
+def _out_of_date(texts: dict[str, str]) -> list[str]:
+    """Returns a line for each file that is missing or has another text."""
+    faults = []
+    for name, text in texts.items():
+        path = PAGE.parent / name
+        if not path.is_file():
+            faults.append(f"{path}: missing")
+        elif path.read_text(encoding="utf-8") != text:
+            faults.append(f"{path}: out of date")
+    return faults
 
 
 if __name__ == "__main__":

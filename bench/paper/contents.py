@@ -11,17 +11,17 @@ import pandas as pd
 
 from bench.paper import published
 from sjdsl.results.bundled import numbers_now, rules_now
-from sjdsl.results.figures import Cell
-from sjdsl.results.selecting import SHARED, Setting, cell_of, games, seeds_of, select
+from sjdsl.results.figures import Result
+from sjdsl.results.selecting import SHARED, Setting, games, result_of, seeds_of, select
 
-# Ways of training, by the columns that define them.
-Way = Mapping[str, Any]
-IPPO: Way = {"algorithm": "ippo", "sharing": SHARED}
-INDIVIDUAL: Way = {**IPPO, "reward": "individual"}
-COMMON: Way = {**IPPO, "reward": "common"}
-MAPPO: Way = {"algorithm": "mappo", "sharing": SHARED, "reward": "common"}
-VDN: Way = {"algorithm": "vdn"}
-SVO: Way = {**IPPO, "reward": "svo"}
+# A way of training: the values that columns of the results have for its seeds.
+Method = Mapping[str, Any]
+IPPO: Method = {"algorithm": "ippo", "sharing": SHARED}
+INDIVIDUAL: Method = {**IPPO, "reward": "individual"}
+COMMON: Method = {**IPPO, "reward": "common"}
+MAPPO: Method = {"algorithm": "mappo", "sharing": SHARED, "reward": "common"}
+VDN: Method = {"algorithm": "vdn"}
+SVO: Method = {**IPPO, "reward": "svo"}
 RATIOS = (0.0, 0.25, 0.5, 0.75, 1.0)
 PROSOCIAL = 90.0  # degrees, at which weights of SVO are compared
 
@@ -44,93 +44,91 @@ class Game:
         """The name under which the paper has figures for it; empty unless it has the paper's rules,
         numbers and map.
         """
-        plain = self.setting is None or not (self.setting.params or self.setting.map)
-        return (
-            self.name
-            if plain
-            and self.name in published.suite()
-            and self.variant == published.variant(self.name)
-            else ""
-        )
+        if self.setting is not None and (self.setting.params or self.setting.map):
+            return ""
+        if self.name not in published.suite() or self.variant != published.variant(self.name):
+            return ""
+        return self.name
 
-    def cell(self, way: Way, figure: str = "collective_return") -> Cell | None:
-        """Returns the return of a way of training, or another figure; None if there is none."""
-        return cell_of(select(self.rows, **way), figure)
+    def result(self, method: Method, figure: str = "collective_return") -> Result | None:
+        """Returns the return of a way of training, or another figure; None without such seeds."""
+        return result_of(select(self.rows, **method), figure)
 
-    def like(self, way: str) -> "Game":
-        """Returns the game with only the seeds that had the numbers of one way of training, so that
-        they can be compared.
+    def with_numbers_of(self, name: str) -> "Game":
+        """Returns the game with only the seeds that can be compared with an algorithm or reward:
+        those with its numbers.
 
-        Args:
-          way: an algorithm or reward. The released configurations of some set other numbers; what
-            was trained with these is in `others`.
+        The released configurations of some algorithms and rewards set other numbers; what was
+        trained with these is in `others`.
         """
-        numbers = published.params(self.published, way, way)
+        numbers = published.params(self.published, name, name)
         if not numbers:
             return self
         same = [
             published.params(row.game, row.algorithm, row.reward) == numbers
             for row in self.rows.itertuples()
         ]
-        more = [_numbers(params) == numbers for params in self.others.params]
-        return replace(
-            self,
-            rows=pd.concat([self.rows[np.array(same, bool)], self.others[np.array(more, bool)]]),
-        )
+        same_others = [_read_numbers(params) == numbers for params in self.others.params]
+        rows = [self.rows[np.array(same, bool)], self.others[np.array(same_others, bool)]]
+        return replace(self, rows=pd.concat(rows))
 
     @property
-    def by_weight(self) -> dict[float, Cell]:
-        """The cells of SVO at 90 degrees by weight."""
-        return _cells(select(self.rows, **SVO, svo_angle=PROSOCIAL), "svo_weight")
+    def by_weight(self) -> dict[float, Result]:
+        """The results of SVO at 90 degrees by weight."""
+        return _results_by(select(self.rows, **SVO, svo_angle=PROSOCIAL), "svo_weight")
 
     @property
-    def by_angle(self) -> tuple[float, dict[float, Cell]]:
-        """The SVO weight with the most angles, and its cells by angle."""
+    def by_angle(self) -> tuple[float, dict[float, Result]]:
+        """The SVO weight with the most angles, and its results by angle; 0 and none without SVO."""
         rows = select(self.rows, **SVO)
         rows = rows[rows.svo_angle.notna()]
         if rows.empty:
             return 0.0, {}
         angles = rows.groupby("svo_weight").svo_angle.nunique()
         weight = max(angles.index, key=lambda weight: (angles[weight], weight))
-        return float(weight), _cells(rows[rows.svo_weight == weight], "svo_angle")
+        return float(weight), _results_by(rows[rows.svo_weight == weight], "svo_angle")
 
     @property
-    def at_chosen_weight(self) -> tuple[float, Cell | None]:
-        """The SVO weight that earns most at 90 degrees, and its cell."""
-        cells = self.by_weight
-        earned = {
-            weight: cell.estimate.mean
-            for weight, cell in cells.items()
-            if cell.estimate is not None
+    def at_chosen_weight(self) -> tuple[float, Result | None]:
+        """The SVO weight that earns most at 90 degrees, and its result.
+
+        Without any mean: weight 0, and its failed result or None.
+        """
+        results = self.by_weight
+        means = {
+            weight: result.estimate.mean
+            for weight, result in results.items()
+            if result.estimate is not None
         }
-        weight = max(earned, key=lambda weight: earned[weight], default=0.0)
-        return weight, cells.get(weight)
+        weight = max(means, key=lambda weight: means[weight], default=0.0)
+        return weight, results.get(weight)
 
     @property
-    def by_ratio(self) -> dict[float, Cell]:
-        """The cells of exchanged rewards by ratio, all with the same numbers."""
-        same, others = (
-            self.like("exchange"),
-            self.rows[self.rows.reward == "exchange"].exchange_ratio.dropna(),
-        )
-        cells = {
-            ratio: same.cell(exchanged(ratio)) for ratio in sorted({*RATIOS, *map(float, others)})
-        }
-        return {ratio: cell for ratio, cell in cells.items() if cell is not None}
+    def by_ratio(self) -> dict[float, Result]:
+        """The results of exchanged rewards by ratio, all with the same numbers."""
+        same = self.with_numbers_of("exchange")
+        trained = self.rows[self.rows.reward == "exchange"].exchange_ratio.dropna()
+        results = {}
+        for ratio in sorted({*RATIOS, *map(float, trained)}):
+            result = same.result(exchanged(ratio))
+            if result is not None:
+                results[ratio] = result
+        return results
 
 
-def _cells(rows: pd.DataFrame, column: str) -> dict[float, Cell]:
-    cells = {float(value): cell_of(own) for value, own in rows.groupby(column)}
-    return {value: cell for value, cell in cells.items() if cell is not None}
+def _results_by(rows: pd.DataFrame, column: str) -> dict[float, Result]:
+    """Returns the result of the seeds with each value of a column, where they have one."""
+    results = {float(value): result_of(seeds) for value, seeds in rows.groupby(column)}
+    return {value: result for value, result in results.items() if result is not None}
 
 
-def exchanged(ratio: float) -> Way:
-    """Returns IPPO with exchanged rewards; 0 is individual and 1 common reward, as the protocol
-    `exchange` has them.
-    """
-    return {0.0: INDIVIDUAL, 1.0: COMMON}.get(
-        ratio, {**IPPO, "reward": "exchange", "exchange_ratio": ratio}
-    )
+def exchanged(ratio: float) -> Method:
+    """Returns IPPO with exchanged rewards: 0 is individual and 1 common reward."""
+    if ratio == 0:
+        return INDIVIDUAL
+    if ratio == 1:
+        return COMMON
+    return {**IPPO, "reward": "exchange", "exchange_ratio": ratio}
 
 
 def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
@@ -142,26 +140,24 @@ def under_the_papers_rules(frame: pd.DataFrame) -> pd.DataFrame:
     had instead.
     """
     frame = frame.copy()
-    for place, row in frame.iterrows():
-        theirs = published.variant(row.game)
-        if row.record == "seed" and row.variant == theirs:
-            wanted = published.params(row.game, row.algorithm, row.reward)
-            if _numbers(row.params) == wanted:
-                frame.loc[place, "params"] = ""
+    for index, row in frame.iterrows():
+        variant = published.variant(row.game)
+        if row.record == "seed" and row.variant == variant:
+            released = published.params(row.game, row.algorithm, row.reward)
+            if _read_numbers(row.params) == released:
+                frame.loc[index, "params"] = ""
             elif not row.params:
-                now = numbers_now(row.game, theirs)
-                frame.loc[place, "params"] = " ".join(
-                    f"{name}={now[name]:g}" for name in sorted(wanted)
-                )
-        elif (
-            row.record in ("diagram", "mixture")
-            and row.hash == (rules_now(row.game, theirs) or ("",))[0]
-        ):
-            frame.loc[place, "variant"] = theirs
+                usual = numbers_now(row.game, variant)
+                numbers = [f"{name}={usual[name]:g}" for name in sorted(released)]
+                frame.loc[index, "params"] = " ".join(numbers)
+        elif row.record in ("diagram", "mixture"):
+            rules = rules_now(row.game, variant)
+            if rules is not None and row.hash == rules[0]:
+                frame.loc[index, "variant"] = variant
     return frame
 
 
-def _numbers(params: str) -> dict[str, float] | None:
+def _read_numbers(params: str) -> dict[str, float] | None:
     """Returns the numbers of `a=1 b=2e-3` by name; None if a value isn't a number."""
     try:
         return {
@@ -173,31 +169,23 @@ def _numbers(params: str) -> dict[str, float] | None:
 
 def games_of(frame: pd.DataFrame) -> list[Game]:
     """Returns the trained games and those of the paper, in its order, then others by name."""
-    found = []
+    all_games = []
     for setting, rows in games(frame):
         same = {name: value for name, value in setting._asdict().items() if name != "params"}
-        others = select(seeds_of(frame), **same)
-        found.append(
-            Game(
-                setting.game,
-                setting.label,
-                setting.variant,
-                setting,
-                rows,
-                others[others.params != setting.params],
-            )
-        )
-    there = {game.published for game in found}
-    none = frame.iloc[:0]
-    wanted = {name: published.variant(name) for name in published.suite() if name not in there}
-    found += [
-        Game(name, f"{name}, variant {variant}", variant, None, none, none)
-        for name, variant in wanted.items()
-    ]
-    return sorted(found, key=lambda game: (in_order(game.name), game.label))
+        with_any_numbers = select(seeds_of(frame), **same)
+        others = with_any_numbers[with_any_numbers.params != setting.params]
+        all_games.append(Game(setting.game, setting.label, setting.variant, setting, rows, others))
+    trained = {game.published for game in all_games}
+    no_rows = frame.iloc[:0]
+    for name in published.suite():
+        if name not in trained:
+            variant = published.variant(name)
+            label = f"{name}, variant {variant}"
+            all_games.append(Game(name, label, variant, None, no_rows, no_rows))
+    return sorted(all_games, key=lambda game: (sort_key(game.name), game.label))
 
 
-def in_order(name: str) -> tuple[int, str]:
+def sort_key(name: str) -> tuple[int, str]:
     """Returns the sort key of a game: those of the paper in its order, then others by name."""
     suite = published.suite()
     return suite.index(name) if name in suite else len(suite), name

@@ -19,11 +19,9 @@ def chosen_ratio(means: Mapping[float, float]) -> float | None:
     above 0, or nothing is given.
     """
     best = max(means.values(), default=0.0)
-    return (
-        min((ratio for ratio, mean in means.items() if mean >= SHARE * best), default=None)
-        if best > 0
-        else None
-    )
+    if best <= 0:
+        return None
+    return min(ratio for ratio, mean in means.items() if mean >= SHARE * best)
 
 
 def choice_frequencies(
@@ -48,7 +46,8 @@ def choice_frequencies(
     table = np.stack(means)  # [ratios, resamples]
     best = table.max(axis=0)
     first = (table >= SHARE * best).argmax(axis=0)
-    counts = np.bincount(np.where(best > 0, first, len(ratios)), minlength=len(ratios) + 1)
+    chosen = np.where(best > 0, first, len(ratios))  # one past the last ratio: none
+    counts = np.bincount(chosen, minlength=len(ratios) + 1)
     return {
         ratio: float(count / resamples)
         for ratio, count in zip([*ratios, None], counts, strict=True)

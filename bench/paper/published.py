@@ -30,19 +30,18 @@ class Printed:
 
 @dataclass(frozen=True)
 class PaperMetric:
-    """The paper's measure of cooperation in a game: a figure of an evaluation on its scale, and
-    what the paper has of it.
-    """
+    """The paper's measure of cooperation in a game, and its published values."""
 
     measure: str  # name of the figure in an evaluation
-    scale: float
+    scale: float  # by which that figure is multiplied
     per_agent: bool  # divided by the number of agents
-    what: str
+    what: str  # what it measures, in words
     printed: Mapping[str, Printed]  # by column
 
 
 @cache
 def _content() -> dict[str, Any]:
+    """Returns all tables of the file."""
     return tomllib.loads((games_folder() / "published.toml").read_text(encoding="utf-8"))
 
 
@@ -61,8 +60,11 @@ def params(game: str, algorithm: str, reward: str) -> Mapping[str, float]:
     """Returns the numbers that the released configuration of an algorithm or reward sets in a game,
     by name; empty where it sets none.
     """
-    entry: dict[str, Any] = _content()["rules"]["apart"].get(game, {"ways": ()})
-    return entry["params"] if {algorithm, reward} & {*entry["ways"]} else {}
+    entry: dict[str, Any] | None = _content()["rules"]["apart"].get(game)
+    if entry is None:
+        return {}
+    is_set = algorithm in entry["ways"] or reward in entry["ways"]
+    return entry["params"] if is_set else {}
 
 
 def shape(game: str) -> dict[str, str]:
@@ -78,24 +80,26 @@ def exchange(game: str) -> dict[float, Printed]:
     """
     table = _content()["exchange"]
     entry = table["games"].get(game)
-    return (
-        {}
-        if entry is None
-        else {
-            ratio: Printed(*pair)
-            for ratio, pair in zip(table["ratios"], entry["returns"], strict=True)
-        }
-    )
+    if entry is None:
+        return {}
+    return {
+        ratio: Printed(mean, deviation)
+        for ratio, (mean, deviation) in zip(table["ratios"], entry["returns"], strict=True)
+    }
 
 
 def exchange_chosen(game: str) -> float | None:
-    """Returns the ratio that is printed in bold."""
+    """Returns the exchange ratio that the paper chooses (printed in bold); None for a game that is
+    not of the paper.
+    """
     entry = _content()["exchange"]["games"].get(game)
     return None if entry is None else float(entry["chosen"])
 
 
 def svo(game: str) -> dict[float, Printed]:
-    """Returns the published returns by SVO angle in degrees, summed over agents."""
+    """Returns the published returns by SVO angle in degrees, summed over agents; empty for a game
+    without them.
+    """
     table = _content()["svo"]
     entry = table["games"].get(game)
     if entry is None:
@@ -138,8 +142,8 @@ def difficulty(game: str) -> str:
 
 
 def speed(game: str, crowd: bool) -> dict[int, float]:
-    """Returns the published environment steps a second by number of environments; `crowd`: with 20
-    agents.
+    """Returns the published environment steps a second by number of environments; empty for a game
+    without them. crowd: with 20 agents.
     """
     table = _content()["speed"]
     rates = table["games"].get(game, {}).get("crowd" if crowd else "rates")
@@ -147,13 +151,14 @@ def speed(game: str, crowd: bool) -> dict[int, float]:
 
 
 def hours(game: str) -> float | None:
-    """Returns the published hours to 1e9 environment steps."""
+    """Returns the published hours to 1e9 environment steps; None for a game without them."""
     entry = _content()["training"]["games"].get(game)
     return None if entry is None else float(entry["hours"])
 
 
 def melting_pot_speed(game: str) -> float | None:
-    """Returns the published environment steps a second of Melting Pot, one environment."""
+    """Returns the published environment steps a second of Melting Pot, one environment; None for a
+    game without them."""
     rate = _content()["speed"]["games"].get(game, {}).get("one_melting_pot")
     return None if rate is None else float(rate)
 
@@ -167,7 +172,7 @@ def melting_pot_hours(game: str) -> dict[str, float]:
         "melting_pot_stable_baselines3": "Melting Pot with Stable-Baselines3",
         "melting_pot_rllib": "Melting Pot with RLlib",
     }
-    return {said: float(entry[name]) for name, said in names.items() if name in entry}
+    return {words: float(entry[name]) for name, words in names.items() if name in entry}
 
 
 def best_return(game: str) -> float | None:

@@ -18,23 +18,23 @@ from bench.paper.contents import (
     SVO,
     VDN,
     Game,
-    Way,
+    Method,
     exchanged,
-    in_order,
+    sort_key,
 )
 from bench.paper.ninety_five_percent_rule import RESAMPLES, choice_frequencies, chosen_ratio
 from bench.paper.published import PaperMetric, Printed
-from bench.paper.small_multiples import Series, draw_series, panel_of
+from bench.paper.small_multiples import Multiple, Series, draw_series
 from sjdsl.results import sections
 from sjdsl.results.figures import (
     EMPTY,
-    Cell,
     Figure,
+    Result,
     Table,
+    differing_settings,
     interval,
     number,
-    of_cell,
-    unlike_settings,
+    result_figure,
 )
 from sjdsl.results.page import Picture, Section
 from sjdsl.results.sections import (
@@ -42,10 +42,10 @@ from sjdsl.results.sections import (
     compared_table,
     diagram_rows,
     of_record,
-    scored,
+    score_results,
     section_over_games,
 )
-from sjdsl.results.selecting import APART, SHARED, cell_of, in_words, select, setting_of
+from sjdsl.results.selecting import APART, SHARED, in_words, result_of, select, setting_of
 from sjdsl.results.statistics import compare
 
 TRAINED = "training seed"  # the sampling unit of diagrams of trained pools
@@ -70,40 +70,40 @@ class Compared:
 
     name: str
     reward: str
-    ours: Callable[[Game], Cell | None]
+    ours: Callable[[Game], Result | None]
     theirs: Callable[[str], Printed | None]
 
 
-def _exchange(ratio: float, name: str) -> Compared:
+def _with_ratio(ratio: float, name: str) -> Compared:
+    """Returns the rewards of agents that exchange this share of theirs, ours and the paper's."""
     return Compared(
-        name,
-        str(exchanged(ratio)["reward"]),
-        lambda game: game.cell(exchanged(ratio)),
-        lambda game: published.exchange(game).get(ratio),
+        name=name,
+        reward=str(exchanged(ratio)["reward"]),
+        ours=lambda game: game.result(exchanged(ratio)),
+        theirs=lambda game: published.exchange(game).get(ratio),
     )
 
 
-def _angle(angle: float) -> Compared:
+def _with_angle(angle: float) -> Compared:
+    """Returns the rewards of agents with this angle of social value orientation, ours and the paper's."""
     return Compared(
-        f"SVO {angle:g}°",
-        "svo",
-        lambda game: game.by_angle[1].get(angle),
-        lambda game: published.svo(game).get(angle),
+        name=f"SVO {angle:g}°",
+        reward="svo",
+        ours=lambda game: game.by_angle[1].get(angle),
+        theirs=lambda game: published.svo(game).get(angle),
     )
 
 
-AT_NINETY = replace(_angle(PROSOCIAL), ours=lambda game: game.at_chosen_weight[1])
-OWN, ALL, HALF = (
-    _exchange(0.0, "individual reward"),
-    _exchange(1.0, "common reward"),
-    _exchange(0.5, "exchange 0.5"),
-)
-PAIRS = (
+AT_NINETY = replace(_with_angle(PROSOCIAL), ours=lambda game: game.at_chosen_weight[1])
+OWN = _with_ratio(0.0, "individual reward")
+ALL = _with_ratio(1.0, "common reward")
+HALF = _with_ratio(0.5, "exchange 0.5")
+PAIRS = (  # the first is claimed to earn more than the second
     (ALL, OWN),
     (HALF, OWN),
     (HALF, ALL),
     (AT_NINETY, OWN),
-    (_angle(67.5), OWN),
+    (_with_angle(67.5), OWN),
     (AT_NINETY, ALL),
 )
 
@@ -152,14 +152,14 @@ def _order(
         if first is None or second is None:
             continue
         margin = (first.deviation or 0) + (second.deviation or 0)
-        if not margin:
+        if not margin:  # the paper has no deviations of these
             margin = 0.05 * max(first.mean, second.mean)
         difference = first.mean - second.mean
         if abs(difference) > margin:
             signs[name] = 1 if difference > 0 else -1
     verdicts = {}
     for name, sign in signs.items():
-        game = suite[name].like(more.reward)
+        game = suite[name].with_numbers_of(more.reward)
         verdicts[name] = _order_verdict(more.ours(game), less.ours(game), sign)
     opposite = [name for name, sign in signs.items() if sign < 0]
     in_paper = f"in {len(signs) - len(opposite)} games"
@@ -168,7 +168,8 @@ def _order(
     return f"{more.name} earns more than {less.name}", in_paper, verdicts
 
 
-def _order_verdict(more: Cell | None, less: Cell | None, sign: int) -> str:
+def _order_verdict(more: Result | None, less: Result | None, sign: int) -> str:
+    """Returns the verdict on the claim that `more` earns more than `less`; sign -1: less."""
     if more is None or less is None or more.estimate is None or less.estimate is None:
         return UNKNOWN
     comparison = compare(less.values, more.values)
@@ -185,10 +186,10 @@ def _same_ratio(game: Game) -> str:
     """
     values = {}
     for ratio in RATIOS:
-        cell = game.by_ratio.get(ratio)
-        if cell is None or cell.estimate is None or len(cell.values) < 2:
+        result = game.by_ratio.get(ratio)
+        if result is None or result.estimate is None or len(result.values) < 2:
             return UNKNOWN
-        values[ratio] = cell.values
+        values[ratio] = result.values
     share = choice_frequencies(values).get(published.exchange_chosen(game.published), 0.0)
     if share >= 1 - SIGNIFICANT:
         return HOLDS
@@ -219,6 +220,7 @@ def _verdict(row: Any, shape: str = "") -> str:
 
 
 def _of_the_paper(row: pd.Series) -> bool:
+    """Returns whether an experiment had the paper's game, rules and numbers."""
     return bool(
         row.game in published.suite()
         and row.variant == published.variant(row.game)
@@ -232,8 +234,11 @@ def _converge_alike(game: Game) -> str:
 
     Individual reward counts if it was run both ways, else common reward; UNKNOWN if neither was.
     """
-    pairs = [(game.cell(way), game.cell({**way, "sharing": APART})) for way in (INDIVIDUAL, COMMON)]
-    first, second = next((pair for pair in pairs if None not in pair), (None, None))
+    first = second = None
+    for method in (INDIVIDUAL, COMMON):
+        if first is None or second is None:
+            first = game.result(method)
+            second = game.result({**method, "sharing": APART})
     if first is None or second is None or first.estimate is None or second.estimate is None:
         return UNKNOWN
     comparison = compare(first.values, second.values)
@@ -251,9 +256,9 @@ def _converge_alike(game: Game) -> str:
 def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     """Returns the section of IPPO with individual and with common reward."""
     random = {(row.game, row.hash): row for row in of_record(frame, "random")}
-    lines: list[tuple[tuple[str, ...], Cell | None, Cell | None]] = []
+    lines: list[tuple[tuple[str, ...], Result | None, Result | None]] = []
     for game in games:
-        own, common = game.cell(INDIVIDUAL), game.cell(COMMON)
+        own, common = game.result(INDIVIDUAL), game.result(COMMON)
         if own is None and common is None and not game.published:
             continue
         row = None
@@ -268,7 +273,7 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     )
     text = []
     for (label, *_), own, common in lines:
-        sentences = unlike_settings({"individual": own, "common": common}, OF_COMMON)
+        sentences = differing_settings({"individual": own, "common": common}, OF_COMMON)
         text += [f"* {label}: {sentence}" for sentence in sentences]
     return Section("Individual and common reward", tuple(text), (table,))
 
@@ -280,14 +285,15 @@ def sharing(games: Sequence[Game]) -> Section:
     lines = []
     for game in games:
         words = [in_words(row, sharing=False) for row in game.rows.itertuples()]
-        for way, of_way in game.rows.assign(way=words).groupby("way"):
-            shared, separate = (cell_of(select(of_way, sharing=kind)) for kind in (SHARED, APART))
+        for method, seeds in game.rows.assign(method=words).groupby("method"):
+            shared = result_of(select(seeds, sharing=SHARED))
+            separate = result_of(select(seeds, sharing=APART))
             if shared is not None and separate is not None:
-                lines.append(((game.label, way), shared, separate))
+                lines.append(((game.label, method), shared, separate))
     text = []
-    for (label, way), shared, separate in lines:
-        sentences = unlike_settings({"shared": shared, "separate": separate})
-        text += [f"* {label}, {way}: {sentence}" for sentence in sentences]
+    for (label, method), shared, separate in lines:
+        sentences = differing_settings({"shared": shared, "separate": separate})
+        text += [f"* {label}, {method}: {sentence}" for sentence in sentences]
     title = "Collective return with shared and with separate parameters"
     table = compared_table(
         "sharing", title, ("game", "way of training"), ("shared", "separate"), lines
@@ -298,9 +304,9 @@ def sharing(games: Sequence[Game]) -> Section:
 def mappo(games: Sequence[Game]) -> Section:
     """Returns the section of IPPO and MAPPO with common reward."""
     lines = [
-        ((game.label,), game.like("mappo").cell(COMMON), game.cell(MAPPO))
+        ((game.label,), game.with_numbers_of("mappo").result(COMMON), game.result(MAPPO))
         for game in games
-        if game.cell(MAPPO) is not None
+        if game.result(MAPPO) is not None
     ]
     table = compared_table(
         "mappo", "Collective return with common reward", ("game",), ("IPPO", "MAPPO"), lines
@@ -308,51 +314,52 @@ def mappo(games: Sequence[Game]) -> Section:
     return Section("IPPO and MAPPO", (), (table,) if lines else ())
 
 
-# Tables of our cells beside the published ones, three lines for each game. We run no tests against
+# Tables of our results beside the published ones, three lines for each game. We run no tests against
 # published figures, as the paper reports no seed counts.
 
 
 def beside(
     label: str,
-    cells: Sequence[Cell | None],
+    results: Sequence[Result | None],
     printed: Sequence[Printed | None],
     more: Sequence[str] = (),
     theirs: Sequence[str] = (),
 ) -> list[tuple[str | Figure, ...]]:
-    """Returns the lines of a game: our cells, the published ones, and the differences with whether
+    """Returns the lines of a game: our results, the published ones, and the differences with whether
     the published figure is in our interval.
 
     Args:
-      more: further columns of our line; theirs: the same columns of the published line.
+      more: the texts of further columns in our line.
+      theirs: the texts of the same columns in the published line.
     """
-    if not (any(cells) or any(printed)):
+    if not (any(results) or any(printed)):
         return []
-    common, differing = _split_origins(cells)
+    common, differing = _split_origins(results)
     ours = []
-    for cell in cells:
-        figure = of_cell(cell)
-        origins = [] if cell is None else [cell.origins[index] for index in differing]
-        if any(origins):
-            text = f"{figure.text} ({', '.join(filter(None, origins))})"
-            figure = Figure(text, figure.numbers)
+    for result in results:
+        figure = result_figure(result)
+        if result is not None:
+            origins = [result.origins[index] for index in differing if result.origins[index]]
+            if origins:
+                figure = Figure(f"{figure.text} ({', '.join(origins)})", figure.numbers)
         ours.append(figure)
     lines: list[tuple[str | Figure, ...]] = [(label, "ours", *ours, *more, common)]
     none = ("",) * len(more)
     if any(printed):
         figures = [EMPTY if one is None else one.figure for one in printed]
         lines.append(("", "published", *figures, *(theirs or none), ""))
-    differences = [_difference(cell, one) for cell, one in zip(cells, printed, strict=True)]
+    differences = [_difference(result, one) for result, one in zip(results, printed, strict=True)]
     if any(figure.text for figure in differences):
         lines.append(("", "ours - published", *differences, *none, ""))
     return lines
 
 
-def _split_origins(cells: Sequence[Cell | None]) -> tuple[str, list[int]]:
-    """Returns the origins that all cells of a line share (of seeds, steps, preset, hardware), and
+def _split_origins(results: Sequence[Result | None]) -> tuple[str, list[int]]:
+    """Returns the origins that all results of a line share (of seeds, steps, preset, hardware), and
     the indices of those that differ."""
     common = []
     differing = []
-    by_kind = zip(*(cell.origins for cell in cells if cell is not None), strict=True)
+    by_kind = zip(*(result.origins for result in results if result is not None), strict=True)
     for index, origins in enumerate(by_kind):
         if len(set(origins)) > 1:
             differing.append(index)
@@ -361,13 +368,14 @@ def _split_origins(cells: Sequence[Cell | None]) -> tuple[str, list[int]]:
     return ", ".join(common), differing
 
 
-def _difference(cell: Cell | None, printed: Printed | None) -> Figure:
-    if cell is None or cell.estimate is None or printed is None:
+def _difference(result: Result | None, printed: Printed | None) -> Figure:
+    """Returns our mean minus the published one; empty without both."""
+    if result is None or result.estimate is None or printed is None:
         return EMPTY
-    difference = cell.estimate.mean - printed.mean
-    is_inside = cell.estimate.low <= printed.mean <= cell.estimate.high
+    difference = result.estimate.mean - printed.mean
+    is_inside = result.estimate.low <= printed.mean <= result.estimate.high
     text = f"{'+' if difference > 0 else ''}{number(difference)}"
-    if len(cell.values) > 1:
+    if len(result.values) > 1:
         text += ", inside" if is_inside else ", outside"
     return Figure(text, {"difference": difference, "published_inside": is_inside})
 
@@ -387,16 +395,18 @@ def exchange(games: Sequence[Game]) -> Section:
     panels = []
     text = []
     for game in with_exchange:
-        cells = game.by_ratio
+        results = game.by_ratio
         printed = published.exchange(game.published)
-        known = {ratio: cell for ratio, cell in cells.items() if cell.estimate is not None}
-        means = {ratio: cell.estimate.mean for ratio, cell in known.items()}
+        known = {ratio: result for ratio, result in results.items() if result.estimate is not None}
+        means = {ratio: result.estimate.mean for ratio, result in known.items()}
         bold = published.exchange_chosen(game.published)
         theirs = ("" if bold is None else f"{bold:g}",)
-        our_cells = [cells.get(ratio) for ratio in ratios]
+        our_results = [results.get(ratio) for ratio in ratios]
         their_figures = [printed.get(ratio) for ratio in ratios]
-        lines += beside(game.label, our_cells, their_figures, (_choice(means),), theirs)
-        several = {ratio: cell.values for ratio, cell in known.items() if len(cell.values) > 1}
+        lines += beside(game.label, our_results, their_figures, (_choice(means),), theirs)
+        several = {
+            ratio: result.values for ratio, result in known.items() if len(result.values) > 1
+        }
         if len(several) > 1:
             shares = choice_frequencies(several)
             figures = [
@@ -405,10 +415,10 @@ def exchange(games: Sequence[Game]) -> Section:
             ]
             choices.append((game.label, *figures))
         if len(means) > 1 or (means and printed):  # one point alone is no curve
-            points = [(ratio, one.mean) for ratio, one in printed.items()]
-            panels.append(panel_of(game.label, _series(cells), points))
-        by_name = {names[ratio]: cells.get(ratio) for ratio in ratios}
-        text += [f"* {game.label}: {line}" for line in unlike_settings(by_name, OF_COMMON)]
+            points = tuple((ratio, one.mean) for ratio, one in printed.items())
+            panels.append(Multiple(game.label, (_series(results),), points))
+        by_name = {names[ratio]: results.get(ratio) for ratio in ratios}
+        text += [f"* {game.label}: {line}" for line in differing_settings(by_name, OF_COMMON)]
     columns = [names[ratio] for ratio in ratios]
     headings = ("game", "", *columns, "95 % rule", BEHIND)
     tables = [Table("exchange", "Collective return by exchange ratio", headings, lines, 2)]
@@ -432,8 +442,10 @@ def _choice(means: Mapping[float, float]) -> str:
     return choice if len(means) >= len(RATIOS) else f"{choice} of {len(means)} ratios"
 
 
-def _series(cells: Mapping[float, Cell]) -> Series:
-    return Series.of((x, cell.estimate) for x, cell in cells.items() if cell.estimate is not None)
+def _series(results: Mapping[float, Result]) -> Series:
+    """Returns the means by ratio or angle, without failed results."""
+    estimates = {x: result.estimate for x, result in results.items()}
+    return Series.of((x, figure) for x, figure in estimates.items() if figure is not None)
 
 
 def svo(games: Sequence[Game]) -> Section:
@@ -444,26 +456,27 @@ def svo(games: Sequence[Game]) -> Section:
     lines = []
     for game in games:
         if game.by_weight:
-            cells = [game.by_weight.get(weight) for weight in weights]
-            lines += beside(game.label, cells, [None] * len(weights))
+            results = [game.by_weight.get(weight) for weight in weights]
+            lines += beside(game.label, results, [None] * len(weights))
     if lines:
         title = "Collective return by SVO weight, at 90 degrees"
         headings = ("game", "", *(f"{weight:g}" for weight in weights), BEHIND)
         tables.append(Table("svo_weights", title, headings, lines, 2))
     by_angle = {game.label: game.by_angle for game in games}
-    angles = sorted({*ANGLES, *(angle for _, cells in by_angle.values() for angle in cells)})
+    angles = sorted({*ANGLES, *(angle for _, results in by_angle.values() for angle in results)})
     lines = []
     panels = []
     for game in games:
-        weight, cells = by_angle[game.label]
+        weight, results = by_angle[game.label]
         printed = published.svo(game.published)
-        weights_tried = f"{weight:g}, {tried_weights(game)}" if cells else ""
-        our_cells = [cells.get(angle) for angle in angles]
+        weights_tried = f"{weight:g}, {tried_weights(game)}" if results else ""
+        our_results = [results.get(angle) for angle in angles]
         their_figures = [printed.get(angle) for angle in angles]
-        lines += beside(game.label, our_cells, their_figures, (weights_tried,))
-        if len(cells) > 1 or (cells and printed):
-            points = [(angle, one.mean) for angle, one in printed.items()]
-            panels.append(panel_of(f"{game.label}, weight {weight:g}", _series(cells), points))
+        lines += beside(game.label, our_results, their_figures, (weights_tried,))
+        if len(results) > 1 or (results and printed):
+            points = tuple((angle, one.mean) for angle, one in printed.items())
+            title = f"{game.label}, weight {weight:g}"
+            panels.append(Multiple(title, (_series(results),), points))
     headings = ("game", "", *(f"{angle:g}°" for angle in angles), "weight", BEHIND)
     tables.append(Table("svo_angles", "Collective return by SVO angle", headings, lines, 2))
     title = "Social value orientation"
@@ -487,40 +500,47 @@ def metrics(games: Sequence[Game]) -> Section:
         metric = published.metric(game.published)
         if metric is None:
             continue
-        cells = [_scaled(game, metric, way) for way in (INDIVIDUAL, COMMON, MAPPO, VDN)]
+        methods = (INDIVIDUAL, COMMON, MAPPO, VDN)
+        results = [_on_papers_scale(game, metric, method) for method in methods]
         choices = []
         returns = {
-            ratio: cell.estimate.mean
-            for ratio, cell in game.by_ratio.items()
-            if ratio > 0 and cell.estimate is not None
+            ratio: result.estimate.mean
+            for ratio, result in game.by_ratio.items()
+            if ratio > 0 and result.estimate is not None
         }
-        if set(returns) - {1.0}:
+        if any(ratio != 1 for ratio in returns):  # 1 alone is common reward
             best = max(returns, key=lambda ratio: returns[ratio])
-            cells.append(_scaled(game.like("exchange"), metric, exchanged(best)))
+            same = game.with_numbers_of("exchange")
+            results.append(_on_papers_scale(same, metric, exchanged(best)))
             choices.append(f"ratio {best:g}, the best of {len(returns)}")
         else:
-            cells.append(None)
+            results.append(None)
         weight, prosocial = game.at_chosen_weight
         if prosocial is not None:
-            way = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": prosocial.run}
-            cells.append(_scaled(game, metric, way))
+            method = {**SVO, "svo_angle": PROSOCIAL, "svo_weight": weight, "run": prosocial.run}
+            results.append(_on_papers_scale(game, metric, method))
             choices.append(f"weight {weight:g}, {tried_weights(game)}")
         else:
-            cells.append(None)
+            results.append(None)
         printed = [metric.printed[column] for column in published.metric_columns()]
-        lines += beside(game.label, cells, printed, (metric.what, "; ".join(choices)))
+        lines += beside(game.label, results, printed, (metric.what, "; ".join(choices)))
     headings = ("game", "", *published.metric_columns(), "figure", "chosen", BEHIND)
     table = Table("metrics", "Cooperation metric", headings, lines, 2)
     return Section("Cooperation metrics", (), (table,))
 
 
-def _scaled(game: Game, metric: PaperMetric, way: Way) -> Cell | None:
-    """Returns the metric on the paper's scale."""
-    cell = game.cell(way, metric.measure)
-    if cell is None or game.setting is None:
+def _on_papers_scale(game: Game, metric: PaperMetric, method: Method) -> Result | None:
+    """Returns our values of a metric for one way of training, on the scale of the paper.
+
+    None if nothing was trained in this way, or in this game.
+    """
+    result = game.result(method, metric.measure)
+    if result is None or game.setting is None:
         return None
-    scale = metric.scale / (game.setting.num_agents if metric.per_agent else 1)
-    return replace(cell, values=tuple(scale * value for value in cell.values))
+    scale = metric.scale
+    if metric.per_agent:
+        scale /= game.setting.num_agents
+    return replace(result, values=tuple(scale * value for value in result.values))
 
 
 def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
@@ -535,26 +555,24 @@ def over_games(games: Sequence[Game], frame: pd.DataFrame) -> Section:
         best = published.best_return(game.published)
         if best is None or game.setting is None:
             continue
-        named = {
-            words: cell_of(own)
-            for words, own in game.rows.assign(
-                way=[in_words(row) for row in game.rows.itertuples()]
-            ).groupby("way")
+        words = [in_words(row) for row in game.rows.itertuples()]
+        by_method = {
+            method: result_of(seeds)
+            for method, seeds in game.rows.assign(method=words).groupby("method")
         }
-        named[AT_CHOSEN_WEIGHT] = game.at_chosen_weight[1]
-        scores[game.label] = scored(
-            frame,
-            game.setting,
-            best,
-            {way: cell for way, cell in named.items() if cell is not None},
-        )
-    what = (
+        by_method[AT_CHOSEN_WEIGHT] = game.at_chosen_weight[1]
+        results = {method: result for method, result in by_method.items() if result is not None}
+        scores[game.label] = score_results(frame, game.setting, best, results)
+    definition = (
         "A score is (return - random) / (best published - random): 0 is a random policy, 1 the "
         "best of the paper."
     )
-    if any(AT_CHOSEN_WEIGHT in found for found in scores.values()):
-        what += " In each game, the chosen weight of SVO is the one of those tried that earns most."
-    return section_over_games(scores, what, [game for game, found in scores.items() if found])
+    if any(AT_CHOSEN_WEIGHT in of_game for of_game in scores.values()):
+        definition += (
+            " In each game, the chosen weight of SVO is the one of those tried that earns most."
+        )
+    played = [game for game, of_game in scores.items() if of_game]
+    return section_over_games(scores, definition, played)
 
 
 # Experiments with policies.
@@ -567,7 +585,7 @@ def diagrams(frame: pd.DataFrame) -> Section:
     ordered = sorted(
         of_record(frame, "diagram"),
         key=lambda row: (
-            in_order(row.game),
+            sort_key(row.game),
             not _of_the_paper(row),
             setting_of(row).label,
             row.unit != TRAINED,

@@ -17,7 +17,7 @@ from sjdsl.render.plot_style import (
     note_below,
     plot_style,
 )
-from sjdsl.trainers.policies.estimates import Estimate
+from sjdsl.trainers.policies.estimates import Estimate, stack_estimates
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,17 +43,13 @@ class Series:
     def of(cls, figures: Iterable[tuple[float, Estimate]], label: str = "ours") -> "Series":
         """Returns the series of estimates over x."""
         pairs = list(figures)
-        x, mean = np.array([x for x, _ in pairs]), np.array([figure.mean for _, figure in pairs])
-        low, high = (
-            np.array([getattr(figure, end) for _, figure in pairs], float)
-            for end in ("low", "high")
-        )
+        mean, low, high = stack_estimates(figure for _, figure in pairs)
         return cls(
-            x,
-            mean,
-            np.where(np.isfinite(low), low, np.nan),
-            np.where(np.isfinite(high), high, np.nan),
-            label,
+            x=np.array([x for x, _ in pairs]),
+            mean=mean,
+            low=np.where(np.isfinite(low), low, np.nan),
+            high=np.where(np.isfinite(high), high, np.nan),
+            label=label,
         )
 
 
@@ -64,11 +60,6 @@ class Multiple:
     title: str
     series: tuple[Series, ...]
     printed: tuple[tuple[float, float], ...]
-
-
-def panel_of(title: str, series: Series, printed: Sequence[tuple[float, float]]) -> Multiple:
-    """Returns a plot of one series of ours beside the published one."""
-    return Multiple(title, (series,), tuple(printed))
 
 
 def draw_series(
@@ -83,13 +74,12 @@ def draw_series(
     """
     from matplotlib.figure import Figure  # here: importing it costs as much as a short test
 
-    rows, columns = math.ceil(len(plots) / COLUMNS), min(COLUMNS, len(plots))
-    colours = {
-        label: line_colour(number)
-        for number, label in enumerate(
-            dict.fromkeys(s.label for plot in plots for s in plot.series)
-        )
-    }
+    rows = math.ceil(len(plots) / COLUMNS)
+    columns = min(COLUMNS, len(plots))
+    colours: dict[str, str] = {}
+    for plot in plots:
+        for series in plot.series:
+            colours.setdefault(series.label, line_colour(len(colours)))
     drawn: list[Axes] = []
     with plot_style():
         figure = Figure(
@@ -106,15 +96,17 @@ def draw_series(
                 Label(series.label, series.mean[-1], colours[series.label])
                 for series in plot.series
             ]
-            name_lines(
-                axes, [*labels, *(Label("published", y, BLACK) for _, y in plot.printed[-1:])]
-            )
+            if plot.printed:
+                _, last = plot.printed[-1]
+                labels.append(Label("published", last, BLACK))
+            name_lines(axes, labels)
         figure.supylabel(y_title, fontsize="medium")
         note_below(figure, f"Over {x_title}. Bars: {bars}.")
     return figure
 
 
 def _draw(axes: "Axes", plot: Multiple, colours: Mapping[str, str], logarithmic: bool) -> None:
+    """Draws one plot. colours: by the label of a series."""
     ends: list[float] = [y for _, y in plot.printed]
     for series in plot.series:
         below, above = series.mean - series.low, series.high - series.mean
@@ -132,7 +124,8 @@ def _draw(axes: "Axes", plot: Multiple, colours: Mapping[str, str], logarithmic:
         )
         ends += [*series.mean, *series.low, *series.high]
     if plot.printed:
-        axes.plot(*zip(*plot.printed, strict=True), **PUBLISHED)
+        x, y = zip(*plot.printed, strict=True)
+        axes.plot(x, y, **PUBLISHED)
     if logarithmic:
         axes.set_xscale("log")
         axes.set_yscale("log")

@@ -5,7 +5,6 @@ JSON of benchmarks: of `sjdsl bench --json`, or of `python -m bench.speed race` 
 `--json`.
 """
 
-import statistics
 from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
@@ -14,14 +13,14 @@ from typing import Any
 import pandas as pd
 
 from bench.paper import published
-from bench.paper.contents import in_order
+from bench.paper.contents import sort_key
 from bench.paper.small_multiples import Multiple, Series, draw_series
 from bench.speed.stored import read_figures
-from bench.speed.training import Training
+from bench.speed.training import Split, Training
 from sjdsl.bench.loop import YARDSTICK
 from sjdsl.bench.machine import and_devices
 from sjdsl.bench.tables import thousands
-from sjdsl.bench.timing import Report
+from sjdsl.bench.timing import Report, Speed
 from sjdsl.results.figures import EMPTY, Figure, Table, counted, interval, number
 from sjdsl.results.page import Picture, Section
 from sjdsl.results.selecting import NAMES
@@ -40,11 +39,11 @@ KEYS = {
         "hardware",
     ],
 }
-ONE_LINE = ["num_agents", "observation", "hardware", "rounds"]
+ONE_LINE = ["num_agents", "observation", "hardware", "rounds"]  # speeds alike in these share a line
 NUMBERS = (1, 128, 1024, 4096)  # of environments
 OBSERVATION = "tokens"  # what agents see in the pictures
 CROWD = "+crowd"  # behind the name of a game on the map for many agents
-HOURS = 1e9 / 3600  # of 1e9 environment steps, times the rate
+STEPS = 1e9  # environment steps for which hours are shown, as in the paper
 
 
 def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
@@ -53,22 +52,22 @@ def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
     """
     frames = {name: pd.read_csv(data / file) for name, file in FILES.items()}
     for file in files:
-        found = read_figures(file)
-        machine = found.machine  # the processor with its cores, or the accelerator
+        figures = read_figures(file)
+        machine = figures.machine  # the processor with its cores, or the accelerator
         cores = f", {machine['cpu_cores']} cores" if machine["platform"] == "cpu" else ""
         hardware = f"{machine['device']}{cores}{and_devices(dict(machine))}"
-        match found:
+        match figures:
             case Report():
-                name, rows = (
-                    "speeds",
-                    [_speed(found, speed) for speed in found.speeds if speed.name != YARDSTICK],
-                )
+                name = "speeds"
+                speeds = [speed for speed in figures.speeds if speed.name != YARDSTICK]
+                rows = [_speed_row(speed, figures.repeats) for speed in speeds]
             case Training():
-                name, rows = "updates", [_update_row(split) for split in found.splits]
+                name = "updates"
+                rows = [_update_row(split) for split in figures.splits]
             case _:
                 raise ValueError(
                     f"{file} holds a measurement that no table shows "
-                    f"({type(found).__name__.lower()})"
+                    f"({type(figures).__name__.lower()})"
                 )
         more = pd.DataFrame(rows).assign(hardware=hardware)
         frames[name] = pd.concat([frames[name], more]).drop_duplicates(KEYS[name], keep="last")
@@ -77,49 +76,47 @@ def read_speeds(data: Path, files: Iterable[Path]) -> dict[str, pd.DataFrame]:
     }
 
 
-def _speed(found: Report, speed: Any) -> dict[str, Any]:
-    rates = {
-        "rate": speed.env_steps_per_s,
-        "slowest": speed.slowest,
-        "fastest": speed.fastest,
-        "rounds": found.repeats,
-    }
-    own = {name: getattr(speed, name) for name in ("num_agents", "observation", "num_envs")}
+def _speed_row(speed: Speed, rounds: int) -> dict[str, Any]:
     return {
         "game": speed.name.removesuffix(CROWD),
         "crowd": speed.crowd is not None,
-        **own,
-        **rates,
+        "num_agents": speed.num_agents,
+        "observation": speed.observation,
+        "num_envs": speed.num_envs,
+        "rate": speed.env_steps_per_s,
+        "slowest": speed.slowest,
+        "fastest": speed.fastest,
+        "rounds": rounds,
     }
 
 
-def _update_row(split: Any) -> dict[str, Any]:
-    steps, seconds = split.num_envs * split.num_steps, split.update
-    rates = dict(
-        zip(
-            ("rate", "slowest", "fastest"),
-            (steps / f(seconds) for f in (statistics.median, max, min)),
-            strict=True,
-        )
-    )
-    names = ("num_agents", "algorithm", "sharing", "network", "num_envs", "num_steps")
+def _update_row(split: Split) -> dict[str, Any]:
+    steps = split.num_envs * split.num_steps
     return {
         "game": split.name,
-        **{name: getattr(split, name) for name in names},
-        **rates,
-        "rounds": len(seconds),
+        "num_agents": split.num_agents,
+        "algorithm": split.algorithm,
+        "sharing": split.sharing,
+        "network": split.network,
+        "num_envs": split.num_envs,
+        "num_steps": split.num_steps,
+        "rate": split.env_steps_per_s,
+        "slowest": steps / max(split.update),
+        "fastest": steps / min(split.update),
+        "rounds": len(split.update),
     }
 
 
-def _rate(row: Any) -> Figure:
-    numbers = {name: getattr(row, name) for name in ("rate", "slowest", "fastest")}
-    return Figure(
-        f"{thousands(row.rate)} [{thousands(row.slowest)}, {thousands(row.fastest)}]", numbers
-    )
+def _rate_figure(row: Any) -> Figure:
+    """Returns the rate of a row of either table with those of its slowest and fastest round."""
+    text = f"{thousands(row.rate)} [{thousands(row.slowest)}, {thousands(row.fastest)}]"
+    numbers = {"rate": row.rate, "slowest": row.slowest, "fastest": row.fastest}
+    return Figure(text, numbers)
 
 
-def _ordered(names: Iterable[str]) -> list[str]:
-    return sorted({*names, *published.suite()}, key=in_order)
+def _with_the_papers_games(names: Iterable[str]) -> list[str]:
+    """Returns the games of the paper and these, in the order of the page."""
+    return sorted({*names, *published.suite()}, key=sort_key)
 
 
 def speed(frame: pd.DataFrame) -> Section:
@@ -127,7 +124,7 @@ def speed(frame: pd.DataFrame) -> Section:
     agents.
     """
     numbers = sorted({*NUMBERS, *frame.num_envs})
-    names = _ordered(frame.game)
+    names = _with_the_papers_games(frame.game)
     lines = [
         line
         for name in names
@@ -153,12 +150,15 @@ def speed(frame: pd.DataFrame) -> Section:
 def _lines(
     frame: pd.DataFrame, game: str, crowd: bool, numbers: list[int]
 ) -> Iterator[tuple[str | Figure, ...]]:
-    """Yields the rows of a game with its own number of agents, or with a crowd."""
+    """Yields the lines of a game with its own number of agents, or with a crowd.
+
+    numbers: of environments, one a column.
+    """
     printed = published.speed(game, crowd)
-    found = frame[(frame.game == game) & (frame.crowd == crowd)]
+    of_game = frame[(frame.game == game) & (frame.crowd == crowd)]
     kinds = [
         (names, {row.num_envs: row for row in rows.itertuples()})
-        for names, rows in found.groupby(ONE_LINE)
+        for names, rows in of_game.groupby(ONE_LINE)
     ]
     if not kinds and printed:
         yield (
@@ -167,7 +167,7 @@ def _lines(
             *("",) * (len(numbers) + 1),
         )
     for (agents, observation, hardware, rounds), rates in kinds:
-        shown = (_rate(rates[n]) if n in rates else EMPTY for n in numbers)
+        shown = (_rate_figure(rates[n]) if n in rates else EMPTY for n in numbers)
         yield (
             f"{game}, {agents} agents, {observation}",
             "ours",
@@ -175,48 +175,47 @@ def _lines(
             f"{counted(rounds, 'round')}, {hardware}",
         )
     if printed:
-        yield (
-            "",
-            "published",
-            *(
-                Figure(thousands(printed[n]), {"": printed[n]}) if n in printed else EMPTY
-                for n in numbers
-            ),
-            "",
-        )
-    before = published.melting_pot_speed(game)
-    if before is not None and not crowd:
-        yield (
-            "",
-            "published, Melting Pot",
-            *(Figure(thousands(before), {"": before}) if n == 1 else EMPTY for n in numbers),
-            "",
-        )
-    for (_, observation, *_), rates in kinds if printed else ():
-        ratios = (
-            rates[n].rate / printed[n] if n in rates and n in printed else None for n in numbers
-        )
-        shown = (
-            EMPTY if ratio is None else Figure(number(float(f"{ratio:.2g}")), {"": ratio})
-            for ratio in ratios
-        )
-        yield ("", f"ours / published, {observation}", *shown, "")
+        shown = (_thousands_figure(printed[n]) if n in printed else EMPTY for n in numbers)
+        yield ("", "published", *shown, "")
+    of_melting_pot = published.melting_pot_speed(game)
+    if of_melting_pot is not None and not crowd:
+        figure = _thousands_figure(of_melting_pot)
+        shown = (figure if n == 1 else EMPTY for n in numbers)
+        yield ("", "published, Melting Pot", *shown, "")
+    if not printed:
+        return
+    for (_, observation, *_), rates in kinds:
+        figures = []
+        for n in numbers:
+            figure = EMPTY
+            if n in rates and n in printed:
+                ratio = rates[n].rate / printed[n]
+                figure = Figure(number(float(f"{ratio:.2g}")), {"": ratio})
+            figures.append(figure)
+        yield ("", f"ours / published, {observation}", *figures, "")
+
+
+def _thousands_figure(rate: float) -> Figure:
+    return Figure(thousands(rate), {"": rate})
 
 
 def _plot(frame: pd.DataFrame, game: str) -> Multiple | None:
-    own = frame[
-        (frame.game == game) & (frame.observation == OBSERVATION) & ~frame.crowd
-    ].sort_values("num_envs")
-    columns = ("num_envs", "rate", "slowest", "fastest")
+    """Returns the plot of a game's speeds with tokens; None if none were measured."""
+    of_game = frame[(frame.game == game) & (frame.observation == OBSERVATION) & ~frame.crowd]
     series = [
-        Series(*(rows[name].to_numpy(float) for name in columns), str(hardware))
-        for hardware, rows in own.groupby("hardware")
+        Series(
+            x=rows.num_envs.to_numpy(float),
+            mean=rows.rate.to_numpy(float),
+            low=rows.slowest.to_numpy(float),
+            high=rows.fastest.to_numpy(float),
+            label=str(hardware),
+        )
+        for hardware, rows in of_game.sort_values("num_envs").groupby("hardware")
     ]
-    return (
-        Multiple(game, tuple(series), tuple(published.speed(game, crowd=False).items()))
-        if series
-        else None
-    )
+    if not series:
+        return None
+    printed = tuple(published.speed(game, crowd=False).items())
+    return Multiple(game, tuple(series), printed)
 
 
 def hours(frame: pd.DataFrame) -> Section:
@@ -224,44 +223,42 @@ def hours(frame: pd.DataFrame) -> Section:
     speed of single updates.
     """
     rows = [
-        _hours(row)
-        for name in _ordered(frame.game)
+        _hours_row(row)
+        for name in _with_the_papers_games(frame.game)
         for row in frame[frame.game == name].itertuples()
     ]
     headings = (
-        *(
-            "game",
-            "algorithm",
-            "network",
-            "parameters",
-            "env-steps/s",
-            "hours to 1e9 steps, extrapolated",
-            "published",
-        ),
+        "game",
+        "algorithm",
+        "network",
+        "parameters",
+        "env-steps/s",
+        "hours to 1e9 steps, extrapolated",
+        "published",
         "environments x steps, rounds, hardware",
     )
-    return Section(
-        "Hours of training", (), (Table("hours", "Hours of training", headings, rows, 4),)
-    )
+    table = Table("hours", "Hours of training", headings, rows, 4)
+    return Section("Hours of training", (), (table,))
 
 
-def _hours(row: Any) -> tuple[str | Figure, ...]:
-    printed = published.hours(row.game)
-    before = [
-        f"{name} {number(needed)}" for name, needed in published.melting_pot_hours(row.game).items()
-    ]
-    said = "" if printed is None else ", ".join([number(printed), *before])
-    shape = f"{row.num_envs} x {row.num_steps}, {counted(row.rounds, 'round')}, {row.hardware}"
-    way = (
+def _hours_row(row: Any) -> tuple[str | Figure, ...]:
+    """Returns a line of the table of hours for a row of the table `updates`."""
+    hours = published.hours(row.game)
+    in_paper = [] if hours is None else [number(hours)]
+    if in_paper:
+        for name, its_hours in published.melting_pot_hours(row.game).items():
+            in_paper.append(f"{name} {number(its_hours)}")
+    return (
         row.game,
         NAMES.get(row.algorithm, row.algorithm),
         row.network,
         row.sharing.replace("_", " "),
+        _rate_figure(row),
+        interval(_hours_at(row.rate), _hours_at(row.fastest), _hours_at(row.slowest)),
+        ", ".join(in_paper),
+        f"{row.num_envs} x {row.num_steps}, {counted(row.rounds, 'round')}, {row.hardware}",
     )
-    return (
-        *way,
-        _rate(row),
-        interval(*(HOURS / rate for rate in (row.rate, row.fastest, row.slowest))),
-        said,
-        shape,
-    )
+
+
+def _hours_at(rate: float) -> float:
+    return STEPS / rate / 3600

@@ -51,6 +51,7 @@ json_option = click.option(
 
 
 def words(*known: str) -> Listed:
+    """Returns the type of an option: some of these words, separated by commas."""
     return Listed(click.Choice(known))
 
 
@@ -69,6 +70,7 @@ def command_line() -> str:
 
 
 def task_of(game: str, observation: Encoding = "tokens") -> Task:
+    """Returns the task of a game. Raises ClickException if it can't be made."""
     try:
         return game_task(make(game, observation=observation))
     except (CompileError, ValueError, FileNotFoundError) as error:

@@ -36,8 +36,7 @@ def parts_of(
 
     Args:
       tasks: games; updates with convolutions are measured for those with the smallest, the middle
-        and
-        the largest observation only.
+        and the largest observation only.
       resumed: the game of which a run is stopped and resumed, by name or file.
       num_envs: the numbers of environments for speeds, each a part; kernels are those of the
         largest.
@@ -49,6 +48,7 @@ def parts_of(
     envs.sort(key=lambda env: math.prod(env.observation_shape))
 
     def speeds(observation: str, forms: Sequence[Task]) -> Iterator[Part]:
+        """Yields a part for each number of environments."""
         for number in num_envs if forms else ():
             measurement = partial(measure, forms, [number], repeats, workers=WORKERS)
             yield Part(f"speed_{observation}_{number}", measurement)

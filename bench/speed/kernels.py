@@ -3,7 +3,6 @@ reached.
 """
 
 import math
-import statistics
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ import jax.numpy as jnp
 from bench.gpu_cost import count_kernels
 from sjdsl.bench.loop import Task
 from sjdsl.bench.machine import describe_machine
+from sjdsl.bench.timing import median_seconds
 
 # float32 numbers that are copied: far more than the caches hold (256 MiB, 1 GiB).
 COPIED = {"cpu": 1 << 26, "gpu": 1 << 28}
@@ -55,6 +55,7 @@ def measure_kernels(
 
 
 def _measure_step(task: Task, num_envs: int, repeats: int, steps: int) -> StepKernels:
+    """Returns the cost of one step; `steps` of them are timed together in a round."""
     states = jax.tree.map(lambda x: jnp.broadcast_to(x, (num_envs, *x.shape)), task.reset())
     keys = jax.random.split(jax.random.key(0), num_envs)
     actions = jax.random.randint(
@@ -89,13 +90,7 @@ def copied_bytes_per_s(repeats: int, numbers: int | None = None) -> float:
     size = numbers or COPIED.get(jax.devices()[0].platform, COPIED["cpu"])
     copy = jax.jit(lambda x: x + 1)
     array = jnp.zeros(size, jnp.float32)
-    copy(array).block_until_ready()
-    rates = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        copy(array).block_until_ready()
-        rates.append(2 * array.nbytes / (time.perf_counter() - start))
-    return statistics.median(rates)
+    return 2 * array.nbytes / median_seconds(lambda: copy(array), repeats)
 
 
 def _bytes_of(tree: Any) -> int:

@@ -47,11 +47,12 @@ def measure_resume(name: str) -> Resume:
     """Trains a game twice, once stopped half-way and resumed, and compares the ends.
 
     Each run is a process of its own: the flag for deterministic operations has to be set before JAX
-      starts.
+    starts.
 
     Args:
       name: a bundled game, or a file.
-    Raises RuntimeError if a run fails, TimeoutExpired if it takes too long.
+    Raises:
+      RuntimeError: a run fails. TimeoutExpired: it takes too long.
     """
     start = time.perf_counter()
     environment = dict(os.environ)

@@ -2,7 +2,6 @@
 for each value.
 """
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,11 +10,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.stages import Compiled
 
 from sjdsl.bench.loop import Task, game_task, make_loop, play, steps_for
 from sjdsl.bench.machine import describe_machine
-from sjdsl.bench.timing import memory_of, race
+from sjdsl.bench.timing import compile_timed, memory_of, race
 from sjdsl.compiler import ir
 from sjdsl.library.parameters import build_params
 from sjdsl.near_names import meant
@@ -81,17 +79,18 @@ def measure_sweep(
     few_steps = num_steps or steps_for(num_envs)
     tell(f"compiling one program for {num_values} values")
     stacked = jax.tree.map(lambda *leaves: jnp.repeat(jnp.stack(leaves), num_envs, axis=0), *values)
-    together, together_s = _compiled(make_sweep_loop(env, all_envs, all_steps), stacked)
+    together, together_s = compile_timed(make_sweep_loop(env, all_envs, all_steps), stacked)
     indices = np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)
     programs = []
     apart_compile_s = []
     for number, index in enumerate(indices, start=1):
         tell(f"compiling program {number} of {len(indices)} for one value each")
-        program, seconds = _compiled(_constant(env, values[index], num_envs, few_steps))
+        program, seconds = compile_timed(_constant_loop(env, values[index], num_envs, few_steps))
         programs.append(program)
         apart_compile_s.append(seconds)
     tell("compiling one program for one value")
-    constant, constant_s = _compiled(_constant(env, values[indices[0]], all_envs, all_steps))
+    constant_loop = _constant_loop(env, values[indices[0]], all_envs, all_steps)
+    constant, constant_s = compile_timed(constant_loop)
     loops: list[Callable[[Array], Array]] = [
         lambda key: together(key, stacked),
         constant,
@@ -136,7 +135,7 @@ def swept_params(env: Environment, name: str, number: int) -> list[Any]:
     if param.type.kind == "word":
         raise ValueError(f"`{name}` is a word; only numbers can be swept")
     factors = np.linspace(*FACTORS, number)
-    values = [_times(param.value, factor, param.type) for factor in factors.tolist()]
+    values = [_scale(param.value, factor, param.type) for factor in factors.tolist()]
     if len(set(values)) < number:
         raise ValueError(
             f"`{name}` has only {len(set(values))} different values near {param.value}, "
@@ -145,9 +144,10 @@ def swept_params(env: Environment, name: str, number: int) -> list[Any]:
     return [build_params(env.game, env.module, {name: value}) for value in values]
 
 
-def _times(value: Any, factor: float, type_: ir.Type) -> Any:
+def _scale(value: Any, factor: float, type_: ir.Type) -> Any:
+    """Returns a value, or each entry of a table, times a factor, within the limits of its type."""
     if isinstance(value, tuple):
-        return tuple(_times(entry, factor, type_) for entry in value)
+        return tuple(_scale(entry, factor, type_) for entry in value)
     scaled = min(max(value * factor, type_.low), type_.high)
     return round(scaled) if type_.kind == "int" else scaled
 
@@ -170,7 +170,7 @@ def make_sweep_loop(
     return run
 
 
-def _constant(
+def _constant_loop(
     env: Environment, params: Any, num_envs: int, num_steps: int
 ) -> Callable[[Array], Array]:
     """Returns the loop over environments with one value, a constant of the program.
@@ -179,10 +179,3 @@ def _constant(
     """
     new_env = Environment(env.module, params, env.observation, env.game)
     return make_loop(game_task(new_env), num_envs, num_steps)
-
-
-def _compiled(loop: Callable[..., Array], *arguments: Any) -> tuple[Compiled, float]:
-    """Returns the program and the seconds to trace, lower and compile it."""
-    start = time.perf_counter()
-    program = jax.jit(loop).lower(jax.random.key(0), *arguments).compile()
-    return program, time.perf_counter() - start

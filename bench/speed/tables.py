@@ -245,5 +245,6 @@ def resume_table(resume: Resume) -> Table:
 
 
 def _rate(rates: tuple[float, ...]) -> str:
+    """Returns the median of the rounds, and half their spread: `12.3k ±2%`."""
     median = sorted(rates)[len(rates) // 2]
     return f"{thousands(median)} ±{(max(rates) - min(rates)) / 2 / median:.0%}"

@@ -3,7 +3,6 @@ bound from its matrices."""
 
 import math
 import statistics
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -14,7 +13,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.bench.machine import describe_machine
-from sjdsl.bench.timing import race
+from sjdsl.bench.timing import median_seconds, race
 from sjdsl.runtime.env import Environment
 from sjdsl.trainers import make_train
 from sjdsl.trainers.algorithms.ppo import Acting
@@ -260,13 +259,7 @@ def matrix_flops_per_s(repeats: int) -> float:
     median of the rounds."""
     matrix = jnp.ones((SIDE, SIDE), jnp.float32)
     product = jax.jit(jnp.matmul)
-    product(matrix, matrix).block_until_ready()
-    rates = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        product(matrix, matrix).block_until_ready()
-        rates.append(2 * SIDE**3 / (time.perf_counter() - start))
-    return statistics.median(rates)
+    return 2 * SIDE**3 / median_seconds(lambda: product(matrix, matrix), repeats)
 
 
 def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], Any]:
@@ -275,14 +268,16 @@ def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], 
     shape = (config.num_envs, env.num_agents)
     packing = packing_of(env)
     masks = wants_masks(env, config)
-    acting: Any = None
+    kept: Any = None  # what PPO keeps of acting
     if isinstance(config, PPOConfig):
-        acting = Acting(jnp.zeros(shape), jnp.zeros(shape))
+        kept = Acting(jnp.zeros(shape), jnp.zeros(shape))
 
     def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Any]:
-        return worlds.memory, jax.random.randint(key, shape, 0, env.num_actions, jnp.int32), acting
+        actions = jax.random.randint(key, shape, 0, env.num_actions, jnp.int32)
+        return worlds.memory, actions, kept
 
     def follow(memory: Any, info: dict[str, Any]) -> Any:
+        """Returns what is kept of the observation after a step: for PPO its values, here 0."""
         del memory
         if isinstance(config, PPOConfig):
             return jnp.zeros(shape)

@@ -31,6 +31,8 @@ def on_devices(loop: Callable[[Array], Array], devices: int) -> Callable[[Array]
         mesh=mesh,
         in_specs=PartitionSpec(),
         out_specs=PartitionSpec(AXIS),
+        # Else JAX would refuse the loop: the states that it begins with are constants, the same on
+        # all devices, and those after a step aren't.
         check_vma=False,
     )
 

@@ -36,7 +36,8 @@ class Task:
 
 
 def yardstick_task() -> Task:
-    """Returns the step written by hand."""
+    """Returns the yardstick as a task: a step of Commons Harvest written by hand in JAX, with which
+    compiled games are compared."""
     return Task(
         YARDSTICK, yardstick.NUM_AGENTS, yardstick.NUM_ACTIONS, yardstick.reset, yardstick.step
     )

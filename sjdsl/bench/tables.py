@@ -1,6 +1,6 @@
 """Formats speeds as tables of text, for the screen and for pages."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from sjdsl.bench.compilation import Compilation
@@ -52,32 +52,33 @@ def notes_of_speeds(report: Report) -> tuple[str, ...]:
 def speed_table(report: Report) -> Table:
     """Returns a row for each form: its speed, the spread of the rounds and the ratio, for each
     number of environments."""
-    numbers = env_numbers(report)
-    rows = []
-    for form, speeds in grouped(report.speeds).items():
-        rows.append((*_labels(form), *(speed_cell(speeds.get(number)) for number in numbers)))
     title = (
         f"environment steps a second: median of {report.repeats} rounds, spread, "
         "ratio to the yardstick round by round"
     )
-    return Table(title, (*FORM, *columns(numbers)), tuple(rows), len(FORM))
+    return _table_by_number(report, title, speed_cell)
 
 
 def processor_table(report: Report) -> Table:
     """Returns a row for each form: for each number of environments its steps a second of
     processor time."""
-    numbers = env_numbers(report)
-    rows = []
-    for form, speeds in grouped(report.speeds).items():
-        rates = [
-            thousands(speeds[number].env_steps_per_processor_s) if number in speeds else ""
-            for number in numbers
-        ]
-        rows.append((*_labels(form), *rates))
     title = (
         "environment steps a second of processor time, of all cores together: "
         f"median of {report.repeats} rounds"
     )
+    return _table_by_number(report, title, lambda speed: thousands(speed.env_steps_per_processor_s))
+
+
+def _table_by_number(report: Report, title: str, cell: Callable[[Speed], str]) -> Table:
+    """Returns a table with a row for each form and a column for each number of environments.
+
+    cell: the text of a speed; it's empty where none was measured.
+    """
+    numbers = env_numbers(report)
+    rows = []
+    for form, speeds in grouped(report.speeds).items():
+        cells = [cell(speeds[number]) if number in speeds else "" for number in numbers]
+        rows.append((*_labels(form), *cells))
     return Table(title, (*FORM, *columns(numbers)), tuple(rows), len(FORM))
 
 
@@ -126,6 +127,7 @@ def thousands(rate: float) -> str:
 
 
 def env_numbers(report: Report) -> list[int]:
+    """Returns the numbers of environments that were measured."""
     return sorted({speed.num_envs for speed in report.speeds})
 
 
@@ -139,6 +141,7 @@ def grouped(speeds: Iterable[Speed]) -> dict[Form, dict[int, Speed]]:
 
 
 def columns(numbers: Iterable[int]) -> Iterable[str]:
+    """Yields a heading for each number of environments."""
     return ("1 env" if number == 1 else f"{number:,} envs" for number in numbers)
 
 
@@ -146,15 +149,16 @@ def _labels(form: Form) -> tuple[str, str, str]:
     return form.name, str(form.num_agents), form.observation
 
 
-def speed_cell(speed: Speed | None) -> str:
-    """Returns a speed, its spread and its ratio; empty if it wasn't measured."""
-    if speed is None:
-        return ""
+def speed_cell(speed: Speed) -> str:
+    """Returns a speed, its spread and its ratio: `9.48k ±2% x1.23`."""
     return f"{thousands(speed.env_steps_per_s)} ±{speed.spread:.0%} x{speed.ratio:.2f}"
 
 
 def _step_cells(step: Compilation | None) -> tuple[str, str]:
-    return ("", "") if step is None else (f"{step.compile_s:.1f} s", f"{step.stablehlo_lines:,}")
+    """Returns the compile time of a step and its lines of StableHLO; empty if it wasn't compiled."""
+    if step is None:
+        return "", ""
+    return f"{step.compile_s:.1f} s", f"{step.stablehlo_lines:,}"
 
 
 def _ratios(speeds: dict[int, Speed], base: dict[int, Speed], numbers: list[int]) -> Iterable[str]:

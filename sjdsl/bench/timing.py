@@ -116,7 +116,7 @@ def measure(
             task: Task, number: int = number, num_steps: int = num_steps
         ) -> tuple[Compiled, float]:
             tell(f"compiling {task.name} for {number} environments")
-            return compile_loop(task, number, num_steps, devices)
+            return compile_timed(make_loop(task, number, num_steps, devices))
 
         def announce(round_number: int, number: int = number) -> None:
             tell(f"{number} environments, round {round_number} of {repeats}")
@@ -132,13 +132,11 @@ def measure(
     return Report(machine, repeats, tuple(speeds), tuple(compilations), device_peak_bytes())
 
 
-def compile_loop(
-    task: Task, num_envs: int, num_steps: int, devices: int = 1
-) -> tuple[Compiled, float]:
-    """Returns the measured loop and the seconds it took to compile."""
+def compile_timed(loop: Callable[..., Array], *arguments: Any) -> tuple[Compiled, float]:
+    """Returns a function of a key and these arguments, compiled, and the seconds that took."""
     start = time.perf_counter()
-    loop = jax.jit(make_loop(task, num_envs, num_steps, devices)).lower(jax.random.key(0)).compile()
-    return loop, time.perf_counter() - start
+    program = jax.jit(loop).lower(jax.random.key(0), *arguments).compile()
+    return program, time.perf_counter() - start
 
 
 def speed_of(
@@ -203,6 +201,17 @@ def timed_rounds(
             processor_seconds = time.process_time() - processor_start
             rounds[index].append(Round(env_steps[index], seconds, processor_seconds))
     return rounds
+
+
+def median_seconds(function: Callable[[], Array], repeats: int) -> float:
+    """Returns the median of the seconds that a function takes, after a first call."""
+    function().block_until_ready()
+    seconds = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        function().block_until_ready()
+        seconds.append(time.perf_counter() - start)
+    return statistics.median(seconds)
 
 
 def memory_of(compiled: Compiled) -> int:

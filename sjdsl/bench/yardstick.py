@@ -39,6 +39,7 @@ def _apple_cells() -> list[tuple[int, int]]:
 
 
 def _in_frame(cells: list[tuple[int, int]]) -> np.ndarray:
+    """Returns the numbers of cells of the map in the padded frame, `[C]` int32."""
     return np.array([(r + PAD) * COLS + c + PAD for r, c in cells], np.int32)
 
 
@@ -84,6 +85,7 @@ def step(state: State, action: Array, key: Array) -> tuple[State, Array, Array]:
 
 
 def _regrow(position: Array, ripe: Array, key: Array) -> Array:
+    """Returns which apples are ripe after regrowth, which ripe ones nearby make likelier."""
     on_site = SITE_OF[position][:, None] == jnp.arange(len(APPLES))
     near = NEAR @ ripe.astype(jnp.float32)
     chance = jnp.where(
@@ -93,17 +95,21 @@ def _regrow(position: Array, ripe: Array, key: Array) -> Array:
 
 
 def _move(position: Array, heading: Array, action: Array, key: Array) -> Array:
+    """Returns the positions after the moves: nobody swaps cells or enters one that stays taken, and
+    a lot decides between agents that want the same one.
+    """
     offset = jnp.where(action == 2, 3, jnp.where(action == 3, 1, jnp.where(action == 5, 2, 0)))
     moving = (action >= 2) & (action <= 5)
     target = jnp.where(moving, position + STEP[(heading + offset) & 3], position)
     target = jnp.where(OUTSIDE[target] > 0, position, target)
+    # The lots: the agents' numbers in the low bits make them different.
     order = jax.random.bits(key, (NUM_AGENTS,)) & jnp.uint32(0xFFFFFFF8) | jnp.arange(
         NUM_AGENTS, dtype=jnp.uint32
     )
     into = (target[:, None] == position[None]) & NOT_SELF
     same = (target[:, None] == target[None]) & NOT_SELF
     moves = (target != position) & ~jnp.any(into & into.T, 1)
-    for _ in range(NUM_AGENTS):
+    for _ in range(NUM_AGENTS):  # whoever stays may keep another from entering
         enters = moves & ~jnp.any(into & ~moves[None], 1)
         moves = enters & ~jnp.any(same & moves[None] & (order[None] > order[:, None]), 1)
     return jnp.where(moves, target, position)
@@ -151,6 +157,7 @@ def _observe(position: Array, heading: Array, ripe: Array, beam: Array, zap: Arr
     grid = grid.reshape(ROWS, COLS)
 
     def window(row: Array, col: Array, facing: Array) -> Array:
+        """Returns what an agent there sees, with its heading upwards, `[11, 11]`."""
         around = jax.lax.dynamic_slice(grid, (row - 9, col - 9), (19, 19))
         turned = [jnp.rot90(around, k)[0:11, 4:15] for k in range(4)]
         return jnp.where(

@@ -106,11 +106,11 @@ class Commands(click.Group):
 
 
 def _docstring_in_source(module: ModuleType) -> str | None:
-    tree = ast.parse(inspect.getsource(module))
-    functions = (
-        node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "command"
-    )
-    return next(map(ast.get_docstring, functions), None)
+    """Returns the docstring of `command` in the source of a module."""
+    for node in ast.parse(inspect.getsource(module)).body:
+        if isinstance(node, ast.FunctionDef) and node.name == "command":
+            return ast.get_docstring(node)
+    return None
 
 
 @click.group(

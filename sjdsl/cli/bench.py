@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Listed(click.ParamType["tuple[Any, ...]"]):
-    """Values of the type `item`, separated by commas; duplicates are dropped."""
+    """Values of a type, separated by commas; duplicates are dropped. item: the type."""
 
     name = "list"
 

@@ -58,6 +58,7 @@ def find_problems(source: Source, variant: str | None = None) -> DiagnosticsByVa
 
 
 def _print_problems(file: str, problems: DiagnosticsByVariant) -> None:
+    """Prints the diagnostics of a file, variant by variant, or that it has none."""
     for names, diagnostics in problems.items():
         if diagnostics and names and len(problems) > 1:
             click.echo(f"in variant `{'+'.join(names)}` of {file}:\n")

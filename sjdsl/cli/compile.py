@@ -54,7 +54,7 @@ class Module:
 )
 @click.option(
     "--standalone",
-    "alone",
+    "is_standalone",
     is_flag=True,
     help="Write NAME_standalone.py, which needs only jax and numpy.",
 )
@@ -64,7 +64,7 @@ def command(
     files: tuple[str, ...],
     output: str | None,
     only_check: bool,
-    alone: bool,
+    is_standalone: bool,
     variant: str | None,
     map_file: str | None,
 ) -> int:
@@ -76,11 +76,11 @@ def command(
     """
     if output and only_check:
         raise click.UsageError("--check writes nothing: leave out -o")
-    if alone and only_check:
+    if is_standalone and only_check:
         raise click.UsageError(
             "--check looks only at the modules in generated/: leave out --standalone"
         )
-    modules = compile_games(files, variant, map_file, output, alone)
+    modules = compile_games(files, variant, map_file, output, is_standalone)
     paths = [module.path for module in modules]
     if clash := next((path for path in paths if paths.count(path) > 1), None):
         raise click.ClickException(f"two of these games would be written to {clash}")
@@ -100,14 +100,14 @@ def compile_games(
     variant: str | None,
     map_file: str | None,
     output: str | None,
-    alone: bool,
+    is_standalone: bool,
 ) -> list[Module]:
     """Returns the modules of games. Raises CompileError with the faults of all of them."""
     modules: list[Module] = []
     diagnostics: list[Diagnostic] = []
     for name in names:
         try:
-            modules.append(compile_game(name, variant, map_file, output, alone))
+            modules.append(compile_game(name, variant, map_file, output, is_standalone))
         except CompileError as error:
             diagnostics += error.diagnostics
     if diagnostics:
@@ -116,20 +116,21 @@ def compile_games(
 
 
 def compile_game(
-    name: str, variant: str | None, map_file: str | None, output: str | None, alone: bool
+    name: str, variant: str | None, map_file: str | None, output: str | None, is_standalone: bool
 ) -> Module:
     """Returns the module of a game; its warnings go to the terminal. Raises CompileError."""
     source = read_source(game_path(name))
     variants = split_variants(variant)
     try:
-        overrides = Overrides(None, None, *map_rows(map_file, source))
+        rows, row_spans = map_rows(map_file, source)
+        overrides = Overrides(rows=rows, row_spans=row_spans)
         built = build(source, variants, overrides)
     except FileNotFoundError as error:
         raise click.ClickException(str(error)) from None
     print_diagnostics(built.warnings, built.sources, err=True)
     program = lower_build(built, source)
     stem = "_".join((built.game.name, *variants))
-    if alone:
+    if is_standalone:
         path = Path(output or ".")
         stem += "_standalone"
         text = standalone(program)
@@ -140,6 +141,7 @@ def compile_game(
 
 
 def _report_differences(modules: list[Module]) -> int:
+    """Prints which modules differ from their files; returns the exit status, 1 if one does."""
     is_current = True
     for module in modules:
         if not module.path.is_file():

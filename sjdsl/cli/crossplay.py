@@ -6,7 +6,7 @@ from typing import Literal
 import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions
-from sjdsl.cli.experiment_options import echo_files, experiment, experiment_options
+from sjdsl.cli.experiment_options import echo_files, experiment_options, prepare_experiment
 from sjdsl.cli.policies import NAMES, warnings_as_notes
 from sjdsl.extras import require
 
@@ -65,7 +65,8 @@ def command(
     Each episode of a mixture draws which policy gets which slot. A RUN of several seeds is a pool:
     seed i of one plays with seed i of the others, and the intervals are over seeds.
     """
-    if (slots is None) == (not policies):
+    has_both = slots is not None and bool(policies)
+    if has_both or (slots is None and not policies):
         raise click.UsageError(
             "give either --slots, a policy for each slot, or --policies, whose mixtures are played"
         )
@@ -78,7 +79,7 @@ def command(
         )
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_crossplay")
-    with experiment(game, in_slots or policies, folder, options) as (env, say):
+    with prepare_experiment(game, in_slots or policies, folder, options) as (env, say):
         from sjdsl.experiments.crossplay import plan_cross_play, play_mixtures
         from sjdsl.experiments.summaries import crossplay_text
 

@@ -19,7 +19,10 @@ def print_diagnostics(
     sources: Mapping[str, Source] | None = None,
     err: bool = False,
 ) -> None:
-    """Prints diagnostics for people; texts that `sources` lacks are read from their files."""
+    """Prints diagnostics for people, to standard error if `err`.
+
+    sources: the texts that they point to, by name; what it lacks is read from the files.
+    """
     if not diagnostics:
         return
     add_codes((diagnostic.code for diagnostic in diagnostics), err)

@@ -32,6 +32,7 @@ def spell_out(error: UnicodeError) -> tuple[str, int]:
 
 
 def _in_ascii(character: str) -> str:
+    """Returns a character spelt out, without its accent, or as its number."""
     if character in ASCII_SPELLINGS:
         return ASCII_SPELLINGS[character]
     without_accents = unicodedata.normalize("NFD", character)[0]
@@ -41,6 +42,7 @@ def _in_ascii(character: str) -> str:
 
 
 def _accepting(stream: TextIO) -> TextIO:
+    """Returns a stream to the same place that spells out what its encoding lacks."""
     if not isinstance(stream, io.TextIOWrapper):  # None without a console
         return stream
     if codecs.lookup(stream.encoding).name == "ascii":

@@ -28,10 +28,8 @@ Command = Callable[..., Any]
 
 @dataclass(frozen=True)
 class EnvironmentOptions:
-    """The values of --variant, --map, --agents and --param.
-
-    They are the arguments of `sjdsl.make` other than the game.
-    """
+    """The values of --variant, --map, --agents and --param: the arguments of `sjdsl.make` other
+    than the game."""
 
     variant: str | None = None
     map: str | None = None  # a file
@@ -96,9 +94,10 @@ class EnvironmentOptions:
 
         The game's parameters are merged one by one.
         """
-        chosen = {name: value for name, value in vars(self).items() if value is not None}
-        params = {**preset.get("params", {}), **self.params}
-        return EnvironmentOptions(**{**preset, **chosen, "params": params})
+        arguments = dict(preset)
+        arguments |= {name: value for name, value in vars(self).items() if value is not None}
+        arguments["params"] = {**preset.get("params", {}), **self.params}
+        return EnvironmentOptions(**arguments)
 
 
 def environment_options(command: Command) -> Command:
@@ -116,17 +115,17 @@ def environment_options(command: Command) -> Command:
         options = EnvironmentOptions(variant, map_file, agents, read_assignments(params))
         return command(options=options, **others)
 
-    number = click.option(
+    agents_option = click.option(
         "--agents", type=click.IntRange(min=1), metavar="N", help="The number of agents."
     )
-    params = click.option(
+    param_option = click.option(
         "--param",
         "params",
         multiple=True,
         metavar="NAME=VALUE",
         help="A number of the game: apple=2, regrow[red]=0.1.",
     )
-    return variant_option(map_option(number(params(with_options))))
+    return variant_option(map_option(agents_option(param_option(with_options))))
 
 
 def written_options(*allowed: str) -> list[str]:
@@ -166,8 +165,7 @@ def read_assignments(assignments: tuple[str, ...]) -> dict[str, Any]:
     A name with indices has a mapping of them, nested in the order of the brackets.
     """
     values: dict[str, Any] = {}
-    for text in assignments:
-        ((path, value),) = read_texts((text,)).items()
+    for path, value in read_texts(assignments).items():
         *outer, last = (name.strip() for name in path.replace("]", "").split("["))
         inner = values
         for name in outer:
@@ -204,11 +202,11 @@ def make_environment(
 
 
 @contextmanager
-def hiding_game_text(file: Path | str) -> Iterator[None]:
+def without_quoting_game(file: Path | str) -> Iterator[None]:
     """Turns faults of a game that a file names into a ClickException without any text of the game.
 
-    The file may come from somebody else, and the path in it may be that of any text on this
-    machine.
+    The file (a recording, a run) may come from a stranger, and name any text on this machine as its
+    game: a message that quotes it would give it away.
     """
     try:
         yield

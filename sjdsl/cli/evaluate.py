@@ -11,15 +11,15 @@ import click
 from sjdsl.cli.environment_options import (
     EnvironmentOptions,
     environment_options,
-    hiding_game_text,
     make_environment,
+    without_quoting_game,
     written_options,
 )
 from sjdsl.cli.episode_options import episodes_option, seed_option
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of, require_writable
 from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
-from sjdsl.cli.provenance import provenance_of
+from sjdsl.cli.provenance import arguments_of_run
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.trainers.policies.stored_evaluation import read_evaluation
@@ -97,8 +97,8 @@ def command(
         env, policy = _evaluate_policy(run, game, episodes, seed, greedy, output, options)
     else:
         path, which = split_name(run)
-        arguments = provenance_of(path, OR_A_GAME, game, options.map)
-        with stages(LOADING), hiding_game_text(path):
+        arguments = arguments_of_run(path, OR_A_GAME, game, options.map)
+        with stages(LOADING), without_quoting_game(path):
             env = make_environment(arguments)
         folders = sorted(path.glob("seed_*")) or [path]
         for folder in folders:
@@ -267,6 +267,7 @@ def _compare(
 
     `title` follows the game's name in the title of the table.
     """
+    from sjdsl.experiments.summaries import in_columns
     from sjdsl.trainers import evaluate, random_policy, summarise
     from sjdsl.trainers.policies.evaluation import evaluation_key
 
@@ -282,15 +283,12 @@ def _compare(
     rows = [("", *columns)]
     for figure in columns[name]:
         if _is_listed(figure, env.game):
-            rows.append((figure, *(_interval(column[figure]) for column in columns.values())))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+            intervals = [_interval(column[figure]) for column in columns.values()]
+            rows.append((figure, *intervals))
     click.echo(
         f"\n{env.title or env.name}{title}: means of {episodes} episodes with their "
-        "95 % confidence intervals"
+        f"95 % confidence intervals\n{in_columns(rows)}"
     )
-    for row in rows:
-        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
-        click.echo(f"  {'  '.join(cells)}".rstrip())
     returns = [_interval(column["collective return"]) for column in columns.values()]
     baseline = f" against {returns[1]} of a random policy" if len(returns) > 1 else ""
     click.echo(f"return {returns[0]}{baseline}")
@@ -301,10 +299,11 @@ def _is_listed(figure: str, game: "ir.Game") -> bool:
     declares (its mean or its final value)."""
     if " of agent " in figure and not figure.startswith("return of"):
         return False
-    return not any(
-        figure == (f"final {measure.name}" if measure.mean else f"mean {measure.name}")
-        for measure in game.measures
-    )
+    for measure in game.measures:
+        undeclared = f"final {measure.name}" if measure.mean else f"mean {measure.name}"
+        if figure == undeclared:
+            return False
+    return True
 
 
 def _interval(figure: "Estimate") -> str:

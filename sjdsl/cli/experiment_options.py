@@ -39,7 +39,7 @@ def experiment_options(command: Command) -> Command:
 
 
 @contextmanager
-def experiment(
+def prepare_experiment(
     game: str, policies: Sequence[str], folder: Path, options: EnvironmentOptions
 ) -> Iterator[tuple["Environment", Say]]:
     """Yields the environment of a command and a function that announces stages.
@@ -49,12 +49,14 @@ def experiment(
     rules = options.check(game)
     for policy in policies:
         check_policy(policy, rules)
-    with writing_to(folder, options.describe(game)) as env_and_say:
+    with prepare_environment(folder, options.describe(game)) as env_and_say:
         yield env_and_say
 
 
 @contextmanager
-def writing_to(folder: Path, arguments: Mapping[str, Any]) -> Iterator[tuple["Environment", Say]]:
+def prepare_environment(
+    folder: Path, arguments: Mapping[str, Any]
+) -> Iterator[tuple["Environment", Say]]:
     """Yields the environment of these arguments and a function that announces stages.
 
     Raises ClickException if nothing can be written to the folder.
@@ -65,5 +67,6 @@ def writing_to(folder: Path, arguments: Mapping[str, Any]) -> Iterator[tuple["En
 
 
 def echo_files(folder: Path, names: Sequence[str]) -> None:
-    """Prints where the results are."""
-    click.echo("\n" + "\n".join(f"{folder / name}" for name in names if (folder / name).is_file()))
+    """Prints the paths of those of the files that exist."""
+    paths = [folder / name for name in names]
+    click.echo("\n" + "\n".join(str(path) for path in paths if path.is_file()))

@@ -55,7 +55,7 @@ def save_film(
 
 
 def announced(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator[Moment]":
-    """Yields the moments of an episode and announces the stages.
+    """Yields the moments of an episode, and announces that it compiles, then that it plays.
 
     The first two moments wait for the compiler.
     """

@@ -73,10 +73,10 @@ def files_of(paths: Iterable[str]) -> list[Path]:
     for name in paths:
         path = Path(name)
         if path.is_dir():
-            inside = sorted(file for file in path.rglob("*.sj") if _is_visible(file, path))
-            if not inside:
+            games = sorted(file for file in path.rglob("*.sj") if _is_visible(file, path))
+            if not games:
                 raise click.ClickException(f"there are no `.sj` files in the folder {name}")
-            files += inside
+            files += games
         elif path.suffix == ".sj" or path.is_file():
             files.append(path)
         else:
@@ -91,6 +91,7 @@ def _is_visible(path: Path, folder: Path) -> bool:
 
 
 def _format_stdin(only_check: bool) -> int:
+    """Formats standard input; returns the exit status."""
     data = sys.stdin.buffer.read()
     source = Source(STDIN_NAME, "")
     try:

@@ -17,11 +17,12 @@ COLLECTION_THRESHOLD = 50_000
 @click.command("lsp")
 @click.option(
     "--inside",
+    "folders",
     multiple=True,
     metavar="DIR",
     help="Read no files outside this folder; may be repeated.",
 )
-def command(inside: tuple[str, ...]) -> int:
+def command(folders: tuple[str, ...]) -> int:
     """Starts the language server. Editors do this themselves: docs/editors.md says how. It needs
     the extra `sjdsl[editor]`.
 
@@ -31,10 +32,10 @@ def command(inside: tuple[str, ...]) -> int:
     require("editor", "pygls")
     from sjdsl.editor.server import make_server
 
-    gc.set_threshold(COLLECTION_THRESHOLD, 20, 20)
+    gc.set_threshold(COLLECTION_THRESHOLD, 20, 20)  # older objects less often than by default (10)
     # The server has no work to keep, and pygls would wait for the editor's next message.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    server = make_server([*map(Path, inside)] or None)
+    server = make_server([Path(folder) for folder in folders] or None)
     # pygls closes the stream that it writes to, and standard output is needed after that.
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as answers:
         server.start_io(stdout=answers)

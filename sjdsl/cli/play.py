@@ -112,14 +112,19 @@ def command(
     check_policy(others, rules)
 
     length = int(evaluate(rules.episode, Instance(board, declared_world(board, values))))
-    typed = ({agent: action} for action in typed_actions(rules.agents.actions))
-    steering: Steering = islice(repeat({}) if watch else typed, min(length, steps or length))
+    most_steps = min(length, steps or length)
+    steering: Steering
+    if watch:
+        steering = repeat({}, most_steps)
+    else:
+        typed = typed_actions(rules.agents.actions)
+        steering = islice(({agent: action} for action in typed), most_steps)
     if others in (*UNTRAINED, *(policy.name for policy in rules.policies)):
-        moments = interpreted(rules, values, seed, chooser(rules, others, seed), steering)
+        moments = play_interpreted(rules, values, seed, chooser(rules, others, seed), steering)
     else:
         with stages(f"compiling {rules.name}"):
             env = make_environment(arguments)
-            moments = compiled(env, choose_policy(others, env), seed, steering)
+            moments = play_compiled(env, choose_policy(others, env), seed, steering)
 
     title = title_of(rules)
     player = "" if watch else f": you play agent {agent}"
@@ -238,10 +243,11 @@ def _read_action(text: str, names: Sequence[str]) -> int:
 
 
 def _listed(names: Sequence[str]) -> str:
+    """Returns `0 stay, 1 forward`."""
     return ", ".join(f"{number} {name}" for number, name in enumerate(names))
 
 
-def interpreted(
+def play_interpreted(
     game: ir.Game, params: Mapping[str, Value], seed: int, choose: Chosen, steering: Steering
 ) -> Iterator[Moment]:
     """Yields the moments of an episode, with the start, without JAX.
@@ -270,7 +276,9 @@ def interpreted(
             return
 
 
-def compiled(env: "Environment", policy: Any, seed: int, steering: Steering) -> Iterator[Moment]:
+def play_compiled(
+    env: "Environment", policy: Any, seed: int, steering: Steering
+) -> Iterator[Moment]:
     """Yields the moments of an episode of the compiled game, with the start.
 
     `policy` chooses the actions of the agents that `steering` doesn't control.

@@ -25,7 +25,8 @@ from sjdsl.short_paths import short_names
     show_default=True,
     help="A column of metrics.jsonl.",
 )
-def command(runs: tuple[str, ...], output: str, metric: str) -> None:
+@click.option("--by", type=click.Choice(["trial"]), help="A curve for each trial of an episode.")
+def command(runs: tuple[str, ...], output: str, metric: str, by: str | None) -> None:
     """Plots a metric of RUNs over environment steps: the mean over the seeds of each run, and their
     range.
 
@@ -45,5 +46,6 @@ def command(runs: tuple[str, ...], output: str, metric: str) -> None:
 
     from sjdsl.trainers.runs.curves import draw_curves
 
-    draw_curves(folders, metric, path)
-    click.echo(f"{path}  {metric} of {', '.join(name for name, _ in folders)}")
+    draw_curves(folders, metric, path, by_trial=by == "trial")
+    of_trials = " by trial" if by == "trial" else ""
+    click.echo(f"{path}  {metric}{of_trials} of {', '.join(name for name, _ in folders)}")

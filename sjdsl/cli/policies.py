@@ -33,7 +33,8 @@ policy_option = click.option(
 )
 
 
-def _allow(_: click.Context, __: click.Parameter, names: tuple[str, ...]) -> None:
+def _allow_code(_: click.Context, __: click.Parameter, names: tuple[str, ...]) -> None:
+    """Lets stored policies and runs load the code that --allow-code names."""
     try:
         allow_code(*names)
     except ValueError as error:
@@ -45,7 +46,7 @@ code_option = click.option(
     multiple=True,
     metavar="FILE.py:NAME",
     expose_value=False,
-    callback=_allow,
+    callback=_allow_code,
     help="Your own code that a stored policy or run may load.",
 )
 

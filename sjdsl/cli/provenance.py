@@ -7,12 +7,12 @@ from typing import Any
 
 import click
 
-from sjdsl.cli.environment_options import hiding_game_text
+from sjdsl.cli.environment_options import without_quoting_game
 from sjdsl.files import read_json
 from sjdsl.library.stored_game import GameMoved, locate_game
 
 
-def provenance_of(
+def arguments_of_run(
     run_dir: Path, alternative: str = "", game: str | None = None, map_file: str | None = None
 ) -> dict[str, Any]:
     """Returns the arguments of `make_environment` for a run, or for one of its seeds.
@@ -73,7 +73,7 @@ def locate(
       ClickException: the files are missing, or have other rules.
     """
     try:
-        with hiding_game_text(path) if game is None else nullcontext():
+        with without_quoting_game(path) if game is None else nullcontext():
             arguments = locate_game(stored, game_hash, path, game, map_file)
     except GameMoved as error:
         raise click.ClickException(

@@ -117,6 +117,7 @@ def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path
 
 
 def _summary(env: "Environment", path: Path, writer: "DatasetWriter") -> str:
+    """Returns two lines: how much was stored, and the returns of these episodes."""
     import numpy as np
 
     collective = np.array(writer.returns).sum(axis=1)

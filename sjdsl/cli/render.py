@@ -67,10 +67,10 @@ def command(
         act = choose_policy(policy, env)
         if path.suffix == ".png":
             moments = announced(play_moments(env, act, steps, seed), env, say)
-            *before, last = deque(moments, maxlen=2)
+            *before, last = deque(moments, maxlen=2)  # `before` is empty after no step
+            snapshot_before = before[0].snapshot if before else None
             painter = make_painter(env, [last.snapshot])
-            snapshots = [moment.snapshot for moment in before]
-            save_png(painter.draw(last.snapshot, last.actions, *snapshots), path)
+            save_png(painter.draw(last.snapshot, last.actions, snapshot_before), path)
             summary = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
         else:
             summary = save_film(env, act, path, steps, seed, say, speed)

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 import sjdsl
-from sjdsl.cli.environment_options import hiding_game_text
+from sjdsl.cli.environment_options import without_quoting_game
 from sjdsl.cli.film import SPEED, announced, check_film, write_film
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.game_file import map_option
@@ -63,20 +63,20 @@ def command(
         from sjdsl.replay import replayed
 
         with stages(LOADING) as say:
-            command = f"sjdsl replay {file} --game GAME"
+            retry = f"sjdsl replay {file} --game GAME"
             arguments = locate(
-                recording.environment, recording.hash, Path(file), command, game, map_file
+                recording.environment, recording.hash, Path(file), retry, game, map_file
             )
-            with hiding_game_text(file):
+            with without_quoting_game(file):
                 env = sjdsl.make(**arguments)
             moments = announced(replayed(recording, env), env, say)
             if output is not None:
-                text = write_film(env, moments, Path(output), speed, say)
+                report = write_film(env, moments, Path(output), speed, say)
             else:
                 letters = make_letters(env.game)
                 board = board_of(env.game)
                 boards = ["\n".join(moment_lines(moment, letters, board)) for moment in moments]
-                text = "\n\n".join([letters.legend_line(), *boards])
+                report = "\n\n".join([letters.legend_line(), *boards])
     except RecordingError as error:
         raise click.ClickException(str(error)) from None
-    click.echo(text)
+    click.echo(report)

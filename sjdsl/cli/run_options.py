@@ -37,8 +37,9 @@ class RunOptions:
 
 
 def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
-    """Adds the options of a run; the command gets them together as `run`. `seeds`: the default
-    number.
+    """Returns a decorator that adds the options of a run; the command gets them together as `run`.
+
+    seeds: the default of --seeds.
     """
     options = (
         click.option(
@@ -106,9 +107,10 @@ def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
             named = {name: value for name, value in settings.items() if value is not None}
             return command(run=RunOptions(preset, read_texts(changes), named, loggers), **others)
 
-        return functools.reduce(
-            lambda decorated, option: option(decorated), reversed(options), with_run
-        )
+        decorated: Command = with_run
+        for option in reversed(options):  # the last one added comes first in the help
+            decorated = option(decorated)
+        return decorated
 
     return add
 

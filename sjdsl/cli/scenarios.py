@@ -7,9 +7,9 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions
-from sjdsl.cli.experiment_options import echo_files, experiment, writing_to
+from sjdsl.cli.experiment_options import echo_files, prepare_environment, prepare_experiment
 from sjdsl.cli.policies import warnings_as_notes
-from sjdsl.cli.provenance import provenance_of
+from sjdsl.cli.provenance import arguments_of_run
 from sjdsl.trainers.settings.policy_names import split_name
 
 OR_A_GAME = ", or add --game GAME for a policy that isn't a run"
@@ -37,12 +37,12 @@ def evaluate_in_scenarios(
         policy_words = re.sub(r"\W+", "_", Path(policy).name).strip("_")
         folder = Path(f"{Path(game or '').stem}_{policy_words}_scenarios")
     if game is None:
-        playing = writing_to(folder, provenance_of(path, OR_A_GAME))
+        prepared = prepare_environment(folder, arguments_of_run(path, OR_A_GAME))
     else:
-        playing = experiment(game, (policy,), folder, options)
+        prepared = prepare_experiment(game, (policy,), folder, options)
     stem = "scenarios" if which == "last" else f"scenarios_{which}"
     names = [name.strip() for name in scenario.split(",")]
-    with playing as (env, say):
+    with prepared as (env, say):
         from sjdsl.experiments.scenarios import plan_scenarios, play_planned
         from sjdsl.experiments.summaries import scenarios_text
 

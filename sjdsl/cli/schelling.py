@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions
-from sjdsl.cli.experiment_options import echo_files, experiment, experiment_options
+from sjdsl.cli.experiment_options import echo_files, experiment_options, prepare_experiment
 from sjdsl.cli.policies import NAMES, warnings_as_notes
 from sjdsl.extras import require
 
@@ -35,7 +35,7 @@ def command(
     """
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_schelling")
-    with experiment(game, (cooperators, defectors), folder, options) as (env, say):
+    with prepare_experiment(game, (cooperators, defectors), folder, options) as (env, say):
         from sjdsl.experiments.schelling import plan_diagram, play_diagram
         from sjdsl.experiments.summaries import diagram_text
 

@@ -35,7 +35,7 @@ def command(game: str | None, port: int | None, browser: bool) -> None:
     """
     require("studio", "starlette", "uvicorn", "websockets", "pygls")
     folder = Path.cwd().resolve()
-    opened = None if game is None else _inside(game, folder)
+    opened = None if game is None else _path_in_page(game, folder)
     import uvicorn
 
     from sjdsl.studio.server import make_app
@@ -54,8 +54,8 @@ def command(game: str | None, port: int | None, browser: bool) -> None:
     uvicorn.Server(settings).run(sockets=[listening])
 
 
-def _inside(game: str, folder: Path) -> str:
-    """Returns the path of a game in the page: inside the folder, or that of an example."""
+def _path_in_page(game: str, folder: Path) -> str:
+    """Returns the path by which the page calls a game: relative to the folder, or an example's."""
     path = game_path(game).resolve()
     example = None if path.is_relative_to(folder) else example_of(path)
     if example is not None:
@@ -67,13 +67,13 @@ def _inside(game: str, folder: Path) -> str:
             f"`{game}` is outside this folder: start the studio in the game's own folder, "
             f"{path.parent}"
         )
-    inside = path.relative_to(folder).as_posix()
-    if any("\ud800" <= character <= "\udfff" for character in inside):
+    relative = path.relative_to(folder).as_posix()
+    if any("\ud800" <= character <= "\udfff" for character in relative):  # bytes that aren't UTF-8
         raise click.ClickException(
-            f"the name `{ascii(inside)[1:-1]}` is not UTF-8, so no page can show it: "
+            f"the name `{ascii(relative)[1:-1]}` is not UTF-8, so no page can show it: "
             "rename the file"
         )
-    return inside
+    return relative
 
 
 def _listen(port: int | None) -> socket.socket:

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Processes at a time, each with a GPU if there are any.",
 )
-@click.option("--retry", "again", is_flag=True, help="Try failed cells again.")
+@click.option("--retry", is_flag=True, help="Try failed cells again.")
 @click.option("--dry-run", is_flag=True, help="List the cells and their progress, and stop.")
 @environment_options
 def command(
@@ -52,7 +52,7 @@ def command(
     run: RunOptions,
     episodes: int,
     workers: int,
-    again: bool,
+    retry: bool,
     dry_run: bool,
     options: EnvironmentOptions,
 ) -> int:
@@ -64,16 +64,16 @@ def command(
     folder: docs/sweeps.md.
     """
     spec = SweepSpec(
-        games,
-        [read_axis(text) for text in axes],
-        run.settings,
-        run.preset,
-        options.variant,
-        options.params,
-        episodes,
-        run.loggers,
-        options.map,
-        options.num_agents,
+        games=games,
+        axes=[read_axis(text) for text in axes],
+        settings=run.settings,
+        preset=run.preset,
+        variant=options.variant,
+        params=options.params,
+        episodes=episodes,
+        loggers=run.loggers,
+        map=options.map,
+        num_agents=options.num_agents,
     )
     describe = GameReader()
     cells = plan_sweep(spec, describe)  # settings that don't fit are refused before JAX loads
@@ -89,11 +89,11 @@ def command(
     if dry_run:
         gpus_for_workers(workers)  # each run is checked for one device, as in the sweep itself
         check_sweep(spec, cells, folder.resolve())
-        _list(cells, folder, episodes)
+        _list_cells(cells, folder, episodes)
         return 0
     watch = Watch("auto", lambda line: click.echo(line, err=True))
     try:
-        outcome = sweep(spec, folder, describe, workers, again, watch)
+        outcome = sweep(spec, folder, describe, workers, retry, watch)
     except (KeyboardInterrupt, OSError, DiskError):
         click.echo(f"what was trained is kept in {folder}; the same command resumes it", err=True)
         raise
@@ -124,13 +124,14 @@ class GameReader:
         key = repr(sorted(arguments.items(), key=str))
         if key not in self._hashes:
             built, _ = options.read(game)
-            self._hashes[key] = game_hash(built.game)
-            self.games[self._hashes[key]] = built.game
-        game_id = self._hashes[key]
-        return arguments, self.games[game_id].name, game_id
+            hash_ = game_hash(built.game)
+            self._hashes[key] = hash_
+            self.games[hash_] = built.game
+        hash_ = self._hashes[key]
+        return arguments, self.games[hash_].name, hash_
 
 
-def _list(cells: Sequence[Cell], folder: Path, episodes: int) -> None:
+def _list_cells(cells: Sequence[Cell], folder: Path, episodes: int) -> None:
     """Prints the cells of a plan and the progress of those in the folder."""
     from sjdsl.sweeps.folder import progress_of, steps_of
 
@@ -148,18 +149,18 @@ def _list(cells: Sequence[Cell], folder: Path, episodes: int) -> None:
             steps_left += steps * len(cell.seeds)
     by_state = ", ".join(f"{number} {state}" for state, number in states.items())
     click.echo(
-        f"\n{_counted(len(cells))}: {by_state}; at most {steps_left:,} environment steps left"
+        f"\n{_count_text(len(cells))}: {by_state}; at most {steps_left:,} environment steps left"
     )
 
 
-def _counted(cells: int) -> str:
+def _count_text(cells: int) -> str:
     return "1 cell" if cells == 1 else f"{cells} cells"
 
 
 def _report(outcome: "Outcome", folder: Path) -> int:
     """Prints the result of a sweep; returns the exit status, 1 unless every cell is done."""
     total = len(outcome.done) + len(outcome.failed) + len(outcome.stopped)
-    click.echo(f"\n{len(outcome.done)} of {_counted(total)} are done")
+    click.echo(f"\n{len(outcome.done)} of {_count_text(total)} are done")
     for name in ("sweep.json", "results.csv", "cells"):
         click.echo(f"  {folder / name}")
     for name, reason in outcome.failed.items():

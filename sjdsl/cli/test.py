@@ -117,16 +117,21 @@ class FileTest:
         try:
             for number in self.verification.numbers:
                 verdict = self.verification.verdict(number)
+                lines = list(verdict_lines(verdict))
+                if not printed:
+                    lines.insert(0, name)
                 with status.hidden():
-                    self.say("\n".join([*([] if printed else [name]), *verdict_lines(verdict)]))
+                    self.say("\n".join(lines))
                 printed[number] = verdict
             self.report = self.verification.report()
             self.decided = printed
         except KeyboardInterrupt:
             self.decided = dict(sorted((self.verification.decided() | printed).items()))
+            lines = list(self._interrupted_lines(name, printed))
+            if not printed:
+                lines.insert(0, name)
             with status.hidden():
-                lines = self._interrupted_lines(name, printed)
-                self.say("\n".join([*([] if printed else [name]), *lines]))
+                self.say("\n".join(lines))
             raise
         with status.hidden():
             self.say("\n".join([*ending_lines(self.report), f"{name}: {summary(self.report)}"]))
@@ -182,7 +187,7 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
     ran.
     """
     place = f"{PurePath(verdict.file).name}:{verdict.line}"
-    yield f"  {STATUS[verdict.status]:8}  {place}  {verdict.text}  [{how(verdict)}]"
+    yield f"  {STATUS[verdict.status]:8}  {place}  {verdict.text}  [{how_reached(verdict)}]"
     yield from (INDENT + line for line in verdict.trace)
     if verdict.untested:
         lines = "lines" if len(verdict.untested) > 1 else "a line"
@@ -218,8 +223,8 @@ def summary(report: Report) -> str:
     return f"{count}, {', '.join(problems)}" if problems else f"{count} passed"
 
 
-def how(verdict: Verdict) -> str:
-    """Returns how a verdict was reached."""
+def how_reached(verdict: Verdict) -> str:
+    """Returns how a verdict was reached: `proved: REASON`, or the reason alone after play."""
     is_certain = verdict.how in ("proved", "decided")
     return f"{verdict.how}: {verdict.reason}" if is_certain else verdict.reason
 

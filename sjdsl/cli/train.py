@@ -11,8 +11,8 @@ import click
 from sjdsl.cli.environment_options import (
     EnvironmentOptions,
     environment_options,
-    hiding_game_text,
     make_environment,
+    without_quoting_game,
     written_options,
 )
 from sjdsl.cli.evaluate import evaluate_run, list_files
@@ -27,7 +27,7 @@ from sjdsl.trainers.runs.run_lock import is_unused
 from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
 from sjdsl.trainers.runs.stages import stage_folders
 from sjdsl.trainers.settings.config import stored_config
-from sjdsl.trainers.settings.extensions import find, lasting, require_allowed, short_name
+from sjdsl.trainers.settings.extensions import absolute_name, find, require_allowed, short_name
 from sjdsl.trainers.settings.own_settings import OWN, taken_settings
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from sjdsl.trainers.runs.loggers import LoggerName
 
 EPISODES = 30  # of the evaluation at the end
-BESIDE_RESUME = (
+BESIDE_RESUME = (  # parameters of the command that are allowed with --resume
     "resumed",
     "game",
     "map_file",
@@ -107,7 +107,7 @@ def command(
         loggers = run.loggers or None
         _resume(Path(resumed), game, options.map, episodes, loggers, callback, total_timesteps)
         return
-    preset = _choose(game, run, needed=not keys)
+    preset = _choose_preset(game, run, needed=not keys)
     config = preset.config
     if keys:
         _list_keys(config)
@@ -150,9 +150,15 @@ def command(
         f"{env.name}_{short_name(config.algorithm)}_{short_name(config.reward)}_seed{config.seed}"
     )
     path = Path(run_dir) if run_dir else new_folder(run_name)
-    asked = {"episodes": episodes, **callback_name}
     result = train(
-        env, config, path, "auto", last.provenance, run.loggers, asked, function, earlier
+        env,
+        config,
+        path,
+        provenance=last.provenance,
+        loggers=run.loggers,
+        asked={"episodes": episodes, **callback_name},
+        callback=function,
+        earlier=earlier,
     )
     _finish(result, env, config, episodes)
 
@@ -163,9 +169,9 @@ def _list_keys(config: "Config") -> None:
     Of a setting that nothing reads, also says when it would be read.
     """
     for name, value in config.model_dump(mode="json", exclude={"own"}).items():
-        mark = config.unread.get(name)
-        condition = f"  # read where {mark.setting} is {mark.values}" if mark else ""
-        click.echo(f"{name} = {json.dumps(value)}{condition}")
+        condition = config.unread.get(name)
+        note = f"  # read where {condition.setting} is {condition.values}" if condition else ""
+        click.echo(f"{name} = {json.dumps(value)}{note}")
     settings = dict(config.own)
     for name, default, hook in taken_settings(config.hooks):
         value = json.dumps(settings.get(name, default), default=str)
@@ -227,7 +233,7 @@ def _resume(
         stage = read_manifest(folder)
         stage_hash = stage["game"].get("hash", "")
         earlier.append(locate(stage["provenance"], stage_hash, folder, command, game))
-    with stages(LOADING), hiding_game_text(path / "manifest.json"):
+    with stages(LOADING), without_quoting_game(path / "manifest.json"):
         env = make_environment(provenance)
         environments = [make_environment(arguments) for arguments in earlier]
     function, callback_name = find_callback(callback)
@@ -248,10 +254,12 @@ def _resume(
 
 
 def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
-    """Returns the callback of a name, and the entry of the manifest that names it."""
+    """Returns a callback by its name (`FILE.py:NAME`), and the entry of the manifest that names it;
+    None and no entry without a name.
+    """
     if name is None:
         return None, {}
-    return find("callback", name), {"callback": lasting("callback", name)}
+    return find("callback", name), {"callback": absolute_name("callback", name)}
 
 
 def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
@@ -271,14 +279,12 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
             "continues it"
         )
         return
+    completed = []
     for folder, seed in zip(result.folders, config.seed_numbers, strict=True):
         if episodes:
             evaluate_run(folder, env, episodes, seed)
-    completed = [
-        folder
-        for folder, seed in zip(result.folders, config.seed_numbers, strict=True)
-        if seed not in result.diverged
-    ]
+        if seed not in result.diverged:
+            completed.append(folder)
     (last,) = deque(read_rows(completed[0] / METRICS_JSONL), maxlen=1)
     steps_of_seed = result.updates * config.steps_per_update
     speed = rate(last, config.seeds, last["env_steps"] - steps_of_seed)
@@ -325,9 +331,11 @@ def join_processes() -> None:
         ) from None
 
 
-def _choose(game: str | None, run: RunOptions, needed: bool) -> Preset:
+def _choose_preset(game: str | None, run: RunOptions, needed: bool) -> Preset:
     """Returns the preset with the changes of the command line; without a preset, the game and the
     configuration as one.
+
+    needed: whether a game must be named.
     """
     if run.preset is None:
         if game is None and needed:
@@ -346,8 +354,8 @@ def _choose(game: str | None, run: RunOptions, needed: bool) -> Preset:
         if name.startswith(OWN):
             reason = ": no hook takes it"
         else:
-            mark = preset.config.unread.get(name)
-            setting = mark.setting if mark else "algorithm"
+            condition = preset.config.unread.get(name)
+            setting = condition.setting if condition else "algorithm"
             reason = f" while `{setting}` is {getattr(preset.config, setting)}"
         click.echo(f"the preset's `{name}` has no effect{reason}", err=True)
     return preset
@@ -355,7 +363,9 @@ def _choose(game: str | None, run: RunOptions, needed: bool) -> Preset:
 
 def new_folder(name: str) -> Path:
     """Returns a new folder in `runs`: `name`, or `name_2`, `name_3` and so on."""
+    path = Path("runs") / name
     number = 1
-    while (path := Path("runs") / (name if number == 1 else f"{name}_{number}")).exists():
+    while path.exists():
         number += 1
+        path = Path("runs") / f"{name}_{number}"
     return path

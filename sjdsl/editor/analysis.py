@@ -39,7 +39,7 @@ class Analysis:
         )
 
     def _open_text(self, path: Path) -> str | None:
-        """Returns the text of a file if it is open, and notes that the file was read."""
+        """Returns the text of a file if it is open, else None; notes that the file was read."""
         self._stamps[path] = _stamp(path, self._documents)
         return self._documents.text_over(path)
 

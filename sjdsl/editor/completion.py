@@ -119,7 +119,7 @@ def completion(
         source = Source("", before[: offset - len(typed)])
     tokens = [] if check_text(source) else scan(source, parser()).tokens
     if is_quoted:
-        offers = _files(tokens, document)
+        offers = _file_offers(tokens, document)
     else:
         kinds = following(tokens)
         words = automaton().words
@@ -147,7 +147,8 @@ def completion(
 def following(tokens: Sequence[Token]) -> Collection[str]:
     """Returns the kinds of tokens that may stand behind tokens, soft keywords by their own kind.
 
-    What can't be read is left out. If it is a keyword or a `}`, it ends what is unfinished around.
+    A token that can't be read is left out; but a keyword that begins something, or a `}`, ends what
+    is unfinished before it.
     """
     table = automaton()
     stack = Stack(table.start, None)
@@ -155,12 +156,13 @@ def following(tokens: Sequence[Token]) -> Collection[str]:
         kind = as_name(table, stack, token).type
         after = read(table, stack, kind)
         if after is None and (kind in BEGINNING or kind == "RBRACE"):
-            after = next(filter(None, (read(table, level, kind) for level in levels(stack))), None)
+            for outer in levels(stack):
+                after = after or read(table, outer, kind)
         stack = after or stack
     return accepted(table, stack)
 
 
-def _files(tokens: Sequence[Token], document: Document) -> list[Offer]:
+def _file_offers(tokens: Sequence[Token], document: Document) -> list[Offer]:
     """Returns the files that may be named in quotes: games after `extends`, maps after `map`."""
     suffix = SUFFIXES.get(tokens[-1].type) if tokens else None
     top = document.folder
@@ -208,7 +210,7 @@ def fitting(tokens: Sequence[Token], kinds: Collection[str], names: Names) -> It
     bound = local_names(tokens, names)
     place = _place(tokens, kinds)
     if place == "DOT":
-        yield from _members(tokens, names, bound)
+        yield from _names_after_dot(tokens, names, bound)
     for category in EXPECTED.get(place, "").split():
         yield from _names_of(category.replace("-", " "), names, bound, 0)
     if "INT" not in kinds or (place in EXPECTED and place != "IN"):
@@ -221,10 +223,10 @@ def fitting(tokens: Sequence[Token], kinds: Collection[str], names: Names) -> It
         yield from _names_of(category, names, bound, 1)
     if not compared:
         yield from _names_of("word", names, bound, 4)
-    in_checks = _last_of(SECTIONS, tokens) == "CHECKS"
+    in_checks = _last_kind(SECTIONS, tokens) == "CHECKS"
     if in_checks:
         yield from _names_of("metric", names, bound, 3)
-    check = _last_of(ENTRIES, tokens).lower()
+    check = _last_kind(ENTRIES, tokens).lower()
     for function in FUNCTIONS.values():
         if not function.word and (not function.checks or (in_checks and check in function.checks)):
             yield Offer(function.name, "function", 4)
@@ -233,8 +235,8 @@ def fitting(tokens: Sequence[Token], kinds: Collection[str], names: Names) -> It
         yield Offer(value, "value", 4)
 
 
-def _last_of(kinds: Collection[str], tokens: Sequence[Token]) -> str:
-    """Returns the kind of the last token of some kinds, "" if there is none."""
+def _last_kind(kinds: Collection[str], tokens: Sequence[Token]) -> str:
+    """Returns the one of some kinds that the last token with any of them has; "" without one."""
     return next((token.type for token in reversed(tokens) if token.type in kinds), "")
 
 
@@ -247,9 +249,8 @@ def _place(tokens: Sequence[Token], kinds: Collection[str]) -> str:
     if tokens and tokens[-1].type == "COMMA":
         while end and tokens[end - 1].type in ("NAME", "INT", "COMMA"):
             end -= 1
-    last, previous, second, third = (
-        tokens[end - back].type if back <= end else "" for back in (1, 2, 3, 4)
-    )
+    kinds_before = ["", "", "", "", *(token.type for token in tokens[:end])]
+    third, second, previous, last = kinds_before[-4:]
     match last:
         case "EQUAL" if second == "GROUP":
             return "members"
@@ -270,7 +271,7 @@ def _place(tokens: Sequence[Token], kinds: Collection[str]) -> str:
         case "SET":
             return "target" if "GIVE" in following(tokens[:-1]) else "change"
         case "TO":
-            return "who" if _last_of(STATEMENTS, tokens) == "SEND" else "target"
+            return "who" if _last_kind(STATEMENTS, tokens) == "SEND" else "target"
         case "FROM" if previous == "AWAY":
             return "who"
         case "LPAR" if previous in ("COUNT", "ANY", "ALL"):
@@ -324,7 +325,9 @@ def _names_of(category: str, names: Names, bound: dict[str, Owners], rank: int) 
             yield Offer(category, "value", rank)
 
 
-def _members(tokens: Sequence[Token], names: Names, bound: dict[str, Owners]) -> Iterator[Offer]:
+def _names_after_dot(
+    tokens: Sequence[Token], names: Names, bound: dict[str, Owners]
+) -> Iterator[Offer]:
     """Yields what may stand after a dot.
 
     That is an argument behind an action, else a field, an attribute or an action with arguments.
@@ -336,7 +339,7 @@ def _members(tokens: Sequence[Token], names: Names, bound: dict[str, Owners]) ->
             for symbol in of_action:
                 yield Offer(symbol.name, "argument", 0, symbol)
             return
-    _, owners = _path(tokens[:-1], names, bound)
+    _, owners = _resolve_path(tokens[:-1], names, bound)
     for symbol in names.fields(owners):
         yield Offer(symbol.name, "field", 0, symbol)
     if owners is None or "agent" in owners:
@@ -359,7 +362,7 @@ def _values_compared(tokens: Sequence[Token], names: Names, bound: dict[str, Own
     path = tokens[:-1]
     if tokens[-1].type == "NOT":
         path = [token for token in path if token.type != "IS"]
-    fields, _ = _path(path, names, bound)
+    fields, _ = _resolve_path(path, names, bound)
     values: list[str] = []
     for field in fields:
         node = names.nodes[field]
@@ -368,7 +371,7 @@ def _values_compared(tokens: Sequence[Token], names: Names, bound: dict[str, Own
     return values
 
 
-def _path(
+def _resolve_path(
     tokens: Sequence[Token], names: Names, bound: dict[str, Owners]
 ) -> tuple[list[Symbol], Owners]:
     """Returns the fields that the path at the end of tokens may be, and the owners it may hold.
@@ -383,7 +386,7 @@ def _path(
     name = str(tokens[-1])
     owners = names.owners(name)
     if len(tokens) > 1 and tokens[-2].type == "DOT":
-        _, holders = _path(tokens[:-2], names, bound)
+        _, holders = _resolve_path(tokens[:-2], names, bound)
         fields = [symbol for symbol in names.fields(holders) if symbol.name == name]
     elif name in bound or owners is not None:
         return [], bound.get(name) or owners
@@ -391,8 +394,10 @@ def _path(
         fields = [Symbol("name", name)]
     else:
         fields = [symbol for symbol in names.fields(None) if symbol.name == name]
-    held = frozenset[str]().union(*(names.held(field) or () for field in fields))
-    return fields, held or None
+    held: set[str] = set()
+    for field in fields:
+        held.update(names.held(field) or ())
+    return fields, frozenset(held) or None
 
 
 def local_names(tokens: Sequence[Token], names: Names) -> dict[str, Owners]:
@@ -417,8 +422,8 @@ def local_names(tokens: Sequence[Token], names: Names) -> dict[str, Owners]:
                 blocks.append({**blocks[-1], **pending})
                 declaring = [t.type for t in tokens[max(0, index - 2) : index]]
                 if declaring in (["PHASE", "NAME"], ["DEFINE", "NAME"]):
-                    inside = takewhile(lambda t: t.type != "RPAR", tokens[index:])
-                    pending = {str(t): None for t in inside if t.type == "NAME"}
+                    in_brackets = takewhile(lambda t: t.type != "RPAR", tokens[index:])
+                    pending = {str(t): None for t in in_brackets if t.type == "NAME"}
             case "RBRACE" if len(blocks) > 1:
                 blocks.pop()
                 pending = {}

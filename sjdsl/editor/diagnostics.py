@@ -57,6 +57,7 @@ def diagnostics(
 def _diagnostic(
     d: Diagnostic, variants: Sequence[str], analysis: Analysis, documents: Documents
 ) -> types.Diagnostic:
+    """Returns a problem of the text itself, with the variants that have it."""
     message = d.message
     if variants:
         names = ", ".join(f"`{name}`" for name in variants)

@@ -74,18 +74,19 @@ class Document:
 class Documents:
     """The open texts.
 
-    encoding: of positions, see `Lines`; inside: the folders in which files are read, None for all.
+    encoding: of positions, see `Lines`.
+    allowed: the folders in which files may be read; None: anywhere.
     """
 
-    def __init__(self, encoding: str = UTF16, inside: Sequence[Path] | None = None):
+    def __init__(self, encoding: str = UTF16, allowed: Sequence[Path] | None = None):
         self.encoding = encoding
-        self._inside = None if inside is None else [folder.resolve() for folder in inside]
+        self._allowed = None if allowed is None else [folder.resolve() for folder in allowed]
         self._open: dict[str, Document] = {}
         self._uris: dict[Path, str] = {}  # of open texts, as the client escapes them
 
     def put(self, uri: str, text: str, version: int | None = None) -> Document:
         """Opens a text, or replaces it."""
-        document = self._open[uri] = self._document(uri, text, version)
+        document = self._open[uri] = self._make_document(uri, text, version)
         if document.path is not None:
             self._uris[document.path] = uri
         return document
@@ -112,7 +113,7 @@ class Documents:
         if path in self._uris:
             return self._open[self._uris[path]]
         try:
-            return self._document(uri, read_source(path).text, None)
+            return self._make_document(uri, read_source(path).text, None)
         except CompileError:
             return None
 
@@ -121,14 +122,15 @@ class Documents:
         path = path_of(uri)
         return path if path is not None and self._may_read(path) else None
 
-    def _document(self, uri: str, text: str, version: int | None) -> Document:
+    def _make_document(self, uri: str, text: str, version: int | None) -> Document:
+        """Returns a text; of its paths only those that may be read."""
         uri_path = _path_in(uri)
         if uri_path is not None and not self._may_read(uri_path.parent.resolve()):
             uri_path = None
         return Document(uri, text, version, self.encoding, self.path(uri), uri_path)
 
     def _may_read(self, path: Path) -> bool:
-        return self._inside is None or any(path.is_relative_to(folder) for folder in self._inside)
+        return self._allowed is None or any(path.is_relative_to(folder) for folder in self._allowed)
 
     def uri(self, path: Path) -> str:
         """Returns the URI of a file, as the client wrote it if it is open."""

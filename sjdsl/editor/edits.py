@@ -64,10 +64,11 @@ def formatting(analysis: Analysis) -> list[types.TextEdit]:
     document = analysis.document
     old = document.text.splitlines(keepends=True)
     new = formatted.splitlines(keepends=True)
-    starts = [0, *accumulate(map(len, old))]
+    offsets = [0, *accumulate(map(len, old))]  # of the beginning of each line
+    matcher = SequenceMatcher(None, old, new, autojunk=False)
     edits = []
-    for tag, i, j, first, last in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+    for tag, old_first, old_end, new_first, new_end in matcher.get_opcodes():
         if tag != "equal":
-            range_ = document.lines.range(starts[i], starts[j])
-            edits.append(types.TextEdit(range_, "".join(new[first:last])))
+            range_ = document.lines.range(offsets[old_first], offsets[old_end])
+            edits.append(types.TextEdit(range_, "".join(new[new_first:new_end])))
     return edits

@@ -44,9 +44,9 @@ def everywhere(
 ) -> list[tuple[Analysis, list[Occurrence]]]:
     """Returns where symbols are named, by text.
 
-    The texts are the given one, its bases, and those that extend a file that declares a symbol and
-    is one of these. A field that several kinds of a group have counts as one: a name of it for one
-    kind is a name of it for all.
+    The texts are this one, its bases, and those that extend the one of these that declares a
+    symbol. A field that several kinds of a group have counts as one: a name of it for one kind is a
+    name of it for all.
 
     Args:
       folders: where to search for games that extend the text or its bases.

@@ -31,10 +31,11 @@ def hover(uri: str, position: types.Position, analyses: Analyses) -> types.Hover
     token = next(
         (t for t in analysis.tokens if (t.start_pos or 0) <= offset < (t.end_pos or 0)), None
     )
-    occurrence = symbol_at(uri, position, analyses)
+    named = symbol_at(uri, position, analyses)
     text = ""
-    if occurrence is not None:
-        text = _description(*occurrence, analyses)
+    if named is not None:
+        named_in, occurrence = named
+        text = _describe(named_in, occurrence, analyses)
     elif token is not None and token.type == "NAME" and str(token) in FUNCTIONS:
         uses = FUNCTIONS[str(token)].uses
         text = "  \n".join(f"`{expression}`: {meaning}" for expression, meaning in uses)
@@ -46,7 +47,7 @@ def hover(uri: str, position: types.Position, analyses: Analyses) -> types.Hover
     return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, text), range_)
 
 
-def _description(analysis: Analysis, occurrence: Occurrence, analyses: Analyses) -> str:
+def _describe(analysis: Analysis, occurrence: Occurrence, analyses: Analyses) -> str:
     """Returns the declarations of a name, its value if it is a number, and its other files."""
     paragraphs = []
     places = declarations(occurrence.symbols, analysis, analyses)[:MAX_DECLARATIONS]
@@ -78,13 +79,17 @@ def _declaration_text(analysis: Analysis, o: Occurrence) -> str:
     nodes: list[Any] = [] if analysis.file is None else list(walk(analysis.file))
     span = o.span
     for node in nodes:  # the innermost declaration with this name comes last
-        if getattr(getattr(node, "name", None), "span", None) == o.span:
+        name = getattr(node, "name", None)
+        if getattr(name, "span", None) == o.span:
             span = node.span
     rest_of_line = text[span.end :].partition("\n")[0]
     comment = rest_of_line if rest_of_line.lstrip().startswith("#") else ""
     indent = span.start - (text.rfind("\n", 0, span.start) + 1)
     first, *others = (text[span.start : span.end] + comment).splitlines()
-    lines = [first, *(line[min(indent, len(line) - len(line.lstrip())) :] for line in others)]
+    lines = [first]
+    for line in others:
+        own_indent = len(line) - len(line.lstrip())
+        lines.append(line[min(indent, own_indent) :])
     if len(lines) > MAX_LINES:
         lines = [*lines[: MAX_LINES - 1], "…"]
     return "\n".join(lines)

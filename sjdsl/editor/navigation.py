@@ -54,12 +54,12 @@ def symbol_at(
     occurrence = max(touching, key=lambda o: o.span.start)
     start = change.start(occurrence.span.start)
     end = change.end(occurrence.span.end)
-    if document.text[start:end] != _text(analysis, occurrence):
+    if document.text[start:end] != _spelling(analysis, occurrence):
         return None
     return analysis, occurrence
 
 
-def _text(analysis: Analysis, o: Occurrence) -> str:
+def _spelling(analysis: Analysis, o: Occurrence) -> str:
     return analysis.document.text[o.span.start : o.span.end]
 
 
@@ -171,7 +171,7 @@ def rename(
             f"`{new}` means something of its own in the language and cannot be a name here"
         )
     documents = analyses.documents
-    is_other_name = new != _text(analysis, occurrence)
+    is_other_name = new != _spelling(analysis, occurrence)
     changes: list[Any] = []
     for text, names in everywhere(occurrence.symbols, analysis, analyses, folders):
         if is_other_name and any(t.type == "NAME" and t == new for t in text.tokens):

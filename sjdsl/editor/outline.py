@@ -36,8 +36,8 @@ SYMBOLS: dict[type[object], tuple[types.SymbolKind, str]] = {  # a symbol and it
     ast.Variant: (Kind.Namespace, "variant"),
     ast.About: (Kind.String, "about"),
 }
-# Attributes of nodes that hold the declarations inside them.
-INSIDE = ("sections", "attributes", "metrics", "changes")
+# Attributes of nodes that hold the declarations in them.
+PARTS = ("sections", "attributes", "metrics", "changes")
 
 
 def document_symbols(analysis: Analysis | None, lines: Lines) -> list[types.DocumentSymbol]:
@@ -78,12 +78,12 @@ def _symbol(node: Any, lines: Lines) -> types.DocumentSymbol:
         selected = name.span
         title = getattr(node, "title", None)
         detail = keyword if title is None else title.text
-    inside = [child for part in INSIDE for child in getattr(node, part, ())]
+    children = [child for part in PARTS for child in getattr(node, part, ())]
     return types.DocumentSymbol(
         keyword if name is None else name.text,
         kind,
         lines.range(min(whole.start, selected.start), max(whole.end, selected.end)),
         lines.span(selected),
         detail=detail,
-        children=_symbols(inside, lines) or None,
+        children=_symbols(children, lines) or None,
     )

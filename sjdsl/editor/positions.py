@@ -67,6 +67,7 @@ class Lines:
         return self.range(span.start, span.end)
 
     def _width(self, character: str) -> int:
+        """Returns the number of code units of a character."""
         return self._widths[bisect_right(LIMITS, ord(character))]
 
 
@@ -107,5 +108,6 @@ class Moved:
 
 def _common_length(first: Iterable[str], second: Iterable[str]) -> int:
     """Returns how many characters two texts have in common at their beginning."""
-    same = takewhile(lambda pair: pair[0] == pair[1], zip(first, second, strict=False))
+    pairs = zip(first, second, strict=False)  # up to the end of the shorter one
+    same = takewhile(lambda pair: pair[0] == pair[1], pairs)
     return sum(1 for _ in same)

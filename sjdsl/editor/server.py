@@ -22,14 +22,17 @@ REQUEST_FAILED = -32803  # ErrorCodes.RequestFailed of the protocol
 
 
 class Server(LanguageServer):
-    """A session and the tasks that check its texts."""
+    """A session and the tasks that check its texts.
 
-    def __init__(self, inside: Sequence[Path] | None) -> None:
+    allowed: the folders in which files may be read; None: anywhere.
+    """
+
+    def __init__(self, allowed: Sequence[Path] | None) -> None:
         super().__init__(
             "sjdsl", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full
         )
-        self.inside = inside
-        self.session = Session(inside=inside)
+        self.allowed = allowed
+        self.session = Session(allowed=allowed)
         self.shut_down = False  # whether the client has sent `shutdown`
         self.ended_early = False  # whether it has sent `exit` without `shutdown`
         self._waiting: dict[str, float] = {}  # URI -> its first change since it was checked
@@ -43,7 +46,7 @@ class Server(LanguageServer):
             uris = [params.root_uri]
         encoding = self.workspace.position_encoding or UTF16
         folders = [path for path in map(path_of, uris) if path is not None]
-        self.session = Session(str(getattr(encoding, "value", encoding)), folders, self.inside)
+        self.session = Session(str(getattr(encoding, "value", encoding)), folders, self.allowed)
 
     def watch_files(self) -> None:
         """Asks the client to report changes of games and maps on the disk, if it can."""
@@ -83,6 +86,7 @@ class Server(LanguageServer):
                 self._tasks[uri] = asyncio.ensure_future(self._check_when_quiet(uri))
 
     async def _check_when_quiet(self, uri: str) -> None:
+        """Checks a text once it hasn't changed for a moment, as long as it changes again."""
         while uri in self._waiting:
             now = asyncio.get_running_loop().time
             while now() - self._changed[uri] < QUIET and now() - self._waiting[uri] < PATIENCE:
@@ -125,13 +129,13 @@ class Server(LanguageServer):
         self.check(others)
 
 
-def make_server(inside: Sequence[Path] | None = None) -> Server:
+def make_server(allowed: Sequence[Path] | None = None) -> Server:
     """Returns a server with all its handlers; `start_io` runs it.
 
     Args:
-      inside: the folders in which it reads files, None for all.
+      allowed: the folders in which it may read files; None: anywhere.
     """
-    server = Server(inside)
+    server = Server(allowed)
 
     @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
     def files_changed(ls: Server, params: types.DidChangeWatchedFilesParams) -> None:
@@ -154,6 +158,7 @@ def make_server(inside: Sequence[Path] | None = None) -> Server:
             raise JsonRpcException(str(reason), REQUEST_FAILED) from None
 
     def place(params: Any) -> tuple[str, types.Position]:
+        """Returns the text and the position that a message is about."""
         return params.text_document.uri, params.position
 
     handlers: dict[str, Callable[[Server, Any], Any]] = {

@@ -26,17 +26,17 @@ GAME = ".sj"
 class Session:
     """The state of one client.
 
-    encoding: of its positions, see `Lines`; folders: that it has open; inside: the folders in which
-    files are read, None for all.
+    encoding: of its positions, see `Lines`; folders: that it has open.
+    allowed: the folders in which files may be read; None: anywhere.
     """
 
     def __init__(
         self,
         encoding: str = UTF16,
         folders: Iterable[Path] = (),
-        inside: Sequence[Path] | None = None,
+        allowed: Sequence[Path] | None = None,
     ):
-        self.documents = Documents(encoding, inside)
+        self.documents = Documents(encoding, allowed)
         self.analyses = Analyses(self.documents)
         self.folders = list(folders)
 

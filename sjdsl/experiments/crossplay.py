@@ -84,7 +84,9 @@ def plan_cross_play(
 ) -> Experiment:
     """Plans `cross_play`, and raises the same errors."""
     check_episodes(episodes)
-    if (slots is None) == (policies is None):
+    has_neither = slots is None and policies is None
+    has_both = slots is not None and policies is not None
+    if has_neither or has_both:
         raise ExperimentError(
             "give either slots, a policy for each agent, or policies, whose mixtures are played"
         )
@@ -106,8 +108,8 @@ def plan_cross_play(
         return Experiment(env, pools, (lineup,), episodes, seed, permuted=False)
     if not policies:
         raise ExperimentError("name at least one policy")
-    mixtures = all_mixtures if mix == "all" else paired_mixtures
-    lineups = mixtures(len(policies), number)
+    make_mixtures = all_mixtures if mix == "all" else paired_mixtures
+    lineups = make_mixtures(len(policies), number)
     pools = find_pools(policies, env)
     for pool, count in Counter(pools).items():
         if count > 1:

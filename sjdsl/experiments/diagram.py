@@ -20,7 +20,7 @@ from sjdsl.experiments.contrasts import (
 )
 from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.experiments.verdict import Verdict, judge, listed, share_that_may_differ
-from sjdsl.trainers.policies.estimates import Estimate
+from sjdsl.trainers.policies.estimates import Estimate, stack_estimates
 
 FORMAT = 1  # of schelling.json
 ENOUGH = 300  # equal samples after which at most 1 % of further ones may differ
@@ -107,7 +107,12 @@ class Diagram:
 
 
 def returns_of(parts: Sequence[Part], slots: int, replicates: int) -> Returns:
-    """Returns the mean returns of both kinds of agents in the line-ups k = 0 .. N."""
+    """Returns the mean returns of both kinds of agents in the line-ups k = 0 .. N.
+
+    Args:
+      parts: for each k in turn, each replicate; the first k members cooperate.
+      slots: N.
+    """
     stacked = np.stack([part.returns for part in parts])
     by_member = stacked.reshape(slots + 1, replicates, -1, slots)  # [K, R, E, N]
     cooperators = np.full(by_member.shape[:-1], np.nan)
@@ -152,4 +157,5 @@ def report_of(diagram: Diagram) -> dict[str, Any]:
 
 
 def _columns(figures: tuple[Estimate, ...]) -> dict[str, list[float]]:
-    return {key: [getattr(figure, key) for figure in figures] for key in ("mean", "low", "high")}
+    mean, low, high = stack_estimates(figures)
+    return {"mean": mean.tolist(), "low": low.tolist(), "high": high.tolist()}

@@ -138,12 +138,13 @@ def table_of(results: CrossPlay) -> str:
 
 
 def _table_rows(results: CrossPlay, part: Part) -> Iterator[list[Any]]:
+    """Yields a row for each episode and slot of a part."""
     mixture = results.mixture(part.lineup)
     players = [player_of(results.experiment.pools[index], part.replicate) for index in part.lineup]
     for episode, order in enumerate(part.order):
         for slot, member in enumerate(np.argsort(order)):
             player = players[member]
-            yield [
+            row = [
                 mixture,
                 part.replicate,
                 episode,
@@ -151,8 +152,8 @@ def _table_rows(results: CrossPlay, part: Part) -> Iterator[list[Any]]:
                 player.name,
                 "" if player.seed is None else player.seed,
                 part.played.returns[episode, slot].item(),
-                *(
-                    counts[episode, slot].item() if counts.ndim == 2 else counts[episode].item()
-                    for counts in part.played.events.values()
-                ),
             ]
+            for counts in part.played.events.values():
+                is_per_agent = counts.ndim == 2
+                row.append((counts[episode, slot] if is_per_agent else counts[episode]).item())
+            yield row

@@ -18,7 +18,7 @@ from sjdsl.render.plot_style import (
     note_below,
     plot_style,
 )
-from sjdsl.trainers.policies.estimates import Estimate
+from sjdsl.trainers.policies.estimates import Estimate, stack_estimates
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,11 +49,8 @@ def draw_diagram(diagram: Diagram) -> "Figure":
         axes.plot(range(len(everybody)), everybody, color=BLACK, linestyle=":", linewidth=1)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.set(xlabel="number of other agents that cooperate", ylabel="return of an agent")
-        estimates = [*diagram.cooperating, *diagram.defecting]
-        lows = [estimate.low for estimate in estimates]
-        means = [estimate.mean for estimate in estimates]
-        highs = [estimate.high for estimate in estimates]
-        begin_at_zero(axes, [*lows, *means, *highs, *everybody])
+        columns = stack_estimates((*diagram.cooperating, *diagram.defecting))
+        begin_at_zero(axes, [*np.concatenate(columns), *everybody])
         labels = [
             Label("an agent that cooperates", diagram.cooperating[-1].mean, COOPERATE),
             Label("an agent that defects", diagram.defecting[-1].mean, DEFECT),
@@ -72,9 +69,8 @@ def draw_diagram(diagram: Diagram) -> "Figure":
 def _draw_line(axes: "Axes", line: Sequence[Estimate], colour: str, marker: str) -> None:
     """Draws estimates for l = 0 .. N-1 with a band for their intervals, where these are finite."""
     numbers = range(len(line))
-    axes.plot(numbers, [estimate.mean for estimate in line], color=colour, marker=marker)
-    low = np.array([estimate.low for estimate in line])
-    high = np.array([estimate.high for estimate in line])
+    mean, low, high = stack_estimates(line)
+    axes.plot(numbers, mean, color=colour, marker=marker)
     axes.fill_between(
         numbers,
         np.where(np.isfinite(low), low, np.nan),

@@ -90,8 +90,7 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
 
     Args:
       policy: what `find_policy` takes; or the folder of a run of several seeds, `RUN`, `RUN@best`
-        or
-        `RUN@UPDATE`, for all of them.
+        or `RUN@UPDATE`, for all of them.
     Raises:
       PolicyError: there is no such policy, or it or its run's manifest can't be read, or it doesn't
         fit `env`.
@@ -99,16 +98,16 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
         run is left.
     """
     if not isinstance(policy, str | Path):
-        return _untrained(name_of("policy", policy), policy, program_digest(policy, env))
+        return _untrained_pool(name_of("policy", policy), policy, program_digest(policy, env))
     name = str(policy)
     declared = declared_policies(env)
     if name in declared:
-        return _untrained(name, find_policy(name, env), policy_hash(declared[name]))
+        return _untrained_pool(name, find_policy(name, env), policy_hash(declared[name]))
     path, which = split_name(name)
     if path.suffix != SUFFIX and not path.is_dir():
         file = file_of(name)
         digest = _file_digest(file) if file is not None and file.is_file() else None
-        return _untrained(name, find_policy(name, env), digest)
+        return _untrained_pool(name, find_policy(name, env), digest)
     folders, diverged, notes = _seed_folders(path, which)
     for update, seeds in seeds_of_each(diverged.items()).items():
         notes.append(
@@ -117,7 +116,8 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
         )
     players = []
     seed_warnings: list[tuple[int, str]] = []  # a seed, and a warning about its policy
-    for file in (policy_path(folder, which) for folder in folders):
+    for folder in folders:
+        file = policy_path(folder, which)
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             parameters, description = read_parameters(file, env)
@@ -125,11 +125,15 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
         for warning in caught:
             text = str(warning.message).replace(str(file), str(path))
             seed_warnings.append((description.seed, text))
-        config = description.config
-        policy_of = partial(trained_policy, env, config)
-        kind = acting_kind(config)
         players.append(
-            Player(name, description.seed, _file_digest(file), kind, policy_of, parameters)
+            Player(
+                name=name,
+                seed=description.seed,
+                digest=_file_digest(file),
+                kind=acting_config(description.config),
+                policy_of=partial(trained_policy, env, description.config),
+                parameters=parameters,
+            )
         )
     for text, seeds in seeds_of_each(seed_warnings).items():
         notes.append(f"{seeds_in_words(seeds)}: {text}" if len(folders) > 1 else text)
@@ -138,8 +142,10 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
     return Pool(name, tuple(players), tuple(notes), tuple(diverged))
 
 
-def _untrained(name: str, policy: Policy, digest: str | None) -> Pool:
-    player = Player(name, None, digest, ("a kind of its own", name), lambda _: policy)
+def _untrained_pool(name: str, policy: Policy, digest: str | None) -> Pool:
+    """Returns the pool of a policy without parameters, which is computed with no other."""
+    kind = ("a kind of its own", name)
+    player = Player(name, seed=None, digest=digest, kind=kind, policy_of=lambda _: policy)
     return Pool(name, (player,))
 
 
@@ -156,11 +162,11 @@ def _require_same_game(file: Path, trained_on: Mapping[str, Any], env: Environme
         ("observation_shape", "other observations"),
     ):
         if trained_on.get(key) != game[key]:
-            there, now = _in_words(trained_on.get(key)), _in_words(game[key])
-            raise ExperimentError(f"{file} was trained on {difference}: {there} there, {now} here")
+            there, here = _as_text(trained_on.get(key)), _as_text(game[key])
+            raise ExperimentError(f"{file} was trained on {difference}: {there} there, {here} here")
 
 
-def _in_words(value: Any) -> str:
+def _as_text(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
@@ -193,7 +199,8 @@ def _seed_folders(path: Path, which: str | int) -> tuple[list[Path], dict[int, i
     notes = []
     if not is_update and state is not None and state.unfinished:
         notes.append(f"{path} may not have finished its training: {state.unfinished}")
-    folders = sorted((folder for folder in path.glob("seed_*") if folder.is_dir()), key=_number)
+    folders = [folder for folder in path.glob("seed_*") if folder.is_dir()]
+    folders.sort(key=_seed_number)
     if not folders or (path / POLICIES).is_dir():
         if diverged and not is_update:
             (update,) = diverged.values()
@@ -202,7 +209,7 @@ def _seed_folders(path: Path, which: str | int) -> tuple[list[Path], dict[int, i
                 f"name an earlier policy as {path}@UPDATE"
             )
         return [path], {}, notes
-    remaining = [folder for folder in folders if _number(folder) not in diverged]
+    remaining = [folder for folder in folders if _seed_number(folder) not in diverged]
     if not remaining:
         raise ExperimentError(
             f"every seed of {path} diverged (non-finite loss), so there is no policy to play"
@@ -210,16 +217,19 @@ def _seed_folders(path: Path, which: str | int) -> tuple[list[Path], dict[int, i
     return remaining, diverged, notes
 
 
-def _number(folder: Path) -> int:
-    """Returns N of a folder `seed_N`."""
+def _seed_number(folder: Path) -> int:
+    """Returns N of a folder `seed_N`; -1 if N is no number."""
     number = folder.name.removeprefix("seed_")
     return int(number) if number.isdecimal() else -1
 
 
-def acting_kind(config: Config) -> str:
-    """Returns a key that is equal for policies that differ only in their parameters."""
-    acting = config.model_dump(mode="json", exclude=set(LEARNING))
-    return json.dumps(acting, sort_keys=True)
+def acting_config(config: Config) -> str:
+    """Returns the settings that decide how a policy acts, as JSON: without those of learning.
+
+    Policies with the same ones differ in their parameters only.
+    """
+    settings = config.model_dump(mode="json", exclude=set(LEARNING))
+    return json.dumps(settings, sort_keys=True)
 
 
 def replicates_of(pools: Sequence[Pool]) -> int:
@@ -255,7 +265,8 @@ def pair_pools(pools: Sequence[Pool]) -> tuple[Pool, ...]:
         )
     common = set.intersection(*(set(pool.seeds) for pool in trained))
     # If a single pair of several is left, the seeds are not the samples any more.
-    if len(common) < min(2, *(len(pool.players) for pool in trained)):
+    fewest = min(2, *(len(pool.players) for pool in trained))
+    if len(common) < fewest:
         number = "only one is" if common else "none is"
         raise ExperimentError(
             f"seeds with the same number play together, and {number} left in all pools: "

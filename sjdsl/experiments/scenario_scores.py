@@ -55,7 +55,9 @@ class ScenarioScore:
         """`(focal - random) / (best - random)`; None if `best` is not above `random`."""
         random = self.baseline(RANDOM).mean
         best = self.baseline(self.best).mean
-        return None if best <= random else (self.focal.mean - random) / (best - random)
+        if best <= random:
+            return None
+        return (self.focal.mean - random) / (best - random)
 
     @property
     def caution(self) -> str:
@@ -147,11 +149,11 @@ def score_of(
     scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part]
 ) -> ScenarioScore:
     """Returns the scores of a scenario with pool 0 and each scripted pool as focal agents."""
-    is_focal = np.repeat(
-        [not slots.policy for slots in scenario.slots], [slots.number for slots in scenario.slots]
-    )
+    numbers = [slots.number for slots in scenario.slots]
+    is_focal = np.repeat([not slots.policy for slots in scenario.slots], numbers)  # [N] bool
 
     def per_capita(pool: int, members: np.ndarray) -> np.ndarray:
+        """Returns the mean return `[R, E]` of some members, bool `[N]`, with a pool as focal agents."""
         lineup = line_up(scenario, pool, scripted)
         returns = [part.returns for part in parts if part.lineup == lineup]
         return np.stack([values[:, members].mean(axis=1) for values in returns])
@@ -180,11 +182,12 @@ def report_of(scores: ScenarioScores) -> dict[str, Any]:
         "training_seeds": list(scores.experiment.pools[0].seeds),
         "unit": scores.unit,
         "units": scores.units,
-        "scenarios": {name: _entry(score) for name, score in scores.scenarios.items()},
+        "scenarios": {name: _describe_score(score) for name, score in scores.scenarios.items()},
     }
 
 
-def _entry(score: ScenarioScore) -> dict[str, Any]:
+def _describe_score(score: ScenarioScore) -> dict[str, Any]:
+    """Returns the results of one scenario as JSON values."""
     background = score.background
     return {
         "title": score.scenario.title,

@@ -122,23 +122,25 @@ def play_planned(
     if folder is not None:
         require_same(Path(folder) / name, plan.describe())
     parts = play_experiment(plan.experiment, tell)
-    results = ScenarioScores(
-        plan.experiment,
-        {scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios},
-    )
+    scores = {
+        scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios
+    }
+    results = ScenarioScores(plan.experiment, scores)
     if folder is not None:
         write_scenarios(results, plan, Path(folder), name)
     return results
 
 
 def write_scenarios(results: ScenarioScores, plan: Plan, folder: Path, name: str) -> None:
-    """Writes the description of the experiment and `NAME.json`, which keeps the scenarios that it
-    has.
+    """Writes the description of the experiment, and adds the scenarios to `NAME.json`, in the order
+    of the game; those of an earlier call with the same plan stay.
     """
     file = folder / f"{name}.json"
     entries: dict[str, Any] = {}
-    if (folder / name).is_dir():
-        entries.update((read_json(file) or {}).get("scenarios", {}))
+    is_same_experiment = (folder / name).is_dir()  # another plan was refused by `require_same`
+    if is_same_experiment:
+        stored = read_json(file) or {}
+        entries.update(stored.get("scenarios", {}))
     record_experiment(folder / name, plan.describe())
     report = report_of(results)
     entries.update(report["scenarios"])

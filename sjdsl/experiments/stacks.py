@@ -113,8 +113,7 @@ def make_player_of_lineups(
         *_, column_of_slot = arguments
         memories = []
         for stack in stacks:
-            shape = (episodes, stack.at_once)
-            repeat = partial(_repeat, shape)
+            repeat = partial(_repeat, (episodes, stack.at_once))
             memories.append(jax.tree.map(repeat, stack.example().start))
         return column_of_slot, tuple(memories)
 
@@ -126,6 +125,7 @@ def make_player_of_lineups(
     )
 
     def play(key: Array, lineup: Sequence[Player], order: np.ndarray) -> Evaluation:
+        """Plays a line-up. order: `[E, N]`, the slot of each member in each episode."""
         seats = find_seats(stacks, lineup)
         column_of_slot = np.empty_like(order)
         columns = np.broadcast_to(seats.columns, order.shape)
@@ -136,6 +136,7 @@ def make_player_of_lineups(
 
 
 def _repeat(shape: tuple[int, ...], leaf: Any) -> Array:
+    """Returns an array repeated along new axes in front, of this shape."""
     return jnp.broadcast_to(leaf, (*shape, *jnp.shape(leaf)))
 
 
@@ -161,7 +162,7 @@ def _lineup_policy(
     def act(memory: Any, key: Array, observation: Array, *needed: Any) -> tuple[Any, Array]:
         allowed, state = policy.given(needed)
         column_of_slot, memories = memory
-        keys = _keys(key, num_columns, only_column)
+        keys = _keys_of_columns(key, num_columns, only_column)
         next_memories = []
         actions = []
         first = 0
@@ -187,7 +188,7 @@ def _lineup_policy(
     return policy
 
 
-def _keys(key: Array, num_columns: int, only_column: Array) -> Array:
+def _keys_of_columns(key: Array, num_columns: int, only_column: Array) -> Array:
     """Returns a key for each column; `only_column` has the key itself, and then the others aren't
     used.
     """

@@ -27,15 +27,16 @@ def diagram_text(diagram: Diagram) -> str:
     parts = [
         f"\n{diagram.experiment.title}: cooperators {cooperators.name}, "
         f"defectors {defectors.name}; {diagram.population}",
-        f"mean return of an agent, with 95 % intervals\n{_in_columns(lines)}",
-        f"contrasts, with intervals that hold at 95 % together\n{_in_columns(contrasts)}",
-        f"verdict: {_verdict(diagram)}",
+        f"mean return of an agent, with 95 % intervals\n{in_columns(lines)}",
+        f"contrasts, with intervals that hold at 95 % together\n{in_columns(contrasts)}",
+        f"verdict: {_verdict_text(diagram)}",
     ]
     text = "\n\n".join(parts)
     return f"{text}\n{diagram.caution}" if diagram.caution else text
 
 
-def _verdict(diagram: Diagram) -> str:
+def _verdict_text(diagram: Diagram) -> str:
+    """Returns the verdict and its reason; if it is undecided, also how many samples it takes."""
     verdict = diagram.verdict
     unit = diagram.returns.unit
     match verdict.outcome:
@@ -67,11 +68,11 @@ def crossplay_text(results: CrossPlay) -> str:
     if len({results.unit_of(lineup) for lineup in experiment.lineups}) > 1:
         episodes = experiment.episodes * experiment.replicates
         samples += f"; of mixtures without a trained policy over {episodes} episodes"
-    table = f"\n{experiment.title}: means with 95 % intervals over {samples}\n{_in_columns(rows)}"
+    table = f"\n{experiment.title}: means with 95 % intervals over {samples}\n{in_columns(rows)}"
     shortened = [
         (short, name) for short, name in zip(names, results.names, strict=True) if short != name
     ]
-    return f"{table}\n\nthe policies\n{_in_columns(shortened)}" if shortened else table
+    return f"{table}\n\nthe policies\n{in_columns(shortened)}" if shortened else table
 
 
 def scenarios_text(scores: ScenarioScores) -> str:
@@ -104,17 +105,16 @@ def scenarios_text(scores: ScenarioScores) -> str:
             cautions.append(f"{name}: {score.caution}")
     title = (
         f"\n{scores.experiment.title}: focal agents play {scores.policy}; mean returns of an "
-        "agent, "
-        f"with 95 % intervals over {scores.population}"
+        f"agent, with 95 % intervals over {scores.population}"
     )
     definition = (
         "score: (focal - random) / (best scripted - random), where random and best scripted play "
         "the focal agents of the same scenario"
     )
-    return "\n".join([title, _in_columns(rows), definition, *cautions])
+    return "\n".join([title, in_columns(rows), definition, *cautions])
 
 
-def _in_columns(rows: Sequence[Sequence[str]]) -> str:
+def in_columns(rows: Sequence[Sequence[str]]) -> str:
     """Returns rows of cells as lines, each column as wide as its widest cell."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []

@@ -75,13 +75,16 @@ def _without_spread(
 
     There are none if the verdict would be the same whatever these contrasts are.
     """
-    equal = {name for name, values in samples.items() if len(values) > 1 and not _deviation(values)}
+    equal = {
+        name for name, values in samples.items() if len(values) > 1 and _deviation(values) == 0
+    }
     unknown = Estimate(math.nan, -math.inf, math.inf)
-    others = {name: unknown if name in equal else figure for name, figure in contrasts.items()}
-    if outcome == "undecided" or outcome_of(others) == outcome:
+    without_equal = dict(contrasts) | dict.fromkeys(equal, unknown)
+    if outcome == "undecided" or outcome_of(without_equal) == outcome:
         return ()
     above, below = _decided(contrasts)
-    return tuple(name for name in (above if outcome == "dilemma" else below) if name in equal)
+    deciding = above if outcome == "dilemma" else below
+    return tuple(name for name in deciding if name in equal)
 
 
 def _decided(contrasts: Mapping[str, Estimate]) -> tuple[list[str], list[str]]:
@@ -101,6 +104,7 @@ def share_that_may_differ(number: int) -> float:
 
 
 def _reason(outcome: Outcome, contrasts: Mapping[str, Estimate]) -> str:
+    """Returns which bounds decide an outcome, in a sentence."""
     above, below = _decided(contrasts)
     if outcome == "dilemma":
         return f"the lower bounds of {listed(above)} are above 0"
@@ -142,6 +146,7 @@ def samples_wanted(samples: Mapping[str, np.ndarray]) -> int | None:
 
 
 def _deviation(values: np.ndarray) -> float:
+    """Returns the standard deviation; exactly 0 if all values are equal."""
     return 0.0 if (values == values[0]).all() else float(values.std(ddof=1))
 
 

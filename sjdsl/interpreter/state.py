@@ -92,6 +92,13 @@ class Outcome:
     measures: dict[str, Value] = field(default_factory=dict)
     truncated: bool = False
     terminated: bool = False
+    # The last state of a trial that the step ended, if another trial follows in the same episode.
+    last_of_trial: World | None = None
+
+    @property
+    def trial_ended(self) -> bool:
+        """Whether the step was the last of a trial, or of the episode."""
+        return self.truncated or self.terminated or self.last_of_trial is not None
 
 
 def copied(world: World) -> World:

@@ -43,14 +43,43 @@ def reset(
       sends: whether its `send` statements are performed; without them, nobody has a place.
     """
     board = board_of(game)
-    stay = game.agents.actions.index("stay")
-    before = declared_world(board, dict(params))
+    return _begun(board, declared_world(board, dict(params)), draws, tell, sends)
+
+
+def _begun(
+    board: Board, before: World, draws: Draws, tell: Tell | None, sends: bool = True
+) -> World:
+    """Returns the state after the phase `start`."""
+    stay = board.game.agents.actions.index("stay")
     instance = Instance(board, before, (stay,) * board.agents, draws)
-    world = _phase(game.start, instance, _empty_outcome(board), tell, sends)
+    world = _phase(board.game.start, instance, _empty_outcome(board), tell, sends)
     for body in bodies(world):
         has_place = where_is(body, world) is not None or away_of(body, world) is not None
         assert has_place or not sends, f"{body} has no place"
     return world
+
+
+def _next_trial(board: Board, ended: World, draws: Draws, tell: Tell | None) -> World:
+    """Returns the first state of the trial after that which ended: as after a reset, but for the
+    fields that are kept. What `start` writes to those is lost."""
+    laid = declared_world(board, ended.params)
+    _keep(ended, laid, board)
+    laid.fields["trial"] += 1
+    begun = _begun(board, laid, draws, tell)
+    _keep(laid, begun, board)
+    return begun
+
+
+def _keep(before: World, after: World, board: Board) -> None:
+    """Gives the kept fields in `after` the values that they have in `before`."""
+    assert board.game.trials is not None
+    after.fields["trial"] = before.fields["trial"]
+    for kept in board.game.trials.kept:
+        if kept.held_by.what == "world":
+            after.fields[kept.name] = before.fields[kept.name]
+        else:
+            declared = board.fields[kept.held_by.name, kept.name]
+            held_values(declared, after)[:] = held_values(declared, before)
 
 
 def step(
@@ -63,6 +92,7 @@ def step(
 ) -> tuple[World, Outcome]:
     """Returns the next state and the other results of the step. `world` isn't changed.
 
+    After the last step of a trial that isn't the last, the state is the first of the next trial.
     `tell` is called with an account of every turn. Raises LeavesFloat32.
     """
     board = board_of(game)
@@ -86,6 +116,11 @@ def step(
         outcome.measures[measure.name] = _measured(measure, Instance(board, world, allowed))
     world.step += 1
     outcome.truncated = world.step >= evaluate(game.episode, Instance(board, world))
+    is_over = outcome.truncated or outcome.terminated
+    if is_over and game.trials is not None and world.fields["trial"] + 1 < game.trials.number:
+        outcome.truncated = outcome.terminated = False
+        outcome.last_of_trial = world
+        world = _next_trial(board, world, draws, tell)
     return world, outcome
 
 

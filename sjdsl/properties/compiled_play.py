@@ -21,6 +21,7 @@ from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import Total
 from sjdsl.properties.trajectory import allowed_by, script_of
 from sjdsl.runtime.random_bits import below, random_bits_at
+from sjdsl.runtime.trials import begin_trial_where, has_trials, is_last_trial, steps_of_trial
 
 BATCH = 10  # episodes played side by side
 FAIR = 0  # index of the bias `fair` in BIASES
@@ -83,8 +84,16 @@ class CompiledPlay:
         bias: Array,
         actions: Array,
     ) -> Stepped:
-        """Takes a step of an episode with this key. bias: its index in BIASES, uint32."""
-        step_key = jnp.append(derived_key(key, STEP, before.step), bias)
+        """Takes a step of an episode with this key. bias: its index in BIASES, uint32.
+
+        After the last step of a trial, the state is the first of the next; the values are those
+        before.
+        """
+        length = steps_of_trial(self.module, params)
+        number = before.step
+        if has_trials(self.module):
+            number = number + before.world_trial * length
+        step_key = jnp.append(derived_key(key, STEP, number), bias)
         state, out = self.module.step(before, actions, params, step_key)
         state = state.replace(step=state.step + 1)
         events = {}
@@ -93,8 +102,13 @@ class CompiledPlay:
             events[name] = jnp.sum(count if entry is None else count[..., entry])
         totals = {name: totals_before[name] + events[name] for *_, name in self.totals}
         values = self._values(state, totals, before, totals_before, params)
-        is_over = out.ended | (state.step >= self.module.episode_length(params))
         is_finite = _is_finite((state, out.reward, values))
+        is_over = out.ended | (state.step >= length)
+        if has_trials(self.module):
+            is_last = is_last_trial(self.module, state)
+            begins_trial = is_over & ~is_last
+            state = begin_trial_where(self.module, begins_trial, is_last, step_key, params, state)
+            is_over &= is_last
         return Stepped(state, totals, is_over, values, is_finite, events)
 
     def _values(

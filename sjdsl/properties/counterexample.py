@@ -59,7 +59,7 @@ def describe_counterexample(
         return lines + steps + describe_overflow(family, trajectory)
     lines += steps if full else _shortened(game, trajectory.actions[:last])
     before = trajectory.worlds[last]
-    draws = draws_of(scenario, last)
+    draws = draws_of(scenario, last, game, before)
     moment = take_step(game, before, trajectory.params, draws, trajectory.actions[last])
     lines += _step_lines(family, moment, before, full)
     return lines + _value_lines(family, game.checks[counterexample.number], trajectory, where)
@@ -104,9 +104,9 @@ def describe_episode(
     if where.at < 1 or not any(holds for (holds,) in values):
         return lines  # no single step violates it
     last = where.at - 1
-    before = runner.world_before(episode, last)
-    draws = draws_of(runner.written_out(episode, where.at), last)
     game = family.own
+    before = runner.world_before(episode, last)
+    draws = draws_of(runner.written_out(episode, where.at), last, game, before)
     moment = take_step(game, before, params_of(game, ()), draws, episode.actions[last])
     lines += _step_lines(family, moment, before, full)
     (e,) = game.checks[number].values

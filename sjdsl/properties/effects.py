@@ -92,6 +92,16 @@ def writes(game: ir.Game) -> Iterator[Part]:
     for turn in game.schedule:
         for node in ir.walk(turn):
             yield from written_by(node)
+    if game.trials is not None:
+        yield from _changed_between(game, game.trials)
+
+
+def _changed_between(game: ir.Game, trials: ir.Trials) -> Iterator[Part]:
+    """Yields what can differ from trial to trial though no phase of the schedule writes it."""
+    yield field_part("world", "", "trial")
+    kept = {field_part(field.held_by.what, field.held_by.name, field.name) for field in trials.kept}
+    for node in ir.walk(game.start):
+        yield from (part for part in written_by(node) if part not in kept)
 
 
 def written_by(n: ir.Node) -> Iterator[Part]:

@@ -69,7 +69,8 @@ class EpisodeRunner:
         game = self.family.own
         board = board_of(game)
         world = declared_world(board, default_params(game))
-        return int(evaluate(game.episode, Instance(board, world)))
+        steps = int(evaluate(game.episode, Instance(board, world)))
+        return steps if game.trials is None else steps * game.trials.number
 
     def play(self, policies: Sequence[ir.Policy], first: int, number: int) -> list[Episode]:
         """Returns episodes `first`, `first + 1`, …
@@ -132,7 +133,8 @@ class EpisodeRunner:
         actions = episode.actions[episode.overflow]
         trajectory.actions.append(actions)
         try:
-            _, outcome = step(game, world, actions, params, draws_of(scenario, episode.overflow))
+            draws = draws_of(scenario, episode.overflow, game, world)
+            _, outcome = step(game, world, actions, params, draws)
             trajectory.outcomes.append(outcome)
             # No rule computed the real, so an expression of a check did.
             node = next((check for check in game.checks if check.origin is not None), game)

@@ -7,6 +7,9 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.account import Account
+from sjdsl.interpreter.board import board_of
+from sjdsl.interpreter.evaluate import evaluate
+from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, Value, World, default_params
@@ -63,6 +66,8 @@ class Trajectory:
     ran: set[StatementId] = field(default_factory=set)
     overflow: LeavesFloat32 | None = None
     known: dict[int, list[tuple[Any, ...]]] = field(default_factory=dict)
+    # By its number, each state that a trial ended in; in `worlds` stands the first of the next one.
+    ends_of_trials: dict[int, World] = field(default_factory=dict)
 
     @property
     def is_over(self) -> bool:
@@ -78,10 +83,22 @@ class Trajectory:
             known.append(tuple(self.value(e, at) for e in check.values))
         return known
 
-    def add(self, world: World, totals: Totals, checks: Sequence[ir.Check]) -> None:
-        """Adds a state. Raises LeavesFloat32, and adds nothing, if a check cannot be read in it."""
+    def add(
+        self,
+        world: World,
+        totals: Totals,
+        checks: Sequence[ir.Check],
+        last_of_trial: World | None = None,
+    ) -> None:
+        """Adds a state, and the last one of the trial before if it begins another trial.
+
+        Raises LeavesFloat32, and adds nothing, if a check cannot be read in it.
+        """
         at = len(self.worlds)
-        read = [tuple(self._read(e, world, totals, at) for e in check.values) for check in checks]
+        checked = last_of_trial or world
+        read = [tuple(self._read(e, checked, totals, at) for e in check.values) for check in checks]
+        if last_of_trial is not None:
+            self.ends_of_trials[at] = last_of_trial
         for check, values in zip(checks, read, strict=True):
             self.known.setdefault(id(check), []).append(values)
         self.worlds.append(world)
@@ -93,12 +110,19 @@ class Trajectory:
         self.totals += begun.totals[: steps + 1]
         self.actions += begun.actions[:steps]
         self.outcomes += begun.outcomes[:steps]
+        for at, world in begun.ends_of_trials.items():
+            if at <= steps:
+                self.ends_of_trials[at] = world
         for check in checks:
             self.known[id(check)] = begun.values(check)[: steps + 1]
 
     def value(self, e: ir.Expr, at: int) -> Value:
-        """Returns the value of an expression of a check in the state `at`."""
-        return self._read(e, self.worlds[at], self.totals[at], at)
+        """Returns the value of an expression of a check in the state `at`.
+
+        After the last step of a trial it is read before the next trial begins.
+        """
+        checked = self.ends_of_trials.get(at, self.worlds[at])
+        return self._read(e, checked, self.totals[at], at)
 
     def _read(self, e: ir.Expr, world: World, totals: Totals, at: int) -> Value:
         """Returns the value of an expression of a check in a state that may not be added yet."""
@@ -115,12 +139,22 @@ def params_of(game: ir.Game, changed: Sequence[tuple[str, Value]]) -> dict[str, 
     return params
 
 
-def draws_of(scenario: Scenario, at: int) -> Draws:
-    """Returns the draws of a step (0, 1, …), or of the phase `start` (-1)."""
-    key = episode_key(scenario.seed, scenario.episode)
-    if at < 0:
-        return reset_key(key)
-    draws = step_key(key, at)
+def draws_of_start(scenario: Scenario) -> Draws:
+    """Returns the draws of the phase `start`."""
+    return reset_key(episode_key(scenario.seed, scenario.episode))
+
+
+def draws_of(scenario: Scenario, at: int, game: ir.Game, world: World) -> Draws:
+    """Returns the draws of a step of an episode (0, 1, …), which begins in a state.
+
+    Their key has the number of the step; after a trial that `end` ended early, as if that had had
+    its full length.
+    """
+    number = world.step
+    if game.trials is not None:
+        length = evaluate(game.episode, Instance(board_of(game), world))
+        number += world.fields["trial"] * length
+    draws = step_key(episode_key(scenario.seed, scenario.episode), number)
     return BiasedDraws(draws, scenario.bias[at]) if scenario.bias else draws
 
 
@@ -152,7 +186,7 @@ def play(
     accounts: list[Account] = []
     try:
         if begun is None:
-            world = reset(game, params, draws_of(scenario, -1), accounts.append)
+            world = reset(game, params, draws_of_start(scenario), accounts.append)
             trajectory.add(world, _no_totals(game), checks)
         else:
             trajectory.copy_steps(begun, since, checks)
@@ -163,10 +197,10 @@ def play(
             before = trajectory.worlds[-1]
             actions = _actions(game, scenario, before, number)
             trajectory.actions.append(actions)
-            draws = draws_of(scenario, number)
+            draws = draws_of(scenario, number, game, before)
             world, outcome = step(game, before, actions, params, draws, accounts.append)
             totals = add_totals(trajectory.totals[-1], outcome.events, game)
-            trajectory.add(world, totals, checks)
+            trajectory.add(world, totals, checks, outcome.last_of_trial)
             trajectory.outcomes.append(outcome)
             trajectory.ran |= statements_run(accounts)
             accounts.clear()

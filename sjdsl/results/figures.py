@@ -27,8 +27,8 @@ EMPTY = Figure("")
 
 
 @dataclass(frozen=True)
-class Cell:
-    """One figure of one way of training, by seed. It has no mean if a seed has failed."""
+class Result:
+    """One figure of the seeds that were trained in one way. It has no mean if a seed has failed."""
 
     run: str
     values: tuple[float, ...]  # of the finished seeds
@@ -36,7 +36,7 @@ class Cell:
     steps: int  # environment steps of a seed
     preset: str
     hardware: str
-    settings: str  # as JSON
+    settings: str  # JSON of those that aren't the default
 
     @cached_property
     def estimate(self) -> Estimate | None:
@@ -50,15 +50,14 @@ class Cell:
 
     @property
     def origins(self) -> tuple[str, ...]:
-        """Seeds, steps, the preset if there is one, and hardware, in words."""
-        hardware = " and ".join(
-            "unnamed CPU" if name == "cpu" else name for name in self.hardware.split(" and ")
-        )
+        """Four phrases: seeds, steps, the preset or an empty text, and hardware."""
+        devices = self.hardware.split(" and ")
+        hardware = " and ".join("unnamed CPU" if name == "cpu" else name for name in devices)
         return counted(self.seeds, "seed"), f"{short(self.steps)} steps", self.preset, hardware
 
     @property
     def origin(self) -> str:
-        """The same as one phrase."""
+        """Seeds, steps, the preset if there is one, and hardware, as one phrase."""
         return ", ".join(filter(None, self.origins))
 
 
@@ -69,7 +68,9 @@ def counted(number: int, noun: str) -> str:
 
 def number(value: float) -> str:
     """Returns a number with at most four digits: `0.91`, `163.2`, `1,780`."""
-    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value + 0.0:.{SHOWN}g}"
+    if abs(value) >= 1000:
+        return f"{value:,.0f}"
+    return f"{value + 0.0:.{SHOWN}g}"  # + 0.0 makes -0.0 a 0
 
 
 def short(value: float) -> str:
@@ -91,25 +92,25 @@ def interval(mean: float, low: float | None, high: float | None) -> Figure:
     )
 
 
-def of_cell(cell: Cell | None) -> Figure:
-    """Returns the figure of a cell: empty for None, `failed` if a seed has failed."""
-    if cell is None:
+def result_figure(result: Result | None) -> Figure:
+    """Returns the figure of a result: empty for None, `failed` if a seed has failed."""
+    if result is None:
         return EMPTY
     origin = {
-        "seeds": cell.seeds,
-        "failed": cell.failed,
-        "steps": cell.steps,
-        "hardware": cell.hardware,
-        "run": cell.run,
+        "seeds": result.seeds,
+        "failed": result.failed,
+        "steps": result.steps,
+        "hardware": result.hardware,
+        "run": result.run,
     }
-    if cell.estimate is None:
-        seeds = f": {cell.failed} of {cell.seeds} seeds" if cell.seeds > 1 else ""
+    if result.estimate is None:
+        seeds = f": {result.failed} of {result.seeds} seeds" if result.seeds > 1 else ""
         return Figure(f"failed{seeds}", origin)
-    figure = interval(cell.estimate.mean, cell.estimate.low, cell.estimate.high)
+    figure = interval(result.estimate.mean, result.estimate.low, result.estimate.high)
     return Figure(figure.text, {**figure.numbers, **origin})
 
 
-def of_comparison(comparison: Comparison | None) -> tuple[Figure, Figure]:
+def comparison_figures(comparison: Comparison | None) -> tuple[Figure, Figure]:
     """Returns a difference with its interval, and p; both empty for None."""
     if comparison is None:
         return EMPTY, EMPTY
@@ -120,34 +121,38 @@ def of_comparison(comparison: Comparison | None) -> tuple[Figure, Figure]:
     return difference, Figure("< 0.001" if p < 0.001 else number(p), {"": p})
 
 
-def unlike_settings(cells: Mapping[str, Cell | None], but: Collection[str] = ()) -> list[str]:
-    """Returns the settings in which cells of one comparison differ, one sentence each.
+def differing_settings(
+    results: Mapping[str, Result | None], meant: Collection[str] = ()
+) -> list[str]:
+    """Returns the settings in which results of one comparison differ, one sentence each.
 
     Args:
-      cells: by the name of their column.
-      but: settings that are meant to differ.
+      results: by the name of their column.
+      meant: settings that are meant to differ, and left out.
     """
     settings = {
-        column: json.loads(cell.settings) for column, cell in cells.items() if cell is not None
+        column: json.loads(result.settings)
+        for column, result in results.items()
+        if result is not None
     }
     names = {name for of_column in settings.values() for name in of_column}
     sentences = []
-    for name in sorted(names.difference(but)):
-        columns: dict[str, list[str]] = {}  # value -> the columns that have it
+    for name in sorted(names.difference(meant)):
+        by_value: dict[str, list[str]] = {}  # value -> the columns that have it
         for column, of_column in settings.items():
             value = json.dumps(of_column[name]) if name in of_column else "the default"
-            columns.setdefault(value, []).append(column)
-        if len(columns) == 1:
+            by_value.setdefault(value, []).append(column)
+        if len(by_value) == 1:
             continue
-        fresh = columns.get("the default", [])
-        if name == "init_from" and fresh:
-            trained = ", ".join(column for column in settings if column not in fresh)
+        untrained = by_value.get("the default", [])
+        if name == "init_from" and untrained:
+            trained = ", ".join(column for column in settings if column not in untrained)
             sentences.append(
                 f"the seeds of {trained} started from a trained policy; "
-                f"those of {', '.join(fresh)} didn't."
+                f"those of {', '.join(untrained)} didn't."
             )
         else:
-            values = [f"{value} in {', '.join(having)}" for value, having in columns.items()]
+            values = [f"{value} in {', '.join(columns)}" for value, columns in by_value.items()]
             sentences.append(f"`{name}` is {'; '.join(values)}.")
     return sentences
 

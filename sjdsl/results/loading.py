@@ -41,14 +41,14 @@ from sjdsl.results.refusals import ResultsError, ResultsWarning
 from sjdsl.results.settings import (
     CHECKPOINTS,
     GAME_NUMBERS,
-    NOT_A_WAY,
-    WAY,
+    METHOD,
+    WITHOUT_EFFECT,
     flat_numbers,
     numbers_of,
     stored_numbers,
     with_settings,
 )
-from sjdsl.results.stored_experiments import CrossPlay, Diagram
+from sjdsl.results.stored_experiments import CrossPlay, Diagram, Game
 from sjdsl.short_paths import short_names
 from sjdsl.trainers.policies.policy_file import POLICIES
 from sjdsl.trainers.policies.stored_evaluation import EVALUATION, RETURN, read_evaluation
@@ -64,7 +64,7 @@ with needs("results"):
     import pandas as pd
 
 Rows = list[dict[str, Any]]
-Found = tuple[Rows, Rows]  # evaluations, and points of learning curves
+RowsAndPoints = tuple[Rows, Rows]  # evaluations, and points of learning curves
 
 SETTING = ("game", "hash", "variant", "params", "map", "num_agents")
 OF_SEED = (
@@ -79,13 +79,20 @@ OF_SEED = (
     "low",
     "high",
 )
-COLUMNS = ("record", *SETTING, "run", *WAY, "settings", *OF_SEED)
+COLUMNS = ("record", *SETTING, "run", *METHOD, "settings", *OF_SEED)
 POINT = ("run", "seed", "env_steps", "collective_return", "folder")
+# Columns by the type of their values.
 TEXTS = {
     "record",
-    *SETTING[:-1],
+    "game",
+    "hash",
+    "variant",
+    "params",
+    "map",
     "run",
-    *WAY[:3],
+    "algorithm",
+    "reward",
+    "sharing",
     "network",
     "settings",
     "preset",
@@ -93,8 +100,15 @@ TEXTS = {
     "hardware",
     "folder",
     GAME_NUMBERS,
+    "mixture",
+    "policy",
+    "unit",
+    "cooperators",
+    "defectors",
+    "outcome",
+    "reason",
+    "caution",
 }
-TEXTS |= {"mixture", "policy", "unit", "cooperators", "defectors", "outcome", "reason", "caution"}
 COUNTS = {"num_agents", "total_timesteps", "seed", "steps", "episodes", "units", "env_steps"}
 NUMBERS = {"exchange_ratio", "svo_weight", "svo_angle", "collective_return", "low", "high"}
 # Columns that identify a result.
@@ -113,29 +127,26 @@ KEY = (
 )
 CONTRASTS = ("A", "B", "fear", "greed")
 OF_EXPERIMENT = (
-    *(
-        "mixture",
-        "policy",
-        "mean",
-        "unit",
-        "units",
-        "cooperators",
-        "defectors",
-        "outcome",
-        "fear",
-        "greed",
-        "reason",
-        "caution",
-    ),
+    "mixture",
+    "policy",
+    "mean",
+    "unit",
+    "units",
+    "cooperators",
+    "defectors",
+    "outcome",
+    "fear",
+    "greed",
+    "reason",
+    "caution",
     *(f"{name}_{end}" for name in CONTRASTS for end in ("mean", "low", "high")),
 )
 
 RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a report
 SWEEP, CELLS, FAILED = "sweep.json", "cells", "failed"
-ASKED, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
-EPISODES = (
-    30  # at least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`
-)
+PLAN, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
+# At least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`.
+EPISODES = 30
 POINTS = 40  # at most, of the learning curve of a seed
 DIGITS = 6  # significant digits of a figure, here and in a CSV
 START = "started from"  # in the rows of runs that are read: the policy that a seed started from
@@ -181,8 +192,9 @@ def load_both(
 def read_frame(path: Path, columns: Iterable[str]) -> "pd.DataFrame":
     """Returns a CSV written by `write_frame`. Raises ResultsError if it lacks a column, or a value has the wrong type."""
     try:
-        kinds = {**dict.fromkeys(TEXTS, "string"), **dict.fromkeys(COUNTS, "Int64")}
-        frame = _typed(pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""]))
+        types = {**dict.fromkeys(TEXTS, "string"), **dict.fromkeys(COUNTS, "Int64")}
+        frame = pd.read_csv(path, dtype=types, keep_default_na=False, na_values=[""])
+        frame = _set_types(frame)
     except (ValueError, TypeError) as error:
         raise ResultsError(f"{path} cannot be read ({type(error).__name__}: {error})") from None
     missing = [name for name in columns if name not in frame]
@@ -193,105 +205,101 @@ def read_frame(path: Path, columns: Iterable[str]) -> "pd.DataFrame":
 
 def write_frame(frame: "pd.DataFrame") -> str:
     """Returns a table as CSV, with figures in six digits, and without folders, which are of one machine."""
-    return str(
-        frame.drop(columns="folder", errors="ignore").to_csv(
-            index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"
-        )
-    )
+    shown = frame.drop(columns="folder", errors="ignore")
+    return str(shown.to_csv(index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"))
 
 
-def _typed(frame: "pd.DataFrame") -> "pd.DataFrame":
-    texts = {name: "string" for name in frame if name in TEXTS}
-    kinds = {
-        name: "Int64" if name in COUNTS else "float" for name in frame if name in COUNTS | NUMBERS
-    }
-    frame = frame.astype({**texts, **kinds})
-    frame[[*texts]] = frame[[*texts]].fillna("").astype(object)
+def _set_types(frame: "pd.DataFrame") -> "pd.DataFrame":
+    """Returns the table with the types of its known columns; texts are never missing, but empty."""
+    texts = [name for name in frame if name in TEXTS]
+    types = dict.fromkeys(texts, "string")
+    types |= {name: "Int64" for name in frame if name in COUNTS}
+    types |= {name: "float" for name in frame if name in NUMBERS}
+    frame = frame.astype(types)
+    frame[texts] = frame[texts].fillna("").astype(object)
     return frame
 
 
 def _evaluations(rows: Rows) -> "pd.DataFrame":
     """Returns the table of rows, each result once, with the column `GAME_NUMBERS`."""
-    more = sorted({name for row in rows for name in row} - {*COLUMNS, *OF_EXPERIMENT, GAME_NUMBERS})
-    experiments = (
-        OF_EXPERIMENT if any(row["record"] in ("mixture", "diagram") for row in rows) else ()
-    )
-    frame = _typed(pd.DataFrame(rows, columns=[*COLUMNS, *experiments, *more, GAME_NUMBERS]))
+    names = {name for row in rows for name in row}
+    figures_of_games = sorted(names - {*COLUMNS, *OF_EXPERIMENT, GAME_NUMBERS})
+    has_experiments = any(row["record"] in ("mixture", "diagram") for row in rows)
+    experiments = OF_EXPERIMENT if has_experiments else ()
+    columns = [*COLUMNS, *experiments, *figures_of_games, GAME_NUMBERS]
+    frame = _set_types(pd.DataFrame(rows, columns=columns))
     numbers = [*frame.select_dtypes("float")]
     frame[numbers] = frame[numbers].map(lambda value: float(f"{value:.{DIGITS}g}"))
+    # Of rows with the same key the last one is kept: a finished one, if there is one.
     key = [name for name in KEY if name in frame]
-    frame = frame.iloc[
-        np.argsort(frame.status == "done", kind="stable")
-    ]  # of two rows the last one stays
-    told = frame[frame.duplicated(key, keep=False) & frame.status.isin(("done", ""))].drop(
-        columns=["folder", GAME_NUMBERS]
-    )
-    for names, same in told.groupby(key, dropna=False):
-        if len(same.drop_duplicates()) > 1:
-            what = " ".join(str(name) for name in names if not pd.isna(name) and name != "")
-            _warn(
-                f"{what} was found twice with different figures; those of the folder named later are used"
-            )
+    frame = frame.iloc[np.argsort(frame.status == "done", kind="stable")]
+    _warn_of_differences(frame, key)
     frame = frame.drop_duplicates(key, keep="last")
-    return _named_variants(frame).sort_values(key, kind="stable", ignore_index=True)
+    return _add_variants(frame).sort_values(key, kind="stable", ignore_index=True)
 
 
-def _named_variants(frame: "pd.DataFrame") -> "pd.DataFrame":
+def _warn_of_differences(frame: "pd.DataFrame", key: list[str]) -> None:
+    """Warns of each finished result that was read twice with different figures."""
+    finished = frame[frame.status.isin(("done", ""))].drop(columns=["folder", GAME_NUMBERS])
+    repeated = finished[finished.duplicated(key, keep=False)]
+    for values, same in repeated.groupby(key, dropna=False):
+        if len(same.drop_duplicates()) > 1:
+            name = " ".join(str(value) for value in values if not pd.isna(value) and value != "")
+            _warn(
+                f"{name} was found twice with different figures; those of the folder named later are used"
+            )
+
+
+def _add_variants(frame: "pd.DataFrame") -> "pd.DataFrame":
     """Returns the table with the variant of each experiment: that of runs with the same rules, else of the bundled game."""
-    trained = (
-        frame[frame.record == "seed"]
-        .drop_duplicates(["game", "hash"])
-        .set_index(["game", "hash"])[["variant", "map"]]
-    )
-    for place, row in frame[frame.record.isin(("mixture", "diagram"))].iterrows():
-        if (row.game, row.hash) in trained.index:
-            frame.loc[place, ["variant", "map"]] = trained.loc[(row.game, row.hash)].to_list()
+    trained = frame[frame.record == "seed"].drop_duplicates(["game", "hash"])
+    by_rules = trained.set_index(["game", "hash"])[["variant", "map"]]
+    for index, row in frame[frame.record.isin(("mixture", "diagram"))].iterrows():
+        if (row.game, row.hash) in by_rules.index:
+            frame.loc[index, ["variant", "map"]] = by_rules.loc[(row.game, row.hash)].to_list()
         else:
-            frame.loc[place, "variant"] = variant_now(row.game, row.hash) or ""
+            frame.loc[index, "variant"] = variant_now(row.game, row.hash) or ""
     return frame
 
 
 def _curves(rows: Rows, points: Rows) -> "pd.DataFrame":
-    done = [
-        {name: row[name] for name in ("run", "seed", "folder")}
-        for row in rows
-        if row.get("status") == "done"
-    ]
-    kept = pd.DataFrame(done, columns=["run", "seed", "folder"]).drop_duplicates(
-        ["run", "seed"], keep="last"
+    """Returns the table of the learning curves of finished seeds, each seed once: as read last."""
+    done = pd.DataFrame(
+        [row for row in rows if row.get("status") == "done"], columns=["run", "seed", "folder"]
     )
-    found = pd.DataFrame(points, columns=POINT).merge(kept)
-    return found.drop_duplicates(["run", "seed", "env_steps"], keep="last").sort_values(
-        ["run", "seed", "env_steps"], ignore_index=True
-    )
+    last = done.drop_duplicates(["run", "seed"], keep="last")
+    key = ["run", "seed", "env_steps"]
+    curves = pd.DataFrame(points, columns=POINT).merge(last).drop_duplicates(key, keep="last")
+    return curves.sort_values(key, ignore_index=True)
 
 
-def _read_all(folders: Iterable[str | Path]) -> Found:
-    """Reads folders, and names runs apart whose seeds of one number started from different policies.
+def _read_all(folders: Iterable[str | Path]) -> RowsAndPoints:
+    """Reads folders, and renames runs in which one seed was trained from different policies.
 
     Elsewhere seeds that each started from a policy of their own count as trained the same.
     """
     rows, points = _read_each(folders)
     starts = {(row["run"], row["seed"], row[START]) for row in rows if START in row}
-    several = {run for (run, _), number in Counter(key[:2] for key in starts).items() if number > 1}
-    short = short_names(start for run, _, start in starts if run in several)
+    counts = Counter((run, seed) for run, seed, _ in starts)
+    with_several = {run for (run, _), number in counts.items() if number > 1}
+    short = short_names(start for run, _, start in starts if run in with_several)
     renamed: dict[str, str] = {}  # folder of a seed -> its run
     for row in rows:
         start = row.pop(START, None)
-        if start is not None and row["run"] in several:
+        if start is not None and row["run"] in with_several:
             row["run"] += f"-{sha256(start.encode()).hexdigest()[:4]}"
             row["settings"] = _compact(json.loads(row["settings"]) | {"init_from": short[start]})
             renamed[row["folder"]] = row["run"]
     return rows, [point | {"run": renamed.get(point["folder"], point["run"])} for point in points]
 
 
-def _read_each(folders: Iterable[str | Path]) -> Found:
+def _read_each(folders: Iterable[str | Path]) -> RowsAndPoints:
     rows: Rows = []
     points: Rows = []
     for folder in folders:
-        found, curve = _read(Path(folder))
-        rows += found
-        points += curve
+        more_rows, more_points = _read_folder(Path(folder))
+        rows += more_rows
+        points += more_points
     return rows, points
 
 
@@ -299,65 +307,62 @@ def _warn(text: str) -> None:
     warnings.warn(text, ResultsWarning, stacklevel=2)
 
 
-def _read(path: Path) -> Found:
+def _read_folder(path: Path) -> RowsAndPoints:
+    """Reads a folder of results, or all such folders in it. Raises ResultsError if there are none."""
     if not path.exists():
         raise ResultsError(f"there is no folder or file `{path}`")
-    reader = _reader(path)
+    reader = _reader_of(path)
     if reader is not None:
         return reader(path)
-    inside = (
-        [part for part in sorted(path.iterdir()) if _reader(part) is not None]
-        if path.is_dir()
-        else []
-    )
-    if not inside:
+    parts = sorted(path.iterdir()) if path.is_dir() else []
+    with_results = [part for part in parts if _reader_of(part) is not None]
+    if not with_results:
         raise ResultsError(f"`{path}` holds no results; name {KINDS}")
-    return _read_each(inside)
+    return _read_each(with_results)
 
 
-def _reader(path: Path) -> Callable[[Path], Found] | None:
-    """Returns the reader of a folder, by the files in it; None if there is none."""
+def _reader_of(path: Path) -> Callable[[Path], RowsAndPoints] | None:
+    """Returns the function that reads a folder, by the files in it; None if there is none."""
     if not path.is_dir():
         return None
     if (path / SWEEP).exists() or (path / CELLS).is_dir():
-        return _sweep
+        return _read_sweep
     if (path / MANIFEST).is_file():
-        return _run
-    asked = (read_object(path / ASKED) or {}).get("experiment")
-    if (path / DIAGRAM).is_file() or asked == "schelling":
-        return lambda path: (_experiment(path, DIAGRAM, Diagram), [])
-    if (path / CROSS_PLAY).is_file() or asked == "crossplay":
-        return lambda path: (_experiment(path, CROSS_PLAY, CrossPlay), [])
-    return _stored if (path / RESULTS).is_file() else None
+        return _read_run
+    plan = read_object(path / PLAN) or {}
+    if (path / DIAGRAM).is_file() or plan.get("experiment") == "schelling":
+        return lambda path: (_read_experiment(path, DIAGRAM, Diagram), [])
+    if (path / CROSS_PLAY).is_file() or plan.get("experiment") == "crossplay":
+        return lambda path: (_read_experiment(path, CROSS_PLAY, CrossPlay), [])
+    return _read_report if (path / RESULTS).is_file() else None
 
 
-def _stored(path: Path) -> Found:
+def _read_report(path: Path) -> RowsAndPoints:
     """Reads the `data` of a report."""
-    frame = read_frame(path / RESULTS, set(COLUMNS) - {"folder"})
+    frame = read_frame(path / RESULTS, [name for name in COLUMNS if name != "folder"])
     unknown = sorted(set(frame.status) - {"done", "failed", "unfinished", ""})
     if unknown:
         raise ResultsError(
             f"{path / RESULTS}: `status` is done, failed or unfinished, not `{unknown[0]}`"
         )
     for settings in set(frame.settings) - {""}:
-        if not _is_table(settings):
+        if not _is_json_table(settings):
             raise ResultsError(
                 f"{path / RESULTS}: `settings` must be JSON with names, not `{settings[:80]}`"
             )
-    curves = read_frame(path / CURVES, POINT[:-1]) if (path / CURVES).is_file() else None
-    rows, points = (
-        [] if table is None else table.assign(folder=str(path)).to_dict("records")
-        for table in (frame, curves)
-    )
-    known = [{name: value for name, value in row.items() if not pd.isna(value)} for row in rows]
-    return [
-        row | {GAME_NUMBERS: stored_numbers(row)} if row["record"] == "seed" else row
-        for row in known
-    ], points
+    rows = []
+    for stored in frame.assign(folder=str(path)).to_dict("records"):
+        row = {name: value for name, value in stored.items() if not pd.isna(value)}
+        if row["record"] == "seed":
+            row[GAME_NUMBERS] = stored_numbers(row)
+        rows.append(row)
+    if not (path / CURVES).is_file():
+        return rows, []
+    curves = read_frame(path / CURVES, [name for name in POINT if name != "folder"])
+    return rows, curves.assign(folder=str(path)).to_dict("records")
 
 
-def _is_table(text: str) -> bool:
-    """Whether a text is a table of JSON."""
+def _is_json_table(text: str) -> bool:
     try:
         return isinstance(parse_json(text.encode()), dict)
     except ValueError:
@@ -367,21 +372,18 @@ def _is_table(text: str) -> bool:
 # Sweeps, whose cells are ordinary runs.
 
 
-def _sweep(path: Path) -> Found:
+def _read_sweep(path: Path) -> RowsAndPoints:
+    """Reads the runs of a sweep; warns of cells that aren't trained, or have failed."""
     names = _cell_names(path)
-    there = [name for name in names if (path / CELLS / name / MANIFEST).is_file()]
-    absent = len(names) - len(there)
-    if absent:
-        _warn(
-            f"{absent} cell{'s' if absent > 1 else ''} of the sweep `{path}` {'are' if absent > 1 else 'is'} not trained yet"
-        )
+    trained = [name for name in names if (path / CELLS / name / MANIFEST).is_file()]
+    untrained = len(names) - len(trained)
+    if untrained:
+        cells, are = ("cell", "is") if untrained == 1 else ("cells", "are")
+        _warn(f"{untrained} {cells} of the sweep `{path}` {are} not trained yet")
     for name in names:
         if (path / FAILED / f"{name}.json").is_file():
             _warn(f"the cell `{name}` of the sweep `{path}` has failed")
-    found = [_run(path / CELLS / name) for name in there]
-    return [row for rows, _ in found for row in rows], [
-        point for _, points in found for point in points
-    ]
+    return _read_each(path / CELLS / name for name in trained)
 
 
 def _cell_names(path: Path) -> list[str]:
@@ -400,19 +402,20 @@ def _cell_names(path: Path) -> list[str]:
 # Runs.
 
 
-def _run(path: Path) -> Found:
+def _read_run(path: Path) -> RowsAndPoints:
+    """Reads a run: a row for each seed, and the learning curves of those that are done."""
+    rows: Rows = []
+    points: Rows = []
     try:
         manifest = read_manifest(path)
         earlier = [read_manifest(folder) for folder in stage_folders(path)[:-1]]
-        ids = ids_of(manifest, earlier)
-        steps_before = sum(_steps(one) for one in earlier)
-        found = [
-            _seed(folder, seed, ids, manifest, steps_before)
-            for seed, folder in _folders(path, manifest["config"])
-        ]
-        rows = [row for row, _ in found]
-        for row in rows:
-            _check(row)
+        shared = columns_of_run(manifest, earlier)
+        steps_before = sum(_steps_done(stage) for stage in earlier)
+        for seed, folder in _seed_folders(path, manifest["config"]):
+            row, curve = _read_seed(folder, seed, shared, manifest, steps_before)
+            _check_types(row)
+            rows.append(row)
+            points += curve
     except (RunError, ConfigError) as error:
         _warn(f"{error}: {path} is left out")
         return [], []
@@ -420,92 +423,102 @@ def _run(path: Path) -> Found:
         _warn(f"{path / MANIFEST} is damaged ({type(error).__name__}: {error}): {path} is left out")
         return [], []
     _warn_of_seeds(path, manifest, rows)
-    return rows, [point for _, points in found for point in points]
+    return rows, points
 
 
-def ids_of(
+def columns_of_run(
     manifest: Mapping[str, Any], earlier: Sequence[Mapping[str, Any]] = ()
 ) -> dict[str, Any]:
-    """Returns the game, way of training and settings of a run, by column, from its manifest.
+    """Returns the columns that all seeds of a run have alike: its game, way of training and settings.
 
     Args:
       earlier: the manifests of the stages before.
     """
     game, config = manifest["game"], manifest["config"]
-    made = manifest.get("provenance") or {}
-    way = {
-        key: value
-        for key, value in config.items()
-        if key not in NOT_A_WAY and not key.startswith(CHECKPOINTS)
+    provenance = manifest.get("provenance") or {}
+    settings = {
+        name: value
+        for name, value in config.items()
+        if name not in WITHOUT_EFFECT and not name.startswith(CHECKPOINTS)
     }
-    start = way.get("init_from")
+    start = settings.get("init_from")
     if start:
-        way["init_from"] = "a policy"
+        settings["init_from"] = "a policy"
     if earlier:
-        way["stages"] = [_stage(one, config) for one in earlier]
+        settings["stages"] = [_describe_stage(stage, config) for stage in earlier]
     elif manifest.get("stage", 1) > 1:
-        way["stages"] = f"stage {manifest['stage']} of a run"
+        settings["stages"] = f"stage {manifest['stage']} of a run"
     everything = {
         "hash": game["hash"],
         "params": game["params"],
         "agents": game["num_agents"],
-        "config": way,
+        "config": settings,
     }
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
-    reward, angles = str(config["reward"]), config.get("svo_angle", [])
-    ids = {
+    reward = str(config["reward"])
+    columns = {
         "game": game["name"],
         "hash": game["hash"],
-        "variant": made.get("variant") or "",
-        "params": " ".join(_numbers(game, made)),
-        GAME_NUMBERS: numbers_of(game, flat_numbers(made.get("params") or {})),
-        "map": Path(made["map"]).name
-        if isinstance(made.get("map"), str)
-        else "own"
-        if made.get("map")
-        else "",
+        "variant": provenance.get("variant") or "",
+        "params": " ".join(_changed_numbers(game, provenance)),
+        GAME_NUMBERS: numbers_of(game, flat_numbers(provenance.get("params") or {})),
+        "map": _map_name(provenance.get("map")),
         "num_agents": game["num_agents"],
         "run": f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
         "algorithm": config["algorithm"],
-        "reward": reward_label(reward, "stages" in way),
+        "reward": reward_label(reward, "stages" in settings),
         "sharing": config.get("sharing", "shared"),
         "network": str(config["network"]),
         "total_timesteps": int(config["total_timesteps"]),
-        "preset": preset_of(game["name"], way),
+        "preset": preset_of(game["name"], settings),
     }
+    named = {*METHOD}  # settings that have a column
     if reward == "exchange":
-        ids["exchange_ratio"] = config["exchange_ratio"]
+        columns["exchange_ratio"] = config["exchange_ratio"]
     if reward == "svo":
-        ids["svo_weight"] = config["svo_weight"]
-        ids |= {"svo_angle": angles[0]} if len(set(angles)) == 1 else {}
-    usual = stored_config({"algorithm": way["algorithm"]}).model_dump(mode="json")
-    columns = {*WAY} - ({"svo_angle"} if reward == "svo" and "svo_angle" not in ids else set())
-    own = {
-        key: value
-        for key, value in sorted(way.items())
-        if key not in columns and value != usual.get(key)
+        columns["svo_weight"] = config["svo_weight"]
+        angles = set(config.get("svo_angle", []))
+        if len(angles) == 1:
+            columns["svo_angle"] = angles.pop()
+        else:
+            named.remove("svo_angle")
+    usual = stored_config({"algorithm": settings["algorithm"]}).model_dump(mode="json")
+    unusual = {
+        name: value
+        for name, value in sorted(settings.items())
+        if name not in named and value != usual.get(name)
     }
-    return ids | {"settings": _compact(own)} | ({START: str(start)} if start else {})
+    columns["settings"] = _compact(unusual)
+    if start:
+        columns[START] = str(start)
+    return columns
 
 
 def _compact(settings: Mapping[str, Any]) -> str:
     return json.dumps(settings, separators=(",", ":"))
 
 
-def _stage(manifest: Mapping[str, Any], last: Mapping[str, Any]) -> dict[str, Any]:
+def _map_name(map_: Any) -> str:
+    """Returns the file of a run's map; `own` for rows from Python, `""` for the game's own map."""
+    if isinstance(map_, str):
+        return Path(map_).name
+    return "own" if map_ else ""
+
+
+def _describe_stage(manifest: Mapping[str, Any], last: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the game of a stage, and the settings in which it differs from the last one. last: the configuration of that."""
-    game, made = manifest["game"], manifest.get("provenance") or {}
+    game = manifest["game"]
     settings = {key: value for key, value in manifest["config"].items() if value != last.get(key)}
     settings["init_from"] = "a policy" if settings.get("init_from") else ""
     return {
         "hash": game["hash"],
-        "params": " ".join(_numbers(game, made)),
+        "params": " ".join(_changed_numbers(game, manifest.get("provenance") or {})),
         "num_agents": game["num_agents"],
         **settings,
     }
 
 
-def _check(row: Mapping[str, Any]) -> None:
+def _check_types(row: Mapping[str, Any]) -> None:
     """Raises ValueError, TypeError or OverflowError for a value of the wrong type for its column."""
     for name, value in row.items():
         if value is None:
@@ -514,28 +527,31 @@ def _check(row: Mapping[str, Any]) -> None:
         if (name in TEXTS and not isinstance(value, str)) or (name in COUNTS and not is_count):
             raise ValueError(f"its {name} is {value!r}")
         if name in NUMBERS:
-            float(value)
+            float(value)  # raises for what is no number
 
 
-def _numbers(game: Mapping[str, Any], made: Mapping[str, Any]) -> list[str]:
-    """Returns the changed numbers of the game, including that of agents, besides its variant.
+def _changed_numbers(game: Mapping[str, Any], provenance: Mapping[str, Any]) -> list[str]:
+    """Returns the numbers of the game that were changed, beside its variant, as `name=value`; among them that of agents.
 
     The manifest of a run that was started from Python may lack them: then they are the differences from the bundled game.
+
+    Args:
+      provenance: with which `variant`, `params` and `num_agents` the game was asked for.
     """
-    if "game" not in made:
+    if "game" not in provenance:
         return other_numbers(game)
-    asked = flat_numbers(made.get("params") or {}) | (
-        {} if made.get("num_agents") is None else {"num_agents": made["num_agents"]}
-    )
-    variant = made.get("variant") or ""
+    numbers = flat_numbers(provenance.get("params") or {})
+    if provenance.get("num_agents") is not None:
+        numbers["num_agents"] = provenance["num_agents"]
+    variant = provenance.get("variant") or ""
     return [
         as_assignment(name, value)
-        for name, value in sorted(asked.items())
+        for name, value in sorted(numbers.items())
         if not is_usual(game["name"], variant, name, value)
     ]
 
 
-def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
+def _seed_folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
     """Returns the seeds of a run, and the folder of each."""
     first, number = int(config["seed"]), int(config["seeds"])
     if not 1 <= number <= MOST_SEEDS:
@@ -545,65 +561,74 @@ def _folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
     return [(seed, path / f"seed_{seed}") for seed in range(first, first + number)]
 
 
-def _steps(manifest: Mapping[str, Any]) -> int:
+def _steps_done(manifest: Mapping[str, Any]) -> int:
     """Returns the environment steps that a run has done, or a stage of one."""
     return int(manifest["updates"] * manifest["derived"]["steps_per_update"])
 
 
-def _seed(
-    folder: Path, seed: int, ids: Mapping[str, Any], manifest: Mapping[str, Any], steps_before: int
+def _read_seed(
+    folder: Path,
+    seed: int,
+    shared: Mapping[str, Any],
+    manifest: Mapping[str, Any],
+    steps_before: int,
 ) -> tuple[dict[str, Any], Rows]:
-    """Returns the row of a seed, and its learning curve where it is done. steps_before: in earlier stages."""
-    if seed in {entry["seed"] for entry in manifest.get("diverged", ())}:
+    """Returns the row of a seed, and its learning curve where it is done.
+
+    Args:
+      shared: the columns of all seeds of the run (`columns_of_run`).
+      steps_before: environment steps in earlier stages.
+    """
+    if seed in [entry["seed"] for entry in manifest.get("diverged", ())]:
         status = "failed"
     else:
         status = "done" if manifest.get("status") == "finished" else "unfinished"
     device = manifest.get("device") or {}
     number, kind = device.get("count", 1), device.get("kind", "unknown")
-    steps, returns = _curve(folder)
+    steps, returns = _read_curve(folder)
     row = {
         "record": "seed",
-        **ids,
+        **shared,
         "seed": seed,
         "status": status,
         "hardware": f"{number} x {kind}" if number > 1 else str(kind),
+        "folder": str(folder),
     }
-    row["folder"] = str(folder)
     if status != "done":
         return row | {"steps": int(max(steps, default=0)), "episodes": 0}, []
-    means, episodes = _evaluation(folder / EVALUATION)
-    row |= {"steps": steps_before + _steps(manifest), "episodes": episodes}
-    row |= {"collective_return" if name == RETURN else name: value for name, value in means.items()}
-    named = zip(steps, returns, strict=True)
+    means, episodes = _read_means(folder / EVALUATION)
+    row |= {"steps": steps_before + _steps_done(manifest), "episodes": episodes}
+    for name, mean in means.items():
+        row["collective_return" if name == RETURN else name] = mean
     points = [
         {
-            "run": ids["run"],
+            "run": shared["run"],
             "seed": seed,
-            "env_steps": int(x),
-            "collective_return": y,
+            "env_steps": int(step),
+            "collective_return": value,
             "folder": str(folder),
         }
-        for x, y in named
+        for step, value in zip(steps, returns, strict=True)
     ]
     return row, points
 
 
-def _curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+def _read_curve(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """Returns environment steps and collective returns, `[P]` each: at most `POINTS`, each the mean of neighbouring updates.
 
     The steps are the ends of equal parts of the run, the same for all seeds.
     """
     steps, returns = figures(run_rows(folder), "collective_return")
-    if not np.isfinite(returns).any():
+    known = np.isfinite(returns)
+    if not known.any():
         return np.zeros(0), np.zeros(0)
     steps_of_point = math.ceil(len(steps) / POINTS) * steps[0]
     ends = np.minimum(np.ceil(steps / steps_of_point) * steps_of_point, steps[-1])
-    known = np.isfinite(returns)
     points = np.unique(ends[known])
     return points, np.array([returns[known & (ends == point)].mean() for point in points])
 
 
-def _evaluation(path: Path) -> tuple[dict[str, float], int]:
+def _read_means(path: Path) -> tuple[dict[str, float], int]:
     """Returns the means of an evaluation of the last policy, without those of single agents, and its number of episodes.
 
     Empty if there is none, or if it was made with `--greedy` or `--drawn`.
@@ -612,12 +637,15 @@ def _evaluation(path: Path) -> tuple[dict[str, float], int]:
     if stored is None or stored.greedy is not None:
         return {}, 0
     means = {
-        name: figure.mean for name, figure in stored.summary.items() if " of agent " not in name
+        name: figure.mean
+        for name, figure in stored.summary.items()
+        if " of agent " not in name and figure.mean is not None
     }
-    return {name: mean for name, mean in means.items() if mean is not None}, stored.episodes
+    return means, stored.episodes
 
 
 def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
+    """Warns of the seeds of a run that are left out, or whose figures need care."""
     if any(row["status"] == "unfinished" for row in rows):
         status = manifest.get("status")
         how = "isn't finished" if status == "running" else f"ended early ({status})"
@@ -628,13 +656,13 @@ def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
         _warn(
             f"{seeds_in_words(failed)} of `{path}` diverged (non-finite loss): this run has no mean"
         )
-    wanting = [row for row in done if "collective_return" not in row]
-    damaged = [row for row in wanting if not (Path(row["folder"]) / POLICIES).is_dir()]
+    unevaluated = [row for row in done if "collective_return" not in row]
+    damaged = [row for row in unevaluated if not (Path(row["folder"]) / POLICIES).is_dir()]
     if damaged:
         _warn(
             f"left out of `{path}`: {seeds_in_words(row['seed'] for row in damaged)}, without `{POLICIES}`"
         )
-    if len(wanting) > len(damaged):
+    if len(unevaluated) > len(damaged):
         _warn(
             f"`{path}` isn't evaluated, or only with `--greedy` or `--drawn`: run `sjdsl evaluate {path}`"
         )
@@ -650,7 +678,8 @@ def _warn_of_seeds(path: Path, manifest: Mapping[str, Any], rows: Rows) -> None:
 # Experiments with policies.
 
 
-def _experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay]) -> Rows:
+def _read_experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay]) -> Rows:
+    """Reads the file of a diagram or of cross-play; warns, and returns no rows, if there is none."""
     file = path / name
     if not file.is_file():
         _warn(
@@ -669,35 +698,35 @@ def _experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay]) ->
     for note in stored.notes:
         _warn(note)
     game = stored.game
-    of = {"game": game.name, "hash": game.hash, "num_agents": game.num_agents}
-    params = " ".join(other_numbers(game.model_dump()))
-    rows = _diagram(stored) if isinstance(stored, Diagram) else _cross_play(stored)
-    return [{**of, "params": params, "folder": str(path), **row} for row in rows]
+    shared = {
+        "game": game.name,
+        "hash": game.hash,
+        "num_agents": game.num_agents,
+        "params": " ".join(other_numbers(game.model_dump())),
+        "folder": str(path),
+    }
+    rows = [_diagram_row(stored)] if isinstance(stored, Diagram) else _cross_play_rows(stored)
+    return [shared | row for row in rows]
 
 
-def _diagram(stored: Diagram) -> Rows:
-    verdict = stored.verdict
+def _diagram_row(stored: Diagram) -> dict[str, Any]:
     row = {
         "record": "diagram",
         **stored.model_dump(include={"cooperators", "defectors", "unit", "units", "episodes"}),
+        **stored.verdict.model_dump(),
+        "caution": stored.verdict.caution or "",
     }
-    row |= {**verdict.model_dump(), "caution": verdict.caution or ""}
     for contrast, figure in stored.contrasts:
         row |= {f"{contrast}_{end}": value for end, value in figure}
-    return [row]
+    return row
 
 
-def _cross_play(stored: CrossPlay) -> Rows:
+def _cross_play_rows(stored: CrossPlay) -> Rows:
     """Returns a row for each policy and mixture, and one with the collective return of random policies alone."""
     rows: Rows = []
-    plain = not other_numbers(stored.game.model_dump())
+    has_usual_numbers = not other_numbers(stored.game.model_dump())
     for mixture in stored.mixtures:
-        unit, episodes = mixture.unit or stored.unit, mixture.episodes
-        over = {
-            "unit": unit,
-            "units": len(stored.keys) if unit == "training seed" else episodes,
-            "episodes": episodes,
-        }
+        unit = mixture.unit or stored.unit
         for policy, figure in mixture.policies.items():
             rows.append(
                 {
@@ -705,20 +734,25 @@ def _cross_play(stored: CrossPlay) -> Rows:
                     "mixture": mixture.mixture,
                     "policy": policy,
                     **dict(figure),
-                    **over,
+                    "unit": unit,
+                    "units": len(stored.keys) if unit == "training seed" else mixture.episodes,
+                    "episodes": mixture.episodes,
                 }
             )
-        if plain and {*mixture.slots} == {*mixture.policies} == {"random"}:
-            alone = {
-                end: None if value is None else stored.game.num_agents * value
-                for end, value in mixture.policies["random"]
-            }
+        is_random = set(mixture.slots) == {"random"} and set(mixture.policies) == {"random"}
+        if is_random and has_usual_numbers:
+            of_agent = mixture.policies["random"]
             rows.append(
                 {
                     "record": "random",
-                    "collective_return": alone.pop("mean"),
-                    **alone,
-                    "episodes": episodes,
+                    "collective_return": _of_all_agents(of_agent.mean, stored.game),
+                    "low": _of_all_agents(of_agent.low, stored.game),
+                    "high": _of_all_agents(of_agent.high, stored.game),
+                    "episodes": mixture.episodes,
                 }
             )
     return rows
+
+
+def _of_all_agents(value: float | None, game: Game) -> float | None:
+    return None if value is None else game.num_agents * value

@@ -39,32 +39,24 @@ class Section:
 
 
 def page_text(
-    title: str,
-    made: str,
-    sections: Iterable[Section],
-    method: Sequence[str],
-    notes: Sequence[str],
-    folder: str = "",
+    title: str, sections: Iterable[Section], method: Sequence[str], notes: Sequence[str]
 ) -> str:
-    """Returns the page: its heading, its sections, the method with what made the page, and notes.
-
-    Args:
-      folder: the folder of pictures and tables relative to the page: empty, or ending in `/`.
-    """
-    parts = [
-        f"# {title}",
-        *(f"## {section.title}\n\n{body_text(section, folder)}" for section in sections),
-        "## Method",
-        *method,
-        made,
-    ]
+    """Returns the page: its heading, its sections, the method (paragraphs), and notes (a list)."""
+    parts = [f"# {title}"]
+    for section in sections:
+        parts += [f"## {section.title}", body_text(section)]
+    parts += ["## Method", *method]
     if notes:
         parts += ["## Notes", "\n".join(f"* {inert(_sentence(note))}" for note in notes)]
     return "\n\n".join(parts) + "\n"
 
 
 def body_text(section: Section, folder: str = "") -> str:
-    """Returns a section without its title. folder: as of `page_text`."""
+    """Returns a section without its title.
+
+    Args:
+      folder: of its pictures and tables, relative to the page: empty, or ending in `/`.
+    """
     parts = [inert(paragraph) for paragraph in section.text]
     for table in section.tables:
         parts += [f"{table.title} ([CSV]({folder}{TABLES}/{table.name}.csv)):", _table_text(table)]
@@ -76,6 +68,7 @@ def body_text(section: Section, folder: str = "") -> str:
 
 
 def _table_text(table: Table) -> str:
+    """Returns a table as Markdown."""
     rule = ("---",) * table.labels + ("--:",) * (len(table.headings) - table.labels)
     rows = (
         tuple(_escaped(cell.text if isinstance(cell, Figure) else cell) for cell in row)
@@ -93,7 +86,7 @@ def file_texts(sections: Iterable[Section]) -> dict[str, str]:
     }
 
 
-def drawn(sections: Iterable[Section]) -> dict[str, bytes]:
+def draw_pictures(sections: Iterable[Section]) -> dict[str, bytes]:
     """Returns each picture as PNG and SVG by file name."""
     files: dict[str, bytes] = {}
     for section in sections:
@@ -105,17 +98,19 @@ def drawn(sections: Iterable[Section]) -> dict[str, bytes]:
 
 
 def _csv(records: Sequence[dict[str, Any]]) -> str:
+    """Returns rows by column as CSV: a column that a row lacks is empty there."""
     text = io.StringIO()
     names = list(dict.fromkeys(name for record in records for name in record))
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(names)
     for record in records:
         values = [record.get(name) for name in names]
-        writer.writerow([f"{v:.6g}" if isinstance(v, float) else v for v in values])
+        writer.writerow([f"{value:.6g}" if isinstance(value, float) else value for value in values])
     return text.getvalue()
 
 
 def _escaped(cell: str) -> str:
+    """Returns a cell's text for Markdown, on one line and with `|` escaped."""
     return " ".join(inert(cell).splitlines()).replace("|", "\\|")
 
 
@@ -126,4 +121,6 @@ def inert(text: str) -> str:
 
 def _sentence(note: str) -> str:
     """Returns a note as a sentence, capitalised unless it begins with something like a path."""
-    return f"{note[0].upper()}{note[1:]}." if note[:1].isalpha() and " " in note else f"{note}."
+    if note[:1].isalpha() and " " in note:
+        return f"{note[0].upper()}{note[1:]}."
+    return f"{note}."

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -11,7 +12,7 @@ from sjdsl.trainers.settings.config import KEYS_OF, ConfigError
 from sjdsl.trainers.settings.preset import load_preset
 
 # Settings that may be changed without losing the name of the preset: how agents are rewarded.
-ASKED = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle")
+FREE = ("algorithm", "reward", "sharing", "exchange_ratio", "svo_weight", "svo_angle")
 
 
 def preset_of(game: str, settings: Mapping[str, Any]) -> str:
@@ -23,32 +24,29 @@ def preset_of(game: str, settings: Mapping[str, Any]) -> str:
     Args:
       settings: the settings that affect learning, as JSON values.
     """
-    if (
-        settings["algorithm"] not in KEYS_OF or Path(str(settings["reward"])).suffix
-    ):  # custom ones are files, which are not run here
+    is_users_reward = bool(Path(str(settings["reward"])).suffix)
+    if settings["algorithm"] not in KEYS_OF or is_users_reward:  # files, which are not run here
         return ""
-    presets = _presets(
-        game, json.dumps({name: settings[name] for name in ASKED if name in settings})
-    )
+    free = json.dumps({name: settings[name] for name in FREE if name in settings})
     return "/".join(
         name
-        for name, like in presets.items()
-        if all(like.get(key) == value for key, value in settings.items())
+        for name, config in _preset_configs(game, free).items()
+        if all(config.get(key) == value for key, value in settings.items())
     )
 
 
 @cache
-def _presets(game: str, asked: str) -> Mapping[str, Mapping[str, Any]]:
-    """Returns the configurations of all presets that accept the settings `asked`, by name."""
-    found = {}
-    for name in sorted(
-        entry.name.removesuffix(".toml")
-        for entry in files("sjdsl.trainers.settings").joinpath("presets").iterdir()
-    ):
-        try:
-            found[name] = load_preset(name, json.loads(asked), game, asked=()).config.model_dump(
-                mode="json"
-            )
-        except ConfigError:
-            continue
-    return found
+def _preset_configs(game: str, changes: str) -> Mapping[str, Mapping[str, Any]]:
+    """Returns the configurations of all presets that accept the changes, by name.
+
+    Args:
+      changes: settings as JSON, because `cache` hashes its arguments.
+    """
+    folder = files("sjdsl.trainers.settings").joinpath("presets")
+    names = sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir())
+    configs = {}
+    for name in names:
+        with suppress(ConfigError):
+            preset = load_preset(name, json.loads(changes), game, asked=())
+            configs[name] = preset.config.model_dump(mode="json")
+    return configs

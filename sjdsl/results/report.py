@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sjdsl.files import write_whole
 from sjdsl.results.loading import CURVES, RESULTS, load_both, write_frame
-from sjdsl.results.page import drawn, file_texts, page_text
+from sjdsl.results.page import draw_pictures, file_texts, page_text
 from sjdsl.results.refusals import ResultsError, ResultsWarning
 from sjdsl.results.sections import report_sections
 from sjdsl.results.selecting import games
@@ -63,12 +63,13 @@ def write_report(sources: Path | Sequence[Path], output: Path, command: str) -> 
         notes.append(f"too few seeds for an interval, which needs at least two: {', '.join(few)}")
     sections = report_sections(frame, curves)
     tables = file_texts(sections)
-    pictures = drawn(sections)
+    pictures = draw_pictures(sections)
     data = (
         f"The data behind the page are in [{DATA}]({DATA}): "
         "the same command on them makes the page again."
     )
-    page = page_text("Results", f"Written by `{command}`.", sections, (*METHOD, data), notes)
+    method = (*METHOD, data, f"Written by `{command}`.")
+    page = page_text("Results", sections, method, notes)
     contents = {
         **{name: text.encode() for name, text in tables.items()},
         **pictures,

@@ -15,22 +15,22 @@ import numpy as np
 from sjdsl.render.line_plots import Line, draw_panels, split_lines
 from sjdsl.render.plot_style import line_colour
 from sjdsl.results.figures import (
-    Cell,
     Figure,
+    Result,
     Table,
+    comparison_figures,
     counted,
     interval,
-    of_cell,
-    of_comparison,
+    result_figure,
     short,
 )
 from sjdsl.results.loading import CONTRASTS
 from sjdsl.results.page import Picture, Section
-from sjdsl.results.selecting import Setting, cell_of, games, in_words, setting_of
+from sjdsl.results.selecting import Setting, games, in_words, result_of, setting_of
 from sjdsl.results.settings import as_written, differing, settings_of
 from sjdsl.results.statistics import compare, draw_profiles, improvements, interquartile_means
 from sjdsl.short_paths import short_names
-from sjdsl.trainers.policies.estimates import estimate
+from sjdsl.trainers.policies.estimates import estimate, stack_estimates
 from sjdsl.trainers.settings.own_settings import OWN
 
 if TYPE_CHECKING:
@@ -43,12 +43,12 @@ SHORT_NAMES = (
 )
 # Intervals over episodes say nothing about other training seeds.
 OF_POLICIES = ", of these policies only"
-Pair = tuple[tuple[str, ...], Cell | None, Cell | None]  # labels, and two cells
-# game -> way of training -> its cell, and the scores of its seeds
-Scores = Mapping[Any, Mapping[str, tuple[Cell, np.ndarray]]]
+Pair = tuple[tuple[str, ...], Result | None, Result | None]  # labels, and two results
+# game -> way of training -> its result, and the scores of its seeds
+Scores = Mapping[Any, Mapping[str, tuple[Result, np.ndarray]]]
 
 
-def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
+def ways_of_training(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
     """Yields the ways of training in one game, in words, and their seeds.
 
     If two have the same words, the settings that differ are added.
@@ -58,15 +58,15 @@ def ways(rows: "pd.DataFrame") -> Iterator[tuple[str, "pd.DataFrame"]]:
         first = seeds.iloc[0]
         others = [
             other.iloc[0]
-            for name, other in runs
-            if name == words and other.iloc[0].run != first.run
+            for other_words, other in runs
+            if other_words == words and other.iloc[0].run != first.run
         ]
         settings = _all_settings(first)
-        names = differing([settings, *map(_all_settings, others)])
         parts = []
-        for name in names:
+        for name in differing([settings, *map(_all_settings, others)]):
             if name in settings or name.startswith(OWN):
-                parts.append(f"{name} {as_written(settings.get(name, 'default')) or 'none'}")
+                value = as_written(settings.get(name, "default"))
+                parts.append(f"{name} {value or 'none'}")
         if others and not parts:
             parts.append(first.run[-8:])
         yield f"{words} ({', '.join(parts)})" if parts else words, seeds
@@ -81,31 +81,26 @@ def returns(frame: "pd.DataFrame") -> Section:
     """Returns the section on the return of each way of training in each game."""
     rows = []
     for setting, of_game in games(frame):
-        for words, seeds in ways(of_game):
-            cell = cell_of(seeds)
-            if cell is not None:
-                rows.append((setting.label, words, of_cell(cell), cell.origin))
-    table = Table(
-        "returns",
-        "Collective return",
-        ("game", "way of training", "collective return", BEHIND),
-        rows,
-        2,
-    )
+        for words, seeds in ways_of_training(of_game):
+            result = result_of(seeds)
+            if result is not None:
+                rows.append((setting.label, words, result_figure(result), result.origin))
+    headings = ("game", "way of training", "collective return", BEHIND)
+    table = Table("returns", "Collective return", headings, rows, 2)
     return Section("Returns", (), (table,) if rows else ())
 
 
 def compared_table(
     name: str, title: str, words: Sequence[str], columns: tuple[str, str], lines: Sequence[Pair]
 ) -> Table:
-    """Returns a table of pairs of cells, with their difference, its 95 % interval, and p."""
+    """Returns a table of pairs of results, with their difference, its 95 % interval, and p."""
     rows: list[tuple[str | Figure, ...]] = []
     for labels, first, second in lines:
         comparison = None
         if first and second and first.estimate is not None and second.estimate is not None:
             comparison = compare(first.values, second.values)
-        origins = dict.fromkeys(cell.origin for cell in (first, second) if cell is not None)
-        figures = (of_cell(first), of_cell(second), *of_comparison(comparison))
+        origins = dict.fromkeys(result.origin for result in (first, second) if result is not None)
+        figures = (result_figure(first), result_figure(second), *comparison_figures(comparison))
         rows.append((*labels, *figures, "; ".join(origins)))
     difference = f"{columns[1]} - {columns[0]}"
     headings = (*words, *columns, difference, "p (Welch)", BEHIND)
@@ -121,17 +116,17 @@ def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
     for setting, of_game in games(frame):
         failed = of_game[of_game.status == "failed"].run
         lines = []
-        for words, seeds in ways(of_game[~of_game.run.isin(failed)]):
+        for words, seeds in ways_of_training(of_game[~of_game.run.isin(failed)]):
             line = _line(words, curves[curves.run == seeds.iloc[0].run])
             if line is not None:
                 colour = colours.setdefault(words, line_colour(len(colours)))
                 lines.append(replace(line, colour=colour))
         if lines:
             name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
-            seed_counts = {line.label.rpartition(", ")[2] for line in lines}
             samples = "seeds"
-            if len(seed_counts) == 1:  # the note has the number, not each label
-                (samples,) = seed_counts
+            seed_counts = {line.label.rpartition(", ")[2] for line in lines}
+            if len(seed_counts) == 1:  # then the note has the number, not each label
+                samples = seed_counts.pop()
                 lines = [replace(line, label=line.label.rpartition(", ")[0]) for line in lines]
             note = f"Lines: means over {samples}. Bands: 95 % intervals."
             panels = split_lines(lines, "collective return of an episode")
@@ -162,10 +157,7 @@ def _line(words: str, points: "pd.DataFrame") -> Line | None:
     steps, values = by_step.index.to_numpy(float), by_step.to_numpy(float)
     if values.shape[1] < 2:
         return Line(label, steps, values[:, 0])
-    estimates = [estimate(row) for row in values]
-    mean = np.array([figure.mean for figure in estimates])
-    low = np.array([figure.low for figure in estimates])
-    high = np.array([figure.high for figure in estimates])
+    mean, low, high = stack_estimates(estimate(row) for row in values)
     return Line(label, steps, mean, low, high, least=float(values.min()))
 
 
@@ -175,14 +167,14 @@ def over_games(frame: "pd.DataFrame") -> Section:
     """
     scores = {}
     for setting, of_game in games(frame):
-        cells = {}
-        for words, seeds in ways(of_game):
-            cell = cell_of(seeds)
-            if cell is not None:
-                cells[words] = cell
-        estimates = [cell.estimate for cell in cells.values() if cell.estimate is not None]
+        results = {}
+        for words, seeds in ways_of_training(of_game):
+            result = result_of(seeds)
+            if result is not None:
+                results[words] = result
+        estimates = [result.estimate for result in results.values() if result.estimate is not None]
         best = max((figure.mean for figure in estimates), default=0.0)
-        scores[setting.label] = scored(frame, setting, best, cells)
+        scores[setting.label] = score_results(frame, setting, best, results)
     definition = (
         "A score is (return - random) / (best - random): "
         "0 is a random policy, 1 the best way of training here."
@@ -190,11 +182,14 @@ def over_games(frame: "pd.DataFrame") -> Section:
     return section_over_games(scores, definition, chosen_games(scores))
 
 
-def scored(
-    frame: "pd.DataFrame", setting: Setting, best: float, cells: Mapping[str, Cell]
-) -> dict[str, tuple[Cell, np.ndarray]]:
-    """Returns the scores of cells with at least two seeds, between a random policy and `best`;
-    empty if no random policy was played."""
+def score_results(
+    frame: "pd.DataFrame", setting: Setting, best: float, results: Mapping[str, Result]
+) -> dict[str, tuple[Result, np.ndarray]]:
+    """Returns each result with at least two seeds, and the scores of its seeds (`[S]`): 0 is the
+    return of a random policy, 1 is `best`.
+
+    Empty if no random policy was played, the game has changed numbers, or `best` isn't better.
+    """
     is_random = frame.record == "random"
     of_game = (frame.game == setting.game) & (frame.hash == setting.hash)
     random_returns = frame[is_random & of_game].collective_return
@@ -202,21 +197,21 @@ def scored(
         return {}
     random = random_returns.iloc[-1]
     scores = {}
-    for way, cell in cells.items():
-        if cell.estimate is not None and len(cell.values) > 1:
-            scores[way] = (cell, (np.array(cell.values) - random) / (best - random))
+    for way, result in results.items():
+        if result.estimate is not None and len(result.values) > 1:
+            scores[way] = (result, (np.array(result.values) - random) / (best - random))
     return scores
 
 
 def section_over_games(scores: Scores, definition: str, chosen: Sequence[str]) -> Section:
     """Returns the section on ways of training with at least two seeds in each of the chosen games;
-    surplus seeds are left out. `definition`: of the scores, a sentence."""
+    surplus seeds are left out. definition: what a score is, a sentence."""
     text = [
         f"{definition} The 95 % intervals are from resampling the seeds of each game (stratified "
         "bootstrap). Scores describe the games together, not any one of them."
     ]
-    tables = {}
-    behind = {}
+    tables = {}  # way of training -> scores [seeds, games]
+    behind = {}  # way of training -> its seeds, steps, preset and hardware
     remarks = []
     left_out = []
     for way in sorted({way for of_game in scores.values() for way in of_game}):
@@ -224,7 +219,7 @@ def section_over_games(scores: Scores, definition: str, chosen: Sequence[str]) -
         if number < len(chosen):
             left_out.append(f"{way} ({number} of {len(chosen)})")
             continue
-        cells, values = zip(*(scores[game][way] for game in chosen), strict=True)
+        results, values = zip(*(scores[game][way] for game in chosen), strict=True)
         fewest = min(map(len, values))
         if max(map(len, values)) > fewest:
             remarks.append(
@@ -232,9 +227,12 @@ def section_over_games(scores: Scores, definition: str, chosen: Sequence[str]) -
                 "have no more."
             )
         tables[way] = np.stack([of_game[:fewest] for of_game in values], axis=1)
-        steps = sorted({cell.steps for cell in cells})
+        steps = sorted({result.steps for result in results})
         lengths = " to ".join(dict.fromkeys((short(steps[0]), short(steps[-1]))))
-        origins = dict.fromkeys(", ".join(filter(None, cell.origins[2:])) for cell in cells)
+        origins: dict[str, None] = {}  # preset and hardware of each, without repetition
+        for result in results:
+            _, _, preset, hardware = result.origins
+            origins[", ".join(filter(None, (preset, hardware)))] = None
         behind[way] = (
             f"{counted(fewest, 'seed')}, {len(chosen)} games, {lengths} steps, "
             f"{' and '.join(origins)}"
@@ -285,9 +283,10 @@ def chosen_games(scores: Mapping[Any, Mapping[str, Any]]) -> list[Any]:
     order = list(scores)
     all_ways = {way for of_game in scores.values() for way in of_game}
     games_of_ways = [frozenset(game for game in order if way in scores[game]) for way in all_ways]
-    common: set[frozenset[Any]] = set()
+    common: set[frozenset[Any]] = set()  # all intersections of some of these
     for games_of_way in games_of_ways:
-        common |= {games_of_way} | {games_of_way & other for other in common}
+        common |= {games_of_way & other for other in common}
+        common.add(games_of_way)
     sets = [[game for game in order if game in chosen] for chosen in common if len(chosen) > 1]
 
     def worth(chosen: Sequence[Any]) -> tuple[Any, ...]:
@@ -325,7 +324,7 @@ def of_record(frame: "pd.DataFrame", record: str) -> Iterator[Any]:
 
 
 def diagram_rows(diagrams: Iterable[Any]) -> list[tuple[str | Figure, ...]]:
-    """Returns the table cells of diagrams, with short names of the policies of each game."""
+    """Returns the table results of diagrams, with short names of the policies of each game."""
     rows: list[tuple[str | Figure, ...]] = []
     for _, group in groupby(diagrams, attrgetter("game")):
         of_game = list(group)
@@ -336,28 +335,33 @@ def diagram_rows(diagrams: Iterable[Any]) -> list[tuple[str | Figure, ...]]:
 
 
 def _diagram_row(row: Any, names: Mapping[str, str]) -> tuple[str | Figure, ...]:
-    contrasts = (
-        interval(*(row[f"{name}_{end}"] for end in ("mean", "low", "high"))) for name in CONTRASTS
-    )
+    """Returns a line of the table of diagrams. names: the short name of each policy."""
+    contrasts = [
+        interval(row[f"{name}_mean"], row[f"{name}_low"], row[f"{name}_high"]) for name in CONTRASTS
+    ]
     shape = " and ".join(name for name in ("fear", "greed") if row[name])
     verdict = f"dilemma, {shape}" if row.outcome == "dilemma" else row.outcome
-    policies = (_named(names[name], name) for name in (row.cooperators, row.defectors))
-    return setting_of(row).label, *policies, *contrasts, verdict, _sample_text(row)
+    cooperators = _policy_figure(names[row.cooperators], row.cooperators)
+    defectors = _policy_figure(names[row.defectors], row.defectors)
+    label = setting_of(row).label
+    return label, cooperators, defectors, *contrasts, verdict, _sample_text(row)
 
 
-def _renamed(text: str, names: Mapping[str, str]) -> str:
-    """Returns a text with other names in place of those in it."""
+def _rename_in(text: str, names: Mapping[str, str]) -> str:
+    """Returns a text with each of these names replaced by its new one."""
     known = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
     return re.sub(known, lambda match: names[match[0]], text)
 
 
-def _named(short: str, name: str) -> Figure:
-    """Returns the cell of a policy: its short name on the page, and its whole one in the CSV."""
+def _policy_figure(short: str, name: str) -> Figure:
+    """Returns a policy's short name for the page, with its whole one for the CSV."""
     return Figure(f"`{short}`", {"": f"`{name}`"})
 
 
 def _sample_text(row: Any) -> str:
-    return f"{row.units} {row.unit}s" + ("" if row.unit == "training seed" else OF_POLICIES)
+    """Returns what the intervals of an experiment are over: `3 training seeds`."""
+    text = f"{row.units} {row.unit}s"
+    return text if row.unit == "training seed" else text + OF_POLICIES
 
 
 def cross_play(frame: "pd.DataFrame") -> Section:
@@ -370,8 +374,8 @@ def cross_play(frame: "pd.DataFrame") -> Section:
             rows.append(
                 (
                     setting_of(row).label,
-                    Figure(_renamed(row.mixture, names), {"": row.mixture}),
-                    _named(names[row.policy], row.policy),
+                    Figure(_rename_in(row.mixture, names), {"": row.mixture}),
+                    _policy_figure(names[row.policy], row.policy),
                     interval(row["mean"], row.low, row.high),
                     _sample_text(row),
                 )

@@ -1,11 +1,12 @@
-"""Selects rows of results: games, ways of training, and the seeds of a table cell."""
+"""Selects rows of results: games, ways of training, and the seeds behind one figure of a table."""
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sjdsl.library.games_folder import bundled
 from sjdsl.results.bundled import rules_now
-from sjdsl.results.figures import Cell
+from sjdsl.results.figures import Result
 from sjdsl.results.loading import SETTING
 from sjdsl.trainers.runs.stages import FROM_STAGES
 from sjdsl.trainers.settings.extensions import short_name
@@ -30,29 +31,29 @@ class Setting(NamedTuple):
     @property
     def label(self) -> str:
         """The game, with its differences from the current bundled one."""
-        now = rules_now(self.game, self.variant)
-        changed = (
-            now[0] != self.hash if now is not None else self.game in bundled()
-        )  # a variant that is gone has other rules, too
-        other = f"rules {self.hash[:6]}" if changed and not (self.params or self.map) else ""
-        agents = (
-            f"{self.num_agents} agents"
-            if other and now is not None and now[1] != self.num_agents
-            else ""
-        )
-        named = (
-            f"variant {self.variant}" if self.variant else "",
-            self.params,
-            f"map {self.map}" if self.map else "",
-        )
-        return ", ".join(filter(None, (self.game, *named, other, agents)))
+        parts = [self.game]
+        if self.variant:
+            parts.append(f"variant {self.variant}")
+        if self.params:
+            parts.append(self.params)
+        if self.map:
+            parts.append(f"map {self.map}")
+        if self.params or self.map:  # they say why the rules are others
+            return ", ".join(parts)
+        current = rules_now(self.game, self.variant)
+        if current is None and self.game in bundled():  # the variant is gone
+            parts.append(f"rules {self.hash[:6]}")
+        elif current is not None and current[0] != self.hash:
+            parts.append(f"rules {self.hash[:6]}")
+            if current[1] != self.num_agents:
+                parts.append(f"{self.num_agents} agents")
+        return ", ".join(parts)
 
 
 def setting_of(row: Any) -> Setting:
-    """Returns the game of a row."""
-    return Setting(
-        *(row[name] for name in SETTING)
-    )  # not as attributes: a row of pandas has a method `map`
+    """Returns the game of a row, as it was played."""
+    # Not as attributes: a row of pandas has a method `map`.
+    return Setting(**{name: row[name] for name in SETTING})
 
 
 def seeds_of(frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -73,31 +74,36 @@ def select(frame: "pd.DataFrame", **wanted: Any) -> "pd.DataFrame":
     return frame
 
 
-def cell_of(frame: "pd.DataFrame", figure: str = "collective_return") -> Cell | None:
-    """Returns the table cell of seeds of one game; None if none have the figure.
+def result_of(frame: "pd.DataFrame", figure: str = "collective_return") -> Result | None:
+    """Returns the result of seeds of one game; None if none have the figure.
 
-    Seeds with different settings are never averaged: of several runs, the cell is that of the one
+    Seeds with different settings are never averaged: of several runs, the result is that of the one
     with the most steps, then the most seeds, then the settings of a preset.
     """
-    cells = [
-        cell for _, rows in frame.groupby("run") if (cell := _of_run(rows, figure)) is not None
-    ]
+    results = [_result_of_run(rows, figure) for _, rows in frame.groupby("run")]
     return min(
-        cells,
-        key=lambda cell: (-cell.steps, -cell.seeds, cell.preset == "", cell.run),
+        (result for result in results if result is not None),
+        key=lambda result: (-result.steps, -result.seeds, result.preset == "", result.run),
         default=None,
     )
 
 
-def _of_run(rows: "pd.DataFrame", figure: str) -> Cell | None:
+def _result_of_run(rows: "pd.DataFrame", figure: str) -> Result | None:
+    """Returns the result of the seeds of one run; None if none have the figure, and none failed."""
     done = rows[rows.status == "done"]
     values = tuple(float(value) for value in done[figure].dropna()) if figure in done else ()
     failed = int((rows.status == "failed").sum())
     if not values and not failed:
         return None
-    first, hardware = rows.iloc[0], " and ".join(dict.fromkeys(rows.hardware))
-    return Cell(
-        first.run, values, failed, int(rows.steps.max()), first.preset, hardware, first.settings
+    first = rows.iloc[0]
+    return Result(
+        run=first.run,
+        values=values,
+        failed=failed,
+        steps=int(rows.steps.max()),
+        preset=first.preset,
+        hardware=" and ".join(dict.fromkeys(rows.hardware)),
+        settings=first.settings,
     )
 
 
@@ -110,16 +116,19 @@ def in_words(row: Any, sharing: bool = True) -> str:
       sharing: whether to mention separate parameters.
     """
     name = NAMES.get(row.algorithm, short_name(row.algorithm))
-    of_row, from_stages, _ = str(row.reward).partition(FROM_STAGES)
+    reward, from_stages, _ = str(row.reward).partition(FROM_STAGES)
     if row.algorithm == "vdn":
         return name + from_stages  # VDN always learns from the sum of all rewards
-    reward = short_name(of_row)
-    if of_row == "exchange":
-        reward = f"exchange {row.exchange_ratio:g}"
-    elif of_row == "svo":
-        angle = "several angles" if row.svo_angle != row.svo_angle else f"{row.svo_angle:g}°"
-        reward = f"SVO {angle}, weight {row.svo_weight:g}"
-    apart = {SHARED: "", APART: ", separate parameters"}.get(
-        row.sharing, f", parameters {row.sharing.replace('_', ' ')}"
-    )
-    return f"{name}, {reward}{from_stages}{apart if sharing else ''}"
+    if reward == "exchange":
+        reward_words = f"exchange {row.exchange_ratio:g}"
+    elif reward == "svo":
+        angle = "several angles" if math.isnan(row.svo_angle) else f"{row.svo_angle:g}°"
+        reward_words = f"SVO {angle}, weight {row.svo_weight:g}"
+    else:
+        reward_words = short_name(reward)
+    words = f"{name}, {reward_words}{from_stages}"
+    if not sharing or row.sharing == SHARED:
+        return words
+    if row.sharing == APART:
+        return f"{words}, separate parameters"
+    return f"{words}, parameters {row.sharing.replace('_', ' ')}"

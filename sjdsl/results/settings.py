@@ -19,12 +19,12 @@ from sjdsl.trainers.settings.config import (
     dependent_settings,
     stored_config,
 )
-from sjdsl.trainers.settings.own_settings import OWN, spread
+from sjdsl.trainers.settings.own_settings import OWN, flatten_own
 
 with needs("results"):
     import pandas as pd
 
-WAY = (
+METHOD = (  # columns that say how a run was trained
     "algorithm",
     "reward",
     "sharing",
@@ -34,8 +34,8 @@ WAY = (
     "network",
     "total_timesteps",
 )
-# Settings that don't affect learning: seeds, and what is written when.
-NOT_A_WAY = (
+# Settings that don't affect what is learnt: seeds, and what is written when.
+WITHOUT_EFFECT = (
     "seed",
     "seeds",
     "keep_policies",
@@ -54,7 +54,7 @@ def settings_of(row: Any) -> dict[str, Any]:
 
     A setting of the user's own is `own.NAME`; there are only those that were set.
     """
-    usual, marks = _usual(row.algorithm)
+    usual, conditions = _usual_settings(row.algorithm)
     stored = json.loads(row.settings or "{}")
     values = {
         **usual,
@@ -65,31 +65,30 @@ def settings_of(row: Any) -> dict[str, Any]:
     }
     unread = {
         name
-        for name, mark in marks.items()
-        if mark.setting in values and not mark.holds(values[mark.setting])
+        for name, condition in conditions.items()
+        if condition.setting in values and not condition.holds(values[condition.setting])
     }
     if "svo_angle" in stored:
         values[ANGLES] = stored["svo_angle"]
-    left_out = {*WAY, *NOT_A_WAY, *unread}
-    return spread(
-        {
-            name: value
-            for name, value in values.items()
-            if name not in left_out and not name.startswith(CHECKPOINTS)
-        }
-    )
+    left_out = {*METHOD, *WITHOUT_EFFECT, *unread}
+    shown = {
+        name: value
+        for name, value in values.items()
+        if name not in left_out and not name.startswith(CHECKPOINTS)
+    }
+    return flatten_own(shown)
 
 
 @cache
-def _usual(algorithm: str) -> tuple[Mapping[str, Any], Mapping[str, Only]]:
-    """Returns the settings of an algorithm by default, and those that aren't always read; none if
-    this version doesn't know it.
+def _usual_settings(algorithm: str) -> tuple[Mapping[str, Any], Mapping[str, Only]]:
+    """Returns the settings of an algorithm by default, and the conditions of those that aren't
+    always read; none if this version doesn't know it.
     """
-    with suppress(ConfigError):
-        return stored_config({"algorithm": algorithm}).model_dump(mode="json"), dependent_settings(
-            class_of(algorithm)
-        )
-    return {}, {}
+    try:
+        usual = stored_config({"algorithm": algorithm}).model_dump(mode="json")
+        return usual, dependent_settings(class_of(algorithm))
+    except ConfigError:
+        return {}, {}
 
 
 def numbers_of(game: Mapping[str, Any], asked: Mapping[str, Any]) -> str:
@@ -99,19 +98,18 @@ def numbers_of(game: Mapping[str, Any], asked: Mapping[str, Any]) -> str:
       game: the game in a manifest, with `params`.
       asked: the numbers that were set, as `flat_numbers` returns them.
     """
-    single = {
-        name: value for name, value in game["params"].items() if not isinstance(value, list | dict)
-    }
-    rounded = {
-        name: float(f"{value:.7g}") if isinstance(value, float) else value
-        for name, value in single.items()
-    }  # float32
-    return json.dumps(rounded | {name: as_number(value) for name, value in asked.items()})
+    numbers = {}
+    for name, value in game["params"].items():
+        if isinstance(value, float):
+            numbers[name] = float(f"{value:.7g}")  # stored as float32
+        elif not isinstance(value, list | dict):
+            numbers[name] = value
+    return json.dumps(numbers | {name: as_number(value) for name, value in asked.items()})
 
 
 def stored_numbers(row: Mapping[str, Any]) -> str:
-    """Returns the same for a row of a stored table, from its column `params` and the bundled game
-    with its rules.
+    """Returns the numbers of a game as JSON for a row of a stored table, from its column `params`
+    and the bundled game with its rules.
     """
     variant = variant_now(row["game"], row["hash"])
     usual = {} if variant is None else numbers_now(row["game"], variant)
@@ -123,12 +121,11 @@ def stored_numbers(row: Mapping[str, Any]) -> str:
 
 def flat_numbers(params: Mapping[str, Any]) -> dict[str, Any]:
     """Returns numbers of a game with the entries of tables one by one: `regrow[red]`."""
-    return {
-        place: entry for name, value in params.items() for place, entry in _entries(name, value)
-    }
+    return dict(chain.from_iterable(_entries(name, value) for name, value in params.items()))
 
 
 def _entries(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Yields the entries of a table and their names, such as `regrow[red]`; a number as it is."""
     if not isinstance(value, Mapping):
         yield name, value
         return
@@ -137,6 +134,7 @@ def _entries(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _read_params(params: str) -> dict[str, Any]:
+    """Returns the numbers of `a=1 b=2`, without the number of agents."""
     pairs = (part.partition("=") for part in params.split())
     return {
         name: as_number(value) for name, equals, value in pairs if equals and name != "num_agents"
@@ -153,11 +151,13 @@ def differing(tables: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _differs(name: str, tables: Iterable[Mapping[str, Any]], unset_counts: bool) -> bool:
+    """Returns whether tables have different values of a name.
+
+    unset_counts: whether a table without the name counts as one with another value.
+    """
     values = [table.get(name) for table in tables if unset_counts or name in table]
-    return (
-        len({json.dumps(value) if isinstance(value, list | dict) else value for value in values})
-        > 1
-    )
+    hashable = (json.dumps(value) if isinstance(value, list | dict) else value for value in values)
+    return len(set(hashable)) > 1
 
 
 def with_settings(frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -167,26 +167,24 @@ def with_settings(frame: "pd.DataFrame") -> "pd.DataFrame":
     Args:
       frame: with the index 0, 1, 2 and so on, and the column `GAME_NUMBERS`, which is left out.
     """
-    runs = frame[frame.record == "seed"]
-    settings = {place: settings_of(row) for place, row in runs.iterrows()}
+    seeds = frame[frame.record == "seed"]
+    settings = {index: settings_of(row) for index, row in seeds.iterrows()}
     numbers = {
-        place: {f"{PARAM}{name}": value for name, value in json.loads(text).items()}
-        for place, text in runs[GAME_NUMBERS].items()
+        index: {f"{PARAM}{name}": value for name, value in json.loads(text).items()}
+        for index, text in seeds[GAME_NUMBERS].items()
     }
     names = differing([*settings.values()])
-    for _, same_rules in runs.groupby(["game", "hash"]):
+    for _, same_rules in seeds.groupby(["game", "hash"]):
         changed = {
             f"{PARAM}{name}" for params in same_rules.params for name in _read_params(params)
         }
-        tables = [numbers[place] for place in same_rules.index]
-        names += [
-            name
-            for name in sorted({*chain(*tables)})
-            if _differs(name, tables, unset_counts=name in changed)
-        ]
-    of_row = [settings.get(place, {}) | numbers.get(place, {}) for place in frame.index]
+        tables = [numbers[index] for index in same_rules.index]
+        for name in sorted({*chain(*tables)}):
+            if _differs(name, tables, unset_counts=name in changed):
+                names.append(name)
+    by_row = [settings.get(index, {}) | numbers.get(index, {}) for index in frame.index]
     columns = {
-        name: column_of([table.get(name) for table in of_row]) for name in dict.fromkeys(names)
+        name: column_of([values.get(name) for values in by_row]) for name in dict.fromkeys(names)
     }
     others = frame.drop(columns=GAME_NUMBERS)
     middle = others.columns.get_loc("settings") + 1
@@ -200,24 +198,24 @@ def column_of(values: Sequence[Any]) -> "pd.Series":
     """Returns a column of values that may be None: whole numbers as `Int64`, numbers as floats,
     true and false as `boolean`, else texts.
     """
-    sorts = {type(value) for value in values if value is not None}
-    if sorts == {bool}:
+    types = {type(value) for value in values if value is not None}
+    if types == {bool}:
         return pd.Series(values, dtype="boolean")
-    if sorts <= {int, float}:
-        with suppress(OverflowError):
-            return pd.Series(values, dtype="Int64" if sorts == {int} else "float")
+    if types <= {int, float}:
+        with suppress(OverflowError):  # such a number stays a text
+            return pd.Series(values, dtype="Int64" if types == {int} else "float")
     return pd.Series(["" if value is None else as_written(value) for value in values], dtype=object)
 
 
 def as_written(value: Any) -> str:
     """Returns a setting as `--set` takes it: `0.5`, `true`, `45,90`, `1=random,2=stay`."""
     if not isinstance(value, list):
-        return _word(value)
+        return _write_value(value)
     parts = (part if isinstance(part, list) else [part] for part in value)
-    return ",".join("=".join(map(_word, part)) for part in parts)
+    return ",".join("=".join(map(_write_value, part)) for part in parts)
 
 
-def _word(value: Any) -> str:
+def _write_value(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:g}"
     return value if isinstance(value, str) else json.dumps(value)

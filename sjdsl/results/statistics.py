@@ -47,13 +47,14 @@ def compare(first: Sequence[float], second: Sequence[float]) -> Comparison:
     Raises:
       ValueError: one of them has no seed.
     """
-    before, after = np.asarray(first, np.float64), np.asarray(second, np.float64)
-    if not (before.size and after.size):
+    before = np.asarray(first, np.float64)
+    after = np.asarray(second, np.float64)
+    if before.size == 0 or after.size == 0:
         raise ValueError("a comparison needs at least one seed on each side")
     difference = float(after.mean() - before.mean())
     if before.size < 2 or after.size < 2:
         return Comparison(difference, None, None, None)
-    if np.ptp(before) == 0 == np.ptp(after):
+    if np.ptp(before) == 0 and np.ptp(after) == 0:
         exact = float(after[0] - before[0])  # the means of equal values may be rounded
         return Comparison(exact, exact, exact, float(exact == 0))
     with warnings.catch_warnings():
@@ -65,26 +66,30 @@ def compare(first: Sequence[float], second: Sequence[float]) -> Comparison:
 
 
 @contextmanager
-def _rliable() -> Iterator[Any]:
+def _seeded_rliable() -> Iterator[Any]:
     """Yields rliable's `library` with a fixed seed: it always draws from NumPy's global state."""
     with needs("results"):
         from rliable import library
-    before = np.random.get_state()
+    state = np.random.get_state()
     np.random.seed(SEED)
     try:
         yield library
     finally:
-        np.random.set_state(before)
+        np.random.set_state(state)
 
 
-def _estimated(scores: Any, figure: Callable[..., float]) -> Interval:
-    """Returns a statistic of `[seeds, games]` scores, or of a pair of them, with its interval from
-    resampling the seeds of each game."""
+def _estimate(scores: Any, figure: Callable[..., float]) -> Interval:
+    """Returns a figure with its interval from resampling the seeds of each game.
+
+    Args:
+      scores: `[seeds, games]`, or a pair of such arrays.
+      figure: a function of one or two such arrays.
+    """
 
     def statistic(*resampled: np.ndarray) -> np.ndarray:
         return np.array([figure(*resampled)])
 
-    with _rliable() as library:
+    with _seeded_rliable() as library:
         means, bounds = library.get_interval_estimates({"": scores}, statistic, reps=RESAMPLES)
     low, high = bounds[""]
     return float(means[""][0]), float(low[0]), float(high[0])
@@ -95,7 +100,7 @@ def interquartile_means(scores: Scores) -> dict[str, Interval]:
     games together.
     """
     return {
-        way: _estimated(table, lambda drawn: stats.trim_mean(drawn, 0.25, axis=None))
+        way: _estimate(table, lambda resampled: stats.trim_mean(resampled, 0.25, axis=None))
         for way, table in scores.items()
     }
 
@@ -105,7 +110,7 @@ def improvements(scores: Scores) -> dict[tuple[str, str], Interval]:
     averaged over games, by pair.
     """
     return {
-        (first, second): _estimated((scores[first], scores[second]), probability_of_improvement)
+        (first, second): _estimate((scores[first], scores[second]), probability_of_improvement)
         for first, second in permutations(scores, 2)
     }
 
@@ -118,8 +123,8 @@ def probability_of_improvement(first: np.ndarray, second: np.ndarray) -> float:
     for each game: for five ways of training in four games, that took 138 seconds of processor time
     instead of 2.5.
     """
-    one, other = first[:, None], second[None]
-    return float(np.mean((one > other) + 0.5 * (one == other)))
+    rows, columns = first[:, None], second[None]  # pairs: [seeds, seeds, games]
+    return float(np.mean((rows > columns) + 0.5 * (rows == columns)))
 
 
 def draw_profiles(scores: Scores) -> "Figure":
@@ -138,7 +143,7 @@ def draw_profiles(scores: Scores) -> "Figure":
             axes = figure.add_subplot(1, len(groups), index)
             labels = []
             for way in group:
-                with _rliable() as library:
+                with _seeded_rliable() as library:
                     profile, band = library.create_performance_profile(
                         {way: scores[way]}, scale, reps=RESAMPLES
                     )

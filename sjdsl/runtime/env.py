@@ -23,6 +23,7 @@ from sjdsl.runtime.planes import channel_names
 from sjdsl.runtime.random_bits import key_words
 from sjdsl.runtime.state_vector import state_vector
 from sjdsl.runtime.tokens import to_channels
+from sjdsl.runtime.trials import begin_trial_where, has_trials, is_last_trial, steps_of_trial
 
 State = Any
 Params = Any
@@ -95,8 +96,13 @@ class Environment:
         )  # one function of the program, however often a step observes
 
     @property
+    def num_trials(self) -> int:
+        """Trials of an episode; 1 in a game without trials."""
+        return self.module.NUM_TRIALS if has_trials(self.module) else 1
+
+    @property
     def episode_length(self) -> int:
-        """Steps until truncation under `params`, as a number also inside `jit`."""
+        """Steps until truncation under `params`, of all trials, as a number also inside `jit`."""
         with jax.ensure_compile_time_eval():
             return int(self.module.episode_length(self.params))
 
@@ -167,7 +173,9 @@ class Environment:
           observation of the state returned; state; reward `[N]` float32 of the game; done bool;
           info: `truncated`, `terminated` bool, `events` int32 `[N]` or scalar counts of this step,
           `metrics` float32 scalars, `terminal_observation` and `terminal_state` (before the reset;
-          they cost nothing under `jit` when unused).
+          they cost nothing under `jit` when unused). In a game with trials also `trial`, the number
+          of the trial that this step was in, from 0, and `trial_ended` bool; after the last step of
+          a trial, the state is the first of the next.
 
         Raises:
           TypeError: actions aren't whole numbers, or the key, the state or the parameters aren't
@@ -178,7 +186,11 @@ class Environment:
         params = self._given(params)
         words = key_words(key)
         ended, reward, done, info = self._transition(words, state, actions, params)
-        state = reset_where(self.module.reset, done, words, params, ended)
+        if has_trials(self.module):
+            is_over = info["trial_ended"]
+            state = begin_trial_where(self.module, is_over, done, words, params, ended)
+        else:
+            state = reset_where(self.module.reset, done, words, params, ended)
         info["terminal_observation"] = self._observe(ended, params)
         info["terminal_state"] = ended
         return self._observe(state, params), state, reward, done, info
@@ -186,9 +198,14 @@ class Environment:
     def _step_env(
         self, key: Array, state: State, actions: Array, params: Params | None = None
     ) -> tuple[Array, State, Array, Array, Info]:
-        """Does what `step` does, without the reset."""
+        """Does what `step` does, without the reset after an episode."""
         params = self._given(params)
-        state, reward, done, info = self._transition(key_words(key), state, actions, params)
+        words = key_words(key)
+        state, reward, done, info = self._transition(words, state, actions, params)
+        if has_trials(self.module):
+            is_over = info["trial_ended"] & ~done
+            no = jnp.zeros((), bool)
+            state = begin_trial_where(self.module, is_over, no, words, params, state)
         info["terminal_observation"] = observation = self._observe(state, params)
         info["terminal_state"] = state
         return observation, state, reward, done, info
@@ -202,14 +219,16 @@ class Environment:
         )
         metrics = self.module.measures(state, params)
         state = state.replace(step=state.step + 1)
-        truncated = (state.step >= self.module.episode_length(params)) & ~out.ended
-        info = {
-            "truncated": truncated,
-            "terminated": out.ended,
-            "events": self._events(out),
-            "metrics": metrics,
-        }
-        return state, out.reward, truncated | out.ended, info
+        truncated = (state.step >= steps_of_trial(self.module, params)) & ~out.ended
+        terminated = out.ended
+        info = {"events": self._events(out), "metrics": metrics}
+        if has_trials(self.module):
+            info |= {"trial": state.world_trial, "trial_ended": truncated | terminated}
+            is_last = is_last_trial(self.module, state)
+            truncated &= is_last
+            terminated &= is_last
+        info |= {"truncated": truncated, "terminated": terminated}
+        return state, out.reward, truncated | terminated, info
 
     def _events(self, out: Any) -> dict[str, Array]:
         """Returns the counts of a step by event; of an indexed one, `name[entry]` of each entry."""
@@ -238,7 +257,7 @@ class Environment:
         Its entries are described in `runtime/state_vector.py`.
         """
         row, col = self.cells(state)
-        length = self.module.episode_length(self._given(params))
+        length = steps_of_trial(self.module, self._given(params))
         return state_vector(self.module, state, row, col, length)
 
     @property

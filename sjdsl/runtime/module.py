@@ -37,3 +37,13 @@ class GameModule(Protocol):
     measures: Callable[[Any, Any], dict[str, Array]]  # state, params -> float32 scalars
     allowed_actions: Callable[[Any, Any], Array]  # state, params -> [N, A] bool
     episode_length: Callable[[Any], Array]  # params -> int32 scalar
+
+
+class TrialsModule(GameModule, Protocol):
+    """A generated module whose episodes have several trials: State has `world_trial`, from 0."""
+
+    NUM_TRIALS: int
+    trial_length: Callable[[Any], Array]  # params -> int32 scalar
+    # state, whether its trial is the last, params, key words -> the first state of the next trial,
+    # or of the next episode
+    next_trial: Callable[[Any, Array, Any, Array], Any]

@@ -26,6 +26,7 @@ class Access:
 
     @property
     def hosts(self) -> frozenset[str]:
+        """The values of the header Host that mean this server."""
         return frozenset(f"{name}:{self.port}" for name in (HOST, "localhost"))
 
     def refusal(

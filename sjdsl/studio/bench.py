@@ -17,9 +17,16 @@ from sjdsl.interpreter.state import Cell
 from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
 from sjdsl.studio import requests as ask
-from sjdsl.studio.carried import carried
-from sjdsl.studio.counterexample import NoReplay, replayed
-from sjdsl.studio.episode import Episode, TooLong, begun, measured, metric_names, resumed
+from sjdsl.studio.carried import carry_over
+from sjdsl.studio.counterexample import NoReplay, replay
+from sjdsl.studio.episode import (
+    Episode,
+    TooLong,
+    begin_episode,
+    continue_from,
+    metric_names,
+    metric_values,
+)
 from sjdsl.studio.examples import place_of
 from sjdsl.studio.folder import FileRefused, Folder
 from sjdsl.studio.keys import action_keys
@@ -79,8 +86,9 @@ class Bench:
         return {"id": request.id, "do": request.do, **answer}
 
     def _perform(self, request: ask.AnyRequest) -> Answer:
+        """Does what a request asks for and returns the answer; raises if it can't be done."""
         if isinstance(request, ask.Text):
-            return self._text(request)
+            return self._open(request)
         if self._is_empty:
             raise Refused("no text has compiled yet")
         match request:
@@ -95,9 +103,9 @@ class Bench:
                     raise Refused(f"the game has no policy `{request.policy}`")
                 self.others = request.policy
             case ask.Number():
-                self._number(request)
+                self._set_number(request)
             case ask.Put():
-                self._put(request)
+                self._put_agent(request)
             case ask.Paint():
                 if self._shows_counterexample:
                     raise Refused(
@@ -109,7 +117,8 @@ class Bench:
                 change = write_number(self.opened, request.name, request.entry, request.value)
                 return {"change": vars(change)}
             case ask.Replay():
-                return self._put_on_board(*replayed(self.opened, request))
+                on_board, episode = replay(self.opened, request)
+                return self._put_on_board(on_board, episode)
             case ask.Panel():
                 return {"panel": request.panel, **self._panel(request)}
             case ask.Share():
@@ -120,13 +129,13 @@ class Bench:
 
     # ---- the text
 
-    def _text(self, request: ask.Text) -> Answer:
+    def _open(self, request: ask.Text) -> Answer:
         """Opens a text; the answer says whether the state was kept.
 
         A text with errors changes nothing.
         """
         folder, path = place_of(request.path, self.folder.resolve())
-        file = Folder(folder).inside(path)
+        file = Folder(folder).path_of(path)
         if file.suffix != ".sj":
             raise FileRefused(f"`{path}` is no game: its name does not end in .sj")
         unsaved = {(folder / name).resolve(): text for name, text in request.over.items()}
@@ -134,12 +143,14 @@ class Bench:
         try:
             opened = open_text(source, request.variants, request.agents, request.params)
         except CompileError as error:
-            return {"version": request.version, "compiles": False, **_errors(error, path)}
-        episode = None if request.fresh or self._is_empty else self._continued(opened)
+            return {"version": request.version, "compiles": False, **_describe_errors(error, path)}
+        episode = None
+        if not (request.fresh or self._is_empty):
+            episode = self._continue_under(opened)
         is_kept = episode is not None
         if episode is None:
             try:
-                episode = begun(opened.game, opened.values, self.seed)
+                episode = begin_episode(opened.game, opened.values, self.seed)
             except LeavesFloat32 as overflow:
                 raise Refused(Rules(opened.build.sources).overflow(overflow)) from None
         self.opened = opened
@@ -159,9 +170,9 @@ class Bench:
             self.others = "random"
         self._artist = Artist(make_look(opened.game))
         self._num_sent = 0
-        return {"game": self._description(), **self._scene()}
+        return {"game": self._describe_game(), **self._scene()}
 
-    def _continued(self, opened: Opened) -> Episode | None:
+    def _continue_under(self, opened: Opened) -> Episode | None:
         """Returns the episode under new rules, None if it can't go on.
 
         If the rules are the same, all its moments are kept, else only the state that is shown. A
@@ -173,12 +184,12 @@ class Bench:
             return None
         if game_hash(before.game) == game_hash(opened.game) and before.values == opened.values:
             return replace(episode, game=opened.game)
-        world = carried(before.game, episode.now.world, opened.game, opened.values)
+        world = carry_over(before.game, episode.now.world, opened.game, opened.values)
         if world is None:
             return None
-        return resumed(opened.game, world, episode.returns[episode.at], self.seed)
+        return continue_from(opened.game, world, episode.returns[episode.at], self.seed)
 
-    def _description(self) -> Answer:
+    def _describe_game(self) -> Answer:
         """Returns what the page has to know about the game."""
         opened = self.opened
         game = self.on_board.game
@@ -212,25 +223,28 @@ class Bench:
     # ---- the episode
 
     def _begin(self, seed: int) -> Answer:
-        episode = begun(self.opened.game, self.opened.values, seed)
+        episode = begin_episode(self.opened.game, self.opened.values, seed)
         self.seed = seed
         return self._put_on_board(self.opened, episode)
 
     def _step(self, request: ask.Step) -> Answer:
+        """Takes a step: the agents that the user controls as the request says, the others by their
+        policy."""
         game = self.on_board.game
         moment = self.episode.now
         if moment.is_over:
             raise Refused("the episode is over: go back, or begin it again")
         choose = chooser(game, self.others, self.seed)
-        actions = list(choose(moment.world.step, moment.world))
+        actions = list(choose(self.episode.steps_taken, moment.world))
         for agent, action in request.actions.items():
             if not 0 <= action < len(game.agents.actions):
                 raise Refused("there is no such action")
-            actions[self._agent(agent)] = action
+            actions[self._check_agent(agent)] = action
         self.episode.step(actions, self.on_board.values)
         return self._scene()
 
-    def _number(self, request: ask.Number) -> None:
+    def _set_number(self, request: ask.Number) -> None:
+        """Sets a param of the game on the board; without a counterexample, also of `opened`."""
         game = self.on_board.game
         values = self.on_board.values
         try:
@@ -243,11 +257,12 @@ class Bench:
             self.opened = changed
         self.on_board = changed
 
-    def _put(self, request: ask.Put) -> None:
+    def _put_agent(self, request: ask.Put) -> None:
+        """Puts an agent on a cell: a new episode goes on from there."""
         episode = self.episode
         world = episode.now.world
-        agent = self._agent(request.agent)
-        cell = self._cell(request.row, request.col)
+        agent = self._check_agent(request.agent)
+        cell = self._check_cell(request.row, request.col)
         if cell in world.position and world.position.index(cell) != agent:
             raise Refused("another agent stands there")
         if any(cell in herd.position for herd in world.movers.values()):
@@ -258,7 +273,7 @@ class Bench:
         away[agent] = None
         world = replace(world, position=position, away=away)
         returns = episode.returns[episode.at]
-        self.episode = resumed(self.on_board.game, world, returns, self.seed)
+        self.episode = continue_from(self.on_board.game, world, returns, self.seed)
 
     def _scene(self) -> Answer:
         """Returns the moment that is shown, with the pictures that the page doesn't have yet."""
@@ -272,7 +287,7 @@ class Bench:
             "scene": scene,
             "pictures": new_pictures,
             "colours": self._artist.colours,
-            "metrics": measured(self.on_board.game, episode.now.outcome),
+            "metrics": metric_values(self.on_board.game, episode.now.outcome),
             "at": episode.at,
             "moments": len(episode.moments),
         }
@@ -280,17 +295,18 @@ class Bench:
     # ---- beside the board
 
     def _panel(self, request: ask.Panel) -> Answer:
+        """Returns what a panel beside the board shows. Raises Refused for a text with errors."""
         opened = self.opened
         on_board = self.on_board
         world = self.episode.now.world
         cell = None
         if request.row is not None and request.col is not None:
-            cell = self._cell(request.row, request.col)
+            cell = self._check_cell(request.row, request.col)
         panels: dict[str, Callable[[], Answer]] = {
             "rules": lambda: rules_panel(opened),
             "python": lambda: python_panel(opened),
             "state": lambda: state_panel(on_board, world, cell),
-            "seen": lambda: seen_panel(on_board, world, self._agent(request.agent)),
+            "seen": lambda: seen_panel(on_board, world, self._check_agent(request.agent)),
             "trace": lambda: trace_panel(on_board, self.episode.traced()),
             "checks": lambda: checks_panel(opened),
             "diff": lambda: diff_panel(opened),
@@ -302,6 +318,7 @@ class Bench:
             raise Refused(error.diagnostics[0].message) from None
 
     def _share(self) -> Answer:
+        """Returns the episode as an HTML page, and a name for its file."""
         game = self.on_board.game
         moments = [self.episode.drawn(number) for number in range(len(self.episode.moments))]
         return {"html": make_page(game, moments).text, "name": f"{game.name}.html"}
@@ -312,12 +329,14 @@ class Bench:
     def _shows_counterexample(self) -> bool:
         return self.on_board is not self.opened
 
-    def _agent(self, number: int) -> int:
+    def _check_agent(self, number: int) -> int:
+        """Returns the number of an agent. Raises Refused if there is no such agent."""
         if not 0 <= number < self.on_board.game.agents.number:
             raise Refused(f"there is no agent {number}")
         return number
 
-    def _cell(self, row: int, col: int) -> Cell:
+    def _check_cell(self, row: int, col: int) -> Cell:
+        """Returns a cell of the map. Raises Refused if it isn't on the map."""
         rows = self.on_board.game.rows
         if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
             raise Refused("that is no cell of the map")
@@ -329,7 +348,7 @@ def _policies(game: ir.Game) -> list[str]:
     return ["random", "stay", *(policy.name for policy in game.policies)]
 
 
-def _errors(error: CompileError, path: str) -> Answer:
+def _describe_errors(error: CompileError, path: str) -> Answer:
     """Returns the number of a text's errors, and the first ones with their lines.
 
     The line is None for an error in another file.

@@ -12,7 +12,9 @@ from sjdsl.interpreter.state import Value, World
 from sjdsl.interpreter.stored import held_values
 
 
-def carried(old: ir.Game, world: World, new: ir.Game, params: Mapping[str, Value]) -> World | None:
+def carry_over(
+    old: ir.Game, world: World, new: ir.Game, params: Mapping[str, Value]
+) -> World | None:
     """Returns a state of the old rules as one of the new; None if it doesn't fit at all.
 
     The map and the numbers of agents and movers have to be the same. A field that is new, or whose

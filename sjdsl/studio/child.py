@@ -40,7 +40,8 @@ class Child:
                 line = await asyncio.wait_for(process.stdout.readline(), limit)
             except TimeoutError:
                 await self.stop()
-                return _lost(request, f"this took more than {limit:.0f} seconds and was stopped")
+                reason = f"this took more than {limit:.0f} seconds and was stopped"
+                return _lost_answer(request, reason)
             except (ConnectionError, ValueError):
                 line = b""
             if not line:
@@ -48,7 +49,7 @@ class Child:
                 reason = (
                     "the process that plays the game ended; it starts again with the next change"
                 )
-                return _lost(request, reason)
+                return _lost_answer(request, reason)
             return line.decode()
 
     async def begin(self) -> None:
@@ -67,6 +68,7 @@ class Child:
             await process.wait()
 
     async def _start(self) -> Process:
+        """Starts the process and waits until it has loaded. Raises TimeoutError."""
         command = [sys.executable, "-m", "sjdsl.studio.worker", str(self._folder)]
         self._process = await asyncio.create_subprocess_exec(
             *command, stdin=PIPE, stdout=PIPE, limit=LONGEST_LINE
@@ -92,14 +94,14 @@ class Spares:
     def take(self) -> Child:
         """Returns a process for a page. Another one starts later, when the page has been served."""
         child = self._waiting.pop(0) if self._waiting else Child(self._folder)
-        self._fill(LATER)
+        self._begin_to_fill(LATER)
         return child
 
     @contextlib.asynccontextmanager
     async def kept(self) -> AsyncIterator[None]:
         """Keeps processes waiting as long as the server runs."""
         self._is_open = True
-        self._fill(0.0)
+        self._begin_to_fill(0.0)
         try:
             yield
         finally:
@@ -109,14 +111,15 @@ class Spares:
             for child in self._waiting:
                 await child.stop()
 
-    def _fill(self, after: float) -> None:
+    def _begin_to_fill(self, seconds: float) -> None:
+        """Starts a task that fills up the waiting processes later, unless there is one already."""
         if self._is_open and not self._filling:
-            task = asyncio.create_task(self._start(after))
+            task = asyncio.create_task(self._fill_after(seconds))
             self._filling.add(task)
             task.add_done_callback(self._filling.discard)
 
-    async def _start(self, after: float) -> None:
-        await asyncio.sleep(after)
+    async def _fill_after(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
         missing = [Child(self._folder) for _ in range(self._number - len(self._waiting))]
         self._waiting += missing
         await asyncio.gather(*(child.begin() for child in missing))
@@ -136,7 +139,7 @@ def number_of(request: str) -> int:
     return int(number) if number.isdecimal() else 0
 
 
-def _lost(request: str, reason: str) -> str:
+def _lost_answer(request: str, reason: str) -> str:
     """Returns an answer in place of the process. `lost`: the page has to open its text again."""
     return json.dumps(
         {"id": number_of(request), "do": part_of(request, "do"), "refused": reason, "lost": True}

@@ -10,7 +10,7 @@ import numpy as np
 from sjdsl.compiler import Build, ir
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.properties import GameFamily
-from sjdsl.properties.trajectory import Scenario, draws_of, play
+from sjdsl.properties.trajectory import Scenario, draws_of_start, play
 from sjdsl.studio.episode import LONGEST, Episode, TooLong, with_reward
 from sjdsl.studio.opened import Opened
 from sjdsl.studio.requests import Replay
@@ -23,11 +23,17 @@ class NoReplay(Exception):
 
 def as_json(scenario: Scenario, game: ir.Game) -> dict[str, Any]:
     """Returns a scenario with all its actions, as `Replay` reads it."""
-    names = ("params", "seed", "episode", "bias", "actions")
-    return {"rows": list(game.rows)} | {name: _plain(getattr(scenario, name)) for name in names}
+    return {
+        "rows": list(game.rows),
+        "params": _plain(scenario.params),
+        "seed": scenario.seed,
+        "episode": scenario.episode,
+        "bias": _plain(scenario.bias),
+        "actions": _plain(scenario.actions),
+    }
 
 
-def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
+def replay(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     """Returns the game on the counterexample's map, and the episode that leads to it.
 
     Raises:
@@ -47,10 +53,11 @@ def replayed(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     if not trajectory.worlds:
         assert trajectory.overflow is not None
         raise trajectory.overflow
-    draws = draws_of(scenario, -1)
+    draws = draws_of_start(scenario)
     key = (getattr(draws, "k0", 0), getattr(draws, "k1", 0))
     moments = [Moment(None, key, trajectory.worlds[0], ())]
     returns = [[0.0] * game.agents.number]
+    # The last actions may have no outcome: a real left float32.
     steps = zip(pairwise(trajectory.worlds), trajectory.actions, trajectory.outcomes, strict=False)
     for (before, after), actions, outcome in steps:
         moments.append(Moment(before.step, (0, 0), after, (), actions, frozenset(), outcome))
@@ -82,6 +89,7 @@ def _check_fits(request: Replay, params: Sequence[tuple[str, Any]], game: ir.Gam
 
 
 def _plain(value: Any) -> Any:
+    """Returns a value with lists in place of tuples, and Python's floats."""
     if isinstance(value, tuple | list):
         return [_plain(entry) for entry in value]
     return float(value) if isinstance(value, np.floating) else value
@@ -98,4 +106,6 @@ def _fits(value: Any, by: Sequence[Level]) -> bool:
 
 def _as_tuples(value: Any) -> Any:
     """Returns a value with tuples in place of lists, as the interpreter has it."""
-    return tuple(_as_tuples(entry) for entry in value) if isinstance(value, list) else value
+    if not isinstance(value, list):
+        return value
+    return tuple(_as_tuples(entry) for entry in value)

@@ -11,7 +11,7 @@ from sjdsl.interpreter.threefry import Threefry
 from sjdsl.properties.trajectory import Scenario, draws_of
 from sjdsl.render.moment import Moment as Drawn
 from sjdsl.render.moment import moment_of
-from sjdsl.trace.episode import Moment, begin, follow, take_step
+from sjdsl.trace.episode import Moment, begin, follow, take_step, trial_of
 from sjdsl.trace.jax_random import keys_of
 
 LONGEST = 5_000  # moments that are kept
@@ -46,6 +46,11 @@ class Episode:
         """The moment that is shown."""
         return self.moments[self.at]
 
+    @property
+    def steps_taken(self) -> int:
+        """The steps of the episode up to the moment that is shown, over all trials."""
+        return self.moments[0].world.step + self.at
+
     def step(self, actions: list[int], params: Mapping[str, Value]) -> None:
         """Takes a step from the moment that is shown, and drops the moments after it.
 
@@ -56,9 +61,11 @@ class Episode:
                 f"the studio keeps {LONGEST} moments of an episode: go back, or begin it again"
             )
         before = self.now.world
-        key = keys_of(self.seed).of_step(before.step)
+        key = keys_of(self.seed).of_step(self.steps_taken)
         world, outcome = step(self.game, before, actions, params, Threefry(*key))
-        moment = Moment(before.step, key, world, (), tuple(actions), frozenset(), outcome)
+        number = before.step
+        trial = trial_of(self.game, before)
+        moment = Moment(number, key, world, (), tuple(actions), frozenset(), outcome, trial)
         self.moments[self.at + 1 :] = [moment]
         self.returns[self.at + 1 :] = [with_reward(self.returns[self.at], outcome)]
         self.written = min(self.written, self.at)
@@ -74,7 +81,7 @@ class Episode:
         if moment.outcome is not None:
             before = self.moments[self.at - 1].world
             if self.scenario is not None and self.at <= self.written:
-                draws = draws_of(self.scenario, self.at - 1)
+                draws = draws_of(self.scenario, self.at - 1, self.game, before)
                 return take_step(self.game, before, params, draws, moment.actions)
             return follow(self.game, before, params, moment.key, moment.actions)
         if moment.world.step == 0 and not self.is_put:
@@ -104,7 +111,7 @@ def metric_names(game: ir.Game) -> list[tuple[str, bool]]:
     return events + [(measure.name, False) for measure in game.measures]
 
 
-def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
+def metric_values(game: ir.Game, outcome: Outcome | None) -> list[float]:
     """Returns the metrics of a step, in the order of `metric_names`; none without an outcome.
 
     Events are summed over the agents.
@@ -120,14 +127,14 @@ def measured(game: ir.Game, outcome: Outcome | None) -> list[float]:
     return values + [float(outcome.measures[measure.name]) for measure in game.measures]
 
 
-def begun(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
+def begin_episode(game: ir.Game, params: Mapping[str, Value], seed: int) -> Episode:
     """Returns the start of an episode. Raises LeavesFloat32."""
     key = keys_of(seed).start()
     world = copied(reset(game, params, Threefry(*key)))
     return Episode(game, seed, [Moment(None, key, world, ())], [[0.0] * game.agents.number])
 
 
-def resumed(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
+def continue_from(game: ir.Game, world: World, returns: list[float], seed: int) -> Episode:
     """Returns an episode that goes on from a state."""
     moment = Moment(None, keys_of(seed).start(), world, ())  # nothing reads its key
     return Episode(game, seed, [moment], [returns], is_put=True)

@@ -25,7 +25,9 @@ def example_of(file: Path) -> str | None:
     """Returns the path in the page of a bundled game, None for any other file."""
     file = file.resolve()
     home = games_folder().resolve()
-    return PREFIX + file.relative_to(home).as_posix() if file.is_relative_to(home) else None
+    if not file.is_relative_to(home):
+        return None
+    return PREFIX + file.relative_to(home).as_posix()
 
 
 def place_of(path: str, folder: Path) -> tuple[Path, str]:
@@ -46,7 +48,8 @@ def copy_beside(example: str, folder: Folder) -> list[str]:
       FileRefused: the folder has another file of that name; and as `Folder` does.
     """
     home, path = place_of(example, folder.root)
-    return _write_missing(dict(_needed(Folder(home), PurePosixPath(path))), folder)
+    needed = dict(_needed_files(Folder(home), PurePosixPath(path)))
+    return _write_missing(needed, folder)
 
 
 def new_game(path: str, like: str, folder: Folder) -> list[str]:
@@ -60,12 +63,12 @@ def new_game(path: str, like: str, folder: Folder) -> list[str]:
       FileRefused: the name isn't one of a game, or there is such a file; and as `Folder` does.
     """
     new_path = PurePosixPath(path)
-    if folder.inside(path).exists():
+    if folder.path_of(path).exists():
         raise FileRefused(f"there is a file `{path}` already: choose another name")
     try:
         if like:
-            home, inside = place_of(like, folder.root)
-            texts = copied_files(Folder(home).inside(inside), new_path.stem)
+            home, path_there = place_of(like, folder.root)
+            texts = copied_files(Folder(home).path_of(path_there), new_path.stem)
         else:
             texts = {
                 name: text
@@ -104,12 +107,12 @@ def _write_missing(files: Mapping[str, str], folder: Folder) -> list[str]:
     return missing
 
 
-def _needed(home: Folder, path: PurePosixPath) -> Iterator[tuple[str, str]]:
+def _needed_files(home: Folder, path: PurePosixPath) -> Iterator[tuple[str, str]]:
     """Yields the maps of a game's variants, its base, and what that needs, with their texts."""
     seen = set[Path]()
     copy = PurePosixPath(path.name)  # the path beside the copy of the game
-    while home.inside(path.as_posix()) not in seen:  # else the game extends itself
-        seen.add(home.inside(path.as_posix()))
+    while home.path_of(path.as_posix()) not in seen:  # else the game extends itself
+        seen.add(home.path_of(path.as_posix()))
         try:
             file = parse(Source(path.as_posix(), home.read(path.as_posix())[0]))
         except CompileError:

@@ -11,7 +11,7 @@ from sjdsl.studio.folder import Changed, FileRefused, Folder
 Answer = dict[str, Any]
 
 
-def answered(
+def answer_request(
     folder: Folder, method: str, address: str, query: Mapping[str, str], body: str | bytes = ""
 ) -> tuple[int, Answer]:
     """Returns the HTTP status and the answer to a request; `refused` has the reason if it fails."""
@@ -57,7 +57,7 @@ def _answer(
         case "POST", "/copy":  # an example, whose text has perhaps been changed, with its files
             path = str(arguments["path"])
             text = str(arguments["text"])
-            if folder.inside(path).exists():
+            if folder.path_of(path).exists():
                 raise FileRefused(f"there is a file `{path}` already: choose another name")
             copied = copy_beside(str(arguments["example"]), folder)
             return {"digest": folder.write(path, text, None), "copied": copied}

@@ -30,13 +30,13 @@ class Folder:
     root: Path
 
     def games(self) -> list[str]:
-        """Returns the paths of the games inside, those in nearer folders first; at most 500."""
+        """Returns the paths of the games below it, those in nearer folders first; at most 500."""
         games = islice(games_below(self.root), MAX_GAMES)
         return [path.relative_to(self.root).as_posix() for path in games]
 
     def read(self, name: str) -> tuple[str, str]:
         """Returns the text of a file and its digest. Raises FileRefused."""
-        path = self.inside(name)
+        path = self.path_of(name)
         if not path.is_file():
             raise FileRefused(f"there is no file `{name}`")
         try:
@@ -59,17 +59,20 @@ class Folder:
           Changed: the file has another digest now.
           FileRefused: it can't be written.
         """
-        path = self.inside(name)
+        path = self.path_of(name)
         with _writing:
-            old_text, now = self.read(name) if path.is_file() else ("", None)
+            old_text: str = ""
+            current: str | None = None  # its digest
+            if path.is_file():
+                old_text, current = self.read(name)
             if line_end(old_text) == "\r\n" and "\r" not in text:
                 text = text.replace("\n", "\r\n")
             data = text.encode("utf-8")
             if len(data) > LARGEST:
                 raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
-            if now is None and before is not None:
+            if current is None and before is not None:
                 raise Changed(f"`{name}` is not there any more")
-            if now != before:
+            if current != before:
                 raise Changed(f"`{name}` was changed by somebody else since it was opened")
             try:
                 write_whole(path, data)
@@ -77,7 +80,7 @@ class Folder:
                 raise FileRefused(f"`{name}` cannot be written: {error.strerror}") from None
         return digest(data)
 
-    def inside(self, name: str) -> Path:
+    def path_of(self, name: str) -> Path:
         """Returns the path of a game or a map in the folder.
 
         Raises:

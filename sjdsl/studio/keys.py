@@ -33,7 +33,7 @@ def action_keys(action_names: Sequence[str], relative: bool) -> dict[str, int]:
     built_in = (FACING if relative and "turn_left" in names else COMPASS) | STAY
     keys = {key: names.index(name) for key, name in built_in.items() if name in names}
     own_actions = [number for number, name in enumerate(names) if name not in built_in.values()]
-    keys |= zip(CHARACTERS, own_actions, strict=False)
+    keys |= zip(CHARACTERS, own_actions, strict=False)  # actions beyond them have no key
     if own_actions:
         keys["enter"] = own_actions[0]
     return keys

@@ -40,6 +40,7 @@ def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _entries(value: Any, written: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[Any]]:
+    """Yields `[keys, value, written]` for each entry of a param. by: its indices."""
     if by:
         for key, entry, written_entry in zip(by[0].keys, value, written, strict=True):
             for keys, *numbers in _entries(entry, written_entry, by[1:], is_word):
@@ -62,6 +63,7 @@ def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, value: Any
 
 
 def _merged(old: Any, by: tuple[Level, ...], new: Any) -> Any:
+    """Returns a new value with the old entries that it leaves out. by: the indices of both."""
     if not by or not isinstance(new, Mapping):
         return new
     entries = dict(zip(by[0].keys, old, strict=True))
@@ -72,6 +74,7 @@ def _merged(old: Any, by: tuple[Level, ...], new: Any) -> Any:
 
 
 def _as_mapping(value: Any, by: tuple[Level, ...]) -> Any:
+    """Returns a value with its entries by key. by: its indices."""
     if not by:
         return value
     return {key: _as_mapping(entry, by[1:]) for key, entry in zip(by[0].keys, value, strict=True)}

@@ -105,4 +105,5 @@ def write_number(opened: Opened, name: str, entry: tuple[str, ...], value: str) 
 
 
 def _units(text: str) -> int:
+    """Returns the number of UTF-16 units of a text."""
     return len(text.encode("utf-16-le")) // 2

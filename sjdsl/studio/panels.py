@@ -13,7 +13,7 @@ from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World
 from sjdsl.properties import GameFamily, Verdict, verify_properties
 from sjdsl.studio.counterexample import as_json
-from sjdsl.studio.episode import Episode, measured
+from sjdsl.studio.episode import Episode, metric_values
 from sjdsl.studio.opened import Opened
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
@@ -53,7 +53,7 @@ def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, An
     world_values = [(f.name, say_value(world.fields[f.name], f.type)) for f in game.fields]
     agents = []
     for agent, position in enumerate(world.position):
-        values = [("place", _place(position)), ("heading", HEADINGS[world.heading[agent]])]
+        values = [("place", _place_text(position)), ("heading", HEADINGS[world.heading[agent]])]
         for field in game.agents.fields:
             values.append((field.name, say_value(world.agents[field.name][agent], field.type)))
         agents.append(values)
@@ -61,7 +61,7 @@ def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, An
     for mover in game.movers:
         herd = world.movers[mover.name]
         for number, position in enumerate(herd.position):
-            values = [("place", _place(position))]
+            values = [("place", _place_text(position))]
             for field in mover.fields:
                 values.append((field.name, say_value(herd.fields[field.name][number], field.type)))
             movers.append([mover.name, number, values])
@@ -74,6 +74,7 @@ def state_panel(opened: Opened, world: World, cell: Cell | None) -> dict[str, An
 
 
 def _cell_values(game: ir.Game, world: World, cell: Cell) -> dict[str, Any]:
+    """Returns the kind of a cell, its place, and the values of its fields in words."""
     board = board_of(game)
     kind = board.kind_of[cell]
     number = board.number[cell]
@@ -84,7 +85,7 @@ def _cell_values(game: ir.Game, world: World, cell: Cell) -> dict[str, Any]:
     return {"kind": kind, "place": list(cell), "values": values}
 
 
-def _place(cell: Cell | None) -> str:
+def _place_text(cell: Cell | None) -> str:
     return "away" if cell is None else f"({cell.row}, {cell.col})"
 
 
@@ -126,7 +127,9 @@ def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
                 "line": span.line if span is not None and is_in_text else None,
                 "place": "" if rule is None else rules.place(rule),
                 "text": "" if rule is None else rules.text(rule),
-                "effects": [_effect(effect, moment.world, explainer) for effect in effects],
+                "effects": [
+                    _describe_effect(effect, moment.world, explainer) for effect in effects
+                ],
             }
             rules_of_turn.append(described)
         if rules_of_turn:
@@ -134,7 +137,7 @@ def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:
     return {"step": moment.number, "turns": turns}
 
 
-def _effect(effect: Effect, world: World, explainer: Explainer) -> dict[str, Any]:
+def _describe_effect(effect: Effect, world: World, explainer: Explainer) -> dict[str, Any]:
     """Returns one change in words, with its reasons and the cells that it concerns.
 
     These are the cell that changed, those between which somebody went, and the one where the agent
@@ -147,16 +150,16 @@ def _effect(effect: Effect, world: World, explainer: Explainer) -> dict[str, Any
     return {
         "said": say_effect(effect, explainer.instance.board),
         "cells": [list(cell) for cell in cells],
-        "because": [_reason(reason) for reason in explainer.effect(effect)],
+        "because": [_describe_reason(reason) for reason in explainer.effect(effect)],
     }
 
 
-def _reason(reason: Reason) -> dict[str, Any]:
+def _describe_reason(reason: Reason) -> dict[str, Any]:
     """Returns a reason: a sentence, its random draw in words or "", and the reasons behind it."""
     return {
         "text": reason.text,
         "bits": reason.bits,
-        "because": [_reason(behind) for behind in reason.because],
+        "because": [_describe_reason(behind) for behind in reason.because],
     }
 
 
@@ -164,7 +167,7 @@ def curves_panel(episode: Episode) -> dict[str, Any]:
     """Returns the agents' returns and the metrics of the last step, at each moment so far."""
     return {
         "returns": episode.returns,
-        "metrics": [measured(episode.game, moment.outcome) for moment in episode.moments],
+        "metrics": [metric_values(episode.game, moment.outcome) for moment in episode.moments],
     }
 
 
@@ -181,10 +184,11 @@ def checks_panel(opened: Opened) -> dict[str, Any]:
     family = GameFamily(opened.source, opened.composition.chosen)
     results = verify_properties(family)
     verdicts = (*results.verdicts, *results.faults)
-    return {"verdicts": [_verdict(verdict, opened, family.own) for verdict in verdicts]}
+    return {"verdicts": [_describe_verdict(verdict, opened, family.own) for verdict in verdicts]}
 
 
-def _verdict(verdict: Verdict, opened: Opened, game: ir.Game) -> dict[str, Any]:
+def _describe_verdict(verdict: Verdict, opened: Opened, game: ir.Game) -> dict[str, Any]:
+    """Returns a verdict; its line is None in another file. game: that of the counterexample."""
     return {
         "text": verdict.text,
         "line": verdict.line if verdict.file == opened.source.name else None,

@@ -25,7 +25,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from sjdsl.editor.highlighting import patterns
 from sjdsl.studio.access import Access
 from sjdsl.studio.child import Spares
-from sjdsl.studio.files import answered
+from sjdsl.studio.files import answer_request
 from sjdsl.studio.folder import LARGEST, Folder
 from sjdsl.studio.language import serve_language
 
@@ -55,17 +55,17 @@ HEADERS = {
 def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlette:
     """Returns the server of a folder. `opened`: the path of the game that the page opens first."""
     root = folder.resolve()
-    answer_files = _files(Folder(root))
+    answer_files = _make_file_handler(Folder(root))
     spares = Spares(root)
     routes = [
-        Route("/", _page(opened)),
-        Route("/assets/{name}", _asset),
+        Route("/", _make_page_handler(opened)),
+        Route("/assets/{name}", _answer_asset),
         Route("/games", answer_files),
         Route("/tour", answer_files),
         Route("/file", answer_files, methods=["GET", "PUT"]),
         Route("/copy", answer_files, methods=["POST"]),
         Route("/new", answer_files, methods=["POST"]),
-        WebSocketRoute("/bench", _bench(spares)),
+        WebSocketRoute("/bench", _make_bench_handler(spares)),
         WebSocketRoute("/language", lambda socket: serve_language(socket, root)),
     ]
     return Starlette(
@@ -99,7 +99,8 @@ class Guard:
             await PlainTextResponse(reason + "\n", 403)(scope, receive, send)
 
 
-def _page(opened: str | None) -> Callable[[Request], Response]:
+def _make_page_handler(opened: str | None) -> Callable[[Request], Response]:
+    """Returns what answers a request for the page, which contains the token of the request."""
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
     html = files("sjdsl.studio").joinpath("page/studio.html").read_text(encoding="utf-8")
     page = environment.from_string(html)
@@ -109,7 +110,8 @@ def _page(opened: str | None) -> Callable[[Request], Response]:
     )
 
 
-def _asset(request: Request) -> Response:
+def _answer_asset(request: Request) -> Response:
+    """Answers a request for one of ASSETS."""
     name = request.path_params["name"]
     if name not in ASSETS:
         raise HTTPException(404)
@@ -118,7 +120,7 @@ def _asset(request: Request) -> Response:
     return Response(text, media_type=media_type, headers=HEADERS)
 
 
-def _files(folder: Folder) -> Handler:
+def _make_file_handler(folder: Folder) -> Handler:
     """Returns what answers requests about files, in a thread, as a large folder takes a while."""
 
     async def answer(request: Request) -> Response:
@@ -128,15 +130,17 @@ def _files(folder: Folder) -> Handler:
             if len(body) > 2 * LARGEST:
                 return JSONResponse({"refused": "the text is too large"}, 413, HEADERS)
         status, content = await run_in_threadpool(
-            answered, folder, request.method, request.url.path, request.query_params, body
+            answer_request, folder, request.method, request.url.path, request.query_params, body
         )
         return JSONResponse(content, status, HEADERS)
 
     return answer
 
 
-def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
-    async def bench(socket: WebSocket) -> None:
+def _make_bench_handler(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
+    """Returns what answers the requests of a socket to a bench, in a process of its own."""
+
+    async def answer_socket(socket: WebSocket) -> None:
         """Answers the requests of a socket in order, by a worker process that ends with it."""
         await socket.accept()
         child = spares.take()
@@ -167,4 +171,4 @@ def _bench(spares: Spares) -> Callable[[WebSocket], Coroutine[Any, Any, None]]:
             with contextlib.suppress(ProcessLookupError):
                 await child.stop()
 
-    return bench
+    return answer_socket

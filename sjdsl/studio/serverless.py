@@ -9,7 +9,7 @@ from urllib.parse import parse_qs, urlsplit
 from sjdsl.studio import files
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.folder import FileRefused, Folder
-from sjdsl.studio.worker import answered
+from sjdsl.studio.worker import answer_line
 
 Send = Callable[[str], object]
 
@@ -29,7 +29,7 @@ class Serverless:
 
     def bench(self, request: str) -> str:
         """Returns the answer to a request of the board or of a panel, both as JSON."""
-        return json.dumps(answered(self._bench, request))
+        return json.dumps(answer_line(self._bench, request))
 
     def prepare_language(self, send: Send) -> None:
         """Loads the language server, and what it needs to read a request, ahead of the first one.
@@ -63,7 +63,7 @@ class Serverless:
         """
         url = urlsplit(path)
         query = {name: values[0] for name, values in parse_qs(url.query).items()}
-        status, answer = files.answered(self._folder, method, url.path, query, body)
+        status, answer = files.answer_request(self._folder, method, url.path, query, body)
         if method != "GET" and status == 200:
             names = (*answer.get("copied", ()), json.loads(body)["path"])
             answer["written"] = {name: self._folder.read(name)[0] for name in names}

@@ -32,7 +32,8 @@ def main() -> None:
         collect_seldom()
         print(json.dumps({"ready": True}), file=answers, flush=True)
         for line in sys.stdin.buffer:
-            print(json.dumps(answered(bench, line.decode())), file=answers, flush=True)
+            answer = answer_line(bench, line.decode())
+            print(json.dumps(answer), file=answers, flush=True)
 
 
 def collect_seldom() -> None:
@@ -44,7 +45,7 @@ def collect_seldom() -> None:
     gc.set_threshold(10_000, 10, 10)
 
 
-def answered(bench: Bench, line: str) -> dict[str, object]:
+def answer_line(bench: Bench, line: str) -> dict[str, object]:
     """Returns the answer to a request, a line of JSON.
 
     A request that is invalid, or needs too much memory, is refused with the reason.
@@ -73,7 +74,8 @@ def answered(bench: Bench, line: str) -> dict[str, object]:
 
 
 def _limit_memory() -> None:
-    with contextlib.suppress(ImportError, ValueError, OSError):  # not every system has this limit
+    """Lets this process have no more than MEMORY, where the system has such a limit."""
+    with contextlib.suppress(ImportError, ValueError, OSError):
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))

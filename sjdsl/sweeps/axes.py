@@ -51,7 +51,10 @@ def split_values(text: str) -> list[str]:
     parts = [""]
     depth = 0
     for character in text:
-        depth += (character in "[({") - (character in "])}")
+        if character in "[({":
+            depth += 1
+        elif character in "])}":
+            depth -= 1
         if character == "," and depth == 0:
             parts.append("")
         else:
@@ -65,7 +68,7 @@ def check_name(name: str) -> str:
         raise ExperimentError(
             f"`{name}` can't be an axis, as each cell has all seeds: use --seed and --seeds"
         )
-    if any(name.startswith(prefix) and name != prefix for prefix in (PARAM, OWN)):
+    if name.startswith((PARAM, OWN)) and name not in (PARAM, OWN):
         return name
     keys = {key for keys in KEYS_OF.values() for key in keys}
     known = [*sorted(keys.difference(SEEDS)), VARIANT]
@@ -82,15 +85,16 @@ def as_configured(value: Any) -> Any:
     """Returns the value of a configuration key without the brackets that kept its commas
     together.
     """
-    if isinstance(value, str) and value[:1] + value[-1:] in ("[]", "()"):
-        return value[1:-1]
-    return value
+    is_bracketed = isinstance(value, str) and value[:1] + value[-1:] in ("[]", "()")
+    return value[1:-1] if is_bracketed else value
 
 
 def as_number(value: Any) -> Any:
     """Returns the value of a number of a game: a text as JSON, or unchanged if it isn't JSON."""
+    if not isinstance(value, str):
+        return value
     try:
-        return json.loads(value) if isinstance(value, str) else value
+        return json.loads(value)
     except ValueError:
         return value
 
@@ -99,6 +103,7 @@ def with_number(params: Mapping[str, Any], path: str, value: Any) -> dict[str, A
     """Returns numbers of a game with one of them set; `regrow[red]` is an entry of a table."""
     name, *keys = path.replace("]", "").split("[")
     if keys:
-        table = params.get(name, {})
-        value = with_number(table if isinstance(table, Mapping) else {}, "[".join(keys), value)
+        table = params.get(name)
+        entries = table if isinstance(table, Mapping) else {}
+        value = with_number(entries, "[".join(keys), value)
     return {**params, name: value}

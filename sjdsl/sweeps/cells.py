@@ -16,7 +16,7 @@ from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, wi
 from sjdsl.trainers.settings.config import Config, make_config, require_code, stored_config
 from sjdsl.trainers.settings.config_errors import ConfigError
 from sjdsl.trainers.settings.extensions import short_name
-from sjdsl.trainers.settings.own_settings import spread
+from sjdsl.trainers.settings.own_settings import flatten_own
 from sjdsl.trainers.settings.preset import Preset, load_preset
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class Cell(CellStage):
 
     def described(self) -> dict[str, Any]:
         """Returns what `sweep.json` says of it."""
-        return self.model_dump(exclude={"name", *(() if self.earlier else ("earlier",))})
+        return self.model_dump(exclude={"name"} if self.earlier else {"name", "earlier"})
 
     @staticmethod
     def read(name: str, described: Mapping[str, Any]) -> "Cell":
@@ -122,15 +122,14 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
       ExperimentError: the values don't fit each other, the algorithm or the game.
     """
     point = ", ".join(f"{name} {value}" for name, value in chosen.items())
-    where = f"{Path(game).stem} with {point}"
+    in_words = f"{Path(game).stem} with {point}"
     keys = {
         name: as_configured(value)
         for name, value in chosen.items()
         if name != VARIANT and not name.startswith(PARAM)
     }
-    changes = {**spread(spec.settings), **keys}
-    # Of the settings of all cells, the plan checks whether some cell reads them.
-    asked = set(keys)
+    changes = {**flatten_own(spec.settings), **keys}
+    asked = set(keys)  # not the settings of all cells: the plan checks whether some cell reads them
     try:
         if spec.preset is None:
             preset = Preset(game, {}, make_config(changes, asked=asked))
@@ -139,7 +138,7 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
         names = [name.partition("[")[0] for name in chosen]
         preset.refuse_of_stages([*_set_in_game(spec), *names])
     except ConfigError as error:
-        raise ExperimentError(f"{where}: {error}") from None
+        raise ExperimentError(f"{in_words}: {error}") from None
     stages = []
     for stage in (*preset.earlier, preset):
         try:
@@ -147,12 +146,12 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
                 game, stage.environment, chosen, spec, describe
             )
         except ValueError as error:
-            raise ExperimentError(f"{where}: {error}") from None
+            raise ExperimentError(f"{in_words}: {error}") from None
         config = stage.config.model_dump(mode="json")
         stages.append(CellStage(hash=digest, provenance=provenance, config=config))
     *earlier, last = stages
-    settings = spread(last.config)
-    values: dict[str, Any] = {}  # in one form: 0.5 for `.50`
+    settings = flatten_own(last.config)
+    values: dict[str, Any] = {}  # as the configuration has them: 0.5 for `.50`
     for name, value in chosen.items():
         if name in settings:
             value = settings[name]
@@ -172,8 +171,9 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
 
 def _set_in_game(spec: SweepSpec) -> list[str]:
     """Returns the arguments that a sweep sets in the games of all cells; numbers as `param.X`."""
-    arguments = [name for name in (VARIANT, *FIXED) if getattr(spec, name) is not None]
-    return [*arguments, *(f"{PARAM}{name}" for name in spec.params)]
+    names = [name for name in (VARIANT, *FIXED) if getattr(spec, name) is not None]
+    names += [f"{PARAM}{name}" for name in spec.params]
+    return names
 
 
 def _describe_stage(
@@ -214,6 +214,7 @@ def name_of(game: str, values: Mapping[str, Any]) -> str:
 
 
 def _in_folder_name(value: Any) -> str:
+    """Returns a value as text without characters that are unusual in names of folders."""
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, int):

@@ -73,7 +73,7 @@ def describe_sweep(spec: SweepSpec, cells: Sequence[Cell]) -> dict[str, Any]:
     }
 
 
-def merged(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
+def merge_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the new content of `sweep.json`: the wanted sweep added to the stored one.
 
     Raises:
@@ -118,8 +118,9 @@ def _difference(stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
     for cell in cells_of(stored):
         if cell.name not in wanted["cells"]:
             continue
-        known = _without_paths(cell.described())
-        if difference := first_difference(known, _without_paths(wanted["cells"][cell.name])):
+        old = _without_paths(cell.described())
+        new = _without_paths(wanted["cells"][cell.name])
+        if difference := first_difference(old, new):
             return f"its cell {cell.name} has {difference}"
     return ""
 
@@ -171,17 +172,17 @@ def write_sweep(folder: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
     """Adds the wanted sweep to `sweep.json`, which is written only if that changes it; returns its
     content.
     """
-    known = merged(folder, wanted)
+    content = merge_sweep(folder, wanted)
     folder.mkdir(parents=True, exist_ok=True)
-    if known != read_json(folder / SWEEP):
-        write_json(folder / SWEEP, known)
+    if content != read_json(folder / SWEEP):
+        write_json(folder / SWEEP, content)
     (folder / CELLS).mkdir(exist_ok=True)
-    return known
+    return content
 
 
-def cells_of(known: Mapping[str, Any]) -> list[Cell]:
-    """Returns the cells of a sweep, in their order."""
-    return [Cell.read(name, described) for name, described in known["cells"].items()]
+def cells_of(content: Mapping[str, Any]) -> list[Cell]:
+    """Returns the cells of a `sweep.json`, in their order."""
+    return [Cell.read(name, described) for name, described in content["cells"].items()]
 
 
 def cell_at(folder: Path | str) -> tuple[Path, dict[str, Any], Cell]:
@@ -193,11 +194,11 @@ def cell_at(folder: Path | str) -> tuple[Path, dict[str, Any], Cell]:
     """
     path = Path(folder).resolve()
     sweep = path.parents[1]
-    known = read_sweep(sweep)
-    cell = next((cell for cell in cells_of(known) if run_dir(sweep, cell) == path), None)
+    content = read_sweep(sweep)
+    cell = next((cell for cell in cells_of(content) if run_dir(sweep, cell) == path), None)
     if cell is None:
         raise ExperimentError(f"{sweep} has no cell {path.name}")
-    return sweep, known, cell
+    return sweep, content, cell
 
 
 def run_dir(folder: Path, cell: Cell) -> Path:
@@ -220,7 +221,8 @@ def progress_of(folder: Path, cell: Cell, episodes: int) -> Progress:
         return Progress("done", update)
     if is_running(folder, cell.name):
         return Progress("running", update)
-    return Progress("stopped" if path.is_dir() and any(path.iterdir()) else "waiting", update)
+    has_begun = path.is_dir() and any(path.iterdir())
+    return Progress("stopped" if has_begun else "waiting", update)
 
 
 def manifest_of(path: Path) -> dict[str, Any]:
@@ -240,7 +242,9 @@ def is_finished(path: Path) -> bool:
 def is_done(folder: Path, cell: Cell, episodes: int) -> bool:
     """Whether a cell's run is finished, with every seed, and each is evaluated."""
     path = run_dir(folder, cell)
-    return is_finished(path) and all(
+    if not is_finished(path):
+        return False
+    return all(
         evaluation_of(seed_dir, seed, episodes) is not None
         for seed, seed_dir in seed_dirs(path, cell).items()
     )
@@ -261,7 +265,9 @@ def evaluation_of(path: Path, seed: int, episodes: int) -> StoredEvaluation | No
 
 def seed_dirs(path: Path, cell: Cell) -> dict[int, Path]:
     """Returns the folder of each seed of a cell's run."""
-    return {seed: path if len(cell.seeds) == 1 else path / f"seed_{seed}" for seed in cell.seeds}
+    if len(cell.seeds) == 1:
+        return {cell.seeds[0]: path}
+    return {seed: path / f"seed_{seed}" for seed in cell.seeds}
 
 
 def diverged_in(path: Path) -> str:

@@ -26,15 +26,14 @@ MEMORY = (
 )
 # A machine with an NVIDIA GPU has one of these devices; the last under WSL.
 DEVICES = ("/dev/nvidiactl", "/dev/nvidia0", "/dev/dxg")
-COUNT = "import jax; print(sum(device.platform == 'gpu' for device in jax.devices()))"
+COUNT = "import jax; print(sum(device.platform == 'gpu' for device in jax.devices()))"  # a program
 
 
 def gpus_for_workers(workers: int) -> list[str]:
     """Returns the GPUs for so many worker processes, by their names in `CUDA_VISIBLE_DEVICES`.
 
     There are none for a single worker, which is this process. If there are any, this process
-    computes
-    on the CPU from now on: on a GPU, it would take memory from a worker.
+    computes on the CPU from now on: on a GPU, it would take memory from a worker.
 
     Raises:
       ExperimentError: JAX doesn't start.

@@ -11,12 +11,12 @@ LOCKS = "locks"  # folder of a sweep
 PATIENCE = 1.0
 
 
-def take(sweep: Path, name: str) -> FileLock | None:
+def take_lock(sweep: Path, name: str) -> FileLock | None:
     """Takes the lock of a cell and returns it, for the caller to release; None if another process
     has it.
     """
     (sweep / LOCKS).mkdir(exist_ok=True)
-    lock = FileLock(_path(sweep, name))
+    lock = FileLock(_lock_path(sweep, name))
     try:
         lock.acquire(timeout=PATIENCE)
     except Timeout:
@@ -26,9 +26,9 @@ def take(sweep: Path, name: str) -> FileLock | None:
 
 def is_running(sweep: Path, name: str) -> bool:
     """Whether a process (perhaps this one) is running a cell."""
-    if not _path(sweep, name).exists():
+    if not _lock_path(sweep, name).exists():
         return False
-    lock = FileLock(_path(sweep, name))
+    lock = FileLock(_lock_path(sweep, name))
     try:
         with lock.acquire(timeout=0):
             return False
@@ -36,5 +36,5 @@ def is_running(sweep: Path, name: str) -> bool:
         return True
 
 
-def _path(sweep: Path, name: str) -> Path:
+def _lock_path(sweep: Path, name: str) -> Path:
     return sweep / LOCKS / f"{name}.lock"

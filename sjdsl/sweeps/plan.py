@@ -9,7 +9,7 @@ from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.axes import PARAM, VARIANT
 from sjdsl.sweeps.cells import Cell, Describe, SweepSpec, make_cell
 from sjdsl.trainers.settings.config import KEYS_OF, only_of_others
-from sjdsl.trainers.settings.own_settings import OWN, spread
+from sjdsl.trainers.settings.own_settings import OWN, flatten_own
 
 MAX_CELLS = 10_000
 
@@ -20,12 +20,13 @@ def plan_sweep(spec: SweepSpec, describe: Describe) -> tuple[Cell, ...]:
     Raises:
       ExperimentError: games and axes don't fit each other. What `describe` raises.
     """
-    _check(spec)
+    _check_axes(spec)
     names = [axis.name for axis in spec.axes]
     cells = []
     for game in spec.games:
         for values in product(*(axis.values for axis in spec.axes)):
-            cells.append(make_cell(game, dict(zip(names, values, strict=True)), spec, describe))
+            chosen = dict(zip(names, values, strict=True))
+            cells.append(make_cell(game, chosen, spec, describe))
     _check_names(cells)
     _check_angles(cells)
     _check_settings(spec, cells)
@@ -35,23 +36,24 @@ def plan_sweep(spec: SweepSpec, describe: Describe) -> tuple[Cell, ...]:
 def _check_angles(cells: Sequence[Cell]) -> None:
     """Raises ExperimentError if cells of SVO with weight 0 differ in their angle only: they would
     be the same run."""
-    first: dict[str, Cell] = {}
+    seen: set[str] = set()
     for cell in cells:
         if "svo_angle" not in cell.values or cell.config.get("svo_weight") != 0:
             continue
         others = {name: value for name, value in cell.values.items() if name != "svo_angle"}
-        if first.setdefault(f"{cell.game} {others}", cell) is not cell:
+        but_for_angle = f"{cell.game} {others}"
+        if but_for_angle in seen:
             raise ExperimentError(
                 f"{cell.name}: `svo_angle` has no effect while `svo_weight` is 0; "
                 "sweep over weights above 0"
             )
+        seen.add(but_for_angle)
 
 
 def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
     """Raises ExperimentError for a setting that no cell reads."""
     configurations = [stage.configuration() for cell in cells for stage in cell.stages]
-    unread = [config.unread for config in configurations]
-    for name in spread(spec.settings):
+    for name in flatten_own(spec.settings):
         own_name = name.removeprefix(OWN)
         is_taken = any(own_name in dict(config.own) for config in configurations)
         if name.startswith(OWN) and not is_taken:
@@ -59,22 +61,20 @@ def _check_settings(spec: SweepSpec, cells: Sequence[Cell]) -> None:
                 f"`{name}` does nothing in any cell: no algorithm, loss, network or reward of your "
                 "own takes it"
             )
-        if all(only_of_others(name, type(config)) for config in configurations):
+        with_key = [config for config in configurations if not only_of_others(name, type(config))]
+        if not with_key:
             owners = " and ".join(algorithm for algorithm, keys in KEYS_OF.items() if name in keys)
             raise ExperimentError(f"`{name}` does nothing in any cell: it is a key of {owners}")
-        if all(
-            name in of_cell or only_of_others(name, type(config))
-            for config, of_cell in zip(configurations, unread, strict=True)
-        ):
-            mark = next(of_cell[name] for of_cell in unread if name in of_cell)
+        if all(name in config.unread for config in with_key):
+            condition = with_key[0].unread[name]
             raise ExperimentError(
-                f"`{name}` does nothing in any cell: it is read where `{mark.setting}` is "
-                f"{mark.values}"
+                f"`{name}` does nothing in any cell: it is read where `{condition.setting}` is "
+                f"{condition.values}"
             )
 
 
-def _check(spec: SweepSpec) -> None:
-    """Raises ExperimentError for mistakes that show before a game is read."""
+def _check_axes(spec: SweepSpec) -> None:
+    """Raises ExperimentError for mistakes in games and axes that show before a game is read."""
     if not spec.games:
         raise ExperimentError(
             "name the games to train in, as in "
@@ -89,7 +89,7 @@ def _check(spec: SweepSpec) -> None:
         )
     if not spec.axes:
         raise ExperimentError("say what varies: --axis NAME=value,value,…")
-    fixed = {*spread(spec.settings), *(f"{PARAM}{name}" for name in spec.params)}
+    fixed = {*flatten_own(spec.settings), *(f"{PARAM}{name}" for name in spec.params)}
     if spec.variant is not None:
         fixed.add(VARIANT)
     for axis in spec.axes:

@@ -72,7 +72,9 @@ def shares_of(cores: Sequence[int], workers: int) -> list[tuple[int, ...]]:
 def _usable_cores() -> list[int]:
     """Returns the cores that this process may use; none if the system (unlike Linux) doesn't let a
     process choose."""
-    return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    if not hasattr(os, "sched_getaffinity"):
+        return []
+    return sorted(os.sched_getaffinity(0))
 
 
 @raising_on_sigterm()

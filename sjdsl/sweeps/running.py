@@ -11,7 +11,7 @@ from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.sweeps.cells import Cell, Describe, SweepSpec
 from sjdsl.sweeps.folder import (
     describe_sweep,
-    merged,
+    merge_sweep,
     progress_of,
     read_sweep,
     retry,
@@ -19,11 +19,11 @@ from sjdsl.sweeps.folder import (
     write_sweep,
 )
 from sjdsl.sweeps.gpus import describe_shares, gpus_for_workers
-from sjdsl.sweeps.locks import take
+from sjdsl.sweeps.locks import take_lock
 from sjdsl.sweeps.plan import plan_sweep
 from sjdsl.sweeps.processes import run_in_processes
 from sjdsl.sweeps.tables import write_results
-from sjdsl.sweeps.work import ALONE, Watch, run_cell, stages_of
+from sjdsl.sweeps.work import SILENT, Watch, run_cell, stages_of
 from sjdsl.trainers.policies.loading import PolicyError
 from sjdsl.trainers.runs.loggers import check_loggers
 from sjdsl.trainers.runs.run import check_stages
@@ -48,7 +48,7 @@ def sweep(
     describe: Describe | None = None,
     workers: int = 1,
     again: bool = False,
-    watch: Watch = ALONE,
+    watch: Watch = SILENT,
 ) -> Outcome:
     """Runs a sweep, or resumes it: cells that are done stay, stopped ones resume from their last
     checkpoint.
@@ -59,8 +59,7 @@ def sweep(
       describe: returns the arguments of an environment, its name and its hash; None: by
         `sjdsl.make`.
       workers: processes on this machine, at most; 1: this one. If it has NVIDIA GPUs, each of
-        several
-        has one of them, or shares it, and this process computes on the CPU from then on.
+        several has one of them, or shares it, and this process computes on the CPU from then on.
       again: whether to try failed cells again.
       watch: shows the progress of runs in this process, and gets a line for each event; other
         processes write theirs to standard error.
@@ -75,7 +74,7 @@ def sweep(
         watch.tell(describe_shares(gpus, min(workers, len(cells))))
     if again:
         _retry_failed(path, cells, spec.episodes)
-    _run(path, cells, spec.episodes, workers, gpus, watch)
+    _run_until_done(path, cells, spec.episodes, workers, gpus, watch)
     write_results(path, read_sweep(path))
     done = []
     failed = {}
@@ -97,7 +96,7 @@ def _retry_failed(folder: Path, cells: Sequence[Cell], episodes: int) -> None:
     for cell in cells:
         if progress_of(folder, cell, episodes).state != "failed":
             continue
-        lock = take(folder, cell.name)
+        lock = take_lock(folder, cell.name)
         if lock is not None:
             try:
                 retry(folder, cell)
@@ -129,7 +128,7 @@ def check_sweep(spec: SweepSpec, cells: Sequence[Cell], folder: Path) -> None:
     Nothing is written.
     """
     check_loggers(spec.loggers)
-    merged(folder, describe_sweep(spec, cells))
+    merge_sweep(folder, describe_sweep(spec, cells))
     checked = set()
     for cell in cells:
         kind = repr([(stage.hash, _without_floats(stage.config)) for stage in cell.stages])
@@ -143,7 +142,7 @@ def check_sweep(spec: SweepSpec, cells: Sequence[Cell], folder: Path) -> None:
 
 
 def _without_floats(config: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the settings that decide whether a configuration fits a game."""
+    """Returns the settings that decide whether a configuration fits a game: no float does."""
     return {key: value for key, value in config.items() if not isinstance(value, float)}
 
 
@@ -158,7 +157,7 @@ def describe_with_make(
     provenance: dict[str, Any] = {
         "game": str(Path(game).resolve()) if Path(game).suffix else game,
         "variant": variant,
-        "map": map and str(Path(map).resolve()),
+        "map": None if map is None else str(Path(map).resolve()),
         "num_agents": num_agents,
         "params": dict(params),
     }
@@ -166,7 +165,7 @@ def describe_with_make(
     return provenance, env.name, env.hash
 
 
-def _run(
+def _run_until_done(
     folder: Path,
     cells: Sequence[Cell],
     episodes: int,
@@ -177,12 +176,14 @@ def _run(
     """Runs cells until each is done or has failed, in this process or another, or until a process
     that it has started is killed."""
     reported: set[str] = set()
+    # A single cell isn't worth another process, unless that one has a GPU, which this one hasn't.
+    fewest_for_processes = 1 if gpus else 2
     while True:
         states = {cell.name: progress_of(folder, cell, episodes).state for cell in cells}
         waiting = [name for name, state in states.items() if state in ("waiting", "stopped")]
         running = [name for name, state in states.items() if state == "running"]
         paths = [run_dir(folder, cell) for cell in cells if cell.name in waiting]
-        if workers > 1 and len(paths) > (0 if gpus else 1):
+        if workers > 1 and len(paths) >= fewest_for_processes:
             if not run_in_processes(paths, workers, gpus):
                 return
         elif paths:

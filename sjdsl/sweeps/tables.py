@@ -37,20 +37,20 @@ FIRST = (
 KINDS = ("return_agent_", "event_", "mean_", "final_")  # of further figures
 
 
-def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
+def results(folder: Path, content: Mapping[str, Any]) -> list[Row]:
     """Returns a row for each seed of each finished cell, in the order of the cells.
 
     Args:
       folder: of the sweep.
-      known: the content of its `sweep.json`.
+      content: the content of its `sweep.json`.
     """
     rows = []
-    for cell in cells_of(known):
+    for cell in cells_of(content):
         path = run_dir(folder, cell)
         if not is_finished(path):
             continue
         evaluations = {
-            seed: evaluation_of(seed_dir, seed, known["episodes"])
+            seed: evaluation_of(seed_dir, seed, content["episodes"])
             for seed, seed_dir in seed_dirs(path, cell).items()
         }
         if None in evaluations.values():
@@ -58,15 +58,20 @@ def results(folder: Path, known: Mapping[str, Any]) -> list[Row]:
         manifest = manifest_of(path)
         for seed, evaluation in evaluations.items():
             assert evaluation is not None
-            rows.append(_row(cell, manifest, seed, evaluation))
+            rows.append(_seed_row(cell, manifest, seed, evaluation))
     return rows
 
 
-def _row(cell: Cell, manifest: Mapping[str, Any], seed: int, evaluation: StoredEvaluation) -> Row:
+def _seed_row(
+    cell: Cell, manifest: Mapping[str, Any], seed: int, evaluation: StoredEvaluation
+) -> Row:
+    """Returns the row of a seed. manifest: of the cell's run."""
     updates = manifest["updates"]
     earlier_steps = sum(stage.steps for stage in cell.earlier)
     device = manifest.get("device", {})
-    platform, count, kind = (device.get(key, "?") for key in ("platform", "count", "kind"))
+    platform = device.get("platform", "?")
+    count = device.get("count", "?")
+    kind = device.get("kind", "?")
     values = {
         **cell.values,
         "cell": cell.name,
@@ -102,18 +107,17 @@ def figures(summary: Mapping[str, Figure]) -> Row:
     return {name: "" if value is None else repr(float(value)) for name, value in values.items()}
 
 
-def write_results(folder: Path, known: Mapping[str, Any]) -> None:
+def write_results(folder: Path, content: Mapping[str, Any]) -> None:
     """Writes `results.csv`, whole or not at all.
 
     Another process may write it at the same time, and may have read the folders before this
     process's cell was done. So this process reads the folders again afterwards, and writes the
-    table again until
-    both agree: the last process to write has read everything.
+    table again until both agree: the last process to write has read everything.
     """
-    text = result_table(results(folder, known))
-    for _ in range(10):
+    text = result_table(results(folder, content))
+    for _ in range(10):  # rather than for ever, should others keep writing
         write_whole(folder / RESULTS, text.encode())
-        new_text = result_table(results(folder, known))
+        new_text = result_table(results(folder, content))
         if new_text == text:
             return
         text = new_text

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 
 import sjdsl
-from sjdsl.experiments.players import acting_kind
+from sjdsl.experiments.players import acting_config
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED
 from sjdsl.library.stored_game import GameMoved, locate_game
@@ -31,7 +31,7 @@ from sjdsl.sweeps.folder import (
     run_dir,
     seed_dirs,
 )
-from sjdsl.sweeps.locks import take
+from sjdsl.sweeps.locks import take_lock
 from sjdsl.sweeps.tables import results, write_results
 from sjdsl.trainers.policies.evaluation import (
     Evaluation,
@@ -53,7 +53,7 @@ from sjdsl.trainers.settings.stage_settings import STAGES
 
 Tell = Callable[[str], None]
 REFUSALS = (RunError, ConfigError, PolicyError, ExperimentError)
-OVER = ("done", "failed")
+OVER = ("done", "failed")  # states of cells that don't run again
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,10 @@ class Watch:
     tell: Tell = lambda _: None
 
 
-ALONE = Watch()
+SILENT = Watch()
 
 
-def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
+def run_cell(folder: Path | str, watch: Watch = SILENT) -> str:
     """Runs the cell in a folder `DIR/cells/NAME` of a sweep, unless it is done, has failed, or is
     running in another process.
 
@@ -80,27 +80,27 @@ def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
       ExperimentError: the folder isn't a cell of a sweep.
       NotAllowed: the cell needs code that the caller hasn't allowed (`allow_code`).
     """
-    sweep, known, cell = cell_at(folder)
+    sweep, content, cell = cell_at(folder)
     cell.require_code()
     for stage in cell.stages:
         make_config(stage.config, asked=())  # imports the code that it names
-    episodes = known["episodes"]
+    episodes = content["episodes"]
     has_run = False
     if progress_of(sweep, cell, episodes).state not in OVER:
-        lock = take(sweep, cell.name)
+        lock = take_lock(sweep, cell.name)
         if lock is not None:
             try:
                 # Another process may have finished the cell before this one had the lock.
                 if progress_of(sweep, cell, episodes).state not in OVER:
                     has_run = True
-                    _run(sweep, cell, known, watch)
+                    _train_and_evaluate(sweep, cell, content, watch)
             finally:
                 lock.release()
-    known = read_sweep(sweep)  # another process may have added cells
-    write_results(sweep, known)
+    content = read_sweep(sweep)  # another process may have added cells
+    write_results(sweep, content)
     progress = progress_of(sweep, cell, episodes)
     if has_run and progress.state == "done":
-        rows = [row for row in results(sweep, known) if row["cell"] == cell.name]
+        rows = [row for row in results(sweep, content) if row["cell"] == cell.name]
         returns = [float(row["collective_return"]) for row in rows]
         seeds = f"mean of {len(returns)} seeds" if len(returns) > 1 else "one seed"
         watch.tell(f"{cell.name}: done, collective return {np.mean(returns):.4g} ({seeds})")
@@ -111,31 +111,35 @@ def run_cell(folder: Path | str, watch: Watch = ALONE) -> str:
     return progress.state
 
 
-def _run(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> None:
-    """Trains and evaluates a cell that this process has locked; records why it failed."""
-    located_in(sweep, cell)  # a game that has moved is no failure of the cell
+def _train_and_evaluate(sweep: Path, cell: Cell, content: Mapping[str, Any], watch: Watch) -> None:
+    """Trains and evaluates a cell that this process has locked; records why it failed.
+
+    content: of `sweep.json`.
+    """
+    arguments_now(sweep, cell)  # raises if the game has moved, which is no failure of the cell
     try:
-        if _is_open(sweep, cell):
-            _train(sweep, cell, known, watch)
+        if _can_continue(sweep, cell):
+            _train(sweep, cell, content, watch)
     except (DiskError, OSError):
         raise
     except Exception as error:
         # The user's own code may raise anything; the other cells continue.
-        if _is_open(sweep, cell):
+        if _can_continue(sweep, cell):
             reason = str(error)
             if not isinstance(error, REFUSALS):
                 reason = f"{type(error).__name__}: {error}"
             record_failure(sweep, cell, reason)
-    _finish(sweep, cell, known["episodes"])
+    _finish(sweep, cell, content["episodes"])
 
 
-def _is_open(sweep: Path, cell: Cell) -> bool:
+def _can_continue(sweep: Path, cell: Cell) -> bool:
     """Whether the run of a cell has updates left, and can continue."""
     path = run_dir(sweep, cell)
     return not is_finished(path) and not diverged_in(path)
 
 
-def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> None:
+def _train(sweep: Path, cell: Cell, content: Mapping[str, Any], watch: Watch) -> None:
+    """Trains a cell, from its last checkpoint if it has begun."""
     path = run_dir(sweep, cell)
     *earlier, last = stages_of(cell, sweep)
     _remove_unstarted(path)
@@ -150,15 +154,14 @@ def _train(sweep: Path, cell: Cell, known: Mapping[str, Any], watch: Watch) -> N
         )
     else:
         watch.tell(f"{cell.name}: training")
-        asked = {"episodes": known["episodes"]}
         train(
             last.env,
             last.config,
             path,
             watch.progress,
-            last.provenance,
-            known["loggers"],
-            asked,
+            provenance=last.provenance,
+            loggers=content["loggers"],
+            asked={"episodes": content["episodes"]},
             earlier=earlier,
         )
 
@@ -208,14 +211,14 @@ def evaluate_cell(sweep: Path, cell: Cell, episodes: int) -> None:
     """
     path = run_dir(sweep, cell)
     env = environment_of(cell, sweep)
-    provenance = json.dumps(located_in(sweep, cell), sort_keys=True)
+    arguments = json.dumps(arguments_now(sweep, cell), sort_keys=True)
     config = stored_config(manifest_of(path).get("config", cell.config))
     for seed, seed_dir in seed_dirs(path, cell).items():
         if evaluation_of(seed_dir, seed, episodes) is not None:
             continue
-        play = _evaluator(provenance, acting_kind(config), episodes)
+        evaluate = _evaluator(arguments, acting_config(config), episodes)
         parameters, description = read_parameters(policy_path(seed_dir, "last"), env)
-        evaluation = play(evaluation_key(seed), parameters)
+        evaluation = evaluate(evaluation_key(seed), parameters)
         if not np.isfinite(evaluation.returns).all():
             raise ExperimentError(
                 f"the returns of the last policy of seed {seed} are not finite, "
@@ -226,23 +229,30 @@ def evaluate_cell(sweep: Path, cell: Cell, episodes: int) -> None:
 
 
 @lru_cache(maxsize=4)
-def _evaluator(provenance: str, acting: str, episodes: int) -> Callable[[Any, Any], Evaluation]:
+def _evaluator(
+    arguments_json: str, config_json: str, episodes: int
+) -> Callable[[Any, Any], Evaluation]:
     """Returns an evaluator of policies with one network in one game, compiled once for all seeds
-    and cells that share them."""
-    env = _environment(provenance)
-    config = stored_config(json.loads(acting))
+    and cells that share them.
+
+    Args:
+      arguments_json: of `sjdsl.make`; JSON, because `lru_cache` hashes its arguments.
+      config_json: the settings that decide how a policy acts, as `acting_config` returns them.
+    """
+    env = _environment(arguments_json)
+    config = stored_config(json.loads(config_json))
     return make_evaluator(env, lambda parameters: trained_policy(env, config, parameters), episodes)
 
 
 def stages_of(cell: Cell, sweep: Path) -> list[Stage]:
     """Returns the stages of a cell of the sweep in a folder. Raises what `environment_of` does."""
     return [
-        Stage(environment_of(stage, sweep), stage.configuration(), located_in(sweep, stage))
+        Stage(environment_of(stage, sweep), stage.configuration(), arguments_now(sweep, stage))
         for stage in cell.stages
     ]
 
 
-def located_in(sweep: Path, cell: CellStage) -> dict[str, Any]:
+def arguments_now(sweep: Path, cell: CellStage) -> dict[str, Any]:
     """Returns the arguments of a cell's environment, with the paths that its game and map have now.
 
     Raises:
@@ -262,7 +272,7 @@ def environment_of(cell: CellStage, sweep: Path) -> Any:
     Raises:
       ExperimentError: its rules have changed since the sweep began, or a file is gone.
     """
-    env = _environment(json.dumps(located_in(sweep, cell), sort_keys=True))
+    env = _environment(json.dumps(arguments_now(sweep, cell), sort_keys=True))
     if env.hash != cell.hash:
         raise ExperimentError(
             f"the rules of {env.name} have changed since the sweep began: {cell.hash} then, "
@@ -272,6 +282,7 @@ def environment_of(cell: CellStage, sweep: Path) -> Any:
 
 
 @lru_cache(maxsize=32)
-def _environment(provenance: str) -> Any:
-    arguments: Mapping[str, Any] = json.loads(provenance)
+def _environment(arguments_json: str) -> Any:
+    """Returns the environment of these arguments of `sjdsl.make`, made once."""
+    arguments: Mapping[str, Any] = json.loads(arguments_json)
     return sjdsl.make(**arguments)

@@ -114,6 +114,8 @@ def outcome_differences(
         pairs.append((f"metric {name}", info["metrics"][name], value))
     pairs.append(("terminated", info["terminated"], outcome.terminated))
     pairs.append(("truncated", info["truncated"], outcome.truncated and not outcome.terminated))
+    if "trial_ended" in info:
+        pairs.append(("trial_ended", info["trial_ended"], outcome.trial_ended))
     differences = []
     for name, compiled, interpreted in pairs:
         compiled = np.asarray(compiled, np.float64)

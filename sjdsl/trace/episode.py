@@ -31,7 +31,8 @@ class Turn:
 class Moment:
     """The start of an episode or one step of it.
 
-    number: of the step, None at the start; key: of its draws; world: the state that it leads to.
+    number: of the step in its trial, None at the start; trial: that number, None in a game without
+      trials; key: of its draws; world: the state that it leads to.
     actions: those chosen, none at the start; forbidden: the agents whose action was forbidden.
     """
 
@@ -42,6 +43,7 @@ class Moment:
     actions: tuple[int, ...] = ()
     forbidden: frozenset[int] = frozenset()
     outcome: Outcome | None = None
+    trial: int | None = None
 
     @property
     def is_over(self) -> bool:
@@ -63,8 +65,9 @@ def play(
         choose = choices(seed, played)
         moment = begin(game, params, keys.start())
         yield moment
-        while played < steps and not moment.is_over:
-            number = moment.world.step
+        for number in range(steps - played):
+            if moment.is_over:
+                break
             actions = choose(number, moment.world)
             moment = follow(game, moment.world, params, keys.of_step(number), actions)
             yield moment
@@ -106,7 +109,13 @@ def take_step(
     )
     listener = _listener(turns, board_of(game), recorded)
     after, outcome = step(game, world, actions, params, recorded, listener)
-    return Moment(world.step, key, after, tuple(turns), tuple(actions), forbidden, outcome)
+    trial = trial_of(game, world)
+    return Moment(world.step, key, after, tuple(turns), tuple(actions), forbidden, outcome, trial)
+
+
+def trial_of(game: ir.Game, world: World) -> int | None:
+    """Returns the number of the trial that a state is in; None in a game without trials."""
+    return None if game.trials is None else world.fields["trial"]
 
 
 def _listener(turns: list[Turn], board: Board, draws: RecordedDraws) -> Tell:

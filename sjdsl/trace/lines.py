@@ -53,7 +53,12 @@ def is_shown(turn: Turn, phases: Collection[str]) -> bool:
 
 def moment_lines(moment: Moment, teller: Teller) -> Iterator[str]:
     """Yields the lines of the start of an episode or of one step."""
-    yield "an episode begins" if moment.number is None else f"step {moment.number}"
+    if moment.number is None:
+        yield "an episode begins"
+    elif moment.trial is None:
+        yield f"step {moment.number}"
+    else:
+        yield f"trial {moment.trial}, step {moment.number}"
     if moment.actions:
         yield f"  actions  {_actions_text(moment, teller.board.game)}"
     for turn in moment.turns:
@@ -205,3 +210,5 @@ def _outcome_lines(moment: Moment) -> Iterator[str]:
         yield f"  metrics  {', '.join(metrics)}"
     if outcome.terminated or outcome.truncated:
         yield f"  the episode ends after step {moment.world.step}"
+    if outcome.last_of_trial is not None:
+        yield f"  trial {moment.trial} ends after step {outcome.last_of_trial.step}"

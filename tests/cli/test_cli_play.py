@@ -16,7 +16,7 @@ import pytest
 from command_line import Sjdsl
 
 import sjdsl as package
-from sjdsl.cli.play import compiled, interpreted
+from sjdsl.cli.play import play_compiled, play_interpreted
 from sjdsl.interpreter.state import default_params
 from sjdsl.policies.compiled import scripted_policy
 from sjdsl.render import Moment, random_policy
@@ -222,11 +222,11 @@ def test_the_interpreter_plays_the_episode_of_the_compiled_game(
     policy = random_policy(env) if others == "random" else scripted_policy(env, others)
     steering = [{0: env.num_actions - 1}, {}, *repeat({}, 20)]  # longer than Orchard
     ours = list(
-        interpreted(
+        play_interpreted(
             env.game, default_params(env.game), SEED, chooser(env.game, others, SEED), steering
         )
     )
-    theirs = list(compiled(env, policy, SEED, steering))
+    theirs = list(play_compiled(env, policy, SEED, steering))
     assert len(ours) == len(theirs) > 8
     assert all(map(alike, ours, theirs))
     assert others != "eater" or (ours[-1].done and ours[-1].snapshot.returns.sum() > 0), (

@@ -11,7 +11,7 @@ from command_line import GAME, GROVE, Sjdsl
 from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.library.stored_game import GameMoved, locate_game
-from sjdsl.sweeps.folder import merged
+from sjdsl.sweeps.folder import merge_sweep
 
 MAP = "#####\n#.AA#\n#A.A#\n#####\n"
 
@@ -145,4 +145,4 @@ def test_a_sweep_takes_its_game_by_another_path(project: Path) -> None:
     (project / "sweep.json").write_text(json.dumps(before))
     there = {**stored, "game": "/elsewhere/short.sj"}
     wanted = {**before, "cells": {"short": {**cell, "provenance": there}}}
-    assert merged(project, wanted)["cells"]["short"]["provenance"] == there
+    assert merge_sweep(project, wanted)["cells"]["short"]["provenance"] == there

@@ -65,7 +65,7 @@ def test_only_files_inside_are_read(folder: Path, tmp_path_factory: pytest.TempP
     outside = tmp_path_factory.mktemp("outside")
     (outside / "other.sj").write_text(MAPPED)
     (folder / "link.sj").symlink_to(outside / "other.sj")
-    session = Session(inside=[folder])
+    session = Session(allowed=[folder])
     read = [
         session.documents.get(path.as_uri()) is not None
         for path in (folder / "orchard.sj", outside / "other.sj", folder / "link.sj")

@@ -25,6 +25,7 @@ from tests.fuzz.reading import Scope, Variable
 from tests.fuzz.statements import Phase, block, braces, destination, indented
 from tests.fuzz.writing import Written
 
+SHARE_WITH_TRIALS = 0.2  # of programs
 NAMES = ("grow", "share_out", "settle", "walk_on", "trade", "decay", "look_round")
 
 
@@ -173,7 +174,20 @@ def define(w: World) -> None:
 
 def _episode(w: World) -> Lines:
     lengths = [p.name for p in w.params if p.type.unit == "steps" and not p.type.by]
-    return [f"episode {w.random.choice(('200', '25', *lengths))}"]
+    length = w.random.choice(("200", "25", *lengths))
+    fields = [f.name for f in w.fields] + [f"agent.{f.name}" for f in w.agent_fields]
+    fields += [
+        f"{owner}.{f.name}"
+        for owner, kind in (*w.kinds.items(), *w.movers.items())
+        for f in kind.fields
+    ]
+    # Drawn from the names, so that all else of the program is as without trials.
+    random = Random(" ".join(fields))
+    if random.random() > SHARE_WITH_TRIALS:
+        return [f"episode {length}"]
+    kept = random.sample(fields, random.randint(0, min(3, len(fields))))
+    keep = f" {{ keep {', '.join(kept)} }}" if kept else ""
+    return [f"episode {random.randint(1, 4)} trials of {random.choice((4, 9, length))}{keep}"]
 
 
 def _kinds(w: World) -> list[Lines]:

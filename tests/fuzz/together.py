@@ -21,6 +21,7 @@ from sjdsl.interpreter.state import Outcome, World, default_params
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.runtime.env import Environment
+from sjdsl.runtime.trials import has_trials, is_last_trial, steps_of_trial
 from tests.differential.compare import Report, compare, compare_outcome
 from tests.fuzz import numpy_jax
 
@@ -124,14 +125,15 @@ class OnNumPy(Environment):
         )
         metrics = self.module.measures(state, self.params)
         state = state.replace(step=state.step + 1)
-        truncated = (state.step >= self.module.episode_length(self.params)) & ~out.ended
-        info = {
-            "truncated": truncated,
-            "terminated": out.ended,
-            "events": self._events(out),
-            "metrics": metrics,
-        }
-        return state, out.reward, truncated | out.ended, info
+        is_over = (state.step >= steps_of_trial(self.module, self.params)) | out.ended
+        info = {"events": self._events(out), "metrics": metrics, "trial_ended": is_over}
+        done = is_over
+        if has_trials(self.module):
+            done = is_over & is_last_trial(self.module, state)
+            if is_over and not done:
+                state = self.module.next_trial(state, done, self.params, key_of(words))
+        info |= {"truncated": done & ~out.ended, "terminated": done & out.ended}
+        return state, out.reward, done, info
 
 
 def key_of(words: Words) -> Any:

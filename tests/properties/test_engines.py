@@ -1,12 +1,16 @@
 """The compiled game and the interpreter play the same episodes under the scripted policies, and their checks read the same values."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.read import read_source
 from sjdsl.properties import GameFamily
+from sjdsl.properties.effects import is_untouched
 from sjdsl.properties.engines import EpisodeRunner
 from sjdsl.properties.state_conversion import world_of
 from sjdsl.properties.trajectory import choose, play
@@ -14,6 +18,7 @@ from sjdsl.properties.verify_properties import Verification
 
 from .small_games import ORCHARD, small_game
 
+TRIALS = Path(__file__).parents[1] / "cases" / "trials.sj"
 CHECKS = """always fruit <= 2  always eaten <= 2 and zaps >= 0  conserved count(agent)  monotone bare falling in fruit
   expect eaten == 0 with never(zap, forward), seek tree where tree.fruit is ripe over 3 episodes
   expect zaps > 0 with random, seek agent as other where other is not agent over 3 episodes
@@ -29,10 +34,11 @@ def orchard() -> GameFamily:
     return small_game(CHECKS, RULE, text=text)
 
 
-def test_both_engines_play_the_same(orchard: GameFamily) -> None:
-    runner = EpisodeRunner(orchard, seed=5)
-    runner.checks = dict(enumerate(orchard.own.checks))
-    for check in (c for c in orchard.own.checks if c.sort == "expect"):
+def assert_engines_agree(family: GameFamily, seed: int) -> None:
+    """Plays three episodes of each `expect` on both engines."""
+    runner = EpisodeRunner(family, seed)
+    runner.checks = dict(enumerate(family.own.checks))
+    for check in (c for c in family.own.checks if c.sort == "expect"):
         compiled = runner.play_compiled(check.policies, 0, 3)
         interpreted = [runner.play_interpreted(check.policies, number) for number in range(3)]
         for mine, theirs in zip(compiled, interpreted, strict=True):
@@ -45,6 +51,23 @@ def test_both_engines_play_the_same(orchard: GameFamily) -> None:
         assert any(
             len(set(values)) > 1 for episode in compiled for values in episode.values.values()
         ), "nothing that is read ever changed"
+
+
+def test_both_engines_play_the_same(orchard: GameFamily) -> None:
+    assert_engines_agree(orchard, seed=5)
+
+
+def test_both_engines_play_the_same_trials() -> None:
+    assert_engines_agree(GameFamily(read_source(TRIALS)), seed=5)
+
+
+def test_conserved_is_not_proved_if_trials_begin_differently() -> None:
+    text = TRIALS.read_text(encoding="utf-8")
+    text = text.replace("conserved count", "conserved mood  conserved luck  conserved count")
+    family = GameFamily(Source("trials.sj", text, TRIALS.parent))
+    _, _, _, mood, luck, *_ = family.own.checks
+    assert not is_untouched(mood.values[0], family.own, family.sends_later)
+    assert is_untouched(luck.values[0], family.own, family.sends_later)
 
 
 def test_a_state_of_an_episode_is_the_interpreters(orchard: GameFamily) -> None:

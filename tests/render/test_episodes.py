@@ -12,7 +12,7 @@ import pytest
 
 import sjdsl
 from sjdsl.cli import run
-from sjdsl.cli.play import compiled
+from sjdsl.cli.play import play_compiled
 from sjdsl.cli.policies import choose_policy
 from sjdsl.render import play_moments, random_policy
 from sjdsl.replay import (
@@ -143,7 +143,7 @@ def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> No
         lambda seen, key, _: (seen + 1, (seen + jax.random.randint(key, (2,), 0, 3)) % 7),
     )
     (episode,) = play_episodes(env, turns, 11, 1)
-    _, *steps = compiled(env, turns, 11, repeat({}))
+    _, *steps = play_compiled(env, turns, 11, repeat({}))
     assert [list(moment.actions) for moment in steps] == episode.actions.tolist()
 
 

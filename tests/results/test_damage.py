@@ -122,7 +122,7 @@ METRICS: dict[str, Callable[[Path], object]] = {
 
 @pytest.fixture(autouse=True)
 def _without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sjdsl.results.report.drawn", lambda _: {})
+    monkeypatch.setattr("sjdsl.results.report.draw_pictures", lambda _: {})
 
 
 @pytest.mark.parametrize("damage", METRICS)

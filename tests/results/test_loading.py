@@ -20,7 +20,7 @@ from report_folders import described as describe
 import sjdsl
 from sjdsl.results import ResultsError, load, load_curves
 from sjdsl.results.bundled import other_numbers
-from sjdsl.results.loading import COLUMNS, POINTS, ids_of, load_both, write_frame
+from sjdsl.results.loading import COLUMNS, POINTS, columns_of_run, load_both, write_frame
 from sjdsl.results.selecting import in_words
 from sjdsl.results.settings import column_of
 
@@ -364,8 +364,8 @@ def test_a_run_in_stages_is_marked(tmp_path: Path) -> None:
         "IPPO, common from stages",
     }
     manifest = json.loads((tmp_path / "run/stages/1/manifest.json").read_text())
-    assert ids_of(manifest | {"stage": 1})["reward"] == "individual"
-    assert ids_of(manifest | {"stage": 2})["reward"] == "individual from stages"
+    assert columns_of_run(manifest | {"stage": 1})["reward"] == "individual"
+    assert columns_of_run(manifest | {"stage": 2})["reward"] == "individual from stages"
 
 
 # Settings in which runs differ.

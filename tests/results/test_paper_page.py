@@ -32,7 +32,7 @@ def page_of(*folders: Path) -> str:
     with mock.patch("bench.paper.contents.rules_now", lambda *game: NOW.get(game)):
         sections = paper.sections_of(data)
     marks = "\n\n".join(f"<!-- {name} -->\n<!-- end {name} -->" for name in sections)
-    return paper.made_page(marks + "\n", sections)
+    return paper.fill_page(marks + "\n", sections)
 
 
 def test_everything(tmp_path: Path, golden: Callable[[Path, str], None]) -> None:
@@ -98,13 +98,13 @@ def test_claims_compare_seeds_with_the_same_ore() -> None:
         for game in games_of(under_the_papers_rules(pd.DataFrame(rows)))
         if game.published == "coop_mining"
     )
-    assert {ratio: cell.values for ratio, cell in game.by_ratio.items()} == {
+    assert {ratio: result.values for ratio, result in game.by_ratio.items()} == {
         0.0: (4.0,),
         0.5: (3.0,),
     }
-    cell = game.cell(INDIVIDUAL)
-    assert cell is not None
-    assert cell.values == (1.0,)
+    result = game.result(INDIVIDUAL)
+    assert result is not None
+    assert result.values == (1.0,)
 
 
 def test_speeds_are_taken_in_and_stand_beside_the_published_ones(tmp_path: Path) -> None:

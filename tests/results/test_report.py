@@ -18,7 +18,7 @@ CONTRASTS = dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 0.5, 1.5))
 
 def texts(section: Section, table: int = 0) -> list[list[str]]:
     """Returns the cells of a table as the page has them."""
-    lines = page_text("", "", [section], [], []).split("\n\n")
+    lines = page_text("", [section], [], []).split("\n\n")
     rows = [part for part in lines if part.startswith("| ")][table].splitlines()[2:]
     return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in rows]
 
@@ -84,7 +84,7 @@ def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
             for picture in section.pictures
         }
 
-    monkeypatch.setattr("sjdsl.results.report.drawn", empty)
+    monkeypatch.setattr("sjdsl.results.report.draw_pictures", empty)
 
 
 def files(folder: Path) -> dict[str, bytes]:

@@ -7,7 +7,7 @@ import pytest
 from report_folders import nearly
 from scipy import integrate, special
 
-from sjdsl.results.figures import Cell, unlike_settings
+from sjdsl.results.figures import Result, differing_settings
 from sjdsl.results.statistics import compare
 
 
@@ -57,15 +57,15 @@ def test_welch_without_variance_or_seeds() -> None:
 
 
 def test_settings_in_which_columns_differ_are_named() -> None:
-    def trained(settings: str) -> Cell:
-        return Cell("run", (1.0, 2.0), 0, 400, "", "cpu", settings)
+    def trained(settings: str) -> Result:
+        return Result("run", (1.0, 2.0), 0, 400, "", "cpu", settings)
 
-    cells = {
+    results = {
         "individual": trained('{"num_envs": 8}'),
         "common": trained('{"init_from": "a policy"}'),
         "vdn": None,
     }
-    assert unlike_settings(cells) == [
+    assert differing_settings(results) == [
         "the seeds of common started from a trained policy; those of individual didn't.",
         "`num_envs` is 8 in individual; the default in common.",
     ]

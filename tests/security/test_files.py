@@ -17,7 +17,7 @@ from sjdsl.files import parse_json, read_bytes, read_json, write_whole, written_
 from sjdsl.replay import DatasetWriter, Header, Recording
 from sjdsl.replay.recording import save_recording
 from sjdsl.studio.folder import Folder, digest
-from sjdsl.sweeps.locks import take
+from sjdsl.sweeps.locks import take_lock
 from sjdsl.trainers.json_files import write_json
 from sjdsl.trainers.runs.metrics_files import (
     EVALUATIONS,
@@ -205,7 +205,7 @@ def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
         "run": lambda: locked(link.parent).__enter__(),
         "evaluations": lambda: append_line(link, {"update": 3}),
         "cut": lambda: list(cut_metrics(link.parent, 1)),
-        "cell": lambda: take(link.parents[1], "cell"),
+        "cell": lambda: take_lock(link.parents[1], "cell"),
     }
     with pytest.raises(
         OSError, match=r"it is a link, through which nothing is written|symbolic link"

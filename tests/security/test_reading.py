@@ -143,5 +143,5 @@ def test_digits_that_are_no_numbers_in_names_of_files(tmp_path: Path) -> None:
 def test_a_report_shows_names_as_texts() -> None:
     for title in TITLES:
         assert not re.search(r"<[a-zA-Z/!?]", inert(title))
-        assert not re.search(r"<[a-zA-Z/!?]", page_text("Results", "Made.", [], [], [title]))
+        assert not re.search(r"<[a-zA-Z/!?]", page_text("Results", [], ["Made."], [title]))
     assert inert("p < 0.05, a <= b") == "p < 0.05, a <= b"

@@ -13,7 +13,7 @@ from sjdsl.sweeps.axes import read_axis
 from sjdsl.sweeps.folder import (
     cells_of,
     describe_sweep,
-    merged,
+    merge_sweep,
     progress_of,
     read_sweep,
     write_sweep,
@@ -46,7 +46,7 @@ def put(folder: Path, content: Any) -> None:
 def test_a_cell_is_named_by_no_path(name: str, asked: dict[str, Any], tmp_path: Path) -> None:
     cell = next(iter(asked["cells"].values()))
     put(tmp_path, {**asked, "cells": {**asked["cells"], name: cell}})
-    for read in (read_sweep, lambda folder: merged(folder, asked)):
+    for read in (read_sweep, lambda folder: merge_sweep(folder, asked)):
         with pytest.raises(
             ExperimentError,
             match=r"not 1, for in `cells\.|damaged and can't be read|no readable sweep\.json",
@@ -107,6 +107,6 @@ def test_whatever_stands_in_its_file_is_a_message(asked: dict[str, Any], tmp_pat
                 assert progress_of(tmp_path, cell, known["episodes"]).state == "waiting"
             assert len(cells_of(known)) == len(known["cells"])
             try:
-                merged(tmp_path, asked)
+                merge_sweep(tmp_path, asked)
             except ExperimentError:
                 continue

@@ -11,7 +11,7 @@ from click import ClickException
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from sjdsl.cli.studio import _inside
+from sjdsl.cli.studio import _path_in_page
 from sjdsl.compiler import check
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.files import write_whole
@@ -109,10 +109,10 @@ def test_only_games_and_maps_inside_the_folder_are_read(client: TestClient, path
 
 
 def test_the_command_opens_bundled_games_as_examples_and_others_in_its_folder(folder: Path) -> None:
-    assert _inside("coins", folder) == "example:coins.sj"
-    assert _inside(str(folder / "yard.sj"), folder) == "yard.sj"
+    assert _path_in_page("coins", folder) == "example:coins.sj"
+    assert _path_in_page(str(folder / "yard.sj"), folder) == "yard.sj"
     with pytest.raises(ClickException, match="is outside this folder"):
-        _inside(str(folder.parent / "outside.sj"), folder)
+        _path_in_page(str(folder.parent / "outside.sj"), folder)
 
 
 @pytest.mark.parametrize("path", ["../new.sj", "/tmp/new.sj", "new.py", "link.sj"])

@@ -8,7 +8,7 @@ import pytest
 
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ
-from sjdsl.studio.worker import answered
+from sjdsl.studio.worker import answer_line
 
 GAME = """sj 1
 game yard "Yard" {
@@ -376,5 +376,7 @@ def test_a_fault_of_our_own_is_told_and_nothing_is_lost(
     opened(made)
     ask(made, do="step")
     monkeypatch.setattr("sjdsl.studio.bench.state_panel", lambda *_: 1 / 0)
-    assert "a fault of sjdsl" in str(answered(made, '{"do": "panel", "panel": "state"}')["refused"])
-    assert answered(made, '{"do": "step"}')["at"] == 2
+    assert "a fault of sjdsl" in str(
+        answer_line(made, '{"do": "panel", "panel": "state"}')["refused"]
+    )
+    assert answer_line(made, '{"do": "step"}')["at"] == 2

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from sjdsl.sweeps import locks
-from sjdsl.sweeps.locks import is_running, take
+from sjdsl.sweeps.locks import is_running, take_lock
 
-HOLDS = "from sjdsl.sweeps.locks import take; from pathlib import Path; import sys, time; lock = take(Path(sys.argv[1]), 'cell')\n"
+HOLDS = "from sjdsl.sweeps.locks import take_lock; from pathlib import Path; import sys, time; lock = take_lock(Path(sys.argv[1]), 'cell')\n"
 
 
 @pytest.fixture(autouse=True)
@@ -22,15 +22,15 @@ def no_patience(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_one_at_a_time(tmp_path: Path) -> None:
     assert not is_running(tmp_path, "cell")
     assert [*tmp_path.iterdir()] == [], "a look leaves nothing behind"
-    first = take(tmp_path, "cell")
+    first = take_lock(tmp_path, "cell")
     assert first is not None
     assert is_running(tmp_path, "cell")
-    assert take(tmp_path, "cell") is None
-    other = take(tmp_path, "cell.1")
+    assert take_lock(tmp_path, "cell") is None
+    other = take_lock(tmp_path, "cell.1")
     assert other is not None
     first.release()
     assert not is_running(tmp_path, "cell")
-    again = take(tmp_path, "cell")
+    again = take_lock(tmp_path, "cell")
     assert again is not None
     again.release()
     other.release()
@@ -44,10 +44,10 @@ def test_a_process_that_died_holds_nothing(tmp_path: Path) -> None:
         assert process.stdout is not None
         assert process.stdout.readline() == b"held\n"
         assert is_running(tmp_path, "cell")
-        assert take(tmp_path, "cell") is None
+        assert take_lock(tmp_path, "cell") is None
         process.kill()
     assert not is_running(tmp_path, "cell")
-    lock = take(tmp_path, "cell")
+    lock = take_lock(tmp_path, "cell")
     assert lock is not None
     lock.release()
 
@@ -57,7 +57,7 @@ def test_of_many_at_once_one_succeeds(tmp_path: Path) -> None:
 
     def contend() -> None:
         begin.wait()
-        taken.append(take(tmp_path, "cell"))
+        taken.append(take_lock(tmp_path, "cell"))
 
     contenders = [threading.Thread(target=contend) for _ in range(20)]
     for thread in contenders:
@@ -73,7 +73,7 @@ def test_who_looks_is_in_nobodys_way(tmp_path: Path, monkeypatch: pytest.MonkeyP
     looking = threading.Event()
 
     def look() -> None:
-        lock = take(tmp_path, "cell")
+        lock = take_lock(tmp_path, "cell")
         assert lock is not None
         looking.set()
         time.sleep(0.2)
@@ -81,6 +81,6 @@ def test_who_looks_is_in_nobodys_way(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     threading.Thread(target=look).start()
     looking.wait()
-    lock = take(tmp_path, "cell")
+    lock = take_lock(tmp_path, "cell")
     assert lock is not None
     lock.release()

@@ -149,7 +149,7 @@ def test_what_another_process_runs_is_waited_for(
     done = folder / "cells" / HIGH / "seed_1" / "evaluation.json"
     text = done.read_text()
     done.unlink()
-    other = work.take(folder, HIGH)
+    other = work.take_lock(folder, HIGH)
     assert other is not None
     assert work.run_cell(folder / "cells" / HIGH) == "running"
     monkeypatch.setattr("sjdsl.sweeps.running.PATIENCE", 0.0)

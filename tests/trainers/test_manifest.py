@@ -13,11 +13,11 @@ from probes import matching
 
 from sjdsl.cli import run as command_line
 from sjdsl.results import ResultsWarning
-from sjdsl.results.loading import _run as read_run
+from sjdsl.results.loading import _read_run as read_run
 from sjdsl.sweeps.folder import diverged_in, is_finished
 from sjdsl.trainers import PolicyError, RunError, make_config
 from sjdsl.trainers.runs.manifest import MANIFEST, read_manifest
-from sjdsl.trainers.runs.resuming import check_same_run, extended
+from sjdsl.trainers.runs.resuming import check_same_run, extend_manifest
 from sjdsl.trainers.runs.run_folder import describe_run
 from sjdsl.trainers.runs.run_state import run_state
 
@@ -133,7 +133,7 @@ def test_whatever_stands_there_is_a_message(
             with suppress(RunError, PolicyError):
                 run_state(tmp_path)
             with suppress(RunError):
-                extended(check_same_run(matching(), tmp_path), tmp_path, 10**9)
+                extend_manifest(check_same_run(matching(), tmp_path), tmp_path, 10**9)
             is_finished(tmp_path), diverged_in(tmp_path)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", ResultsWarning)
@@ -143,7 +143,7 @@ def test_whatever_stands_there_is_a_message(
             json.dumps(damaged(whole, ("config", "partners"), [[1, partner]]))
         )
         with pytest.raises(RunError, match=r"has an invalid configuration|has done"):
-            extended(check_same_run(matching(), tmp_path), tmp_path, 1)
+            extend_manifest(check_same_run(matching(), tmp_path), tmp_path, 1)
     for place in places({key: whole[key] for key in ("asked", "loggers", "provenance", "status")}):
         for value in (
             value for value in STRANGE if "\\udcff" not in json.dumps(value)

@@ -192,3 +192,14 @@ def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, number: float) 
         PolicyError, match=r"best\.safetensors holds non-finite numbers, in .*kernel"
     ):
         load_policy(path, matching())
+
+
+def test_names_are_stored_by_their_whole_paths(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = tmp_path / "runs" / "a"
+    run.mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    names = ("runs/a", "./runs/a/", "./runs/a@best", "runs//a@7")
+    partners = make_config(algorithm="vdn", partners=dict(enumerate(names))).partners
+    assert partners == tuple(enumerate((f"{run}", f"{run}", f"{run}@best", f"{run}@7")))

@@ -10,7 +10,7 @@ from jax import Array
 
 from sjdsl.runtime.returns import collective_return, equality
 
-from ..environment import Environment, info_shapes, where_env
+from ..environment import Environment, info_shapes, num_trials, where_env
 
 # metrics that have no value if no episode has finished
 OF_EPISODES = {
@@ -22,7 +22,32 @@ OF_EPISODES = {
     "event",
     "mean",
     "final",
+    "by_trial",
 }
+
+
+@flax.struct.dataclass
+class TrialSums:
+    """Sums over the K trials of B episodes so far, over agents too."""
+
+    length: Array  # [B, K] int32, steps
+    returns: Array  # [B, K] float32, raw rewards
+    events: dict[str, Array]  # name -> [B, K] int32, counts
+    metric_sums: dict[str, Array]  # name -> [B, K] float32, over steps
+    metric_finals: dict[str, Array]  # name -> [B, K] float32, at the last step
+
+    def figures(self) -> dict[str, Array]:
+        """Returns `[B, K]` figures by the names of their metrics."""
+        means = {
+            f"mean_{name}": total / jnp.maximum(self.length, 1)
+            for name, total in self.metric_sums.items()
+        }
+        return {
+            "collective_return": self.returns,
+            **{f"event_{name}": count for name, count in self.events.items()},
+            **means,
+            **{f"final_{name}": value for name, value in self.metric_finals.items()},
+        }
 
 
 @flax.struct.dataclass
@@ -35,6 +60,7 @@ class EpisodeSums:
     events: dict[str, Array]  # name -> [B, N] or [B] int32, counts
     metric_sums: dict[str, Array]  # name -> [B] float32, over steps
     metric_finals: dict[str, Array]  # name -> [B] float32, at the last step
+    trials: TrialSums | None = None  # None in games without trials
 
     @property
     def metric_means(self) -> dict[str, Array]:
@@ -55,6 +81,7 @@ class FinishedEpisodes:
     events: dict[str, Array]  # name -> [N] or [] int32
     metric_means: dict[str, Array]  # name -> [] float32, of means over steps
     metric_finals: dict[str, Array]  # name -> [] float32
+    by_trial: dict[str, Array]  # name -> [K] float32 or int32; none in games without trials
 
 
 def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
@@ -73,6 +100,44 @@ def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
         events=no_events,
         metric_sums=no_metrics,
         metric_finals=no_metrics,
+        trials=_zero_trials(info, num_envs, num_trials(env)),
+    )
+
+
+def _zero_trials(info: dict[str, Any], num_envs: int, trials: int) -> TrialSums | None:
+    if trials == 1:
+        return None
+    no_counts = jnp.zeros((num_envs, trials), jnp.int32)
+    no_values = jnp.zeros((num_envs, trials), jnp.float32)
+    no_metrics = dict.fromkeys(info["metrics"], no_values)
+    return TrialSums(
+        length=no_counts,
+        returns=no_values,
+        events=dict.fromkeys(info["events"], no_counts),
+        metric_sums=no_metrics,
+        metric_finals=no_metrics,
+    )
+
+
+def _add_to_trials(sums: TrialSums, reward: Array, info: dict[str, Any]) -> TrialSums:
+    """Returns the sums after one more step of each of B episodes, in the trial `info["trial"]`."""
+    batch = jnp.arange(reward.shape[0])
+    trial = info["trial"]
+
+    def added(total: Array, amount: Array) -> Array:
+        of_all_agents = amount.reshape(amount.shape[0], -1).sum(axis=-1, dtype=total.dtype)
+        return total.at[batch, trial].add(of_all_agents)
+
+    metrics = info["metrics"]
+    return TrialSums(
+        length=sums.length.at[batch, trial].add(1),
+        returns=added(sums.returns, reward),
+        events={name: added(count, info["events"][name]) for name, count in sums.events.items()},
+        metric_sums={name: added(total, metrics[name]) for name, total in sums.metric_sums.items()},
+        metric_finals={
+            name: value.at[batch, trial].set(metrics[name])
+            for name, value in sums.metric_finals.items()
+        },
     )
 
 
@@ -89,6 +154,7 @@ def add_step(
             name: total + info["metrics"][name] for name, total in sums.metric_sums.items()
         },
         metric_finals=info["metrics"],
+        trials=None if sums.trials is None else _add_to_trials(sums.trials, reward, info),
     )
 
 
@@ -108,6 +174,7 @@ def split_finished(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, Finishe
         events=sums.events,
         metric_means=sums.metric_means,
         metric_finals=sums.metric_finals,
+        by_trial={} if sums.trials is None else sums.trials.figures(),
     )
     counted = where_env(done, ended, jax.tree.map(jnp.zeros_like, ended))
     total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), counted)
@@ -132,6 +199,7 @@ def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
         "event": mean.events,
         "mean": mean.metric_means,
         "final": mean.metric_finals,
+        "by_trial": mean.by_trial,
     }
 
 

@@ -1,6 +1,7 @@
 """Estimates a mean from a few samples, by Student's t."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,15 @@ class Estimate:
     mean: float
     low: float
     high: float
+
+
+def stack_estimates(
+    estimates: Iterable[Estimate],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Returns the means, the lower and the upper bounds of P estimates, `[P]` float64 each."""
+    rows = [(figure.mean, figure.low, figure.high) for figure in estimates]
+    mean, low, high = np.array(rows, np.float64).reshape(-1, 3).T
+    return mean, low, high
 
 
 def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:

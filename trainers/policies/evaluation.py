@@ -1,7 +1,7 @@
 """Evaluation: plays whole episodes with a policy, and estimates means with confidence intervals."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,9 @@ class Evaluation:
     events: Mapping[str, np.ndarray]  # name -> [E, N] or [E] count
     metric_means: Mapping[str, np.ndarray]  # name -> [E] mean over the episode's steps
     metric_finals: Mapping[str, np.ndarray]  # name -> [E] value at its last step
+    # name -> [E, K] figure of each trial, summed over agents: `collective_return`, `event_eaten`,
+    # `mean_apples`, ...; none in games without trials
+    by_trial: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def collective_returns(self) -> np.ndarray:
@@ -88,6 +91,7 @@ def make_evaluator(
 
     @jax.jit
     def play(key: Array, parameters: Any) -> EpisodeSums:
+        """Returns the sums over each episode, arrays `[E, ...]`."""
         policy = with_memory(policy_of(parameters))
         if memory_of is not None:
             memory = memory_of(parameters)
@@ -95,19 +99,24 @@ def make_evaluator(
             memory = jax.tree.map(
                 lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), policy.start
             )
-        return _play(env, policy, memory, key, num_episodes).sums
+        return _play_to_end(env, policy, memory, key, num_episodes).sums
 
-    def played(key: Array, parameters: Any) -> Evaluation:
+    def evaluate_parameters(key: Array, parameters: Any) -> Evaluation:
         sums = jax.device_get(play(key, parameters))
         return Evaluation(
-            sums.returns, sums.length, sums.events, sums.metric_means, sums.metric_finals
+            returns=sums.returns,
+            lengths=sums.length,
+            events=sums.events,
+            metric_means=sums.metric_means,
+            metric_finals=sums.metric_finals,
+            by_trial={} if sums.trials is None else sums.trials.figures(),
         )
 
-    return played
+    return evaluate_parameters
 
 
 @flax.struct.dataclass
-class _Play:
+class _Episodes:
     """The state of E running episodes."""
 
     state: Any  # [E, ...]
@@ -117,14 +126,18 @@ class _Play:
     over: Array  # [E] bool
 
 
-def _play(
+def _play_to_end(
     env: Environment, policy: MemoryPolicy, memory: Any, key: Array, num_episodes: int
-) -> _Play:
+) -> _Episodes:
     """Steps all episodes until the last one is over; steps after an episode's end don't count."""
     reset_key, loop_key = jax.random.split(key)
     observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
-    start = _Play(
-        state, observation, memory, zero_sums(env, num_episodes), jnp.zeros(num_episodes, bool)
+    start = _Episodes(
+        state=state,
+        observation=observation,
+        memory=memory,
+        sums=zero_sums(env, num_episodes),
+        over=jnp.zeros(num_episodes, bool),
     )
 
     def play_step(
@@ -134,17 +147,21 @@ def _play(
         memory, actions = take_actions(env, policy, memory, action_key, observation, state)
         return memory, env.step_env(env_key, state, actions)
 
-    def advance(carry: tuple[Array, _Play]) -> tuple[Array, _Play]:
+    def advance(carry: tuple[Array, _Episodes]) -> tuple[Array, _Episodes]:
         key, before = carry
         key, step_key = jax.random.split(key)
         keys = jax.random.split(step_key, num_episodes)
         memory, stepped = jax.vmap(play_step)(keys, before.state, before.memory, before.observation)
         observation, state, reward, done, info = stepped
         sums = add_step(before.sums, reward, reward, info)
-        after = _Play(state, observation, memory, sums, done)
+        after = _Episodes(state, observation, memory, sums, done)
         return key, where_env(before.over, before, after)
 
-    _, end = jax.lax.while_loop(lambda carry: ~carry[1].over.all(), advance, (loop_key, start))
+    def is_running(carry: tuple[Array, _Episodes]) -> Array:
+        _, episodes = carry
+        return ~episodes.over.all()
+
+    _, end = jax.lax.while_loop(is_running, advance, (loop_key, start))
     return end
 
 
@@ -162,6 +179,9 @@ def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
             figures |= _by_agent(f"event {name}", counts)
     figures |= {f"mean {name}": values for name, values in evaluation.metric_means.items()}
     figures |= {f"final {name}": values for name, values in evaluation.metric_finals.items()}
+    for name, of_trials in evaluation.by_trial.items():
+        for trial, values in enumerate(np.asarray(of_trials).T):
+            figures[f"{name.replace('_', ' ', 1)} of trial {trial}"] = values
     return {name: estimate(samples) for name, samples in figures.items()}
 
 

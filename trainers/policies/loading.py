@@ -79,7 +79,7 @@ def find_policy(
             raise PolicyError(str(error)) from None
     declared = declared_policies(env)
     if name in declared:
-        return _scripted(name, env)
+        return _compile_scripted(name, env)
     path, which = split_name(name)
     if path.exists() or path.suffix == ".safetensors":
         return load_policy(path, env, greedy, which)
@@ -93,7 +93,7 @@ def find_policy(
     raise PolicyError(unknown_policy(name, tuple(declared)))
 
 
-def _scripted(name: str, env: Environment) -> Policy:
+def _compile_scripted(name: str, env: Environment) -> Policy:
     """Returns a policy of the game's file, compiled. Raises PolicyError if it can't be."""
     try:
         return scripted_policy(env, name)
@@ -163,23 +163,26 @@ def _own_program(env: Environment, config: PPOConfig) -> Train:
 
 
 def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: bool) -> Policy:
+    """Returns the policy of actors: it draws its actions, or takes the most probable."""
     networks = make_actor_critics(env, config)
 
     def act(
         memory: Any, key: Array, observation: Array, allowed: Array | None
     ) -> tuple[Any, Array]:
-        never_fresh = jnp.zeros((1, 1), bool)  # an episode starts with the memory `start`
+        # An episode starts with the memory `start`, so no step has to reset it.
+        never_reset = jnp.zeros((1, 1), bool)
         memory, logits, _ = networks.apply(
-            parameters, memory, observation[None, None], networks.blank_joint(), never_fresh
+            parameters, memory, observation[None, None], networks.blank_joint(), never_reset
         )
         logits = masked(logits[0, 0], allowed)
         action = jnp.argmax(logits, axis=-1) if greedy else jax.random.categorical(key, logits)
         return memory, action.astype(jnp.int32)
 
-    return _policy(networks.start_memory(1), act, networks.masks)
+    return _simplest_policy(networks.start_memory(1), act, networks.masks)
 
 
 def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: bool) -> Policy:
+    """Returns the policy of action values: it takes the best action, or explores."""
     network = make_action_values(env, config)
 
     def act(
@@ -190,10 +193,10 @@ def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: 
             return memory, best_action(values, allowed)
         return memory, explore(key, values, allowed, config.epsilon_end)
 
-    return _policy((), act, wants_masks(env, config))
+    return _simplest_policy((), act, wants_masks(env, config))
 
 
-def _policy(
+def _simplest_policy(
     start: Any,
     act: Callable[[Any, Array, Array, Array | None], tuple[Any, Array]],
     reads_allowed: bool,
@@ -249,15 +252,16 @@ def load_policy(
     """
     path = policy_path(Path(source), which)
     parameters, described = read_parameters(path, env)
-    with _once(path.resolve()):
+    with _refusing_circles(path.resolve()):
         return trained_policy(env, described.config, parameters, greedy)
 
 
+# The files of the policies that are being loaded: one, its partner, and so on.
 _LOADING: ContextVar[frozenset[Path]] = ContextVar("_LOADING", default=frozenset())
 
 
 @contextmanager
-def _once(path: Path) -> Iterator[None]:
+def _refusing_circles(path: Path) -> Iterator[None]:
     """Raises PolicyError if a policy is among its own partners, directly or through theirs."""
     if path in _LOADING.get():
         raise PolicyError(
@@ -318,12 +322,13 @@ def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
         )
     if parameters is not None:
         return parameters, described
-    there = len(game["action_names"]), game["observation_shape"]
-    here = env.num_actions, list(reset_shapes(env)[0].shape)
-    if there != here:
+    num_actions = len(game["action_names"])
+    shape = game["observation_shape"]
+    env_shape = list(reset_shapes(env)[0].shape)
+    if num_actions != env.num_actions or shape != env_shape:
         reason = (
-            f"{game['name']} with {there[0]} actions and observations {there[1]}; "
-            f"here are {here[0]} actions and observations {here[1]}"
+            f"{game['name']} with {num_actions} actions and observations {shape}; "
+            f"here are {env.num_actions} actions and observations {env_shape}"
         )
     else:
         reason = (
@@ -344,7 +349,8 @@ def make_partners(env: Environment, config: Config) -> Partners:
         return NOBODY
     learning_agents(env.num_agents, config)  # raises
     agents = tuple(agent for agent, _ in config.partners)
-    return Partners(agents, mixed_policy(env.num_agents, _partners_policies(env, config)))
+    policy = mixed_policy(env.num_agents, _partners_policies(env, config))
+    return Partners(agents, policy)
 
 
 def with_partners(env: Environment, config: Config, policy: Policy) -> Policy:

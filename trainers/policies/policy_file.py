@@ -120,9 +120,8 @@ def read_policy(path: Path, shapes_of: Callable[[Config], Any]) -> tuple[Any, De
       shapes_of: the tree of shapes of a configuration's parameters.
     Raises:
       PolicyError: a file is missing, damaged, or of a configuration that this version doesn't know;
-        a number in it isn't finite; or it
-      leads to code that the caller hasn't allowed (`allow_code`). A user's own reward isn't needed
-        to act, and isn't imported.
+        a number in it isn't finite; or it leads to code that the caller hasn't allowed
+        (`allow_code`). A user's own reward isn't needed to act, and isn't imported.
     """
     description = path.with_suffix(".json")
     try:
@@ -183,9 +182,9 @@ def _read_description(path: Path, digest: str | None = None) -> Described:
     game, update, env_steps = content["game"], content["update"], content["env_steps"]
     texts = (game["name"], game["hash"], *game["action_names"])
     numbers = (update, env_steps, *game["observation_shape"])
-    if not all(isinstance(text, str) for text in texts) or not all(
-        isinstance(number, int) for number in numbers
-    ):
+    are_texts = all(isinstance(text, str) for text in texts)
+    are_numbers = all(isinstance(number, int) for number in numbers)
+    if not are_texts or not are_numbers:
         raise ValueError(f"{path} doesn't describe a policy")
     config = stored_config(content["config"])
     return Described(game, config, update, env_steps, int(content.get("seed", config.seed)))

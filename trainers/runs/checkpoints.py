@@ -40,11 +40,9 @@ def last_checkpoint(run_dir: Path) -> int:
 
 def resumption(done: int) -> str:
     """Returns where a run resumes, in words. `done`: the update of its checkpoint; 0 without one."""
-    return (
-        f"resuming after update {done:,}"
-        if done
-        else "there is no checkpoint yet: starting again at update 1"
-    )
+    if done:
+        return f"resuming after update {done:,}"
+    return "there is no checkpoint yet: starting again at update 1"
 
 
 class Checkpoints:
@@ -88,7 +86,7 @@ class Checkpoints:
         if digest_of(arrays) != digest:
             raise CheckpointError(f"{path} is damaged: its arrays aren't those that were written")
         wanted = _named_arrays(like)
-        if _kinds(arrays) != _kinds(wanted):
+        if _dtypes_and_shapes(arrays) != _dtypes_and_shapes(wanted):
             raise CheckpointError(
                 f"{path} can't be read: its arrays have other names, shapes or dtypes than this run's"
             )
@@ -96,7 +94,7 @@ class Checkpoints:
         restored = []
         for place, leaf in leaves:
             name = keystr(place)
-            array = _placed(arrays[name], wanted[name])
+            array = _place_like(arrays[name], wanted[name])
             if _is_key(leaf):
                 array = jax.random.wrap_key_data(array, impl=jax.random.key_impl(leaf))
             restored.append(array)
@@ -133,11 +131,11 @@ def _is_key(leaf: Any) -> bool:
     return jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key)
 
 
-def _kinds(arrays: Mapping[str, Any]) -> dict[str, tuple[str, tuple[int, ...]]]:
+def _dtypes_and_shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[str, tuple[int, ...]]]:
     """Returns the dtype and the shape of each array."""
     return {name: (str(array.dtype), array.shape) for name, array in arrays.items()}
 
 
-def _placed(array: np.ndarray, like: Array) -> Array:
+def _place_like(array: np.ndarray, like: Array) -> Array:
     """Returns an array on the devices, and in the parts, of `like`."""
     return jax.make_array_from_callback(array.shape, like.sharding, lambda index: array[index])

@@ -16,7 +16,7 @@ from jax import Array
 from ..algorithms.rollout import Worlds
 from ..algorithms.training_functions import Metrics, Train, TrainState
 from ..settings.config import Config
-from .sharding import everywhere, make_mesh, placement_of, shaped
+from .sharding import everywhere, make_mesh, placement_of, with_placement
 
 MEGABYTE = 1_000_000
 
@@ -50,7 +50,7 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
     """
     began = time.perf_counter()
     mesh = make_mesh(config)
-    at_once = jax.vmap if config.seeds > 1 else _of_one_seed
+    at_once = jax.vmap if config.seeds > 1 else _unchanged
     over_seeds = at_once
     if config.seeds > 1 and program.loops and jax.default_backend() == "cpu":
         over_seeds = one_after_the_other
@@ -68,7 +68,7 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
         seeds = seeds[0]
     shapes = jax.eval_shape(start_all, seeds, parameters)
     places = placement_of(shapes, mesh, config.seeds)
-    state = shaped(shapes, places)
+    state = with_placement(shapes, places)
     # Return leaves, not a tree: tracing again creates a new optimiser, which JAX would take for a
     # different tree structure.
     init = jax.jit(
@@ -76,18 +76,14 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
         out_shardings=jax.tree.leaves(places),
     )
     collect_all = over_seeds(program.collect)
-    collect = (
-        jax.jit(collect_all, donate_argnums=0, out_shardings=(places, None)).lower(state).compile()
-    )
+    jit_collect = jax.jit(collect_all, donate_argnums=0, out_shardings=(places, None))
+    collect = jit_collect.lower(state).compile()
     _, played = jax.eval_shape(collect_all, state)
-    played = shaped(played, collect.output_shardings[1])
+    played = with_placement(played, collect.output_shardings[1])
     learn_all = over_seeds(program.learn)
-    learn = (
-        jax.jit(learn_all, donate_argnums=0, out_shardings=(places, everywhere(mesh)))
-        .lower(state, played)
-        .compile()
-    )
-    need = max(_bytes(collect), _bytes(learn))
+    jit_learn = jax.jit(learn_all, donate_argnums=0, out_shardings=(places, everywhere(mesh)))
+    learn = jit_learn.lower(state, played).compile()
+    need = max(_bytes_needed(collect), _bytes_needed(learn))
     free = free_memory()
     if need > free:
         raise NoMemoryError(
@@ -96,13 +92,13 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
             "make num_envs, num_steps, seeds or buffer_size smaller"
         )
     return Compiled(
-        lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(seeds, parameters)),
-        collect,
-        learn,
-        at_once(program.parameters),
-        state,
-        time.perf_counter() - began,
-        need / MEGABYTE,
+        start=lambda: jax.tree.unflatten(jax.tree.structure(shapes), init(seeds, parameters)),
+        collect=collect,
+        learn=learn,
+        parameters=at_once(program.parameters),
+        state=state,
+        seconds=time.perf_counter() - began,
+        megabytes=need / MEGABYTE,
     )
 
 
@@ -119,7 +115,7 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
       config: its `num_steps`, `seeds` and `spread_starts`.
       episode_length: steps of an episode.
     """
-    rollouts = -(-episode_length // config.num_steps)
+    rollouts = math.ceil(episode_length / config.num_steps)
     if rollouts <= 1 or not config.spread_starts:
         return compiled
     axis = int(config.seeds > 1)  # of environments
@@ -129,8 +125,10 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
         """Returns the new worlds of environments that play `number` rollouts, else the kept."""
 
         def of_leaf(new: Array, old: Array) -> Array:
-            plays = jnp.arange(new.shape[axis]) * rollouts // new.shape[axis] >= number
-            return jnp.where(plays.reshape(-1, *[1] * (new.ndim - 1 - axis)), new, old)
+            num_envs = new.shape[axis]
+            plays = jnp.arange(num_envs) * rollouts // num_envs >= number  # [B]
+            later_axes = new.ndim - axis - 1
+            return jnp.where(plays.reshape(-1, *[1] * later_axes), new, old)
 
         new_worlds: Worlds = jax.tree.map(of_leaf, worlds, kept)
         return new_worlds
@@ -156,11 +154,12 @@ def one_after_the_other(function: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *arguments: jax.lax.map(lambda of_seed: function(*of_seed), arguments)
 
 
-def _of_one_seed(function: Callable[..., Any]) -> Callable[..., Any]:
+def _unchanged(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Stands in for `jax.vmap` where there is one seed, without an axis."""
     return function
 
 
-def _bytes(compiled: Any) -> int:
+def _bytes_needed(compiled: Any) -> int:
     """Returns the memory that a program needs on a device according to XLA, or 0."""
     memory = compiled.memory_analysis()
     if memory is None:

@@ -45,10 +45,12 @@ def read_seeds(run_dir: Path, metric: str) -> list[np.ndarray]:
 
 def figures(rows: Iterable[Row], metric: str) -> np.ndarray:
     """Returns the environment steps and a metric of each row, `float64[2, T]`; see `read_seeds`."""
-    kept = array("d")
+    values = array("d")  # of each row two
     for row in rows:
-        kept.extend((row["env_steps"], math.fsum(row[key] for key in _columns(tuple(row), metric))))
-    return np.array(kept).reshape(-1, 2).T
+        columns = _columns(tuple(row), metric)
+        values.append(row["env_steps"])
+        values.append(math.fsum(row[name] for name in columns))
+    return np.array(values).reshape(-1, 2).T
 
 
 @lru_cache
@@ -62,13 +64,25 @@ def _columns(known: tuple[str, ...], name: str) -> tuple[str, ...]:
     return of_agents
 
 
-def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> None:
+def draw_curves(
+    runs: Sequence[tuple[str, Path]], metric: str, path: Path, by_trial: bool = False
+) -> None:
     """Draws a metric of runs, `(label, folder)`, over environment steps, at most five in a plot.
 
+    by_trial: draws a line for each trial of an episode.
+
     Raises:
-      RunError: a run has no such metric, or no value of it yet.
+      RunError: a run has no such metric, or no value of it yet, or no trials.
     """
-    lines = [curve_line(label, folder, metric) for label, folder in runs]
+    lines = []
+    for label, folder in runs:
+        if by_trial:
+            lines += [
+                curve_line(f"{label}, trial {trial}", folder, f"{metric}_trial_{trial}")
+                for trial in range(_trials_of(folder, metric))
+            ]
+        else:
+            lines.append(curve_line(label, folder, metric))
     path.parent.mkdir(parents=True, exist_ok=True)
     note = ""
     if any(line.low is not None for line in lines):
@@ -76,6 +90,20 @@ def draw_curves(runs: Sequence[tuple[str, Path]], metric: str, path: Path) -> No
     picture = draw_panels(split_lines(lines, in_words(metric)), note=note)
     with written_whole(path) as file:
         picture.savefig(file, format=path.suffix.removeprefix(".") or "png", dpi=110)
+
+
+def _trials_of(folder: Path, metric: str) -> int:
+    """Returns how many trials a run has a metric of. Raises RunError if there are none."""
+    read_manifest(folder)
+    first_seed = next(iter(sorted(folder.glob("seed_*"))), folder)
+    columns = next(iter(run_rows(first_seed)), {})
+    prefix = f"{metric}_trial_"
+    trials = sum(column.startswith(prefix) for column in columns)
+    if not trials:
+        raise RunError(
+            f"{folder} has no `{metric}` by trial: its game has no trials, or no such metric"
+        )
+    return trials
 
 
 def curve_line(label: str, folder: Path, metric: str) -> Line:

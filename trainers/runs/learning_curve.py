@@ -44,11 +44,11 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
         firsts.setdefault(row.get("stage", 0), row)
     before = [firsts[row.get("stage", 0)] for row in ended]
     steps = _column(ended, "env_steps")
-    earned = (
+    returns = (
         _line(ended, "collective_return", "all agents", line_colour(0)),
         Line("before learning", steps, _column(before, "collective_return"), colour=FAINT),
     )
-    panels = [Panel("all agents together", "collective return of an episode", earned)]
+    panels = [Panel("all agents together", "collective return of an episode", returns)]
     for name, label in FIGURES.items():
         line = _line(rows, name, "", line_colour(0))
         if np.isfinite(line.values).any():  # none is, if the first loss wasn't
@@ -63,7 +63,8 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
             replace(panel, title=_agents_in(panel))
             for panel in split_lines(agents, "return of an agent in an episode")
         ]
-    marks = tuple(row["env_steps"] for row in [*firsts.values()][1:])
+    _, *later_stages = firsts.values()
+    marks = tuple(row["env_steps"] for row in later_stages)
     return [replace(panel, marks=marks) for panel in panels]
 
 
@@ -77,6 +78,7 @@ def _agents_in(panel: Panel) -> str:
 
 
 def _line(rows: Sequence[Row], name: str, label: str, colour: str) -> Line:
+    """Returns a column of rows as a line over environment steps."""
     return Line(label, _column(rows, "env_steps"), _column(rows, name), colour=colour)
 
 

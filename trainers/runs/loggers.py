@@ -1,5 +1,6 @@
 """Metric loggers for TensorBoard and Weights & Biases, if they are installed."""
 
+import math
 import secrets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -35,7 +36,7 @@ def open_loggers(
       ConfigError, MissingExtra: as in `check_loggers`.
     """
     check_loggers(names)
-    makers = {"tensorboard": _tensorboard, "wandb": _wandb}
+    makers = {"tensorboard": _open_tensorboard, "wandb": _open_wandb}
     with ExitStack() as stack:
         yield [makers[name](stack, folder, title, config, done) for name in names]
 
@@ -48,16 +49,17 @@ def check_loggers(names: Sequence[str]) -> None:
         require(name, PACKAGE[name])
 
 
-def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Log:
+def _open_tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Log:
+    """Returns a function that logs to files in the folder; see `open_loggers`."""
     del title, config
     from tensorboardX import SummaryWriter
 
     events = folder / "tensorboard"
-    again = {}
+    resumed = {}
     if events.exists():
         # a suffix, as file names are made from the second in which a writer was started
-        again = {"purge_step": done + 1, "filename_suffix": f".{done}"}
-    writer = SummaryWriter(str(events), **again)
+        resumed = {"purge_step": done + 1, "filename_suffix": f".{done}"}
+    writer = SummaryWriter(str(events), **resumed)
     stack.callback(writer.close)
 
     def log(row: Row) -> None:
@@ -67,7 +69,7 @@ def _tensorboard(stack: ExitStack, folder: Path, title: str, config: Config, don
     return log
 
 
-def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Log:
+def _open_wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int) -> Log:
     """Returns a function that logs to a run of its own, new or resumed.
 
     Steps that it has already stay as they are.
@@ -94,4 +96,6 @@ def _wandb(stack: ExitStack, folder: Path, title: str, config: Config, done: int
 def _numbers(row: Row) -> dict[str, Any]:
     """Returns what a logger plots: everything but the axis and missing values."""
     axis = ("update", "env_steps")
-    return {name: value for name, value in row.items() if name not in axis and value == value}
+    return {
+        name: value for name, value in row.items() if name not in axis and not math.isnan(value)
+    }

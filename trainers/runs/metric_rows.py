@@ -15,7 +15,8 @@ def flatten_metrics(metrics: dict[str, Any]) -> Row:
     """Returns metrics as flat numbers.
 
     `{"event": {"eaten": [3, 4]}}` becomes `event_eaten_agent_0` and `…_1`. Raw and shaped returns
-    are per agent; their means over agents are `return` and `shaped_return`. A missing value is NaN.
+    are per agent; their means over agents are `return` and `shaped_return`. Figures of trials,
+    summed over agents, are `collective_return_trial_0` and so on. A missing value is NaN.
     """
     row: Row = {}
     absent = without_value(metrics)
@@ -26,6 +27,10 @@ def flatten_metrics(metrics: dict[str, Any]) -> Row:
             short = name.replace("agent_", "")
             row[short] = float(np.mean(value))
             row |= _per_agent(short, value)
+        elif name == "by_trial":
+            for inner, figures in value.items():
+                for trial, figure in enumerate(np.asarray(figures)):
+                    row[f"{inner}_trial_{trial}"] = figure.item()
         elif isinstance(value, dict):
             for inner, count in value.items():
                 row |= _per_agent(f"{name}_{inner}", count)
@@ -35,6 +40,7 @@ def flatten_metrics(metrics: dict[str, Any]) -> Row:
 
 
 def _per_agent(name: str, value: Any) -> Row:
+    """Returns one number as it is, and of `[N]` one for each agent: `NAME_agent_0`."""
     if np.ndim(value) == 0:
         return {name: np.asarray(value).item()}
     return {f"{name}_agent_{index}": entry.item() for index, entry in enumerate(np.asarray(value))}

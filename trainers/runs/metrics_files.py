@@ -94,14 +94,13 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
             f"{folder / 'checkpoints'} (with several seeds, from the folder above)"
         )
     evaluations = folder / EVALUATIONS
-    wanted: Sequence[int] = ()
+    wanted: Sequence[int] = ()  # updates that were evaluated
     if evaluate_every:
-        wanted = range(evaluate_every, known - is_diverged + 1, evaluate_every)
-    kept = [
-        line
-        for number, (line, row) in zip(wanted, _whole_lines(evaluations), strict=False)
-        if row["update"] == number
-    ]
+        last_evaluated = known - 1 if is_diverged else known
+        wanted = range(evaluate_every, last_evaluated + 1, evaluate_every)
+    # Lines behind these are dropped.
+    pairs = zip(wanted, _whole_lines(evaluations), strict=False)
+    kept = [line for number, (line, row) in pairs if row["update"] == number]
     if len(kept) < len(wanted):
         raise RunError(
             f"{evaluations} is damaged: it holds only {len(kept)} of {len(wanted)} evaluations. "
@@ -191,6 +190,7 @@ def _whole_lines(path: Path) -> Iterator[tuple[bytes, Row]]:
 
 
 def _cut(path: Path, size: int) -> None:
+    """Drops what a file has beyond so many bytes."""
     if path.exists() and path.stat().st_size > size:
         with naming(path), open_in_place(path, "r+") as file:
             file.truncate(size)

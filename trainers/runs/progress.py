@@ -91,6 +91,7 @@ def _bar(num_updates: int, title: str, seeds: int, steps_before: int) -> Iterato
 
 
 def _lines(num_updates: int, seeds: int, steps_before: int) -> Show:
+    """Returns a function that prints a line every few seconds, at the first update and the last."""
     digits = len(str(num_updates))
     outcome = NO_EPISODE
     printed = 0.0

@@ -150,6 +150,7 @@ class Recorder:
             self.store(parameters, update, "best")
 
     def _moment(self, update: int) -> dict[str, int]:
+        """Returns an update and the environment steps until its end, as columns of a row."""
         return {"update": update, "env_steps": self.stage.steps_after(update)}
 
 
@@ -166,8 +167,10 @@ def open_recorders(stage: RunStage, done: int) -> Iterator[list[Recorder]]:
     )
     with ExitStack() as stack:
         recorders: list[Recorder] = []
-        seeds = config.seed_numbers if is_first() else ()
-        for seed, folder in zip(seeds, stage.seed_folders, strict=False):
+        folders: dict[int, Path] = {}
+        if is_first():
+            folders = dict(zip(config.seed_numbers, stage.seed_folders, strict=True))
+        for seed, folder in folders.items():
             folder.mkdir(parents=True, exist_ok=True)
             history = History(config)
             for row in cut_metrics(folder, done, config.evaluate_every):
@@ -190,9 +193,9 @@ def open_recorders(stage: RunStage, done: int) -> Iterator[list[Recorder]]:
                 best_evaluated=max(evaluated, default=-math.inf),
             )
             recorders.append(recorder)
-            stack.callback(_draw, folder, title)
+            stack.callback(_draw_curve, folder, title)
         yield recorders
 
 
-def _draw(folder: Path, title: str) -> None:
+def _draw_curve(folder: Path, title: str) -> None:
     draw_learning_curve(folder, thinned_rows(folder, POINTS), title)

@@ -66,7 +66,9 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
     return manifest
 
 
-def extended(manifest: dict[str, Any], run_dir: Path, total_timesteps: int) -> dict[str, Any]:
+def extend_manifest(
+    manifest: dict[str, Any], run_dir: Path, total_timesteps: int
+) -> dict[str, Any]:
     """Returns the manifest of a run that takes so many environment steps in all.
 
     Raises:

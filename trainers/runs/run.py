@@ -32,7 +32,7 @@ from .metric_rows import mean_row
 from .metrics_files import Row, run_rows
 from .progress import ProgressStyle, show_progress
 from .recorder import open_recorders
-from .resuming import check_same_run, extended
+from .resuming import check_same_run, extend_manifest
 from .run_errors import DiskError, RunError
 from .run_folder import describe_run
 from .run_lock import is_unused, locked
@@ -127,15 +127,15 @@ def train(
         manifests = [
             describe_run(stage.env, stage.config, stage.provenance) | options for stage in stages
         ]
-        run_stages = _run_stages(run_dir, stages, manifests)
+        run_stages = _place_stages(run_dir, stages, manifests)
         for stage in run_stages:
             stage.folder.mkdir(parents=True, exist_ok=True)
         if is_first():
-            _prepare(run_stages)
-        return _run(run_stages, progress, callback)
+            _write_start(run_stages)
+        return _run_stages(run_stages, progress, callback)
 
 
-def _run_stages(
+def _place_stages(
     run_dir: Path, stages: Sequence[Stage], manifests: Sequence[dict[str, Any]]
 ) -> list[RunStage]:
     """Returns the stages of a run in their folders, in order."""
@@ -150,7 +150,7 @@ def _run_stages(
     return run_stages
 
 
-def _prepare(stages: Sequence[RunStage]) -> None:
+def _write_start(stages: Sequence[RunStage]) -> None:
     """Writes what a run starts from, and the manifests of all stages but the last."""
     *earlier, last = stages
     if stages[0].config.init_from:
@@ -181,15 +181,16 @@ def check_stages(stages: Sequence[Stage], place: str = STAGES) -> None:
         if _shapes(before) != _shapes(stage):
             raise ConfigError(
                 f"{place}[{number}]: its networks have other shapes than those of the stage "
-                f"before: {_unlike(before, stage)}"
+                f"before: {_possible_reasons(before, stage)}"
             )
 
 
 def _shapes(stage: Stage) -> Any:
+    """Returns the shapes of the parameters of a stage's networks."""
     return jax.tree.map(lambda leaf: leaf.shape, parameter_shapes(stage.env, stage.config))
 
 
-def _unlike(before: Stage, stage: Stage) -> str:
+def _possible_reasons(before: Stage, stage: Stage) -> str:
     """Returns what may be why networks differ, in words."""
     config = stage.config
     reasons = []
@@ -253,7 +254,7 @@ def resume(
                 f"{run_dir} is stage {last['stage']} of a run: resume {run_dir.parents[1]}"
             )
         if total_timesteps is not None:
-            last |= extended(last, run_dir, total_timesteps)
+            last.update(extend_manifest(last, run_dir, total_timesteps))
         if provenance is not None:
             last["provenance"] = dict(provenance)
         last["status"] = "running"
@@ -268,7 +269,7 @@ def resume(
             Stage(env, stored_config(manifest["config"]))
             for env, manifest in zip(environments, manifests, strict=True)
         ]
-        return _run(_run_stages(run_dir, stages, manifests), progress, callback)
+        return _run_stages(_place_stages(run_dir, stages, manifests), progress, callback)
 
 
 def _lock(run_dir: Path) -> AbstractContextManager[None]:
@@ -277,7 +278,9 @@ def _lock(run_dir: Path) -> AbstractContextManager[None]:
 
 
 @raising_on_sigterm()
-def _run(stages: Sequence[RunStage], progress: ProgressStyle, callback: Callback | None) -> Result:
+def _run_stages(
+    stages: Sequence[RunStage], progress: ProgressStyle, callback: Callback | None
+) -> Result:
     """Runs the remaining updates of all stages.
 
     If a callback ends the run in a stage before the last, it returns the result of that.
@@ -327,13 +330,13 @@ def _run_stage(stage: RunStage, progress: ProgressStyle, callback: Callback | No
         manifest.update(compile_seconds=compiled.seconds, program_megabytes=compiled.megabytes)
         recorders = stack.enter_context(open_recorders(stage, done))
         loop = Loop(
-            stage,
-            compiled,
-            state,
-            recorders,
-            checkpoints.save,
-            show,
-            callback if is_first() else None,
+            stage=stage,
+            compiled=compiled,
+            state=state,
+            recorders=recorders,
+            save=checkpoints.save,
+            show=show,
+            callback=callback if is_first() else None,
             updates=done,
             diverged=diverged_before(state, recorders, config),
         )
@@ -353,14 +356,14 @@ def _run_stage(stage: RunStage, progress: ProgressStyle, callback: Callback | No
         if loop.stopped:
             manifest["status"] = f"stopped by its callback after update {loop.updates}"
         return Result(
-            stage.folder,
-            jax.device_get(compiled.parameters(loop.state)),
-            loop.updates,
-            loop.diverged,
-            stage.seed_folders,
-            compiled.seconds,
-            manifest["seconds"],
-            manifest["peak_megabytes"],
+            run_dir=stage.folder,
+            parameters=jax.device_get(compiled.parameters(loop.state)),
+            updates=loop.updates,
+            diverged=loop.diverged,
+            folders=stage.seed_folders,
+            compile_seconds=compiled.seconds,
+            seconds=manifest["seconds"],
+            peak_megabytes=manifest["peak_megabytes"],
         )
 
 
@@ -371,12 +374,11 @@ def _parameters_before(stage: RunStage) -> Any:
     """
     if stage.before is None:
         return None
-    any_process(False)  # waits until the first process has written them
+    any_process(False)  # waits for the first process, which writes them
     seeds = []
     for folder in stage.before.seed_folders:
-        parameters, _ = read_policy(
-            policy_path(folder, "last"), lambda config: parameter_shapes(stage.env, config)
-        )
+        file = policy_path(folder, "last")
+        parameters, _ = read_policy(file, lambda config: parameter_shapes(stage.env, config))
         if parameters is None:
             raise RunError(
                 f"the last policy of {folder} has other networks than stage {stage.number}"

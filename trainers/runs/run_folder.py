@@ -70,6 +70,7 @@ def versions() -> dict[str, str | None]:
 
 
 def _version(package: str) -> str | None:
+    """Returns the version of an installed package, else None."""
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:

@@ -17,9 +17,9 @@ LOCK = ".lock"  # stays in the folder: a lock is held by a process, not by the f
 
 def is_unused(run_dir: Path) -> bool:
     """Whether a run may start in a folder: it is missing, or empty but for the lock of a run that never started."""
-    return not run_dir.exists() or (
-        run_dir.is_dir() and all(path.name == LOCK for path in run_dir.iterdir())
-    )
+    if not run_dir.exists():
+        return True
+    return run_dir.is_dir() and all(path.name == LOCK for path in run_dir.iterdir())
 
 
 @contextmanager

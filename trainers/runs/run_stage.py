@@ -22,8 +22,8 @@ class RunStage:
 
     def steps_after(self, update: int) -> int:
         """Returns the environment steps of each seed until the end of an update, in all stages."""
-        steps = update * self.config.steps_per_update
-        return steps if self.before is None else steps + self.before.all_steps
+        steps_before = 0 if self.before is None else self.before.all_steps
+        return steps_before + update * self.config.steps_per_update
 
     @property
     def all_steps(self) -> int:

@@ -44,7 +44,7 @@ def placement_of(state: TrainState, mesh: Mesh, seeds: int) -> TrainState:
     return replace(placed, worlds=jax.tree.map(lambda _: spread, state.worlds))
 
 
-def shaped(shapes: Any, places: Any) -> Any:
+def with_placement(shapes: Any, places: Any) -> Any:
     """Returns shapes and dtypes with their placement."""
     return jax.tree.map(
         lambda leaf, place: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype, sharding=place),

@@ -21,5 +21,6 @@ def stage_folders(folder: Path) -> list[Path]:
     is_seed = folder.name.startswith("seed_") and not (folder / STAGES).is_dir()
     run_dir = folder.parent if is_seed else folder
     numbers = [int(path.name) for path in (run_dir / STAGES).glob("*") if path.name.isdecimal()]
-    earlier = [run_dir / STAGES / str(number) for number in sorted(numbers)]
-    return [*(stage / folder.relative_to(run_dir) for stage in earlier), folder]
+    in_stage = folder.relative_to(run_dir)  # the folder of the seed in each stage, if it is one
+    earlier = [run_dir / STAGES / str(number) / in_stage for number in sorted(numbers)]
+    return [*earlier, folder]

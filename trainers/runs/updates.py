@@ -96,6 +96,7 @@ class Loop:
                     self._save()
 
     def _run(self, signals: Sequence[int]) -> None:
+        """Runs the remaining updates. signals: those that have arrived; it ends at the first."""
         config = self.stage.config
         last = time.perf_counter()
         began = last - max((recorder.history.seconds for recorder in self.recorders), default=0.0)
@@ -108,20 +109,26 @@ class Loop:
             self.updates += 1
             self._keep_policies()
             self.is_whole = True  # with its evaluation, which isn't repeated
-            self.show(*self._summary(rows))
+            row, warnings = self._summary(rows)
+            self.show(row, warnings)
             now = time.perf_counter()
             if any_process(pace.is_due(self.updates, now)):
                 self._save()
                 pace.written(now, time.perf_counter())
                 self.saved = self.updates
             if any_process(bool(signals)):
-                raise Terminated if signal.SIGTERM in signals else KeyboardInterrupt
+                if signal.SIGTERM in signals:
+                    raise Terminated
+                raise KeyboardInterrupt
             self.stopped = any_process(self._call_back(rows))
             # Evaluating, saving and callbacks don't count as part of an update.
             last = time.perf_counter()
 
     def _update(self, began: float, last: float) -> list[Row]:
-        """Plays and learns; returns the row of each seed."""
+        """Plays and learns; returns the row of each seed.
+
+        began, last: when the run and this update began, by the clock.
+        """
         config = self.stage.config
         number = self.updates + 1
         self.is_whole = False
@@ -131,7 +138,7 @@ class Loop:
         self.state, metrics = self.compiled.learn(self.state, played)
         metrics = jax.device_get(metrics)
         now = time.perf_counter()
-        start = {
+        shared = {
             "update": number,
             "env_steps": self.stage.steps_after(number),
             "seconds": now - began,
@@ -139,9 +146,9 @@ class Loop:
             "rollout_share": (acted - last) / (now - last),
         }
         if self.stage.number:
-            start["stage"] = self.stage.number
+            shared["stage"] = self.stage.number
         return [
-            start | flatten_metrics(of_seed(metrics, index, config))
+            shared | flatten_metrics(of_seed(metrics, index, config))
             for index in range(config.seeds)
         ]
 
@@ -243,7 +250,9 @@ class Loop:
 
 def of_seed(tree: Any, index: int, config: Config) -> Any:
     """Returns one seed's part of a tree of all seeds."""
-    return jax.tree.map(lambda leaf: leaf[index], tree) if config.seeds > 1 else tree
+    if config.seeds == 1:
+        return tree
+    return jax.tree.map(lambda leaf: leaf[index], tree)
 
 
 def diverged_before(
@@ -251,6 +260,7 @@ def diverged_before(
 ) -> dict[int, int]:
     """Returns the seeds of a resumed state that have diverged, with their last updates."""
     diverged = np.atleast_1d(jax.device_get(state.diverged))
+    # Only one process records; the numbers of updates are of no use in the others.
     updates = [recorder.history.updates for recorder in recorders] or [0] * config.seeds
     seeds = zip(config.seed_numbers, updates, diverged, strict=True)
     return {seed: update for seed, update, is_diverged in seeds if is_diverged}

@@ -29,15 +29,15 @@ from .extensions import (
     BUILT_IN,
     Kind,
     RewardMode,
-    a,
+    absolute_name,
     find,
     is_own,
-    lasting,
     name_of,
     require_allowed,
+    with_article,
 )
-from .own_settings import OWN, Own, gathered, missing_own, spread, unread_own
-from .policy_names import lasting_name, split_name
+from .own_settings import OWN, Own, flatten_own, gather_own, missing_own, unread_own
+from .policy_names import absolute_policy_name, split_name
 
 __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 
@@ -78,13 +78,13 @@ def _listed(value: Any) -> Any:
     return value
 
 
-def _odd(value: int) -> int:
+def _require_odd(value: int) -> int:
     if value % 2 == 0:
         raise ValueError("odd, so that a window has a middle")
     return value
 
 
-def _hook(kind: Kind, *names: str) -> BeforeValidator:
+def _hook_validator(kind: Kind, *names: str) -> BeforeValidator:
     """Returns a check that a value is one of `names`, by default the built-in ones, or custom code.
 
     A function gets a name, and a name is looked up at once; but names in a stored configuration are
@@ -100,17 +100,17 @@ def _hook(kind: Kind, *names: str) -> BeforeValidator:
         if not isinstance(value, str) or not is_own(kind, value):
             listed = ", ".join(map(repr, built_in))
             raise ValueError(
-                f"{listed}, the name of {a(kind)} that was registered, or FILE.py:NAME"
+                f"{listed}, the name of {with_article(kind)} that was registered, or FILE.py:NAME"
             )
-        name = lasting(kind, value)
+        name = absolute_name(kind, value)
         find(kind, name)
         return name
 
     return BeforeValidator(check)
 
 
-def _partners(value: Any, info: ValidationInfo) -> Any:
-    """Returns partners as pairs of an agent's number and its policy's name.
+def _partner_pairs(value: Any, info: ValidationInfo) -> Any:
+    """Returns partners as pairs of an agent's number and its policy's name, sorted.
 
     Args:
       value: `{1: "random"}`, such pairs, or `"1,2=random,3=runs/a"`, also in parts.
@@ -121,7 +121,7 @@ def _partners(value: Any, info: ValidationInfo) -> Any:
         value = ",".join(value)
     try:
         if isinstance(value, str):
-            value = _partners_in(value)
+            value = _read_partners(value)
         if isinstance(value, Mapping):
             value = value.items()
         pairs = [(_agent_number(agent), policy) for agent, policy in value]
@@ -129,10 +129,10 @@ def _partners(value: Any, info: ValidationInfo) -> Any:
         raise ValueError(
             "of the form AGENT=POLICY, such as 1=random or 1,2=runs/a, in Python {1: 'random'}"
         ) from None
-    return tuple(sorted((agent, lasting_name(policy)) for agent, policy in pairs))
+    return tuple(sorted((agent, absolute_policy_name(policy)) for agent, policy in pairs))
 
 
-def _partners_in(text: str) -> dict[int, str]:
+def _read_partners(text: str) -> dict[int, str]:
     """Returns the partners of `1,2=random,3=runs/a`. Raises ValueError for another text."""
     part = r"\s*([\d,\s]+)=([^,]+)"
     if not re.fullmatch(f"({part}(,|$))+", text):
@@ -145,6 +145,7 @@ def _partners_in(text: str) -> dict[int, str]:
 
 
 def _agent_number(agent: Any) -> int:
+    """Returns an agent's number, of a text or a whole number. Raises ValueError, TypeError."""
     return int(agent) if isinstance(agent, str) else operator.index(agent)
 
 
@@ -152,9 +153,9 @@ def _agent_number(agent: Any) -> int:
 class Only:
     """Annotates a setting that is used only if another setting has certain values."""
 
-    setting: str
-    values: str  # in words
-    holds: Callable[[Any], bool]
+    setting: str  # the other one
+    values: str  # its values, in words
+    holds: Callable[[Any], bool]  # whether a value is one of them
 
 
 def only(setting: str, *values: str) -> Only:
@@ -163,7 +164,8 @@ def only(setting: str, *values: str) -> Only:
 
 
 def _policy_name(value: Any, info: ValidationInfo) -> Any:
-    return value if _is_stored(info) else lasting_name(value)
+    """Returns a policy's name as it works from every folder; a stored one is that already."""
+    return value if _is_stored(info) else absolute_policy_name(value)
 
 
 # at most 2^53, as larger numbers are not exact floats
@@ -176,11 +178,11 @@ Angles = Annotated[
     BeforeValidator(_listed),
 ]
 Sides = Annotated[
-    tuple[Annotated[PositiveInt, AfterValidator(_odd)], ...],
+    tuple[Annotated[PositiveInt, AfterValidator(_require_odd)], ...],
     Field(min_length=1),
     BeforeValidator(_listed),
 ]
-Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partners)]
+Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partner_pairs)]
 
 COMMON, SVO = only("reward", "common"), only("reward", "svo")
 EXCHANGE, INEQUITY = only("reward", "exchange"), only("reward", "inequity")
@@ -222,7 +224,7 @@ class Config(BaseModel):
     partners: Partners = ()  # (agent, policy): agents that act by a fixed policy and don't learn
 
     # or a custom one, of a `Step`
-    reward: Annotated[str, _hook("reward")] = "individual"
+    reward: Annotated[str, _hook_validator("reward")] = "individual"
     common_reward: Annotated[Literal["sum", "mean"], COMMON] = "sum"
     # decay per step of the reward traces that svo compares; 0: this step's rewards
     reward_smoothing: Annotated[Fraction, TRACES] = 0.0
@@ -247,7 +249,7 @@ class Config(BaseModel):
     mask_actions: bool = True  # exclude forbidden actions from drawing, values and learning
 
     # or a custom one, of tokens
-    network: Annotated[str, _hook("network")] = "cnn"
+    network: Annotated[str, _hook_validator("network")] = "cnn"
     network_width: Count = 64  # units of each hidden dense layer
     # kernel side of each convolution in cells, in order
     convolution_sides: Annotated[Sides, CNN] = (5, 3, 3)
@@ -269,6 +271,7 @@ class Config(BaseModel):
     @model_validator(mode="wrap")
     @classmethod
     def _explain(cls, values: Any, validate: Any, info: ValidationInfo) -> "Config":
+        """Returns the configuration. Raises ConfigError with a sentence for each wrong setting."""
         try:
             config: Config = validate(values)
         except ValidationError as error:
@@ -300,12 +303,14 @@ class Config(BaseModel):
         unused ones may have their defaults.
         """
         fields = type(self).model_fields
-        if asked and (stored or dependent_settings(type(self)).keys() <= set(asked)):
+        are_all_set = all(name in asked for name in dependent_settings(type(self)))
+        if asked and (stored or are_all_set):
             asked = [name for name in fields if getattr(self, name) != fields[name].default]
         faults = [
-            f"`{name}` has no effect while `{mark.setting}` is {getattr(self, mark.setting)}: "
-            f"set `{mark.setting}` to {mark.values}, or leave `{name}` out"
-            for name, mark in self.unread.items()
+            f"`{name}` has no effect while `{condition.setting}` is "
+            f"{getattr(self, condition.setting)}: "
+            f"set `{condition.setting}` to {condition.values}, or leave `{name}` out"
+            for name, condition in self.unread.items()
             if name in asked
         ]
         if not stored:  # stored code is not imported here
@@ -320,16 +325,20 @@ class Config(BaseModel):
     def unread(self) -> dict[str, Only]:
         """The settings that have no effect here, each with its condition."""
         return {
-            name: mark
-            for name, mark in dependent_settings(type(self)).items()
-            if not mark.holds(getattr(self, mark.setting))
+            name: condition
+            for name, condition in dependent_settings(type(self)).items()
+            if not condition.holds(getattr(self, condition.setting))
         }
 
     @property
     def hooks(self) -> dict[Kind, str]:
         """The names of the custom algorithm, loss, network and reward."""
-        named = {kind: getattr(self, kind, bundled[0]) for kind, bundled in BUILT_IN.items()}
-        return {kind: name for kind, name in named.items() if name not in BUILT_IN[kind]}
+        hooks = {}
+        for kind, built_in in BUILT_IN.items():
+            name = getattr(self, kind, built_in[0])
+            if name not in built_in:
+                hooks[kind] = name
+        return hooks
 
     def record(self) -> dict[str, Any]:
         """Returns all settings as JSON values, as in manifests and policies.
@@ -367,9 +376,9 @@ class PPOConfig(Config):
     """Proximal policy optimisation with local critics (ippo) or a central critic (mappo)."""
 
     # or a custom one
-    algorithm: Annotated[str, _hook("algorithm", "ippo", "mappo")] = "ippo"
+    algorithm: Annotated[str, _hook_validator("algorithm", "ippo", "mappo")] = "ippo"
     # or a custom one, of a minibatch
-    loss: Annotated[str, _hook("loss")] = "ppo"
+    loss: Annotated[str, _hook_validator("loss")] = "ppo"
     learning_rate: PositiveFloat = 5e-4
     num_epochs: Count = 2
     num_minibatches: Count = 8
@@ -392,7 +401,7 @@ class PPOConfig(Config):
     memory: Literal["none", "gru"] = "none"
 
 
-def _common(reward: Any) -> Any:
+def _require_common(reward: Any) -> Any:
     if reward != "common":
         raise ValueError("'common' with VDN, whose agents learn from the sum of all rewards")
     return reward
@@ -406,7 +415,7 @@ class VDNConfig(Config):
     max_gradient_norm: PositiveFloat = 1.0
     num_envs: Count = 32
     num_steps: Count = 1
-    reward: Annotated[Literal["common"], BeforeValidator(_common)] = "common"
+    reward: Annotated[Literal["common"], BeforeValidator(_require_common)] = "common"
     match_socialjax: bool = False  # the team's reward is multiplied by the number of agents
     # learn from steps drawn from a buffer, or from each rollout as it was played
     replay: Literal["buffer", "none"] = "buffer"
@@ -439,10 +448,10 @@ KEYS_OF: Mapping[str, Mapping[str, Any]] = {
 def dependent_settings(kind: type[Config]) -> dict[str, Only]:
     """Returns the settings that are not always used, each with its condition."""
     return {
-        name: mark
+        name: annotation
         for name, field in kind.model_fields.items()
-        for mark in field.metadata
-        if isinstance(mark, Only)
+        for annotation in field.metadata
+        if isinstance(annotation, Only)
     }
 
 
@@ -464,7 +473,7 @@ def make_config(
       ConfigError: an unknown algorithm or key, a wrong value, or a setting that the user has set
         and nothing uses; one line for each.
     """
-    return _config({**(values or {}), **more}, Source(asked))
+    return _read_config({**(values or {}), **more}, Source(asked))
 
 
 def stored_config(values: Any, strict: bool = False) -> Config:
@@ -478,7 +487,7 @@ def stored_config(values: Any, strict: bool = False) -> Config:
     """
     if not isinstance(values, Mapping):
         raise ConfigError(f"a configuration has keys and values, not {type(values).__name__}")
-    return _config(values, Source(None if strict else (), stored=True))
+    return _read_config(values, Source(None if strict else (), stored=True))
 
 
 def require_code(config: Config, place: str, to_act: bool) -> None:
@@ -511,8 +520,12 @@ def class_of(algorithm: Any) -> type[Config]:
     return CLASSES[algorithm]
 
 
-def _config(given: Mapping[str, Any], source: Source) -> Config:
-    values = {"algorithm": "ippo", **spread(given)}
+def _read_config(settings: Mapping[str, Any], source: Source) -> Config:
+    """Returns the configuration of settings, without those that nothing uses and nobody asked for.
+
+    Raises ConfigError.
+    """
+    values = {"algorithm": "ippo", **flatten_own(settings)}
     kind = class_of(values["algorithm"])
     if source.asked is not None and not source.stored:
         values = {
@@ -520,11 +533,13 @@ def _config(given: Mapping[str, Any], source: Source) -> Config:
             for name, value in values.items()
             if name in source.asked or not only_of_others(name, kind)
         }
-    config = kind.model_validate(gathered(values), context=source)
+    config = kind.model_validate(gather_own(values), context=source)
     if source.asked is None:
         return config
     unread = set(config.unread)
     if not source.stored:
         unread |= {OWN + name for name in unread_own(config.hooks, config.own)}
-    read = {name: value for name, value in values.items() if name not in unread - {*source.asked}}
-    return kind.model_validate(gathered(read), context=source)
+    kept = {
+        name: value for name, value in values.items() if name not in unread or name in source.asked
+    }
+    return kind.model_validate(gather_own(kept), context=source)

@@ -55,11 +55,11 @@ def register(kind: Kind, name: str, thing: object) -> None:
     if name in BUILT_IN.get(kind, ()):
         raise ValueError(f"`{name}` is a built-in {kind}; register yours under another name")
     if not callable(thing) and not hasattr(thing, "act"):
-        raise TypeError(f"{a(kind)} is a function, not {thing!r}")
+        raise TypeError(f"{with_article(kind)} is a function, not {thing!r}")
     _REGISTERED[kind, name] = thing
 
 
-def a(kind: Kind) -> str:
+def with_article(kind: Kind) -> str:
     """Returns a kind with its article."""
     return f"an {kind}" if kind == "algorithm" else f"a {kind}"
 
@@ -83,12 +83,13 @@ def name_of(kind: Kind, thing: Any) -> str:
     return name
 
 
-def lasting(kind: Kind, name: str) -> str:
+def absolute_name(kind: Kind, name: str) -> str:
     """Returns a name that works from every folder: files by their whole path."""
-    return name if (kind, name) in _REGISTERED else _lasting(name)
+    return name if (kind, name) in _REGISTERED else _with_whole_path(name)
 
 
-def _lasting(name: str) -> str:
+def _with_whole_path(name: str) -> str:
+    """Returns `FILE.py:NAME` with the whole path of the file; any other name unchanged."""
     file = file_of(name)
     return name if file is None else f"{file.resolve()}:{name.rpartition(':')[2]}"
 
@@ -103,20 +104,20 @@ def allow_code(*names: str) -> None:
       ValueError: a name has another form.
     """
     for name in names:
-        file, _, inside = name.rpartition(":")
-        if not file or not inside:
+        file, _, name_there = name.rpartition(":")
+        if not file or not name_there:
             raise ValueError(
                 f"`{name}` doesn't name code: it must be FILE.py:NAME or package.module:NAME"
             )
-        _ALLOWED.add(_lasting(name))
+        _ALLOWED.add(_with_whole_path(name))
 
 
 def require_allowed(kind: Kind, name: str, place: str) -> None:
     """Raises NotAllowed unless the caller has allowed the code that `place` names."""
-    if ":" not in name or (kind, name) in _REGISTERED or _lasting(name) in _ALLOWED:
+    if ":" not in name or (kind, name) in _REGISTERED or _with_whole_path(name) in _ALLOWED:
         return
     raise NotAllowed(
-        f"{place} names {a(kind)} of your own, `{name}`, and using it would run that code. "
+        f"{place} names {with_article(kind)} of your own, `{name}`, and using it would run that code. "
         f"If you trust it, allow it: --allow-code {shlex.quote(name)}, "
         f"in Python sjdsl.trainers.allow_code({name!r})"
     )
@@ -135,22 +136,22 @@ def find(kind: Kind, name: str) -> Any:
     """
     if (kind, name) in _REGISTERED:
         return _REGISTERED[kind, name]
-    file, colon, inside = name.rpartition(":")
+    file, colon, name_there = name.rpartition(":")
     if not colon:
         raise ConfigError(
             f"no {kind} is registered as `{name}`; register it, "
             f"sjdsl.trainers.register({kind!r}, {name!r}, …), or name its file"
         )
     thing: Any = _load(Path(file)) if file.endswith(".py") else _import(kind, file, name)
-    for part in inside.split("."):
+    for part in name_there.split("."):
         thing = getattr(thing, part, None)
     if thing is None:
         raise ConfigError(
-            f"the {kind} `{name}` is not found: {file} has no `{inside}`. If it was made in a "
+            f"the {kind} `{name}` is not found: {file} has no `{name_there}`. If it was made in a "
             "function or an interactive session, register it again: "
             f"sjdsl.trainers.register({kind!r}, {name!r}, …)"
         )
-    _ALLOWED.add(_lasting(name))
+    _ALLOWED.add(_with_whole_path(name))
     return thing
 
 
@@ -180,6 +181,7 @@ def _load(path: Path) -> ModuleType:
 
 
 def _import(kind: Kind, module: str, name: str) -> ModuleType:
+    """Returns a module. kind, name: of the object that is looked for, for the message."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

@@ -20,15 +20,16 @@ Hooks = Mapping[Kind, str]  # the names of the user's own algorithm, loss, netwo
 
 
 def _read_own(table: Any) -> Any:
-    """Returns settings as pairs, sorted by name."""
+    """Returns settings as pairs, sorted by name. Raises ValueError for anything else."""
+    refusal = "a table of numbers, texts, true or false, by name"
     try:
         pairs = sorted((name, _read_value(value)) for name, value in dict(table).items())
     except (TypeError, ValueError):
-        pairs = [("", table)]
+        raise ValueError(refusal) from None
     for name, value in pairs:
         is_number = isinstance(value, float) and math.isfinite(value)
         if not str(name).isidentifier() or not (is_number or isinstance(value, int | str)):
-            raise ValueError("a table of numbers, texts, true or false, by name")
+            raise ValueError(refusal)
     return tuple(pairs)
 
 
@@ -45,7 +46,7 @@ def _read_value(value: Any) -> Any:
 Own = Annotated[tuple[tuple[str, Value], ...], BeforeValidator(_read_own), PlainSerializer(dict)]
 
 
-def spread(values: Mapping[str, Any]) -> dict[str, Any]:
+def flatten_own(values: Mapping[str, Any]) -> dict[str, Any]:
     """Returns settings with those of the table `own` listed as `own.NAME`.
 
     An `own.NAME` that is given directly wins.
@@ -57,10 +58,15 @@ def spread(values: Mapping[str, Any]) -> dict[str, Any]:
     return {OWN + name: value for name, value in own.items()} | others
 
 
-def gathered(values: Mapping[str, Any]) -> dict[str, Any]:
+def gather_own(values: Mapping[str, Any]) -> dict[str, Any]:
     """Returns settings with those named `own.NAME` moved into the table `own`."""
-    others = {name: value for name, value in values.items() if not name.startswith(OWN)}
-    own = {name.removeprefix(OWN): values[name] for name in values if name not in others}
+    own = {}
+    others = {}
+    for name, value in values.items():
+        if name.startswith(OWN):
+            own[name.removeprefix(OWN)] = value
+        else:
+            others[name] = value
     return {"own": own} | others if own else others
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from sjdsl.near_names import meant
 
-from .extensions import is_own, lasting, name_of
+from .extensions import absolute_name, is_own, name_of
 
 UNTRAINED = ("random", "stay")  # they need no file: `sjdsl.runtime.policy.UNTRAINED`
 LARGEST_DESCRIPTION = 2**20  # bytes of the .json beside a stored policy
@@ -30,17 +30,20 @@ def split_name(name: str) -> tuple[Path, str | int]:
     run, at, which = name.rpartition("@")
     if not at or Path(name).exists():
         return Path(name), "last"
-    return Path(run), int(which) if which.isdecimal() else which
+    if which.isdecimal():
+        return Path(run), int(which)
+    return Path(run), which
 
 
-def lasting_name(policy: Any) -> str:
+def absolute_policy_name(policy: Any) -> str:
     """Returns a policy's name as it works from every folder; a function gets a name."""
     if not isinstance(policy, str | Path):
         return name_of("policy", policy)
-    path, _ = split_name(str(policy))
-    if str(policy) and path.exists():
-        return f"{path.resolve()}{str(policy)[len(str(path)) :]}"
-    return lasting("policy", str(policy))
+    name = str(policy)
+    path, which = split_name(name)
+    if not name or not path.exists():
+        return absolute_name("policy", name)
+    return str(path.resolve()) if path == Path(name) else f"{path.resolve()}@{which}"
 
 
 def might_be_named(name: str, declared: Sequence[str] = ()) -> bool:

@@ -48,7 +48,7 @@ from sjdsl.near_names import meant
 
 from .config import KEYS_OF, Config, ConfigError, make_config, only_of_others
 from .extensions import Algorithm, RewardMode
-from .own_settings import OWN, spread
+from .own_settings import OWN, flatten_own
 from .stage_settings import STAGES, check_settings
 
 FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
@@ -106,7 +106,7 @@ def load_preset(
       ConfigError: no such preset, a wrong key or value, a change that nothing reads or that a stage
         sets, stages that can't follow each other, or a game that the preset has no table for.
     """
-    content = _content(name)
+    content = _read_content(name)
     games = content.get("games", {})
     chosen = game or content.get("game")
     stem = Path(chosen).stem if chosen else None
@@ -119,36 +119,36 @@ def load_preset(
     if "game" in content and stem != Path(content["game"]).stem:
         for_all = {**content, "environment": {}}
     tables = (for_all, of_game)
-    changes = spread(changes or {})
+    changes = flatten_own(changes or {})
     asked = changes if asked is None else asked
     stages = of_game.get(STAGES, content.get(STAGES, ()))
     if not stages:
-        return _resolved(chosen, tables, changes, asked)
+        return _resolve(chosen, tables, changes, asked)
     place = f"{name}: games.{stem}.{STAGES}" if STAGES in of_game else f"{name}: {STAGES}"
-    preset = _staged(chosen, tables, stages, changes, place)
+    preset = _resolve_stages(chosen, tables, stages, changes, place)
     preset.refuse_of_stages(changes)
-    loaded = (*preset.earlier, preset)
-    needless = [name for name in asked if all(name in stage.unread for stage in loaded)]
+    all_stages = (*preset.earlier, preset)
+    needless = [name for name in asked if all(name in stage.unread for stage in all_stages)]
     if needless:
-        _resolved(chosen, (*tables, stages[-1]), changes, needless)  # raises
+        _resolve(chosen, (*tables, stages[-1]), changes, needless)  # raises
     return preset
 
 
-def _staged(
+def _resolve_stages(
     game: str | None,
     tables: Sequence[Mapping[str, Any]],
     stages: Sequence[Mapping[str, Any]],
     changes: Mapping[str, Any],
     place: str,
 ) -> Preset:
-    """Returns a preset with stages."""
+    """Returns a preset with stages. tables, stages: later ones win. place: of the stages."""
     loaded: list[Preset] = []
     for number, stage in enumerate(stages, 1):
         of_stage = dict(changes)
         if number > 1:
             of_stage.pop("init_from", None)
         try:
-            loaded.append(_resolved(game, (*tables, stage), of_stage, ()))
+            loaded.append(_resolve(game, (*tables, stage), of_stage, ()))
         except ConfigError as error:
             raise ConfigError(f"{place}[{number}]: {error}") from None
     check_settings([stage.config for stage in loaded], place)
@@ -157,23 +157,23 @@ def _staged(
     return replace(last, earlier=tuple(earlier), place=place, of_stages=of_stages)
 
 
-def _resolved(
+def _resolve(
     game: str | None,
     tables: Sequence[Mapping[str, Any]],
     changes: Mapping[str, Any],
     asked: Collection[str],
 ) -> Preset:
     """Returns a preset, or a stage of one. tables: later ones win."""
-    values = _layered(tables, changes)
+    values = _merge_settings(tables, changes)
     config = make_config(values, asked=asked)
-    unread = {
-        *config.unread,
-        *(key for key in values if key.startswith(OWN) or only_of_others(key, type(config))),
-    }
-    unread -= {f"{OWN}{name}" for name, _ in config.own}
+    unread = set(config.unread)
+    own = {OWN + name for name, _ in config.own}
+    for key in values:
+        if only_of_others(key, type(config)) or (key.startswith(OWN) and key not in own):
+            unread.add(key)
     environment: Mapping[str, Any] = {}
     for table in tables:
-        environment = _over(environment, table.get("environment", {}))
+        environment = _merge(environment, table.get("environment", {}))
     left_out = tuple(key for key in values if key in unread and key not in changes)
     return Preset(game, environment, config, left_out, frozenset(unread))
 
@@ -185,18 +185,21 @@ def _names_in(stage: Mapping[str, Any]) -> Iterator[str]:
     yield from (f"param.{name}" for name in environment.get("params", {}))
     tables = [stage.get("config", {}), *stage.get("reward", {}).values()]
     for of_algorithm in stage.get("algorithm", {}).values():
-        tables += [of_algorithm, *_of_rewards(of_algorithm).values()]
+        tables += [of_algorithm, *_reward_tables(of_algorithm).values()]
     for table in tables:
-        yield from (name for name, value in spread(table).items() if not isinstance(value, dict))
-
-
-def _content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict[str, Any]:
-    """Returns the tables of a preset, merged with those of the presets that it extends."""
-    if _identity(name) in map(_identity, extended_by):
-        raise ConfigError(
-            f"{extended_by[0]}: presets extend each other in a circle: "
-            f"{' -> '.join(map(str, (*extended_by, name)))}"
+        yield from (
+            name for name, value in flatten_own(table).items() if not isinstance(value, dict)
         )
+
+
+def _read_content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict[str, Any]:
+    """Returns the tables of a preset, merged with those of the presets that it extends.
+
+    extended_by: the presets that led to this one, for the message about a circle.
+    """
+    if _identity(name) in map(_identity, extended_by):
+        circle = " -> ".join(map(str, (*extended_by, name)))
+        raise ConfigError(f"{extended_by[0]}: presets extend each other in a circle: {circle}")
     try:
         content = tomllib.loads(_read(name))
     except ValueError as error:  # also an integer of too many digits
@@ -205,14 +208,16 @@ def _content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict
         raise ConfigError(f"{name}: it is nested too deep") from None
     _check_tables(content, SECTIONS, str(name), f"{name}: ")
     games = content.get("games", {})
-    _check(games, dict.fromkeys(games, dict), f"{name}: games")
+    any_name = dict.fromkeys(games, dict)  # any game may have a table, but only a table
+    _check(games, any_name, f"{name}: games")
     for game, tables in games.items():
         _check_tables(tables, FOR_A_GAME, f"{name}: games.{game}", f"{name}: games.{game}.")
     if "extends" not in content:
         return content
     extended = content["extends"]
-    under = Path(name).parent / extended if Path(extended).suffix == ".toml" else extended
-    return _over(_content(under, (*extended_by, name)), content)
+    if Path(extended).suffix == ".toml":
+        extended = Path(name).parent / extended
+    return _merge(_read_content(extended, (*extended_by, name)), content)
 
 
 def _identity(name: str | Path) -> str | Path:
@@ -220,17 +225,22 @@ def _identity(name: str | Path) -> str | Path:
     return Path(name).resolve() if Path(name).suffix == ".toml" else str(name)
 
 
-def _over(under: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns two trees of tables merged; values of `above` win."""
-    merged = {**under, **above}
-    for name in under.keys() & above.keys():
-        if isinstance(above[name], dict):
-            merged[name] = _over(under[name], above[name])
+def _merge(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns two trees of tables merged; values of `upper` win."""
+    merged = {**lower, **upper}
+    for name, value in upper.items():
+        if name in lower and isinstance(value, dict):
+            merged[name] = _merge(lower[name], value)
     return merged
 
 
-def _layered(layers: Sequence[Mapping[str, Any]], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the values of the configuration: those of each layer, then the changes."""
+def _merge_settings(
+    layers: Sequence[Mapping[str, Any]], changes: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Returns the settings of each layer (later ones win), then the changes.
+
+    Of each layer those for all runs, and those for the algorithm and the reward that result.
+    """
     for_all: dict[str, Any] = {}
     for tables in layers:
         for_all |= tables.get("config", {})
@@ -242,14 +252,14 @@ def _layered(layers: Sequence[Mapping[str, Any]], changes: Mapping[str, Any]) ->
     values: dict[str, Any] = {}
     for tables in layers:
         for table in _tables_for(algorithm, reward, tables):
-            values |= spread(table)
+            values |= flatten_own(table)
     return values | dict(changes)
 
 
 def _tables_for(algorithm: str, reward: str, tables: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Yields the settings for all runs, for the algorithm, for the reward and for both together."""
     of_algorithm = tables.get("algorithm", {}).get(algorithm, {})
-    of_rewards = _of_rewards(of_algorithm)
+    of_rewards = _reward_tables(of_algorithm)
     yield tables.get("config", {})
     yield {key: value for key, value in of_algorithm.items() if value is not of_rewards}
     yield tables.get("reward", {}).get(reward, {})
@@ -262,7 +272,7 @@ def _name_in(values: Mapping[str, Any], key: str, default: str) -> str:
     return value if isinstance(value, str) else default
 
 
-def _of_rewards(of_algorithm: Mapping[str, Any]) -> dict[Any, Any]:
+def _reward_tables(of_algorithm: Mapping[str, Any]) -> dict[Any, Any]:
     """Returns the tables of rewards in that of an algorithm, whose key `reward` may be a value."""
     tables = of_algorithm.get("reward")
     return tables if isinstance(tables, dict) else {}
@@ -283,7 +293,7 @@ def _check_tables(
         _check(tables.get(section, {}), dict.fromkeys(names, dict), f"{where}: {section}")
     for algorithm, values in tables.get("algorithm", {}).items():
         rewards = dict.fromkeys(NAMES["reward"], dict)
-        _check(_of_rewards(values), rewards, f"{where}: algorithm.{algorithm}.reward")
+        _check(_reward_tables(values), rewards, f"{where}: algorithm.{algorithm}.reward")
     for number, stage in enumerate(tables.get(STAGES, ()), 1):
         place = f"{of_stages}{STAGES}[{number}]"
         if not isinstance(stage, dict):
@@ -301,6 +311,7 @@ def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> 
 
 
 def _read(name: str | Path) -> str:
+    """Returns the text of a preset. Raises ConfigError if there is none."""
     if Path(name).suffix == ".toml":
         try:
             return read_bytes(Path(name), LARGEST).decode()
@@ -310,9 +321,8 @@ def _read(name: str | Path) -> str:
             raise ConfigError(
                 f"{name} can't be read: {(error.strerror or 'unknown reason').lower()}"
             ) from None
-    packaged = {
-        file.name.removesuffix(".toml"): file for file in (files(__package__) / "presets").iterdir()
-    }
+    folder = files(__package__) / "presets"
+    packaged = {file.name.removesuffix(".toml"): file for file in folder.iterdir()}
     if name not in packaged:
         raise ConfigError(f"unknown preset `{name}`{meant(str(name), packaged, 'the presets are')}")
     return packaged[str(name)].read_text(encoding="utf-8")

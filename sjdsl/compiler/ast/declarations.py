@@ -84,8 +84,18 @@ class About(Named):
     texts: tuple[String, ...]
 
 
-class Episode(Node):
+class Trials(Node):
+    """The steps of each trial, and the fields that are kept from one to the next."""
+
     steps: Expr
+    kept: tuple[Path, ...]
+
+
+class Episode(Node):
+    """length: steps, or the number of trials."""
+
+    length: Expr
+    trials: Trials | None
 
 
 class Field(Named):

@@ -58,6 +58,8 @@ def _start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
             return True
         case ir.Member(name=name) if name in names:
             return names[name]
+        case ir.FieldRead() if _is_kept(e, game):
+            raise UnknownValue  # in later trials it is what the trial before left
         case ir.FieldRead(owner=None):
             return _in_row(_declared(game.fields, e.name), e.type)
         case ir.FieldRead(owner=ir.Member(name=name)) if name in names:
@@ -66,6 +68,17 @@ def _start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
             return _attribute(e.name, names[name])
         case _:
             raise UnknownValue
+
+
+def _is_kept(read: ir.FieldRead, game: ir.Game) -> bool:
+    """Returns whether later trials of an episode may begin with another value of a field."""
+    if game.trials is None:
+        return False
+    if read.held_by.what == "world" and read.name == "trial":
+        return True
+    return any(
+        kept.name == read.name and kept.held_by.overlaps(read.held_by) for kept in game.trials.kept
+    )
 
 
 def _field_of(e: ir.FieldRead, owner: Place | int, game: ir.Game) -> Any:

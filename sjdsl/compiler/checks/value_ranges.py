@@ -28,7 +28,7 @@ Held = tuple[str, str]  # a field: what holds it, and its name
 class Played:
     """A game with its numbers, and what is found while its rules are gone through.
 
-    steps: of an episode. timers: the largest value of each so far. totals: the largest total of each event in an episode.
+    steps: of a trial, or of the episode without trials. trials: of an episode. timers: the largest value of each so far. totals: the largest total of each event in an episode.
     leaving: the whole numbers that leave int32. sets, growth: of each timer, the largest value it is set to, and how much those statements
     that count it on (`set t = t + n`) can add in a step. forms: of expressions.
     """
@@ -36,12 +36,17 @@ class Played:
     game: ir.Game
     params: Mapping[str, Any]
     steps: float = 0
+    trials: int = 1
     timers: dict[Held, float] = field(default_factory=dict)
     totals: dict[str, float] = field(default_factory=dict)
     leaving: "list[Leaving]" = field(default_factory=list)
     sets: dict[Held, float] = field(default_factory=dict)
     growth: dict[Held, float] = field(default_factory=dict)
     forms: Memo = field(default_factory=dict)
+
+    @property
+    def steps_of_episode(self) -> float:
+        return self.steps * self.trials
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,10 +53,12 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
     Args:
       params: the value of each parameter by name, a table as nested tuples in the order of its entries.
     """
-    played = Played(game, params)
+    played = Played(game, params, trials=1 if game.trials is None else game.trials.number)
     low, high = interval_of(game.episode, Here(played))
-    if low < 1 or played.leaving:
+    if low < 1 or played.leaving or high * played.trials > HIGHEST:
         value = played.leaving[0].interval[1] if played.leaving else low
+        if value >= 1 and not played.leaving:
+            value = high * played.trials
         labels = _values_read(game.episode, played)
         name = "the number of steps of an episode"
         return [
@@ -72,7 +74,7 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
         own,
     ) in events.items():  # how often it is counted in an episode at most, over all agents
         receivers = game.agents.number if event_named(game, target.name).per_agent else 1
-        played.totals[target.name] = times(own.high, played.steps * receivers)
+        played.totals[target.name] = times(own.high, played.steps_of_episode * receivers)
     for part in ir.children(game):
         is_required = (
             isinstance(part, ir.Check) and part.sort == "require"
@@ -116,11 +118,11 @@ def _settled(played: Played) -> list[Sums]:
         rising = {}
         for held, before in played.timers.items():
             reached = max(starts[held], played.sets.get(held, 0)) + times(
-                played.growth.get(held, 0), played.steps
+                played.growth.get(held, 0), played.steps_of_episode
             )
             if reached > before:
                 rising[held] = reached if round_ < ROUNDS else inf
-        if not rising or round_ >= played.steps * len(phases):
+        if not rising or round_ >= played.steps_of_episode * len(phases):
             return sums
         played.timers, round_ = {**played.timers, **rising}, round_ + 1
 

@@ -28,6 +28,7 @@ MAX_KINDS = 64
 MAX_WORDS = 64  # in one set
 MAX_FIELDS = 128
 MAX_PHASES = 64
+MAX_TRIALS = 1024  # of an episode
 MAX_TURNS = 128
 MAX_SHIFT = 64  # cells that an agent is sent in a direction
 MAX_DRAWN = 65_535  # values of one draw

@@ -28,6 +28,7 @@ from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.possible import know_steps, report_never
 from sjdsl.compiler.elaborate.schedule import schedule, start
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.trials import episode
 from sjdsl.compiler.elaborate.window import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
 from sjdsl.compiler.ir.implications import facts
@@ -62,10 +63,11 @@ def elaborate(
     declare_world(game, static, problems)
     rows = _read_map(game, static, overrides, problems)
     scope = Scope(static, problems)
-    episode = None
+    length = None
+    trials = None
     with problems.survive():
-        episode = _episode(game, scope)
-        know_steps(episode, static)
+        length, trials = episode(game, scope)
+        know_steps(length, static)
     kinds = build_kinds(game, static, problems)
     checks_scope = Scope(static, problems, part="checks", events_readable=True)
     static.requires = requires(game, checks_scope)
@@ -97,7 +99,7 @@ def elaborate(
     }
     typed_scenarios = scenarios(game, scope)
     report_never(static.never.values(), problems)
-    if agents is None or start_phase is None or episode is None or game.schedule is None:
+    if agents is None or start_phase is None or length is None or game.schedule is None:
         return None, static
     typed = ir.Game(
         name=game.name,
@@ -108,7 +110,8 @@ def elaborate(
         chosen=game.chosen,
         sizes=tuple(static.sizes.values()),
         params=tuple(static.params.values()),
-        episode=episode,
+        episode=length,
+        trials=trials,
         kinds=kinds,
         rows=rows,
         edges="joined" if static.wraps else "",
@@ -164,15 +167,3 @@ def _read_map(
     static.map_rows = len(rows)
     static.map_cols = len(rows[0])
     return rows
-
-
-def _episode(game: Composition, scope: Scope) -> ir.Expr:
-    """Returns the number of steps of an episode, made of numbers and parameters alone."""
-    if game.episode is None:
-        raise scope.fail(errors.MissingPart(game.span, part="episode", example="`episode 1000`"))
-    steps = scope.number(game.episode.steps, ("steps",), "a number of steps")
-    if any(isinstance(node, ir.Step | ir.FieldRead | ir.Aggregate) for node in ir.walk(steps)):
-        help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
-        span = game.episode.steps.span
-        raise scope.fail(errors.NotFixed(span, quantity="the length of an episode", help=help_))
-    return steps

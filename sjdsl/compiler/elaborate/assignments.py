@@ -18,6 +18,7 @@ from sjdsl.compiler.elaborate.lookup import (
 )
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
+from sjdsl.compiler.elaborate.trials import TRIAL
 from sjdsl.compiler.ir.implications import narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.types import describe, is_number, join_units
@@ -32,6 +33,9 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
     while isinstance(field, ir.At):
         field = field.row
     if isinstance(field, ir.FieldRead):
+        is_of_world = field.held_by.what == "world"
+        if scope.static.has_trials and is_of_world and field.name == TRIAL:
+            raise scope.fail(errors.TrialIsCounted(path.span))
         return target, declaration(field, scope)
     match field:
         case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (name,)))):

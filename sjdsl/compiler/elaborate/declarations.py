@@ -18,6 +18,7 @@ from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.movers import declare_movers
 from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.trials import TRIAL, declare_trial
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
 
@@ -115,10 +116,12 @@ def _check_names(game: Composition, words: Mapping[str, Span], problems: Problem
         "a field of the world": game.fields,
         **cells,
     }
+    has_trials = game.episode is not None and game.episode.trials is not None
+    reserved = (*RESERVED_VARIABLES, TRIAL) if has_trials else RESERVED_VARIABLES
     for meaning, table in tables.items():
         for name, node in table.items():
             span = node.name.span
-            if name in RESERVED_VARIABLES:
+            if name in reserved:
                 taken_by = "something of the language"
                 problems.add(errors.NameTaken(span, name=name, taken_by=taken_by))
             elif name in OBSERVED_NAMES and meaning in cells:
@@ -165,6 +168,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
     for name, field in game.fields.items():
         with problems.survive(static.broken, Symbol("name", name)):
             static.fields[name] = one_field(field, scope, ir.Sort("world"))
+    declare_trial(game, scope)
     declare_agents(game, scope)
     declare_movers(game, scope)
 

@@ -71,6 +71,7 @@ class Static:
     map_rows: int = 0
     map_cols: int = 0
     wraps: bool = False
+    has_trials: bool = False
     references: list[tuple[Span, Symbol]] = field(default_factory=list)
     used: set[Symbol] = field(default_factory=set)
     required: set[Symbol] = field(default_factory=set)

@@ -330,10 +330,27 @@ class Scenario(Node):
     slots: tuple[Slots, ...]
 
 
+class Kept(Node):
+    """A field of each cell of a kind, each agent, each mover of a name, or of the world."""
+
+    held_by: Annotated[Sort, INSTANCE]
+    name: str
+
+
+class Trials(Node):
+    """An episode of several trials. Each begins as an episode does, but for what is kept.
+
+    Kept are the field `trial` of the world, which counts them from 0, and `kept`.
+    """
+
+    number: int
+    kept: tuple[Kept, ...] = ()
+
+
 class Game(Node):
     """A whole game, one variant of it: what the interpreter runs and the lowering reads.
 
-    `chosen`: the variants applied, of all its `variants`. `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
+    `episode`: the steps of a trial, or of the episode in a game without trials. `chosen`: the variants applied, of all its `variants`. `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
     """
 
     name: str
@@ -345,6 +362,7 @@ class Game(Node):
     sizes: tuple[Size, ...] = ()
     params: tuple[Param, ...] = ()
     episode: Expr
+    trials: Trials | None = None
     kinds: tuple[Kind, ...]
     rows: tuple[str, ...]
     edges: Literal["", "joined"] = ""

@@ -106,6 +106,8 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Movers: "movers name number glyph fields",
     ir.Phase: "phase label body marks",
     ir.Tick: "tick",
+    ir.Kept: "kept held_by=held_by.what kinds=held_by.names name",
+    ir.Trials: "trials number kept",
     ir.Event: "event name by",
     ir.Measure: "measure name mean value",
     ir.Label: "label name condition",
@@ -142,6 +144,7 @@ RULES = (
     "events",
     "measures",
 )
+OPTIONAL = ("trials",)  # hashed if there are any
 
 
 def game_hash(game: ir.Game) -> str:
@@ -178,6 +181,7 @@ def _rules(game: ir.Game) -> dict[str, Any]:
     return {
         "requires": _hashable(required),
         **{name: _hashable(getattr(game, name)) for name in RULES},
+        **{name: _hashable(part) for name in OPTIONAL if (part := getattr(game, name)) is not None},
     }
 
 

@@ -38,7 +38,7 @@ KERNELS = {f"sjdsl.runtime.{module}": tuple(names.split()) for module, names in 
 RESERVED = {
     "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step",
     "observe", "measures", "tick", "allowed", "allowed_actions", "episode_length", "initial_state",
-    "no_outcome", "default_params",
+    "no_outcome", "default_params", "next_trial", "trial_length",
     *keyword.kwlist,
     *(name for names in KERNELS.values() for name in names),
 }  # fmt: skip

@@ -40,6 +40,7 @@ from sjdsl.compiler.lower.state import (
     state_fields,
 )
 from sjdsl.compiler.lower.statements import block, mark_size
+from sjdsl.compiler.lower.trials import next_trial
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
 from sjdsl.compiler.program import expressions as array
@@ -86,7 +87,7 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
     pools = all_pools(game)
     start = _phase(game.start, pools[game.start.name], module)
     turns = _turns(pools, module)
-    others = [allowed_actions(module), _measures(module), _episode(module), _observe(module)]
+    others = [allowed_actions(module), _measures(module), *_lengths(module), _observe(module)]
     w = Writer(module)
     state = state_fields(game, w)
     params = params_fields(game)
@@ -109,7 +110,10 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
         ),
     ]
     phases = dict.fromkeys(turn.function for turn in turns)
-    functions = (*constructors, _reset(), _step(turns, module), start, *phases, *others)
+    beginning = [_reset()]
+    if game.trials is not None:
+        beginning.append(next_trial(game, game.trials, _started(array.Name("laid")), module))
+    functions = (*constructors, *beginning, _step(turns, module), start, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
     return Program(
@@ -165,6 +169,8 @@ def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
         ("ROLE", role_attribute(game), "attribute of State that holds the agents' roles"),
         ("EVENTS", events(game), events_comment),
     )
+    if game.trials is not None:
+        facts = (*facts, ("NUM_TRIALS", game.trials.number, "of an episode"))
     fields = array.Sequence(tuple(map(_state_field_call, described_fields(game))))
     return (
         *(Fact(name, array.constant(value), comment) for name, value, comment in facts),
@@ -214,12 +220,15 @@ def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Funct
 def _reset() -> Function:
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
-    actions = array.call("jnp.full", array.Name("NUM_AGENTS"), STAY, array.DTYPES["i32"])
-    initial_state = array.call("initial_state")
-    no_outcome = array.call("no_outcome")
-    start = array.call("start", initial_state, no_outcome, PARAMS, actions, KEY)
-    state = array.Index(start, (array.Literal(0),))
+    state = _started(array.call("initial_state"))
     return Function("reset", parameters, "State", doc, (array.Return((state,)),))
+
+
+def _started(laid: array.Expression) -> array.Expression:
+    """Returns the state in which the phase `start` leaves another."""
+    actions = array.call("jnp.full", array.Name("NUM_AGENTS"), STAY, array.DTYPES["i32"])
+    start = array.call("start", laid, array.call("no_outcome"), PARAMS, actions, KEY)
+    return array.Index(start, (array.Literal(0),))
 
 
 def _step(turns: list[Turn], module: Module) -> Function:
@@ -338,13 +347,22 @@ def _measures(module: Module) -> Function:
     return _function(w, "measures", READING, "dict[str, Array]", doc)
 
 
-def _episode(module: Module) -> Function:
+def _lengths(module: Module) -> list[Function]:
+    """Returns the functions of the steps of an episode, and of a trial if there are trials."""
     w = Writer(module)
     w.origin = module.game.episode.origin
     value = w.value(module.game.episode, IterationScope())
     w.give_back(array.as_array(value.node, "i32"))
+    parameters = (("params", "Params"),)
     doc = "Returns the steps until truncation: int32 scalar."
-    return _function(w, "episode_length", (("params", "Params"),), "Array", doc)
+    if module.game.trials is None:
+        return [_function(w, "episode_length", parameters, "Array", doc)]
+    of_trial = "Returns the steps until a trial ends, unless an `end` does so: int32 scalar."
+    trial = _function(w, "trial_length", parameters, "Array", of_trial)
+    w = Writer(module)
+    length = array.call("trial_length", PARAMS)
+    w.give_back(array.Binary("*", array.Name("NUM_TRIALS"), length))
+    return [trial, _function(w, "episode_length", parameters, "Array", doc)]
 
 
 def _observe(module: Module) -> Function:

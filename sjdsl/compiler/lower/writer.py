@@ -44,7 +44,7 @@ from sjdsl.runtime.actions import HEADINGS
 
 FACTS = {
     "NAME", "TITLE", "HASH", "ACTIONS", "STAY", "NUM_AGENTS", "PAD", "FRAME", "WINDOW",
-    "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS",
+    "FORBIDS_ACTIONS", "ROLE", "EVENTS", "FIELDS", "NUM_TRIALS",
 }  # fmt: skip
 MODULE_NAMES = {*FACTS, "MAP", "TOKEN_PLANES"}
 NOBODY = -1

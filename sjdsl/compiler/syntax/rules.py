@@ -240,6 +240,8 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "all_but": ast.All,
     "shape": shape,
     "define": node(ast.Define, parameters="names"),
+    "trials": lambda span, steps, *kept: ast.Trials(span, steps, kept[0] if kept else ()),
+    "keep": lambda _, *paths: paths,
     "phase": node(ast.Phase, parameters="names"),
     "match": match_,
     "otherwise": lambda _, item: item,

@@ -239,6 +239,20 @@ class HiddenField(AboutName, code="SJ514", title="A field that a label hides", s
     kind: str
 
 
+class TrialIsCounted(Diagnostic, code="SJ515", title="Trials"):
+    says = "no rule can change `trial`: it counts the trials of the episode, from 0"
+    hints = ("to count something else, declare a field, and `keep` it",)
+
+
+class NotKept(TrialIsCounted):
+    says = "`{name}` cannot be kept from one trial to the next: only fields and timers can"
+    hints = (
+        "keep fields as `agent.bag`, `tree.hue`, or by name if they are of the world; "
+        "where agents and movers are begins anew with each trial",
+    )
+    name: str
+
+
 class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):
     says = "not supported yet: {feature}"
     feature: str

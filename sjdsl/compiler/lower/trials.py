@@ -1,0 +1,65 @@
+"""Lowers trials: the function that begins one with the fields that the trial before leaves it."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.queries import all_fields, written_field
+from sjdsl.compiler.lower.writer import Module, Writer, replaced
+from sjdsl.compiler.program import Function
+from sjdsl.compiler.program import expressions as array
+
+BEGINNING = (("state", "State"), ("is_last", "Array"), ("params", "Params"), ("key", "Array"))
+TRIAL = "world_trial"  # the attribute of State that counts the trials
+
+
+def next_trial(
+    game: ir.Game, trials: ir.Trials, start: array.Expression, module: Module
+) -> Function:
+    """Returns the function `next_trial`.
+
+    start: the state in which the phase `start` leaves the state `laid`.
+    """
+    w = Writer(module)
+    w.set(array.Name("laid"), array.call("initial_state"))
+    attributes = _kept_attributes(game, trials)
+    kept = {attribute: array.path(f"state.{attribute}") for attribute in attributes}
+    counted = array.Binary("+", array.path(f"state.{TRIAL}"), array.Literal(1))
+    w.set(array.Name("laid"), replaced("laid", _unless_last("laid", {TRIAL: counted, **kept})))
+    w.set(array.Name("begun"), start)
+    written = _attributes_written_by(game.start)
+    lost = {
+        attribute: array.path(f"laid.{attribute}")
+        for attribute in attributes
+        if attribute in written
+    }
+    w.give_back(replaced("begun", _unless_last("begun", lost)))
+    doc = (
+        "Returns the first state of the next trial; if `is_last`, of the next episode.\n\n"
+        "A trial begins as an episode does, but for the fields that are kept: "
+        "what `start` writes to them is lost."
+    )
+    return Function("next_trial", BEGINNING, "State", doc, array.live(w.body))
+
+
+def _unless_last(state: str, changes: dict[str, array.Expression]) -> dict[str, array.Expression]:
+    """Returns new values of attributes of a state, which stay as they are in the last trial."""
+    return {
+        attribute: array.Where(array.Name("is_last"), array.path(f"{state}.{attribute}"), value)
+        for attribute, value in changes.items()
+    }
+
+
+def _kept_attributes(game: ir.Game, trials: ir.Trials) -> list[str]:
+    kept = {(field.held_by, field.name) for field in trials.kept}
+    return [
+        attribute_name(field) for field in all_fields(game) if (field.held_by, field.name) in kept
+    ]
+
+
+def _attributes_written_by(phase: ir.Phase) -> set[str]:
+    written = set()
+    for node in ir.walk(phase):
+        if isinstance(node, ir.Set | ir.Add):
+            field = written_field(node.target)
+            for owner in field.held_by.names or (field.held_by.what,):
+                written.add(f"{owner}_{field.name}")
+    return written
