@@ -3,6 +3,7 @@
 Compiled games follow it, and so may any other environment.
 """
 
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 import jax
@@ -49,7 +50,8 @@ class Environment(Protocol):
         Returns observation, state, raw reward `[N]` float32, done `[]` bool and info: `truncated`
         `[]` bool, done by the time limit; `terminal_observation`, the one before a new episode;
         `events`, name -> `[N]` or `[]` int32 counts of this step; `metrics`, name -> `[]` float32
-        values at the end of the step.
+        values at the end of the step. In games with trials also `trial_ended` `[]` bool: the next
+        step is the first of a trial.
         """
         ...
 
@@ -101,6 +103,12 @@ def info_shapes(env: Environment) -> dict[str, Any]:
     result: dict[str, Any] = jax.eval_shape(
         env.step, abstract_key(), reset_shapes(env)[1], actions
     )[-1]
+    return result
+
+
+def trial_ended(info: Mapping[str, Any]) -> Array:
+    """Returns whether a trial ended with a step, `[...]` bool; never in a game without trials."""
+    result: Array = jnp.asarray(info.get("trial_ended", jnp.zeros_like(info["truncated"])))
     return result
 
 

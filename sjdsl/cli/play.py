@@ -284,6 +284,7 @@ def play_compiled(
     `policy` chooses the actions of the agents that `steering` doesn't control.
     """
     import jax
+    import jax.numpy as jnp
 
     from sjdsl.replay import EpisodePlayer
     from sjdsl.runtime.policy import take_actions, with_memory
@@ -291,12 +292,16 @@ def play_compiled(
     player = EpisodePlayer(env, seed)
     recurrent = with_memory(policy)
     act = jax.jit(partial(take_actions, env, recurrent))
+    after_step = jax.jit(recurrent.after_step)
     memory = recurrent.start
     yield player.now()
     for number, controlled in enumerate(steering):
         key = player.keys.of_choices(number)
         memory, actions = act(memory, key, player.observation, player.state)
         chosen = enumerate(actions.tolist())
-        yield player.step([controlled.get(agent, action) for agent, action in chosen])
-        if player.done:
+        moment = player.step([controlled.get(agent, action) for agent, action in chosen])
+        yield moment
+        if moment.done:
             return
+        played = jnp.array(moment.actions, jnp.int32)
+        memory = after_step(memory, played, jnp.array(moment.reward), player.info)

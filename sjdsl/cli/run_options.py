@@ -45,8 +45,8 @@ def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
         click.option(
             "--preset",
             metavar="P",
-            help="Settings to start from: two_cores (minutes on a CPU), paper, released, overnight "
-            "or FILE.toml.",
+            help="Settings to start from: two_cores (minutes on a CPU), paper, released, overnight, "
+            "rl2 or FILE.toml.",
         ),
         click.option(
             "--algorithm", metavar="A", help=f"Learn by {', '.join(ALGORITHMS)} or FILE.py:NAME."

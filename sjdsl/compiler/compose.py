@@ -97,6 +97,13 @@ class Composition:
             *self.variants,
         ]
 
+    def declared_fields(self) -> list[ast.Field | ast.Timer]:
+        """Returns the fields and timers of cells, movers, agents and the world."""
+        owners: list[ast.Kind | ast.Movers] = [*self.kinds.values(), *self.movers.values()]
+        attributes = [attribute for owner in owners for attribute in owner.attributes]
+        fields = [a for a in attributes if isinstance(a, ast.Field | ast.Timer)]
+        return [*fields, *self.agent_fields.values(), *self.fields.values()]
+
     def number_names(self) -> tuple[list[str], list[str]]:
         """Returns the names of the sizes and of the parameters."""
         return [n for n, c in self.constants.items() if c.is_size], [

@@ -4,6 +4,8 @@ import re
 from collections import Counter
 from collections.abc import Mapping
 from difflib import unified_diff
+from itertools import chain
+from operator import eq
 from typing import Any
 
 from sjdsl.compiler import ir
@@ -26,7 +28,7 @@ def differences(old: Written, new: Written) -> dict[str, list[str]]:
     lines that are gone and new, with their neighbours. Layout, comments and order don't count.
     """
     parts = {
-        "Description": _description(old.game, new.game),
+        "Description": _values(_description(old.game), _description(new.game)),
         "Numbers": _numbers(old, new),
         "Map": _map(old.game, new.game),
     }
@@ -34,9 +36,8 @@ def differences(old: Written, new: Written) -> dict[str, list[str]]:
     for title, (block, declared) in _declarations(old.composition).items():
         _, new_declared = new_declarations[title]
         parts[title] = _texts(block, (old.composition, declared), (new.composition, new_declared))
-    number_of_agents = _values(
-        {"number of agents": old.game.agents.number}, {"number of agents": new.game.agents.number}
-    )
+    label = "number of agents"
+    number_of_agents = _values({label: old.game.agents.number}, {label: new.game.agents.number})
     parts["Agents"] = number_of_agents + parts["Agents"]
     return {title: lines for title, lines in parts.items() if lines}
 
@@ -61,12 +62,9 @@ def _value_text(value: Any) -> str | None:
     return number(value) if isinstance(value, int | float) else value
 
 
-def _description(old: ir.Game, new: ir.Game) -> list[str]:
-    about, new_about = ({"name": g.name, "title": g.title, **dict(g.about)} for g in (old, new))
-    cites, new_cites = (
-        {f"source {i}": text for i, text in enumerate(g.cites, 1)} for g in (old, new)
-    )
-    return _values(about, new_about) + _values(cites, new_cites)
+def _description(game: ir.Game) -> dict[str, str]:
+    sources = {f"source {number}": text for number, text in enumerate(game.cites, 1)}
+    return {"name": game.name, "title": game.title, **dict(game.about), **sources}
 
 
 def _numbers(old: Written, new: Written) -> list[str]:
@@ -83,11 +81,13 @@ def _numbers(old: Written, new: Written) -> list[str]:
             lines += _values(old_entries, new_entries, unit_of(after))
             lines += _values(_properties(before, old), _properties(after, new))
         else:
-            old_constant, new_constant = (
-                (w.composition, {name: (w.composition.constants.get(name),)}) for w in (old, new)
-            )
-            lines += _texts("", old_constant, new_constant)
+            lines += _texts("", _constant(name, old), _constant(name, new))
     return lines
+
+
+def _constant(name: str, written: Written) -> tuple[Composition, Declared]:
+    c = written.composition
+    return c, {name: (c.constants.get(name),)}
 
 
 def _sizes_and_params(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
@@ -121,10 +121,11 @@ def _map(old: ir.Game, new: ir.Game) -> list[str]:
     lines = _values(old_size, new_size)
     lines += _values(_cell_counts(old_cells), _cell_counts(new_cells))
     if old_size["size"] == new_size["size"]:
-        pairs = [pair for rows in zip(old_cells, new_cells, strict=True) for pair in zip(*rows)]
-        num_same = sum(before == after for before, after in pairs)
+        old_in_order = list(chain.from_iterable(old_cells))
+        new_in_order = chain.from_iterable(new_cells)
+        num_same = sum(map(eq, old_in_order, new_in_order))
         label = "cells of the same kind and state"
-        lines += _values({label: len(pairs)}, {label: num_same})
+        lines += _values({label: len(old_in_order)}, {label: num_same})
     return lines
 
 
@@ -174,9 +175,9 @@ def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
     }
     declarations: dict[str, tuple[str, Declared]] = {}
     for title, (block, declared) in parts.items():
-        nodes = {
-            name: node if isinstance(node, tuple) else (node,) for name, node in declared.items()
-        }
+        nodes = {}
+        for name, node in declared.items():
+            nodes[name] = node if isinstance(node, tuple) else (node,)
         declarations[title] = (block, nodes)
     return declarations
 
@@ -196,9 +197,9 @@ def _texts(
         after = written_text(new_composition, new_declared.get(name, ()))
         if TOKEN.findall(before) != TOKEN.findall(after):
             differing.append(name)
-            _, _, _, *lines = unified_diff(
-                laid_out(before, block), laid_out(after, block), n=1, lineterm=""
-            )
+            old_lines = laid_out(before, block)
+            new_lines = laid_out(after, block)
+            _, _, _, *lines = unified_diff(old_lines, new_lines, n=1, lineterm="")
             for line in lines:
                 differing.append("    …" if line.startswith("@@") else f"  {line[0]} {line[1:]}")
     return differing

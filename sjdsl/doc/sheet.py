@@ -3,7 +3,7 @@
 Source: the order of sections is that of the ODD protocol (Grimm et al. 2020, JASSS 23(2) 7).
 """
 
-from itertools import groupby
+from itertools import chain, groupby
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
@@ -35,10 +35,10 @@ def rule_sheet(w: Written) -> str:
         ("Names", quoted(c, names(w))),
         ("Phases", quoted(c, phases(c).values())),
         ("Metrics", metrics(w)),
-        ("Checks", quoted(c, (check for block in c.checks.values() for check in block), "checks")),
+        ("Checks", quoted(c, chain.from_iterable(c.checks.values()), "checks")),
         ("Policies", quoted(c, c.policies.values())),
         ("Scenarios", scenarios(w)),
-        ("Pictures", quoted(c, (look for looks in c.looks.values() for look in looks))),
+        ("Pictures", quoted(c, chain.from_iterable(c.looks.values()))),
         ("Variants", variants(w)),
     )
     name = f"{code(w.game.name)}, from {code(w.file)}"
@@ -92,9 +92,11 @@ def _kinds(w: Written) -> list[str]:
     """Returns the table of glyphs, and the kinds and groups with more than it says."""
     c = w.composition
     cells = "".join(w.game.rows)
-    glyphs = [
-        (code(g.glyph), g.kind, str(cells.count(g.glyph)), starts(g, w.game)) for g in w.game.glyphs
-    ]
+    glyphs = []
+    for meaning in w.game.glyphs:
+        number_of_cells = str(cells.count(meaning.glyph))
+        row = (code(meaning.glyph), meaning.kind, number_of_cells, starts(meaning, w.game))
+        glyphs.append(row)
     kinds = [kind for kind in c.kinds.values() if kind.attributes or comment_behind(c, kind)]
     return [
         *table(("glyph", "kind", "cells on the map", "their state at the start"), glyphs),
@@ -157,9 +159,8 @@ def names(w: Written) -> list[ast.Define]:
 def phases(c: Composition) -> dict[str, ast.Phase]:
     """Returns the phases of the schedule, each once, in the order of their first turns."""
     turns = () if c.schedule is None else c.schedule.turns
-    return {
-        turn.name.text: c.phases[turn.name.text] for turn in turns if turn.name.text in c.phases
-    }
+    names_in_order = dict.fromkeys(turn.name.text for turn in turns)
+    return {name: c.phases[name] for name in names_in_order if name in c.phases}
 
 
 def observation(w: Written) -> list[str]:

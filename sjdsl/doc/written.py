@@ -50,9 +50,13 @@ def read_written(source: Source, variants: Sequence[str] = ()) -> Written:
         game=build_composition(c).game,
         file=PurePath(source.name).name,
         chosen=tuple(variants),
-        variants=tuple((v.name.text, v.title.text if v.title else "") for v in c.variants.values()),
+        variants=tuple(_name_and_title(variant) for variant in c.variants.values()),
         numbers={name: _number(constant, c) for name, constant in c.constants.items()},
     )
+
+
+def _name_and_title(variant: ast.Variant) -> tuple[str, str]:
+    return variant.name.text, variant.title.text if variant.title else ""
 
 
 def _number(constant: ast.Constant, c: Composition) -> WrittenNumber:

@@ -11,13 +11,20 @@ from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.compiler.ir.hash import policy_hash
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.policies.declared import declared_policies
-from sjdsl.runtime.policy import Policy, take_actions, with_memory
-from sjdsl.trainers.environment import Environment, abstract_key, reset_shapes
+from sjdsl.runtime.policy import Policy, take_actions, unchanged, with_memory
+from sjdsl.trainers.environment import (
+    Environment,
+    abstract_key,
+    array_shape,
+    info_shapes,
+    reset_shapes,
+)
 from sjdsl.trainers.policies.digest import digest_of
 from sjdsl.trainers.policies.loading import find_policy, read_parameters, trained_policy
 from sjdsl.trainers.policies.policy_file import POLICIES, SUFFIX, policy_path
@@ -183,6 +190,11 @@ def program_digest(policy: Policy, env: Environment) -> str:
         return take_actions(env, recurrent, memory, key, observation, state)
 
     program = jax.jit(act).lower(recurrent.start, abstract_key(), *reset_shapes(env)).as_text()
+    if recurrent.after_step is not unchanged:
+        actions = array_shape((env.num_agents,), jnp.int32)
+        reward = array_shape((env.num_agents,), jnp.float32)
+        of_step = (actions, reward, info_shapes(env))
+        program += jax.jit(recurrent.after_step).lower(recurrent.start, *of_step).as_text()
     leaves = enumerate(jax.tree.leaves(recurrent.start))
     start = digest_of({str(number): leaf for number, leaf in leaves})
     return sha256(f"{start}\n{program}".encode()).hexdigest()

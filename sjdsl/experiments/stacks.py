@@ -4,7 +4,7 @@ parameters.
 
 import operator
 from collections import Counter
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -35,12 +35,16 @@ class Stack:
         parameters = [player.parameters for player in self.players]
         return jax.tree.map(lambda *leaves: jnp.stack(leaves), *parameters)
 
+    def policy(self, parameters: Any) -> MemoryPolicy:
+        """Returns the policy of the player with these parameters."""
+        return with_memory(self.players[0].policy_of(parameters))
+
     def example(self) -> MemoryPolicy:
         """Returns the policy of its first player.
 
         All its players have the same initial memory and read the same inputs.
         """
-        return with_memory(self.players[0].policy_of(self.players[0].parameters))
+        return self.policy(self.players[0].parameters)
 
 
 @dataclass(frozen=True)
@@ -179,9 +183,18 @@ def _lineup_policy(
         by_slot = jnp.take_along_axis(by_column, column_of_slot[None], axis=0)[0]
         return (column_of_slot, tuple(next_memories)), by_slot
 
+    def after_step(memory: Any, actions: Array, reward: Array, info: Mapping[str, Any]) -> Any:
+        column_of_slot, memories = memory
+        next_memories = [
+            _tell_together(stack, of_stack, part, (actions, reward, info))
+            for stack, of_stack, part in zip(stacks, chosen_parameters, memories, strict=True)
+        ]
+        return column_of_slot, tuple(next_memories)
+
     policy = MemoryPolicy(
         (),
         act,
+        after_step=after_step,
         reads_allowed=any(example.reads_allowed for example in examples),
         reads_state=any(example.reads_state for example in examples),
     )
@@ -209,14 +222,34 @@ def _act_together(
     """
 
     def act_alone(parameters: Any, memory: Any, key: Array) -> tuple[Any, Array]:
-        policy = with_memory(stack.players[0].policy_of(parameters))
-        next_memory, actions = policy.act(memory, key, *inputs)
+        next_memory, actions = stack.policy(parameters).act(memory, key, *inputs)
         return next_memory, jnp.asarray(actions, jnp.int32)
 
+    result: tuple[Any, Array] = _of_each(stack, act_alone, parameters, memory, keys)
+    return result
+
+
+def _tell_together(stack: Stack, parameters: Any, memory: Any, outcome: tuple[Any, ...]) -> Any:
+    """Returns the memory `[M, ...]` of the M computed players of a stack after a step.
+
+    Args:
+      outcome: the actions, rewards and info of the step.
+    """
+
+    def tell_alone(parameters: Any, memory: Any) -> Any:
+        return stack.policy(parameters).after_step(memory, *outcome)
+
+    return _of_each(stack, tell_alone, parameters, memory)
+
+
+def _of_each(stack: Stack, function: Callable[..., Any], *arguments: Any) -> Any:
+    """Returns a function's results for each of the M computed players of a stack, `[M, ...]`.
+
+    Args:
+      arguments: leaves `[M, ...]`.
+    """
     if stack.at_once > 1:
-        next_memory, actions = jax.vmap(act_alone)(parameters, memory, keys)
-        return next_memory, actions
+        return jax.vmap(function)(*arguments)
     # vmap over a single network would turn its convolutions into a loop.
-    only_parameters, only_memory = jax.tree.map(operator.itemgetter(0), (parameters, memory))
-    next_memory, actions = act_alone(only_parameters, only_memory, keys[0])
-    return jax.tree.map(lambda leaf: leaf[None], next_memory), actions[None]
+    result = function(*jax.tree.map(operator.itemgetter(0), arguments))
+    return jax.tree.map(lambda leaf: leaf[None], result)

@@ -139,7 +139,7 @@ class Layout:
         """Yields the items that the author put on one line; rows of a picture never share one."""
         line: list[Range] = []
         for start, end in container.ranges():
-            if line and (self.tokens.broken[start] or container.sort == "rows"):
+            if line and (self.tokens.broken[start] or container.content == "rows"):
                 yield line
                 line = []
             line.append((start, end))
@@ -194,7 +194,7 @@ class Layout:
 
         Returns the token to go on with. `end` is the last token of the statement.
         """
-        if container.sort == "texts" or self._hangs(container):
+        if container.content == "texts" or self._hangs(container):
             self._hanging(container)
         else:
             self.items(container, indent + INDENT)
@@ -206,7 +206,7 @@ class Layout:
             if self.tokens.breaks(following.open + 1, following.end):
                 part_end = following.open
                 break
-        stays = container.sort != "block" and not self.tokens.broken[close]
+        stays = container.content != "block" and not self.tokens.broken[close]
         if not (stays and self.tokens.fits(close, part_end, self._next_column(close))):
             self.begin(close, indent, comments=indent + INDENT, first=not container.items)
         return close
@@ -218,7 +218,7 @@ class Layout:
         """
         containers = list(self._outermost_containers(start, end))
         opened = [
-            c for c in containers if c.sort == "block" or self.tokens.breaks(c.open + 1, c.end)
+            c for c in containers if c.content == "block" or self.tokens.breaks(c.open + 1, c.end)
         ]
         starts = [start, *(c.end if c.close is None else c.close for c in opened)]
         ends = [*(c.open for c in opened), end]
@@ -240,7 +240,7 @@ class Layout:
 
     def _hangs(self, container: Container) -> bool:
         """Returns whether rows of a picture stand below the first, which is behind the brace."""
-        if container.sort != "rows" or self.tokens.broken[container.items[0]]:
+        if container.content != "rows" or self.tokens.broken[container.items[0]]:
             return False
         breaks = any(self.tokens.broken[row] for row in container.items[1:])
         widest = max(self.tokens.width(row, row) for row in container.items)

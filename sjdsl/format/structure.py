@@ -9,7 +9,7 @@ from lark import Token, Tree
 
 from sjdsl.compiler.diagnostics.limits import STATEMENTS
 
-Sort = Literal["block", "list", "rows", "texts"]
+Content = Literal["block", "list", "rows", "texts"]
 ENTRIES = frozenset(("entry", "arm", "relabel"))
 
 
@@ -17,12 +17,12 @@ ENTRIES = frozenset(("entry", "arm", "relabel"))
 class Container:
     """Items that may have their own lines, such as statements of a block or rows of a picture.
 
-    sort: `block` of statements, `list` of entries, `rows` of a picture, `texts` of `about`.
+    content: `block` of statements, `list` of entries, `rows` of a picture, `texts` of `about`.
     open: the token before the first item; items: the first token of each; close: the closing brace,
     None for texts.
     """
 
-    sort: Sort
+    content: Content
     open: int
     items: tuple[int, ...]
     close: int | None
@@ -124,26 +124,26 @@ def _add_braces(
     tokens: Sequence[Token], rules_at: dict[int, set[str]], structure: Structure
 ) -> None:
     """Adds the braces with items in them; braces around enum values or members have none."""
-    open_brackets: list[tuple[int, Sort | None, list[int]]] = []
+    open_brackets: list[tuple[int, Content | None, list[int]]] = []
     for number, token in enumerate(tokens):
         if open_brackets:
-            _, sort, items = open_brackets[-1]
-            if _is_item(sort, token, rules_at.get(number, set())):
+            _, content, items = open_brackets[-1]
+            if _is_item(content, token, rules_at.get(number, set())):
                 items.append(number)
         if token.type in ("LPAR", "LSQB"):
             open_brackets.append((number, None, []))
         elif token.type == "LBRACE":
-            sort = _sort_of_braces(tokens[number + 1], rules_at.get(number + 1, set()))
-            open_brackets.append((number, sort, []))
+            content = _content_of_braces(tokens[number + 1], rules_at.get(number + 1, set()))
+            open_brackets.append((number, content, []))
         elif token.type in ("RBRACE", "RPAR", "RSQB"):
-            opening, sort, items = open_brackets.pop()
-            if sort is not None:
-                structure.containers[opening] = Container(sort, opening, tuple(items), number)
+            opening, content, items = open_brackets.pop()
+            if content is not None:
+                structure.containers[opening] = Container(content, opening, tuple(items), number)
 
 
-def _is_item(sort: Sort | None, token: Token, rules: set[str]) -> bool:
+def _is_item(content: Content | None, token: Token, rules: set[str]) -> bool:
     """Returns whether a token begins an item of a container. `rules`: the nodes it begins."""
-    match sort:
+    match content:
         case "block":
             return bool(rules & STATEMENTS)
         case "list":
@@ -154,7 +154,7 @@ def _is_item(sort: Sort | None, token: Token, rules: set[str]) -> bool:
             return False
 
 
-def _sort_of_braces(first: Token, rules: set[str]) -> Sort | None:
+def _content_of_braces(first: Token, rules: set[str]) -> Content | None:
     """Returns what braces contain. `first`: the token inside; `rules`: the nodes it begins."""
     if first.type == "RBRACE" or rules & STATEMENTS:
         return "block"

@@ -91,8 +91,8 @@ class Tokens:
         self.spaces = [0 if n in structure.tight else 1 for n in range(len(self.words))]
         self.places = {structure.game, *structure.branches}
         for container in structure.containers.values():
-            is_wide = container.sort in ("block", "rows")
-            items = container.items if container.sort != "texts" else container.items[1:]
+            is_wide = container.content in ("block", "rows")
+            items = container.items if container.content != "texts" else container.items[1:]
             for item in items:
                 is_first = item == container.open + 1
                 self.spaces[item] = BETWEEN_ITEMS if is_wide and not is_first else 1

@@ -172,6 +172,7 @@ class AgentGame(Copied, gymnasium.Env):
         memory, actions = take_actions(self.env, self._others, memory, others_key, tokens, state)
         actions = actions.at[self.agent].set(action)
         observation, state, reward, _, info = self.env.step_env(step_key, state, actions)
+        memory = self._others.after_step(memory, actions, reward, info)
         infos = {
             "events": {
                 name: count[self.agent] if count.ndim else count

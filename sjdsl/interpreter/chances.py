@@ -30,10 +30,37 @@ def choose_branch(statement: ir.Chance, instance: Instance) -> Drawn:
 
 
 def draw_value(statement: ir.Draw, instance: Instance) -> Drawn:
-    """Returns the number or enum value drawn."""
+    """Returns the number or enum value drawn; of a row, those of its entries."""
+    if statement.by is not None:
+        return _draw_row(statement, len(statement.by), instance)
     bits = instance.bits(statement.stream, instance.number)
     value = _value_of_bits(statement, bits, instance)
     return Drawn(statement, instance.number, bits, value, names=instance.names)
+
+
+def _draw_row(statement: ir.Draw, entries: int, instance: Instance) -> Drawn:
+    """Returns a row, each of its entries drawn by itself, or dealt from values that are left.
+
+    The bits told are those of the first entry.
+    """
+    first = instance.number * entries
+    all_bits = [instance.bits(statement.stream, first + entry) for entry in range(entries)]
+    if statement.different:
+        values = _values_to_deal(statement)
+        for entry, bits in enumerate(all_bits):
+            place = entry + (bits * (len(values) - entry) >> 32)
+            values[entry], values[place] = values[place], values[entry]
+        row = tuple(values[:entries])
+    else:
+        row = tuple(_value_of_bits(statement, bits, instance) for bits in all_bits)
+    return Drawn(statement, first, all_bits[0], row, names=instance.names)
+
+
+def _values_to_deal(statement: ir.Draw) -> list[Value]:
+    """Returns all values that a row of different values can be dealt."""
+    if statement.words:
+        return list(statement.words)
+    return list(range(int(statement.type.low), int(statement.type.high) + 1))
 
 
 def _value_of_bits(statement: ir.Draw, bits: int, instance: Instance) -> Value:

@@ -1,7 +1,7 @@
 """Scripted policies as JAX functions of the state: an agent follows the first rule that applies."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -28,6 +28,20 @@ from sjdsl.runtime.random_bits import below, key_words, random_bits_at
 
 HALF = 1 << 31  # 32 random bits are below it with probability one half
 Poses = tuple[Array, Array, Array]  # heading, row and column of each agent, `[N]` each
+
+
+class Situation(NamedTuple):
+    """What agents choose their actions by.
+
+    state: with positions in the frame of the lowered rules.
+    poses: of the agents. present: `[N]` bool, who is on the map.
+    bits: `[N, 2]` uint32, 64 random bits for each agent.
+    """
+
+    state: Any
+    poses: Poses
+    present: Array
+    bits: Array
 
 
 def scripted_policy(env: Any, name: str) -> MemoryPolicy:
@@ -78,27 +92,22 @@ class Chooser:
         """
         row, col = self._env.cells(state)
         poses = (state.heading, row, col)
-        present = state.position != 0
-        reframed = self._reframed(state)
+        undecided = state.position != 0
+        situation = Situation(self._reframed(state), poses, undecided, bits)
         actions = jnp.full(self._env.num_agents, self._stay, jnp.int32)
-        undecided = present
         for rule in self._rules:
-            applies, followed = self._follow(rule, reframed, poses, present, undecided, bits)
+            applies, followed = self._follow(rule, situation, undecided)
             actions = jnp.where(undecided & applies, followed, actions)
             undecided = undecided & ~applies
         return actions
 
     def _follow(
-        self,
-        lowered: LoweredRule,
-        state: Any,
-        poses: Poses,
-        present: Array,
-        undecided: Array,
-        bits: Array,
+        self, lowered: LoweredRule, situation: Situation, undecided: Array
     ) -> tuple[Array, Array]:
         """Returns to which agents a rule applies, `[N]` bool, and their actions, `[N]` int32."""
         rule = lowered.rule
+        state = situation.state
+        poses = situation.poses
         if isinstance(rule, ir.Act):
             assert lowered.condition is not None
             return lowered.condition(state, self._env.params), self._final_action(lowered, state)
@@ -121,7 +130,7 @@ class Chooser:
         if not self._moves.actions:  # nobody can walk: a rule applies to those at a goal
             return self._is_at_goal(goals, poses), jnp.broadcast_to(at_goal, poses[0].shape)
         arrived, has_path, best = first_moves(self._moves, goals, enterable, poses, undecided)
-        moves = self._walk(best, enterable, poses, present, self._movers(state), bits)
+        moves = self._walk(best, enterable, situation)
         return has_path, jnp.where(arrived, at_goal, moves)
 
     def _is_at_goal(self, goals: Array, poses: Poses) -> Array:
@@ -156,38 +165,33 @@ class Chooser:
             positions.append(jnp.where(position == 0, -1, row * width + col))
         return positions
 
-    def _walk(
-        self,
-        best: Array,
-        enterable: Array,
-        poses: Poses,
-        present: Array,
-        movers: list[Array],
-        bits: Array,
-    ) -> Array:
+    def _walk(self, best: Array, enterable: Array, situation: Situation) -> Array:
         """Returns the actions of moves, `[N]` int32: `best` unless somebody is in the way.
 
         If an agent or a mover is, half of the time a move is drawn from those that enter nothing
         avoided.
         """
-        heading, row, col = poses
+        heading, row, col = situation.poses
+        bits = situation.bits
         num_agents = row.shape[0]
-        destinations = [
-            (row, col) if step is None else destination(self._moves, step, heading, row, col)
-            for step in self._moves.steps
-        ]
-        rows = jnp.stack([to_row for to_row, _ in destinations], axis=-1)
-        cols = jnp.stack([to_col for _, to_col in destinations], axis=-1)
+        destinations = []
+        for step in self._moves.steps:
+            cells = (row, col)
+            if step is not None:
+                cells = destination(self._moves, step, heading, row, col)
+            destinations.append(cells)
+        rows, cols = (jnp.stack(numbers, axis=-1) for numbers in zip(*destinations, strict=True))
         boards = jnp.zeros(num_agents, jnp.int32)
         if enterable.shape[0] > 1:
             boards = jnp.arange(num_agents)
-        allowed = contains(enterable, jnp.broadcast_to(boards[:, None], rows.shape), rows, cols)
-        allowed = allowed | ((rows == row[:, None]) & (cols == col[:, None]))
+        board_of_move = jnp.broadcast_to(boards[:, None], rows.shape)
+        is_enterable = contains(enterable, board_of_move, rows, cols)
+        allowed = is_enterable | ((rows == row[:, None]) & (cols == col[:, None]))
         to_row = jnp.take_along_axis(rows, best[:, None], axis=1)
         to_col = jnp.take_along_axis(cols, best[:, None], axis=1)
-        others = present[None] & ~jnp.eye(num_agents, dtype=bool)
+        others = situation.present[None] & ~jnp.eye(num_agents, dtype=bool)
         blocked = jnp.any((to_row == row[None]) & (to_col == col[None]) & others, axis=1)
-        for position in movers:
+        for position in self._movers(situation.state):
             is_mover_there = (to_row * self._shape[1] + to_col) == position[None]
             blocked = blocked | jnp.any(is_mover_there, axis=1)
         index = below(bits[:, 0], jnp.sum(allowed, axis=1))
@@ -201,13 +205,16 @@ class Chooser:
         height, width = self._shape
         if cells.numbers is not None:
             members = cells.read(state, self._env.params)
-            padded = jnp.concatenate([members, jnp.zeros((members.shape[0], 1), bool)], axis=1)
-            return board(padded[:, jnp.asarray(cells.numbers)].reshape(-1, height, width))
+            no_cell = jnp.zeros((members.shape[0], 1), bool)
+            padded = jnp.concatenate([members, no_cell], axis=1)
+            on_map = padded[:, jnp.asarray(cells.numbers)]
+            return board(on_map.reshape(-1, height, width))
         members, positions = cells.read(state, self._env.params)
         row = jnp.arange(members.shape[0])[:, None]
         cell = jnp.where(members, positions, height * width)
         empty = jnp.zeros((members.shape[0], height * width), bool)
-        return board(empty.at[row, cell].set(True, mode="drop").reshape(-1, height, width))
+        on_map = empty.at[row, cell].set(True, mode="drop")
+        return board(on_map.reshape(-1, height, width))
 
     def _aiming_poses(self, rule: ir.Aim, members: Array) -> Array:
         """Returns the poses from which a member is in the shape, `[K, P, H, L]` boards."""
@@ -285,8 +292,11 @@ def _shifted_cells(cells: np.ndarray, rows: int, cols: int, wraps: bool) -> np.n
 
     Off the map, it is False.
     """
+    if wraps:
+        return np.roll(cells, (-rows, -cols), (0, 1))
     height, width = cells.shape
-    top, left = (0, 0) if wraps else (abs(rows), abs(cols))
+    top = abs(rows)
+    left = abs(cols)
     padded = np.pad(cells, [(top, top), (left, left)])
     shifted_cells = np.roll(padded, (-rows, -cols), (0, 1))
     return shifted_cells[top : top + height, left : left + width]

@@ -4,7 +4,7 @@ ir.ScriptedPolicy -> for each of its rules, functions `(state, params) -> arrays
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -23,7 +23,7 @@ from sjdsl.compiler.lower.domains import enter, is_empty
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import Attribute, Binary, Call, Literal, Name, Sequence
+from sjdsl.compiler.program.expressions import call
 from sjdsl.runtime import geometry
 
 Read = Callable[[Any, Any], Any]
@@ -137,10 +137,9 @@ def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray |
         values.append(_map_cells(member, module, w))
     differs = any(axis in value.axes for value in values for axis in outer.axes)
     axes = (*outer.axes, *added) if differs else added
-    shape = Sequence((Literal(module.num_agents if differs else 1), Literal(-1)))
+    shape = (module.num_agents if differs else 1, -1)
     # The function, as a value without axes may be a plain number, which has no method `reshape`.
-    reshape = Attribute(Name("jnp"), "reshape")
-    w.give_back(*(Call(reshape, (spread(value, axes), shape)) for value in values))
+    w.give_back(*(call("jnp.reshape", spread(value, axes), shape) for value in values))
     if not is_of_kinds:
         return None
     rows = module.game.rows
@@ -150,15 +149,11 @@ def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray |
 
 def _map_cells(member: AgentVar | CellVar, module: Module, w: Writer) -> Value:
     """Returns the cell of a member, `row * width + column` of the map."""
-    if isinstance(member, CellVar):
-        padded = state_reads.cell(member, w)
-    else:
-        padded = state_reads.position(member, w)
-    pad = Literal(module.layout.pad)
-    padded_width = Literal(module.layout.cols)
-    row = Binary("-", Binary("//", padded.node, padded_width), pad)
-    col = Binary("-", Binary("%", padded.node, padded_width), pad)
-    return replace(padded, node=Binary("+", Binary("*", row, Literal(module.layout.width)), col))
+    layout = module.layout
+    padded = state_reads.location(member, w)
+    row = padded // layout.cols - layout.pad
+    col = padded % layout.cols - layout.pad
+    return row * layout.width + col
 
 
 def namespace(module: Module) -> dict[str, Any]:

@@ -32,6 +32,7 @@ def play_moments(
     """Yields the states of `play`, of the same arguments, with the actions and rewards before."""
     policy_with_memory = with_memory(policy)
     act = jax.jit(partial(take_actions, env, policy_with_memory))
+    after_step = jax.jit(policy_with_memory.after_step)
     played = 0
     while True:
         keys = EpisodeKeys(jax.random.key(seed), jax.random.fold_in)
@@ -45,6 +46,7 @@ def play_moments(
             observation, state, reward, done, info = env.step_env(
                 keys.of_step(number), state, actions
             )
+            memory = after_step(memory, actions, reward, info)
             moment = next_moment(
                 env, state, moment.snapshot.returns, actions, reward, bool(done), info["events"]
             )

@@ -25,7 +25,7 @@ class EpisodePlayer:
 
     Attributes:
       keys: of the episode; observation, state: the current ones; actions: of each step so far.
-      returns: `[N]`; done: whether the episode is over.
+      returns: `[N]`; done: whether the episode is over; info: of the last step.
     """
 
     def __init__(self, env: Environment, seed: int) -> None:
@@ -37,6 +37,7 @@ class EpisodePlayer:
         self.actions: list[list[int]] = []
         self.returns = np.zeros(env.num_agents)
         self.done = False
+        self.info: dict[str, Any] = {}
 
     def now(self) -> Moment:
         """Returns the current moment, as after a step without rewards."""
@@ -69,6 +70,7 @@ class EpisodePlayer:
         self.actions.append(numbers)
         self.returns = moment.snapshot.returns
         self.done = moment.done
+        self.info = info
         return moment
 
     def recording(self, environment: Mapping[str, Any]) -> Recording:

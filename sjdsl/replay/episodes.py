@@ -77,6 +77,7 @@ def _make_play(
                 env, policy_with_memory, memory, keys.of_choices(number), tokens, state
             )
             tokens, state, reward, _, info = env.step_env(keys.of_step(number), state, actions)
+            memory = policy_with_memory.after_step(memory, actions, reward, info)
             outcome = {
                 "terminated": info["terminated"],
                 "truncated": info["truncated"],

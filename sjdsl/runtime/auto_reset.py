@@ -35,11 +35,11 @@ def _always_computed(
 ) -> State:
     """The form for GPUs: a reset costs a few kernels, but a branch would wait for the host."""
     stored = lax.optimization_barrier(done)
-    return jax.tree.map(
-        lambda new, old: jnp.where(stored if jnp.ndim(old) else done, new, old),
-        reset(params, words),
-        state,
-    )
+
+    def chosen(new: Array, old: Array) -> Array:
+        return jnp.where(stored if jnp.ndim(old) else done, new, old)
+
+    return jax.tree.map(chosen, reset(params, words), state)
 
 
 def _if_any_is_done(
@@ -61,24 +61,24 @@ def _if_any_is_done(
         size: int, in_batched: Any, done: Array, words: Array, params: Params, state: State
     ) -> tuple[State, Any]:
         done_batched, words_batched, params_batched, state_batched = in_batched
-        state = jax.tree.map(
-            lambda x, b: x if b else jnp.broadcast_to(x, (size, *x.shape)), state, state_batched
-        )
-        done = done if done_batched else jnp.broadcast_to(done, (size,))
-        axes = (
-            jax.tree.map(lambda b: 0 if b else None, params_batched),
-            0 if words_batched else None,
-        )
+
+        def whole(leaf: Array, is_batched: bool) -> Array:
+            return leaf if is_batched else jnp.broadcast_to(leaf, (size, *leaf.shape))
+
+        state = jax.tree.map(whole, state, state_batched)
+        done = whole(done, done_batched)
+        axis_of_params = jax.tree.map(lambda is_batched: 0 if is_batched else None, params_batched)
+        axes = (axis_of_params, 0 if words_batched else None)
+
+        def chosen(new: Array, old: Array) -> Array:
+            return jnp.where(done.reshape((size,) + (1,) * (old.ndim - 1)), new, old)
 
         def fresh() -> State:
             new = jax.vmap(reset, in_axes=axes, axis_size=size)(params, words)
-            return jax.tree.map(
-                lambda n, o: jnp.where(done.reshape((size,) + (1,) * (o.ndim - 1)), n, o),
-                new,
-                state,
-            )
+            return jax.tree.map(chosen, new, state)
 
-        return either(jnp.any(done), fresh, lambda: state), jax.tree.map(lambda _: True, state)
+        all_batched = jax.tree.map(lambda _: True, state)
+        return either(jnp.any(done), fresh, lambda: state), all_batched
 
     choose = jax.custom_jvp(cheap)  # JAX has no reverse-mode derivative of a `custom_vmap`
 

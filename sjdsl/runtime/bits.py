@@ -2,7 +2,7 @@
 
 import operator
 from collections.abc import Sequence
-from functools import partial, reduce
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -11,26 +11,35 @@ from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.reductions import lengthened, sum_of
+from sjdsl.runtime.rows import entries_in_bounds, numbers_on_last_axis, on_last_axis, one_hot
 
 WIDTH = 32
 
 
 @jax.jit  # one function of the program for each shape, however many rules pick
 def pack(members: Array) -> Array:
-    """Returns members as bits: `[..., S]` bool -> `[..., W]` uint32, member i in bit i % 32 of word i // 32."""
-    missing = -members.shape[-1] % WIDTH
-    padded = lax.pad(
-        members, jnp.asarray(False), [*[(0, 0, 0)] * (members.ndim - 1), (0, missing, 0)]
-    )
+    """Returns members as bits, member i in bit i % 32 of word i // 32.
+
+    Args:
+      members: `[..., S]` bool.
+
+    Returns:
+      `[..., W]` uint32.
+    """
+    edges = [(0, 0, 0)] * members.ndim
+    edges[-1] = (0, -members.shape[-1] % WIDTH, 0)
+    padded = lax.pad(members, jnp.asarray(False), edges)
     words = padded.reshape(*members.shape[:-1], -1, WIDTH)
-    places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * members.ndim + (-1,))
+    places = numbers_on_last_axis(WIDTH, words.ndim, jnp.uint32)
     return jnp.sum(words.astype(jnp.uint32) << places, axis=-1, dtype=jnp.uint32)
 
 
 def pack_all(size: int) -> Array:
     """Returns all members as bits, as `pack` does: `[W]` uint32."""
-    full, rest = divmod(size, WIDTH)
-    words = [2**WIDTH - 1] * full + [2**rest - 1] * bool(rest)
+    num_full, rest = divmod(size, WIDTH)
+    words = [2**WIDTH - 1] * num_full
+    if rest:
+        words.append(2**rest - 1)
     return jnp.asarray(np.array(words, np.uint32))
 
 
@@ -38,30 +47,39 @@ def as_bits(members: Array, dtype: jnp.dtype) -> Array:
     """Returns sets as bits: `[..., N]` bool -> `[...]`, bit i for agent i."""
     # Written out: XLA evaluates no shifts by 0, 1, ..., and launched a kernel for a constant set.
     bit = jnp.asarray(2 ** np.arange(members.shape[-1], dtype=np.uint32), dtype)
-    bit = bit.reshape((1,) * (members.ndim - 1) + (-1,))
+    bit = on_last_axis(bit, members.ndim)
     return sum_of(jnp.where(members, bit, jnp.zeros((), dtype)), axis=-1)
 
 
 def from_bits(sets: Array, size: int) -> Array:
-    """Returns the members of sets kept as bits: `[...]` unsigned -> `[..., size]` bool, entry i for bit i."""
-    place = jnp.arange(size, dtype=sets.dtype).reshape((1,) * sets.ndim + (-1,))
-    return ((sets[..., None] >> place) & 1) != 0
+    """Returns the members of sets: `[...]` unsigned -> `[..., size]` bool, entry i for bit i."""
+    places = numbers_on_last_axis(size, sets.ndim + 1, sets.dtype)
+    return ((sets[..., None] >> places) & 1) != 0
 
 
 @partial(jax.jit, static_argnames="size")  # as above
 def unpack(words: Array, size: int) -> Array:
     """Returns what was packed: `[..., W]` uint32 -> `[..., size]` bool."""
-    places = jnp.arange(WIDTH, dtype=jnp.uint32).reshape((1,) * words.ndim + (-1,))
-    members = (words[..., None] >> places) & jnp.uint32(1)
+    places = numbers_on_last_axis(WIDTH, words.ndim + 1, jnp.uint32)
+    members = (words[..., None] >> places) & 1
     result: Array = members.reshape(*words.shape[:-1], -1)[..., :size] != 0
     return result
 
 
 def has_member(words: Array, member: Array) -> Array:
-    """Returns whether sets have a member: `[..., W]` uint32 and `[...]` int32 -> `[...]` bool; nobody, -1, is in none."""
-    index = jnp.arange(words.shape[-1], dtype=jnp.int32).reshape((1,) * member.ndim + (-1,))
-    word = sum_of(jnp.where(index == (member >> 5)[..., None], words, jnp.uint32(0)), axis=-1)
-    result: Array = ((word >> (member & (WIDTH - 1)).astype(jnp.uint32)) & jnp.uint32(1)) != 0
+    """Returns whether sets have a member.
+
+    Args:
+      words: `[..., W]` uint32.
+      member: `[...]` int32; nobody, -1, is in no set.
+
+    Returns:
+      `[...]` bool.
+    """
+    is_in_word = one_hot(member >> 5, words.shape[-1])
+    word = sum_of(jnp.where(is_in_word, words, jnp.uint32(0)), axis=-1)
+    place = (member & (WIDTH - 1)).astype(jnp.uint32)
+    result: Array = ((word >> place) & 1) != 0
     return result
 
 
@@ -72,52 +90,64 @@ def count(words: Array) -> Array:
 
 @jax.jit  # as above
 def nth_bit(word: Array, n: Array) -> Array:
-    """Returns the place of the n-th set bit, n from 0: `[...]` unsigned and int32 -> `[...]` int32. Anything if there are fewer."""
-    return by_platform(
-        _nth_by_halves, _nth_by_table if word.dtype == jnp.uint8 else _nth_by_halves, word, n
-    )
+    """Returns the place of the n-th set bit, n from 0; undefined if there are fewer.
+
+    Args:
+      word: `[...]` unsigned.
+      n: `[...]` int32.
+
+    Returns:
+      `[...]` int32.
+    """
+    for_gpus = _nth_by_table if word.dtype == jnp.uint8 else _nth_by_halves
+    return by_platform(_nth_by_halves, for_gpus, word, n)
 
 
 def _nth_by_table(word: Array, n: Array) -> Array:
-    """The form for GPUs of a byte: a table with a row for each."""
-    places = np.argsort(
-        ~np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1, bitorder="little") & 1,
-        axis=1,
-        kind="stable",
-    )
-    row = word.astype(jnp.int32) * 8
-    return (
-        jnp.asarray(places.reshape(-1), jnp.uint8)
-        .at[row + n]
-        .get(mode="promise_in_bounds", wrap_negative_indices=False)
-        .astype(jnp.int32)
-    )
+    """The form for GPUs of a byte: a table with the places of each byte's bits, set ones first."""
+    every_byte = np.arange(256, dtype=np.uint8)[:, None]
+    is_set = np.unpackbits(every_byte, axis=1, bitorder="little")
+    places = np.argsort(1 - is_set, axis=1, kind="stable")
+    first = word.astype(jnp.int32) * 8
+    table = jnp.asarray(places.reshape(-1), jnp.uint8)
+    return entries_in_bounds(table, first + n).astype(jnp.int32)
 
 
 def _nth_by_halves(word: Array, n: Array) -> Array:
-    place, width = jnp.zeros_like(n), word.dtype.itemsize * 4
+    """The other form: counts the bits of the lower half, then those of half of that, and so on."""
+    place = jnp.zeros_like(n)
+    width = word.dtype.itemsize * 4
     while width:
-        low = lax.population_count(word & word.dtype.type((1 << width) - 1)).astype(jnp.int32)
-        above = n >= low
-        n = jnp.where(above, n - low, n)
-        word = jnp.where(above, word >> word.dtype.type(width), word)
-        place = place + above.astype(jnp.int32) * width
+        lower_half = word & word.dtype.type((1 << width) - 1)
+        low = lax.population_count(lower_half).astype(jnp.int32)
+        is_above = n >= low
+        n = jnp.where(is_above, n - low, n)
+        word = jnp.where(is_above, word >> word.dtype.type(width), word)
+        place = place + is_above.astype(jnp.int32) * width
         width //= 2
     return place
 
 
 def nth(words: Array, n: Array) -> Array:
-    """Returns which member is the n-th, n from 0: `[..., W]` uint32 and `[...]` int32 -> `[...]` int32. Anything if there are fewer."""
-    return (
-        nth_bit(words[..., 0], n)
-        if words.shape[-1] == 1
-        else by_platform(_nth_by_sums, _nth_in_turn, words, n)
-    )
+    """Returns which member is the n-th, n from 0; undefined if there are fewer.
+
+    Args:
+      words: `[..., W]` uint32.
+      n: `[...]` int32.
+
+    Returns:
+      `[...]` int32.
+    """
+    if words.shape[-1] > 1:
+        return by_platform(_nth_by_sums, _nth_in_turn, words, n)
+    place: Array = nth_bit(words[..., 0], n)
+    return place
 
 
 def _nth_in_turn(words: Array, n: Array) -> Array:
     """The form for GPUs."""
-    number, bit = nth_of([jnp.broadcast_to(word, n.shape) for word in apart(words)], n)
+    each_word = [jnp.broadcast_to(word, n.shape) for word in apart(words)]
+    number, bit = nth_of(each_word, n)
     result: Array = number * WIDTH + bit
     return result
 
@@ -126,16 +156,17 @@ def _nth_by_sums(words: Array, n: Array) -> Array:
     """The form for CPUs."""
     index = jnp.arange(words.shape[-1], dtype=jnp.int32)
     counts = lax.population_count(words).astype(jnp.int32)
-    earlier = (index[None] < index[:, None]).reshape((1,) * n.ndim + (index.size, index.size))
-    before = jnp.sum(jnp.where(earlier, counts[..., None, :], 0), axis=-1, dtype=jnp.int32)
-    here = (before <= n[..., None]) & (n[..., None] < before + counts)
+    is_earlier = index[None] < index[:, None]
+    is_earlier = is_earlier.reshape((1,) * n.ndim + (index.size, index.size))
+    before = jnp.sum(jnp.where(is_earlier, counts[..., None, :], 0), axis=-1, dtype=jnp.int32)
+    has_nth = (before <= n[..., None]) & (n[..., None] < before + counts)
     numbers = jnp.broadcast_to(index, words.shape)
     chosen = (
-        jnp.where(here, words, jnp.uint32(0)),
-        jnp.where(here, before, 0),
-        jnp.where(here, numbers, 0),
+        jnp.where(has_nth, words, jnp.uint32(0)),
+        jnp.where(has_nth, before, 0),
+        jnp.where(has_nth, numbers, 0),
     )
-    # one sum of three instead of three: each would find `here` again
+    # one sum of three instead of three: each would compute `has_nth` again
     zeros = (jnp.uint32(0), jnp.int32(0), jnp.int32(0))
     word, passed, number = lax.reduce(
         chosen, zeros, lambda a, b: tuple(map(operator.add, a, b)), (words.ndim - 1,)
@@ -145,36 +176,54 @@ def _nth_by_sums(words: Array, n: Array) -> Array:
 
 
 def apart(words: Array) -> list[Array]:
-    """Returns the words of sets one by one, for work on a GPU of which nothing is written to memory: `[..., W]` -> W of `[...]`."""
-    return [
-        lax.index_in_dim(words, place, words.ndim - 1, keepdims=False)
-        for place in range(words.shape[-1])
-    ]
+    """Returns the words of sets one by one: `[..., W]` -> W of `[...]`.
+
+    Work on them on a GPU writes nothing to memory.
+    """
+    places = range(words.shape[-1])
+    return [lax.index_in_dim(words, place, words.ndim - 1, keepdims=False) for place in places]
 
 
 def nth_of(words: Sequence[Array], n: Array) -> tuple[Array, Array]:
-    """Returns in which of some words the n-th member is, and which bit of it: W uint32 and an int32 of one shape -> two int32 of it."""
-    word, before, number, passed = words[0], jnp.zeros_like(n), jnp.zeros_like(n), _ones(words[0])
-    for place, other in enumerate(words[1:], 1):
-        later = lax.ge(n, passed)
-        word, before = lax.select(later, other, word), lax.select(later, passed, before)
-        number, passed = (
-            lax.select(later, lax.full_like(number, place), number),
-            lax.add(passed, _ones(other)),
-        )
+    """Returns in which of some words the n-th member is, and which bit of it.
+
+    Args:
+      words: uint32, all of the shape of `n`.
+      n: int32.
+
+    Returns:
+      two int32 of that shape.
+    """
+    word = words[0]
+    before = jnp.zeros_like(n)  # members in the words before
+    number = jnp.zeros_like(n)
+    counted = _ones(word)
+    for place, later_word in enumerate(words[1:], 1):
+        is_later = lax.ge(n, counted)
+        word = lax.select(is_later, later_word, word)
+        before = lax.select(is_later, counted, before)
+        number = lax.select(is_later, lax.full_like(number, place), number)
+        counted = lax.add(counted, _ones(later_word))
     return number, nth_bit(word, n - before)
 
 
-def field(words: Sequence[Array], number: Array, width: int, some: int) -> Array:
-    """Returns a field of those that words hold, `some` a word, the first in the lowest bits of the first: uint32 of `number`'s shape."""
-    word = reduce(
-        lambda one, place: jnp.where(number // some == place, words[place], one),
-        range(1, len(words)),
-        words[0],
-    )
-    result: Array = (word >> (number % some * width).astype(jnp.uint32)) & jnp.uint32(
-        (1 << width) - 1
-    )
+def field(words: Sequence[Array], number: Array, width: int, per_word: int) -> Array:
+    """Returns a field of those that words hold, the first in the lowest bits of the first word.
+
+    Args:
+      words: uint32.
+      number: of the field, any shape.
+      width: bits of a field.
+      per_word: fields of a word.
+
+    Returns:
+      uint32 of the shape of `number`.
+    """
+    word = words[0]
+    for place, later_word in enumerate(words[1:], 1):
+        word = jnp.where(number // per_word == place, later_word, word)
+    shift = (number % per_word * width).astype(jnp.uint32)
+    result: Array = (word >> shift) & jnp.uint32((1 << width) - 1)
     return result
 
 
@@ -183,20 +232,28 @@ def _ones(word: Array) -> Array:
 
 
 def set_of(numbers: Array, size: int) -> Array:
-    """Returns the members of some numbers as bits, in a form for GPUs: `[..., M]` int32, -1 for none -> `[..., W]` uint32."""
-    first = np.arange(0, size, WIDTH, dtype=np.int32).reshape((1,) * (numbers.ndim - 1) + (-1, 1))
-    bit = (lax.optimization_barrier(numbers)[..., None, :] - first).astype(
-        jnp.uint32
-    )  # of other words: more than a word has
-    mine = jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0))
-    words: Array = lax.optimization_barrier(
-        lax.reduce(lengthened(mine, -1, 0), jnp.uint32(0), lax.bitwise_or, (numbers.ndim,))
-    )
-    return words
+    """Returns the set of some members as bits, in a form for GPUs.
+
+    Args:
+      numbers: `[..., M]` int32, of the members, -1 for none.
+      size: how many members there can be.
+
+    Returns:
+      `[..., W]` uint32.
+    """
+    first = np.arange(0, size, WIDTH, dtype=np.int32)
+    first = first.reshape((1,) * (numbers.ndim - 1) + (-1, 1))
+    stored = lax.optimization_barrier(numbers)[..., None, :]
+    bit = (stored - first).astype(jnp.uint32)  # past the last in another word, before or after
+    members = jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0))
+    members = lengthened(members, -1, 0)
+    words = lax.reduce(members, jnp.uint32(0), lax.bitwise_or, (numbers.ndim,))
+    result: Array = lax.optimization_barrier(words)
+    return result
 
 
 def without(words: Array, member: Array) -> Array:
     """Returns the members without one: `[..., W]` uint32 and `[...]` int32 -> `[..., W]` uint32."""
-    index = jnp.arange(words.shape[-1], dtype=jnp.int32).reshape((1,) * member.ndim + (-1,))
+    is_in_word = one_hot(member >> 5, words.shape[-1])
     bit = jnp.uint32(1) << (member & (WIDTH - 1)).astype(jnp.uint32)
-    return jnp.where(index == (member >> 5)[..., None], words & ~bit[..., None], words)
+    return jnp.where(is_in_word, words & ~bit[..., None], words)

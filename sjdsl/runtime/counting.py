@@ -26,12 +26,19 @@ def count_near(member: Array, masks: Array) -> Array:
 
 
 def size_of_set(members: Array) -> Array:
-    """Returns how many agents sets have that are kept as bits: `[...]` unsigned -> `[...]` int32."""
+    """Returns how many agents sets kept as bits have: `[...]` unsigned -> `[...]` int32."""
     return lax.population_count(members).astype(jnp.int32)
 
 
 def size_of_large_set(words: Array) -> Array:
-    """Returns how many agents sets have that are kept as bits in several words: `[..., W]` uint32 -> `[...]` int32."""
+    """Returns how many agents sets have that are kept as bits in several words.
+
+    Args:
+      words: `[..., W]` uint32.
+
+    Returns:
+      `[...]` int32.
+    """
     return count(words)
 
 
@@ -45,17 +52,15 @@ def segment_sum(amounts: Array, numbers: Array, size: int) -> Array:
       amounts: a shape; of booleans it is counted how many hold, int32.
       numbers: integers of the same shape; what has a number outside 0 .. size - 1 counts for none.
     """
-    mine = one_hot(numbers, size)
+    counts_for = one_hot(numbers, size)
+    axes = tuple(range(amounts.ndim))
     if amounts.dtype == bool:
-        spread, dtype = mine & amounts[..., None], jnp.int32
-    else:
-        spread, dtype = jnp.where(mine, amounts[..., None], 0), amounts.dtype
-    return sum_of(spread, axis=tuple(range(amounts.ndim)), dtype=dtype)
+        return sum_of(counts_for & amounts[..., None], axes, jnp.int32)
+    return sum_of(jnp.where(counts_for, amounts[..., None], 0), axes, amounts.dtype)
 
 
-@partial(
-    jax.jit, static_argnums=1
-)  # one function of the program for each shape, however many rules count
+# One function of the program for each shape, however many rules count.
+@partial(jax.jit, static_argnums=1)
 def times_in(sets: Array, agents: int) -> Array:
     """Returns how many of the sets each agent is in.
 
@@ -73,46 +78,56 @@ def times_in(sets: Array, agents: int) -> Array:
 
 
 def _added_at_once(sets: Array, agents: int) -> Array:
-    """The form for GPUs: each set is a word that has a field for each of some agents, with its bit, and the words are added."""
+    """The form for GPUs: the sets are words with a field for each agent, and the words are added.
+
+    A product puts the bits of some agents into fields that are wide enough for the sum.
+    """
     width = max(2, sets.size.bit_length())
-    some = min(WIDTH // width, width - 1)  # bits that one product takes that far apart
-    apart, ones = (sum(1 << place * step for place in range(some)) for step in (width - 1, width))
-    words = [
-        (sets >> first).astype(jnp.uint32) & ((1 << some) - 1) for first in range(0, agents, some)
-    ]
-    totals = [
-        jnp.sum((word * jnp.uint32(apart)) & jnp.uint32(ones), dtype=jnp.uint32) for word in words
-    ]
-    return field(totals, jnp.arange(agents, dtype=jnp.int32), width, some).astype(jnp.int32)
+    per_word = min(WIDTH // width, width - 1)
+    spread = sum(1 << place * (width - 1) for place in range(per_word))
+    lowest_bits = sum(1 << place * width for place in range(per_word))
+    words = []
+    for first in range(0, agents, per_word):
+        words.append((sets >> first).astype(jnp.uint32) & ((1 << per_word) - 1))
+    totals = []
+    for word in words:
+        fields = (word * jnp.uint32(spread)) & jnp.uint32(lowest_bits)
+        totals.append(jnp.sum(fields, dtype=jnp.uint32))
+    number = jnp.arange(agents, dtype=jnp.int32)
+    return field(totals, number, width, per_word).astype(jnp.int32)
 
 
 def _added_in_rows(sets: Array, agents: int) -> Array:
-    """The form for CPUs: the sets are put into rows of 32, a few of which are added row by row, then along the last row, all in bytes.
+    """The form for CPUs: adds rows of 32 sets, a few at a time, then along a row, all in bytes.
 
-    XLA compiles this to vector instructions of 32 bytes, a sum along all sets to none, and a sum of bytes as int32 to shorter ones
-    (docs/performance.md).
+    XLA compiles this to vector instructions of 32 bytes, a sum along all sets to none, and a sum of
+    bytes as int32 to shorter ones (docs/performance.md).
     """
     agent = jnp.arange(agents, dtype=sets.dtype)[:, None]
 
-    def members(some: Array) -> Array:
-        result: Array = ((some[None] >> agent) & sets.dtype.type(1)).astype(jnp.uint8)
+    def members(row: Array) -> Array:
+        result: Array = ((row[None] >> agent) & sets.dtype.type(1)).astype(jnp.uint8)
         return result
 
     rows = in_rows(sets)
-    full = sets.size // LANES
-    parts = [
-        rows[first : min(first + _ROWS_AT_ONCE, full)] for first in range(0, full, _ROWS_AT_ONCE)
-    ] + [[row] for row in rows[full:]]
+    num_full = sets.size // LANES
+    full_rows = rows[:num_full]
+    starts = range(0, num_full, _ROWS_AT_ONCE)
+    parts = [full_rows[start : start + _ROWS_AT_ONCE] for start in starts]
+    if num_full < len(rows):
+        parts.append(rows[num_full:])  # a shorter row
     counts = jnp.zeros(agents, jnp.int32)
     for part in parts:
-        counts = counts + jnp.sum(
-            reduce(jnp.add, map(members, part)), axis=1, dtype=jnp.uint8
-        ).astype(jnp.int32)
+        added = reduce(jnp.add, map(members, part))
+        counts = counts + jnp.sum(added, axis=1, dtype=jnp.uint8).astype(jnp.int32)
     return counts
 
 
 def in_rows(values: Array) -> list[Array]:
-    """Returns the last axis in pieces of LANES, what is left over last: work on such a row is one vector instruction."""
+    """Returns the last axis in pieces of LANES, what is left over last.
+
+    Work on such a piece is one vector instruction.
+    """
     return [values[..., first : first + LANES] for first in range(0, values.shape[-1], LANES)]
 
 
@@ -122,7 +137,14 @@ _ROWS_AT_ONCE = 4  # at most 7: a byte holds 7 * 32; 6 are as fast, 2 and 7 slow
 
 @partial(jax.jit, static_argnums=1)  # as above
 def occupied(site: Array, size: int) -> Array:
-    """Returns which cells have an agent on them: `[size]` bool, from `[N]` cell numbers (`size` for elsewhere)."""
+    """Returns which cells have an agent on them.
+
+    Args:
+      site: `[N]` int32, the number of each agent's cell, `size` for elsewhere.
+
+    Returns:
+      `[size]` bool.
+    """
     return by_platform(partial(_marked, size=size), partial(_compared, size=size), site)
 
 

@@ -1,7 +1,7 @@
-"""Egocentric windows: cuts each agent's view out of the map's planes, rotated so that its heading points up.
+"""Egocentric windows: cuts each agent's view out of the map's planes, its heading pointing up.
 
-A cell of a plane is a byte. A kind whose cells look different has a number for each combination of its fields' values, one after the
-other: `look_number` makes them, `look_fields` takes them apart.
+A cell of a plane is a byte. A kind whose cells look different has a number for each combination of
+its fields' values, one after the other: `look_number` makes them, `look_fields` takes them apart.
 """
 
 import math
@@ -16,11 +16,11 @@ from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime.bits import set_of, unpack
 from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.rows import entries_in_bounds
 
 
-@partial(
-    jax.jit, static_argnames=("ahead", "behind", "left", "right")
-)  # one function of the program, however many planes are seen
+# One function of the program, however many planes are seen.
+@partial(jax.jit, static_argnames=("ahead", "behind", "left", "right"))
 def windows(
     plane: Array, position: Array, heading: Array, *, ahead: int, behind: int, left: int, right: int
 ) -> Array:
@@ -28,38 +28,33 @@ def windows(
 
     Args:
       plane: `[rows, cols]` of the padded frame; every window lies in it.
-      position: `[N]` int32 cells of the frame (nowhere, cell 0: some window, to be masked by the caller).
+      position: `[N]` int32 cells of the frame; for nowhere, cell 0, the window is undefined, and
+        the caller masks it.
       heading: `[N]` int32, 0 north .. 3 west.
       ahead, behind, left, right: cells seen to each side.
+
     Returns:
-      `[N, V]`, the cells of each window row by row: `(ahead + 1 + behind) * (left + 1 + right)` of them, the agent's own in
-      row `ahead`, column `left`. Not in rows: XLA makes vector instructions of the last axis only, and a row is too short.
+      `[N, V]`, the cells of each window row by row: `(ahead + 1 + behind) * (left + 1 + right)` of
+      them, the agent's own in row `ahead`, column `left`. They are on one axis because XLA makes
+      vector instructions of the last axis only, and a row is too short.
     """
     sides = (ahead, behind, left, right)
-    return by_platform(
-        partial(_windows_cut, sides=sides),
-        partial(_windows_looked_up, sides=sides),
-        plane,
-        position,
-        heading,
-    )
+    cut = partial(_windows_cut, sides=sides)
+    looked_up = partial(_windows_looked_up, sides=sides)
+    return by_platform(cut, looked_up, plane, position, heading)
 
 
 def _windows_looked_up(
     plane: Array, position: Array, heading: Array, sides: tuple[int, int, int, int]
 ) -> Array:
-    """The form for GPUs: each cell of each window asks for its own cell of the plane, in one kernel."""
+    """The form for GPUs: each cell of each window looks its cell of the plane up, in one kernel."""
     ahead, behind, left, right = sides
     cols = plane.shape[1]
     row, col = np.mgrid[-ahead : behind + 1, -left : right + 1].reshape(2, -1)
-    turned = np.stack(
-        [row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]
-    ).astype(np.int32)
-    cells = position[:, None] + jnp.asarray(turned)[heading]
-    seen: Array = (
-        plane.reshape(-1).at[cells].get(mode="promise_in_bounds", wrap_negative_indices=False)
-    )
-    return seen  # of who is nowhere: of anything, which the caller masks
+    by_heading = [row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]
+    offsets = np.stack(by_heading).astype(np.int32)
+    cells = position[:, None] + jnp.asarray(offsets)[heading]
+    return entries_in_bounds(plane.reshape(-1), cells)
 
 
 def _windows_cut(
@@ -70,19 +65,16 @@ def _windows_cut(
     rows, cols = plane.shape
     side = max(rows, cols)
     turned = []
-    for k in range(4):
-        view = jnp.rot90(plane, k)
-        turned.append(
-            lax.pad(
-                view,
-                jnp.zeros((), plane.dtype),
-                [(0, side - view.shape[0], 0), (0, side - view.shape[1], 0)],
-            )
-        )
+    for heading_up in range(4):
+        view = jnp.rot90(plane, heading_up)
+        edges = [(0, side - view.shape[0], 0), (0, side - view.shape[1], 0)]
+        turned.append(lax.pad(view, jnp.zeros((), plane.dtype), edges))
     planes = jnp.stack(turned)
-    row, col = position // cols, position % cols
+    row = position // cols
+    col = position % cols
     # jnp.rot90 turns counter-clockwise: facing east (1), east becomes up
-    from_right, from_below = cols - 1 - col, rows - 1 - row
+    from_right = cols - 1 - col
+    from_below = rows - 1 - row
     turned_row = lax.select_n(heading, row, from_right, from_below, col)
     turned_col = lax.select_n(heading, col, row, from_right, from_below)
     size = (ahead + 1 + behind, left + 1 + right)
@@ -102,45 +94,52 @@ def fill(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
       cells: `[S]` int32, ascending; constant: not traced.
       values: `[S]` uint8.
     """
-    return by_platform(
-        partial(_filled_in_runs, cells), partial(_filled_by_number, cells), plane, values
-    )
+    in_runs = partial(_filled_in_runs, cells)
+    by_number = partial(_filled_by_number, cells)
+    return by_platform(in_runs, by_number, plane, values)
 
 
 def _filled_by_number(cells: Array | np.ndarray, plane: Array, values: Array) -> Array:
-    """The form for GPUs: each cell of the plane looks up its value. The numbers depend on the values: XLA transposes constant ones."""
+    """The form for GPUs: each cell of the plane looks up its value.
+
+    XLA transposes lookups by constant numbers, so the numbers are made to depend on the values.
+    """
     constant = np.asarray(cells)
     numbers = np.zeros(plane.shape[0], np.int32)
     numbers[constant] = np.arange(constant.size)
-    there = np.zeros(plane.shape[0], bool)
-    there[constant] = True
-    batched = jnp.asarray(numbers) + (values[0].astype(jnp.int32) & 0)
-    return jnp.where(jnp.asarray(there), values.at[batched].get(mode="promise_in_bounds"), plane)
+    is_filled = np.zeros(plane.shape[0], bool)
+    is_filled[constant] = True
+    not_constant = jnp.asarray(numbers) + (values[0].astype(jnp.int32) & 0)
+    filled = jnp.asarray(is_filled)
+    return jnp.where(filled, values.at[not_constant].get(mode="promise_in_bounds"), plane)
 
 
 def _filled_in_runs(cells: Array | np.ndarray, plane: Array, values: Array) -> Array:
-    """The form for CPUs: for a large batch the plane is assembled from runs of neighbouring cells, with a copy for each, if they are long.
+    """The form for CPUs: for a large batch, the plane is assembled from runs of adjacent cells.
 
-    A scatter cell by cell takes twice as long for 538 cells in 81 runs (docs/performance.md).
+    Each run is copied, if runs are long. A scatter cell by cell takes twice as long for 538 cells
+    in 81 runs (docs/performance.md).
     """
     constant = np.asarray(cells)
     first = np.flatnonzero(np.diff(constant, prepend=-2) != 1)
     if constant.size < LONG_RUN * first.size:
         return _scattered(plane, cells, values)
 
-    @custom_vmap
-    def filled(plane: Array, values: Array) -> Array:
+    def scattered(plane: Array, values: Array) -> Array:
         return _scattered(plane, cells, values)
+
+    filled = custom_vmap(scattered)
 
     @filled.def_vmap
     def batched(size: int, in_batched: Any, plane: Array, values: Array) -> tuple[Array, bool]:
-        both = [
-            x if b else jnp.broadcast_to(x, (size, *x.shape))
-            for x, b in zip((plane, values), in_batched, strict=True)
-        ]
+        plane_batched, values_batched = in_batched
+        if not plane_batched:
+            plane = jnp.broadcast_to(plane, (size, *plane.shape))
+        if not values_batched:
+            values = jnp.broadcast_to(values, (size, *values.shape))
         if size < LARGE_BATCH:
-            return jax.vmap(lambda plane, values: _scattered(plane, cells, values))(*both), True
-        return _from_runs(both[0], both[1], constant, first), True
+            return jax.vmap(scattered)(plane, values), True
+        return _from_runs(plane, values, constant, first), True
 
     result: Array = filled(plane, values)
     return result
@@ -162,16 +161,24 @@ def _scattered(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
 
 
 def _from_runs(planes: Array, values: Array, cells: np.ndarray, first: np.ndarray) -> Array:
-    """Returns `[B, cells]` planes: pieces of the planes and the runs in turn. `first`: number of each run's first cell."""
-    pieces, place = [], 0
+    """Returns `[B, cells]` planes: pieces of the planes and the runs in turn.
+
+    Args:
+      first: the number of each run's first cell among `cells`.
+    """
+    pieces = []
+    place = 0
     for begin, end in zip(first, [*first[1:], cells.size], strict=True):
-        pieces += [planes[:, place : cells[begin]], values[:, begin:end]]
+        pieces.append(planes[:, place : cells[begin]])
+        pieces.append(values[:, begin:end])
         place = cells[end - 1] + 1
     return jnp.concatenate([*pieces, planes[:, place:]], axis=1)
 
 
 def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
-    """Returns a plane with bits added to cells; cells named twice get the bits once, cell 0 (nowhere) too.
+    """Returns a plane with bits added to cells, to a cell that is named twice only once.
+
+    Cell 0, nowhere, is a cell like others.
 
     Args:
       plane: `[cells]` uint8.
@@ -183,13 +190,13 @@ def paint(plane: Array, cells: Array, bits: Array | int) -> Array:
 
 
 def _painted_as_bits(plane: Array, cells: Array, bits: Array) -> Array:
-    """The form for GPUs of one value for all: which cells there are is kept as bits, as one word for 32 cells."""
+    """The form for GPUs of one value for all: the cells are kept as bits, 32 in a word."""
     size = plane.shape[0]
     return plane | jnp.where(unpack(set_of(cells, size), size), bits, jnp.uint8(0))
 
 
 def _painted_by_comparing(plane: Array, cells: Array, bits: Array) -> Array:
-    """The form for GPUs of a value for each of a few cells: each cell of the plane compares itself with all of them."""
+    """The form for GPUs of a value for each cell: each cell of the plane is compared with all."""
     number = jnp.arange(plane.shape[0], dtype=jnp.int32)
     painted = jnp.zeros_like(plane)
     for place in range(cells.shape[0]):
@@ -199,8 +206,8 @@ def _painted_by_comparing(plane: Array, cells: Array, bits: Array) -> Array:
 
 def _painted_by_cell(plane: Array, cells: Array, bits: Array) -> Array:
     """The form for CPUs: a scatter."""
+    painted = entries_in_bounds(plane, cells) | bits
     where = plane.at[cells]
-    painted = where.get(mode="promise_in_bounds", wrap_negative_indices=False) | bits
     return where.set(painted, mode="promise_in_bounds", wrap_negative_indices=False)
 
 
@@ -221,29 +228,37 @@ def look_number(first: int, sizes: tuple[int, ...], *values: Array) -> Array:
 
 
 def look_fields(number: Array, first: int, sizes: tuple[int, ...]) -> tuple[Array, ...]:
-    """Returns which numbers are looks of a kind, bool, and the value of each of its fields, uint8: those mean nothing elsewhere.
+    """Returns which numbers are looks of a kind, and the value of each of its fields.
 
     Args:
-      number: any shape, uint8. first, sizes: as of `look_number`.
+      number: any shape, uint8.
+      first, sizes: as of `look_number`.
+
+    Returns:
+      bool, and for each field uint8, undefined where the number is no look of the kind; all of the
+      shape of `number`.
     """
-    there = (number >= first) & (number <= first + math.prod(sizes) - 1)  # 256 is no byte
+    is_look = (number >= first) & (number <= first + math.prod(sizes) - 1)  # 256 is no byte
     rest = number - first
     values: list[Array] = []
     for size in reversed(sizes[1:]):
         values.append(rest % size)
         rest = rest // size
-    return there, rest, *reversed(values)
+    return is_look, rest, *reversed(values)
 
 
 def planes_of(view: tuple[int, int], present: Array | None, *planes: Array) -> Array:
     """Returns the planes of all windows, each plane contiguous.
 
-    Interleaved bytes of several planes would be written one by one, which takes ten times as long on a CPU (docs/performance.md).
+    Interleaved bytes of several planes would be written one by one, which takes ten times as long
+    on a CPU (docs/performance.md).
 
     Args:
       view: rows and columns of a window.
       present: `[N]` bool, who is on the map; the others see zeros. None: all are.
-      planes: arrays `[N, rows * columns]` uint8, or several planes of that size side by side; P planes together.
+      planes: arrays `[N, rows * columns]` uint8, or several planes of that size side by side; P
+        planes together.
+
     Returns:
       `[N, P, rows, columns]` uint8.
     """

@@ -172,8 +172,8 @@ class Environment:
         Returns:
           observation of the state returned; state; reward `[N]` float32 of the game; done bool;
           info: `truncated`, `terminated` bool, `events` int32 `[N]` or scalar counts of this step,
-          `metrics` float32 scalars, `terminal_observation` and `terminal_state` (before the reset;
-          they cost nothing under `jit` when unused). In a game with trials also `trial`, the number
+          `metrics` float32 scalars, `terminal_observation` and `terminal_state` (before the next
+          episode or trial; they cost nothing under `jit` when unused). In a game with trials also `trial`, the number
           of the trial that this step was in, from 0, and `trial_ended` bool; after the last step of
           a trial, the state is the first of the next.
 
@@ -201,13 +201,16 @@ class Environment:
         """Does what `step` does, without the reset after an episode."""
         params = self._given(params)
         words = key_words(key)
-        state, reward, done, info = self._transition(words, state, actions, params)
+        ended, reward, done, info = self._transition(words, state, actions, params)
+        state = ended
+        observation = terminal_observation = self._observe(ended, params)
         if has_trials(self.module):
             is_over = info["trial_ended"] & ~done
             no = jnp.zeros((), bool)
-            state = begin_trial_where(self.module, is_over, no, words, params, state)
-        info["terminal_observation"] = observation = self._observe(state, params)
-        info["terminal_state"] = state
+            state = begin_trial_where(self.module, is_over, no, words, params, ended)
+            observation = self._observe(state, params)
+        info["terminal_observation"] = terminal_observation
+        info["terminal_state"] = ended
         return observation, state, reward, done, info
 
     def _transition(
@@ -272,7 +275,9 @@ class Environment:
             jax.vmap(jax.random.key)(jnp.arange(NUM_STARTS))
         )
         roles = np.asarray(getattr(states, self.module.ROLE))
-        return tuple(int(role) for role in roles[0]) if (roles == roles[0]).all() else None
+        if (roles != roles[0]).any():
+            return None
+        return tuple(int(role) for role in roles[0])
 
     def cells(self, state: State) -> tuple[Array, Array]:
         """Returns row and column of each agent, int32 `[N]` each, negative for those away."""

@@ -13,15 +13,15 @@ from jax import Array, lax
 
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.reductions import sum_of
+from sjdsl.runtime.rows import numbers_on_last_axis
 
 FRACTION = 23  # bits of a float32 after its first
 BIAS = 127
 SPECIAL = 255  # exponent of infinity
 INFINITE = SPECIAL << FRACTION
 DIGIT = 12  # bits of a digit of a fixed-point number
-DIGITS = (
-    28  # from the last bit of the least normal float32 to those of infinity, with room for sums
-)
+# Digits from the last bit of the least normal float32 to those of infinity, with room for sums.
+DIGITS = 28
 ABOVE = 288  # place of the bits of infinity, which finite terms can't cancel
 
 
@@ -36,7 +36,8 @@ def exactly(value: Array) -> Array:
 
 def divided(dividend: Array | float, divisor: Array | float) -> Array:
     """Returns the quotient of two reals, float32, correctly rounded if all three are normal."""
-    top, bottom = jnp.asarray(dividend, jnp.float32), jnp.asarray(divisor, jnp.float32)
+    top = jnp.asarray(dividend, jnp.float32)
+    bottom = jnp.asarray(divisor, jnp.float32)
     return by_platform(_divided_on_cpu, _divided_on_gpu, top, bottom)
 
 
@@ -83,39 +84,44 @@ def fixed_point(values: Array) -> Array:
     exponent = _exponent(bits)
     significand = jnp.where(exponent == 0, jnp.uint32(0), _significand(bits))
     place = jnp.where(exponent == SPECIAL, ABOVE, exponent - 1)
-    digits = jnp.arange(DIGITS, dtype=jnp.int32).reshape((1,) * values.ndim + (-1,))
-    shift = place - DIGIT * digits
+    shift = place - DIGIT * numbers_on_last_axis(DIGITS, values.ndim + 1)
     left = significand << jnp.clip(shift, 0, 31).astype(jnp.uint32)
     right = significand >> jnp.clip(-shift, 0, 31).astype(jnp.uint32)
-    entries = (jnp.where(shift >= 0, left, right) & jnp.uint32(2**DIGIT - 1)).astype(jnp.int32)
-    result: Array = jnp.where(bits >> jnp.uint32(31) == 1, -entries, entries)
+    shifted = jnp.where(shift >= 0, left, right)
+    entries = (shifted & (2**DIGIT - 1)).astype(jnp.int32)
+    result: Array = jnp.where(bits >> 31 == 1, -entries, entries)
     return result
 
 
 @jax.jit  # as above
 def rounded(sums: Array) -> Array:
     """Returns the nearest float32 of fixed-point sums, of two the even: `[..., 28]` -> `[...]`."""
-    negative = _carried(sums)[1] < 0
+    _, carry = _carried(sums)
+    negative = carry < 0
     digits, _ = _carried(jnp.where(negative[..., None], -sums, sums))
-    number = jnp.arange(DIGITS, dtype=jnp.int32).reshape((1,) * negative.ndim + (-1,))
+    number = numbers_on_last_axis(DIGITS, digits.ndim)
     top = jnp.max(jnp.where(digits > 0, number, 0), axis=-1)
-    first, second, third = (
-        jnp.sum(jnp.where(number == top[..., None] - i, digits, 0), axis=-1, dtype=jnp.int32)
-        for i in range(3)
-    )
+
+    def digit_below_top(places: int) -> Array:
+        is_place = number == top[..., None] - places
+        return jnp.sum(jnp.where(is_place, digits, 0), axis=-1, dtype=jnp.int32)
+
+    first = digit_below_top(0)
+    second = digit_below_top(1)
+    third = digit_below_top(2)
     below = jnp.any((number < top[..., None] - 2) & (digits > 0), axis=-1)
     high = first << DIGIT | second
     length = _exponent(_bits(high.astype(jnp.float32))) - (BIAS - 1)
-    more = jnp.clip(
-        FRACTION + 1 - length, 0, DIGIT - 1
-    )  # bits of the third digit in the significand
+    # Bits of the third digit in the significand.
+    more = jnp.clip(FRACTION + 1 - length, 0, DIGIT - 1)
     significand = high << more | third >> (DIGIT - more)
     rest = third & ((1 << (DIGIT - more)) - 1)
     half = 1 << (DIGIT - 1 - more)
     is_odd = (significand & 1) == 1
     up = (rest > half) | ((rest == half) & (below | is_odd))
-    place = DIGIT * (top - 1) - more
-    return _assembled(negative, place + 1, significand.astype(jnp.uint32) + up.astype(jnp.uint32))
+    exponent = DIGIT * (top - 1) - more + 1
+    significand = significand.astype(jnp.uint32) + up.astype(jnp.uint32)
+    return _assembled(negative, exponent, significand)
 
 
 def _carried(sums: Array) -> tuple[Array, Array]:
@@ -140,25 +146,26 @@ def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
 
     Numbers nearer to 0 than 2^-126 are 0.
     """
-    top, bottom = _bits(dividend), _bits(divisor)
+    top = _bits(dividend)
+    bottom = _bits(divisor)
     above = _significand(top)
     below = _significand(bottom)
     smaller = above < below
     rest = (above << smaller.astype(jnp.uint32)) - below
     quotient = jnp.ones_like(rest)
     for _ in range(3):
-        rest = rest << jnp.uint32(8)
+        rest = rest << 8
         more = rest // below
-        quotient = quotient << jnp.uint32(8) | more
+        quotient = quotient << 8 | more
         rest = rest - more * below  # `%` would be ten operations
-    significand = quotient >> jnp.uint32(1)
-    is_odd = (significand & jnp.uint32(1)) == 1
-    up = ((quotient & jnp.uint32(1)) == 1) & ((rest > 0) | is_odd)
+    significand = quotient >> 1
+    is_odd = (significand & 1) == 1
+    up = ((quotient & 1) == 1) & ((rest > 0) | is_odd)
     to_zero = (_exponent(top) == 0) | (_exponent(bottom) == SPECIAL)
     to_infinity = (_exponent(top) == SPECIAL) | (_exponent(bottom) == 0)
     exponent = _exponent(top) - _exponent(bottom) + BIAS - smaller.astype(jnp.int32)
     exponent = jnp.where(to_zero, 0, jnp.where(to_infinity, SPECIAL, exponent))
-    negative = (top ^ bottom) >> jnp.uint32(31) == 1
+    negative = (top ^ bottom) >> 31 == 1
     result = _assembled(negative, exponent, significand + up.astype(jnp.uint32))
     is_none = (to_zero & to_infinity) | (dividend != dividend) | (divisor != divisor)
     return jnp.where(is_none, jnp.float32(jnp.nan), result)
@@ -170,11 +177,12 @@ def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
     Args:
       significand: 2^23 .. 2^24, where 2^24 counts as the next exponent.
     """
-    bits = ((exponent - 1).astype(jnp.uint32) << jnp.uint32(FRACTION)) + significand
-    size = jnp.where(
-        exponent <= 0, jnp.uint32(0), jnp.where(exponent >= SPECIAL, jnp.uint32(INFINITE), bits)
-    )
-    return _real(size | negative.astype(jnp.uint32) << jnp.uint32(31))
+    bits = ((exponent - 1).astype(jnp.uint32) << FRACTION) + significand
+    is_zero = exponent <= 0
+    is_infinite = exponent >= SPECIAL
+    size = jnp.where(is_zero, jnp.uint32(0), jnp.where(is_infinite, jnp.uint32(INFINITE), bits))
+    sign = negative.astype(jnp.uint32) << 31
+    return _real(size | sign)
 
 
 def _zero(value: Array) -> Array:
@@ -182,19 +190,20 @@ def _zero(value: Array) -> Array:
 
     No square has the remainder 2 modulo 5, which compilers don't know.
     """
-    part = _bits(value) & jnp.uint32(0x7FFF)
+    part = _bits(value) & 0x7FFF
     square = part * part
-    result: Array = (square - square // jnp.uint32(5) * jnp.uint32(5) == 2).astype(jnp.uint32)
+    remainder = square - square // jnp.uint32(5) * 5
+    result: Array = (remainder == 2).astype(jnp.uint32)
     return result
 
 
 def _exponent(bits: Array) -> Array:
-    result: Array = (bits >> jnp.uint32(FRACTION) & jnp.uint32(SPECIAL)).astype(jnp.int32)
+    result: Array = (bits >> FRACTION & SPECIAL).astype(jnp.int32)
     return result
 
 
 def _significand(bits: Array) -> Array:
-    result: Array = bits & jnp.uint32(2**FRACTION - 1) | jnp.uint32(2**FRACTION)
+    result: Array = bits & (2**FRACTION - 1) | 2**FRACTION
     return result
 
 

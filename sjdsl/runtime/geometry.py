@@ -148,7 +148,12 @@ def turned(cells: Sequence[tuple[int, int]], heading: int) -> list[tuple[int, in
     """Returns the (rows down, columns to the right) of each (ahead, right) with a heading."""
     ahead = DIRECTIONS[heading]
     right = DIRECTIONS[(heading + 1) % 4]
-    return [(a * ahead[0] + c * right[0], a * ahead[1] + c * right[1]) for a, c in cells]
+    rows_and_cols = []
+    for num_ahead, num_right in cells:
+        down = num_ahead * ahead[0] + num_right * right[0]
+        across = num_ahead * ahead[1] + num_right * right[1]
+        rows_and_cols.append((down, across))
+    return rows_and_cols
 
 
 def lane_reach(
@@ -223,12 +228,15 @@ def view_offsets(
 
 def view_steps(ahead: int, behind: int, left: int, right: int) -> np.ndarray:
     """Returns how many steps each cell of a window is from the agent: `[V]` int32."""
-    return np.array([abs(a) + abs(c) for a, c in _view(ahead, behind, left, right)], np.int32)
+    view = np.array(_view(ahead, behind, left, right), np.int32)
+    steps: np.ndarray = np.abs(view).sum(axis=1, dtype=np.int32)
+    return steps
 
 
 def view_steps_around(rows: Rows, ahead: int, behind: int, left: int, right: int) -> np.ndarray:
     """Returns the steps to each cell of a window if the map wraps, by heading: `[4, V]` int32."""
-    height, width = len(rows), len(rows[0])
+    height = len(rows)
+    width = len(rows[0])
     view = _view(ahead, behind, left, right)
     steps = np.zeros((4, len(view)), np.int32)
     for heading in range(4):
@@ -245,13 +253,14 @@ def view_cells(ahead: int, behind: int, left: int, right: int, *sides: int) -> n
     Args:
       sides: of the smaller window: ahead, behind, left, right.
     """
-    view = _view(ahead, behind, left, right)
-    return np.array([-sides[1] <= a <= sides[0] and -sides[2] <= c <= sides[3] for a, c in view])
+    smaller = set(_view(*sides))
+    return np.array([cell in smaller for cell in _view(ahead, behind, left, right)])
 
 
 def _view(ahead: int, behind: int, left: int, right: int) -> list[tuple[int, int]]:
     """Returns (ahead, right) of each cell of a window, row by row."""
-    return [(a, c) for a in range(ahead, -behind - 1, -1) for c in range(-left, right + 1)]
+    columns = range(-left, right + 1)
+    return [(row, column) for row in range(ahead, -behind - 1, -1) for column in columns]
 
 
 def own_cells(rows: Rows, ahead: int, behind: int, left: int, right: int) -> np.ndarray:

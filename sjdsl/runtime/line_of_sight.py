@@ -9,6 +9,7 @@ from jax import Array
 
 from sjdsl.runtime.bits import WIDTH, as_bits
 from sjdsl.runtime.reductions import any_of, argmax_of
+from sjdsl.runtime.rows import on_last_axis
 
 
 def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
@@ -29,11 +30,11 @@ def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
     # [k, j]: j comes before k in its lane.
     before = (lane[:, None] == lane) & (cell < cell[:, None])
     if starts.size > WIDTH:
-        return on_map & ~any_of(
-            ends[..., None, :] & before.reshape((1,) * (ends.ndim - 1) + before.shape), axis=-1
-        )
-    asked = np.sum(before << cell, axis=1, dtype=np.uint32).reshape((1,) * (ends.ndim - 1) + (-1,))
-    return on_map & ((as_bits(ends, jnp.uint32)[..., None] & asked) == 0)
+        before = before.reshape((1,) * (ends.ndim - 1) + before.shape)
+        return on_map & ~any_of(ends[..., None, :] & before, axis=-1)
+    bits_before: np.ndarray = (before << cell).sum(axis=1, dtype=np.uint32)
+    ends_before = as_bits(ends, jnp.uint32)[..., None] & on_last_axis(bits_before, ends.ndim)
+    return on_map & (ends_before == 0)
 
 
 def nearest_in_lanes(
@@ -54,11 +55,12 @@ def nearest_in_lanes(
     if min(lanes) != max(lanes):  # shorter lanes are padded with cells that aren't eligible
         ends = np.cumsum(lanes)[:, None]
         cell = ends - np.array(lanes)[:, None] + np.arange(max(lanes))
-        eligible = eligible[..., np.minimum(cell, ends - 1).reshape(-1)] & (cell < ends).reshape(
-            (1,) * (eligible.ndim - 1) + (-1,)
-        )
-        numbers = numbers[..., np.minimum(cell, ends - 1).reshape(-1)]
-    eligible, numbers = eligible.reshape(shape), numbers.reshape(shape)
+        padded = np.minimum(cell, ends - 1).reshape(-1)
+        is_in_lane = on_last_axis((cell < ends).reshape(-1), eligible.ndim)
+        eligible = eligible[..., padded] & is_in_lane
+        numbers = numbers[..., padded]
+    eligible = eligible.reshape(shape)
+    numbers = numbers.reshape(shape)
     nearest = argmax_of(eligible, axis=-1)[..., None]
-    chosen: Array = jnp.take_along_axis(numbers, nearest, axis=-1, mode="promise_in_bounds")[..., 0]
-    return chosen, any_of(eligible, axis=-1)
+    chosen = jnp.take_along_axis(numbers, nearest, axis=-1, mode="promise_in_bounds")
+    return chosen[..., 0], any_of(eligible, axis=-1)

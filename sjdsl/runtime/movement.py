@@ -43,55 +43,64 @@ def resolve(position: Array, target: Array, word: Array, exchange: bool = False)
     )
 
 
+def _wishes(position: Array, target: Array, rank: Array) -> tuple[Array, Array, Array]:
+    """Returns who wants to move, and which agents are in whose way.
+
+    Args:
+      position, target: as of `resolve`.
+      rank: `[N]` uint32.
+
+    Returns:
+      `[N]` bool, who moves; `[N, N]` bool, entry i, j whether i moves to the cell of j; and
+      `[N, N]` bool, entry i, j whether j moves to the target of i and has a larger rank.
+    """
+    moving = target != position
+    into = (target[:, None] == position[None, :]) & moving[:, None]
+    has_target = (target[:, None] == target[None, :]) & moving[None, :]
+    return moving, into, has_target & (rank[None, :] > rank[:, None])
+
+
 def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> Array:
     """The form for GPUs: each agent follows the chain of those it waits for, in a table of bits."""
     n = position.shape[0]
     index = jnp.arange(n, dtype=jnp.uint32)
-    rank = (word & jnp.uint32(0xFFFFFF00)) | index
-    moving = target != position
-    into = (target[:, None] == position[None, :]) & moving[:, None]
-    lost = (target[:, None] == target[None, :]) & moving[None, :] & (rank[None, :] > rank[:, None])
+    moving, into, lost = _wishes(position, target, (word & jnp.uint32(0xFFFFFF00)) | index)
     if not exchange:
-        lost = lost | (into & ((target[None, :] == position[:, None]) & moving[None, :]))
+        into_mine = (target[None, :] == position[:, None]) & moving[None, :]
+        lost = lost | (into & into_mine)
     # One sum for two values: in the low 8 bits the agent that is waited for, plus 1; above them the
     # number of reasons to stay.
-    reasons = jnp.where(into, index[None, :] + 1, jnp.uint32(0)) + jnp.where(
-        lost, jnp.uint32(256), jnp.uint32(0)
-    )
-    sums = sum_of(reasons, axis=1)
+    waited_for = jnp.where(into, index[None, :] + 1, jnp.uint32(0))
+    reasons = jnp.where(lost, jnp.uint32(256), jnp.uint32(0))
+    sums = sum_of(waited_for + reasons, axis=1)
     bits = max(1, (n - 1).bit_length())
     follows = jnp.where((sums & 255) == 0, index, (sums & 255) - 1)
     stays = ((sums >= 256) | ~moving).astype(jnp.uint32)
-    entry = lax.optimization_barrier((follows | (stays << bits)).astype(jnp.uint8)).astype(
-        jnp.uint32
-    )
+    stored = lax.optimization_barrier((follows | (stays << bits)).astype(jnp.uint8))
+    entry = stored.astype(jnp.uint32)
     per_word = 32 // (bits + 1)
-    shifts = jnp.arange(per_word, dtype=jnp.uint32) * jnp.uint32(bits + 1)
-    table = [
-        sum_of(entry[first : first + per_word] << shifts[: n - first])
-        for first in range(0, n, per_word)
-    ]
+    shifts = jnp.arange(per_word, dtype=jnp.uint32) * (bits + 1)
+    table = []
+    for first in range(0, n, per_word):
+        shifted = entry[first : first + per_word] << shifts[: n - first]
+        table.append(sum_of(shifted))
     agent = index
     stuck = jnp.zeros(n, jnp.uint32)
     for _ in range(n):
         word = table[0]
         for number, other in enumerate(table[1:], 1):
             word = jnp.where(agent >= number * per_word, other, word)
-        entry_of_agent = word >> ((agent % per_word) * jnp.uint32(bits + 1))
+        entry_of_agent = word >> ((agent % per_word) * (bits + 1))
         stuck = stuck | ((entry_of_agent >> bits) & 1)
-        agent = entry_of_agent & jnp.uint32((1 << bits) - 1)
+        agent = entry_of_agent & ((1 << bits) - 1)
     return jnp.where(stuck != 0, position, target)
 
 
 def _by_spreading(position: Array, target: Array, word: Array, exchange: bool) -> Array:
     """The form for CPUs: all who wait for somebody that stays are marked, until no more are."""
-    n = position.shape[0]
-    index = jnp.arange(n, dtype=jnp.uint32)
-    rank = (word & jnp.uint32(0xFFFFFF00)) | index
-    moving = target != position
-    into = (target[:, None] == position[None, :]) & moving[:, None]  # [i, j]: i wants the cell of j
-    rival = (target[:, None] == target[None, :]) & moving[None, :] & (rank[None, :] > rank[:, None])
-    lost = ~moving | jnp.any(rival if exchange else rival | (into & into.T), axis=1)
+    index = jnp.arange(position.shape[0], dtype=jnp.uint32)
+    moving, into, outranked = _wishes(position, target, (word & jnp.uint32(0xFFFFFF00)) | index)
+    lost = ~moving | jnp.any(outranked if exchange else outranked | (into & into.T), axis=1)
     lost = _spread(into, lost)
     return jnp.where(lost, position, target)
 
@@ -106,7 +115,7 @@ def _spread(into: Array, lost: Array) -> Array:
 
         spread: Array = lax.fori_loop(0, n, spread_once, settled(partial(spread_once, 0), lost))
         return spread
-    bit = (jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)).astype(jnp.uint32)
+    bit = jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)
     waits = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
     stays = jnp.sum(jnp.where(lost, bit, jnp.uint32(0)), dtype=jnp.uint32)
 

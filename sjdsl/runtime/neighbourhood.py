@@ -9,6 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from sjdsl.runtime.rows import entries_in_bounds
+
 Fold = Literal["sum", "max", "min", "any"]
 _FOLDS: dict[str, Callable[[Array, Array], Array]] = {
     "sum": jnp.add,
@@ -28,12 +30,7 @@ def looked_up(values: Array, cells: Array) -> Array:
       values: `[S, ...]`.
       cells: any shape, int32; the result is undefined for S, one past the end.
     """
-    entries: Array = (
-        jnp.concatenate([values, values[:1]])
-        .at[cells]
-        .get(mode="promise_in_bounds", wrap_negative_indices=False)
-    )
-    return entries
+    return entries_in_bounds(jnp.concatenate([values, values[:1]]), cells)
 
 
 def entries_at(table: Array, places: Array) -> Array:
@@ -95,19 +92,14 @@ def _beside(numbers: np.ndarray, fields: Sequence[Array]) -> Iterator[tuple[Arra
     """Yields, for each cell of the shape, the index of it beside each cell, and its fields."""
     steps = _steps(numbers, len(fields[0]))
     if steps is None or len(fields[0]) != len(numbers):
-        for column in numbers.T:
-            yield (
-                jnp.asarray(column),
-                *(looked_up(values, jnp.asarray(column)) for values in fields),
-            )
+        for column in map(jnp.asarray, numbers.T):
+            yield column, *(looked_up(values, column) for values in fields)
         return
     reach = max(1, *map(abs, steps))
     rings = [jnp.concatenate([values[-reach:], values, values[:reach]]) for values in fields]
     for column, step in zip(numbers.T, steps, strict=True):
-        yield (
-            jnp.asarray(column),
-            *(ring[reach + step : reach + step + len(numbers)] for ring in rings),
-        )
+        first = reach + step
+        yield jnp.asarray(column), *(ring[first : first + len(numbers)] for ring in rings)
 
 
 def _beside_some(
@@ -126,13 +118,7 @@ def _beside_some(
 
     for place, column in enumerate(numbers.T):
         number = jnp.asarray(column)[around] if steps is None else beside(place, steps[place])
-        yield (
-            number,
-            *(
-                values.at[number].get(mode="promise_in_bounds", wrap_negative_indices=False)
-                for values in padded
-            ),
-        )
+        yield number, *(entries_in_bounds(values, number) for values in padded)
 
 
 def _steps(numbers: np.ndarray, size: int) -> list[int] | None:

@@ -13,6 +13,7 @@ from jax import Array, lax
 
 from sjdsl.runtime.actions import DIRECTIONS, STEPS, TURNS
 from sjdsl.runtime.bits import WIDTH, pack
+from sjdsl.runtime.rows import on_last_axis
 from sjdsl.runtime.varying import settled
 
 
@@ -44,13 +45,11 @@ def moves_of(
     actions: Sequence[str], relative: bool, open_cells: np.ndarray, wraps: bool = False
 ) -> Moves:
     """Returns the moves among the actions of a game. `open_cells`: see `Moves.open`."""
-    moves = [
-        (number, name) for number, name in enumerate(actions) if name in STEPS or name in TURNS
-    ]
+    moves = {name: number for number, name in enumerate(actions) if name in STEPS or name in TURNS}
     return Moves(
-        actions=tuple(number for number, _ in moves),
-        turns=tuple(TURNS.get(name, 0) for _, name in moves),
-        steps=tuple(STEPS.get(name) for _, name in moves),
+        actions=tuple(moves.values()),
+        turns=tuple(TURNS.get(name, 0) for name in moves),
+        steps=tuple(STEPS.get(name) for name in moves),
         relative=relative,
         open=open_cells,
         wraps=wraps,
@@ -79,7 +78,8 @@ def shifted(boards: Array, rows: int, cols: int, width: int) -> Array:
         moved = _moved(boards, -1, sign * num_words)
         if num_bits:
             carried = _moved(boards, -1, sign * (num_words + 1))
-            by, back = jnp.uint32(num_bits), jnp.uint32(WIDTH - num_bits)
+            by = jnp.uint32(num_bits)
+            back = jnp.uint32(WIDTH - num_bits)
             if cols > 0:
                 moved = (moved << by) | (carried >> back)
             else:
@@ -88,7 +88,7 @@ def shifted(boards: Array, rows: int, cols: int, width: int) -> Array:
         if cols > 0 and width % WIDTH:
             last = np.full(words, 0xFFFFFFFF, np.uint32)
             last[-1] = (1 << width % WIDTH) - 1
-            boards = boards & jnp.asarray(last).reshape((1,) * (boards.ndim - 1) + (-1,))
+            boards = boards & on_last_axis(jnp.asarray(last), boards.ndim)
     return boards
 
 
@@ -121,9 +121,11 @@ def contains(boards: Array, which: Array, row: Array, col: Array) -> Array:
     """
     height, words = boards.shape[-2:]
     inside = (row >= 0) & (row < height) & (col >= 0) & (col < words * WIDTH)
-    r, c = jnp.where(inside, row, 0), jnp.where(inside, col, 0)
-    word = boards[which, r, c // WIDTH]
-    result: Array = inside & (((word >> (c % WIDTH).astype(jnp.uint32)) & jnp.uint32(1)) != 0)
+    row = jnp.where(inside, row, 0)
+    col = jnp.where(inside, col, 0)
+    word = boards[which, row, col // WIDTH]
+    bit = (word >> (col % WIDTH).astype(jnp.uint32)) & 1
+    result: Array = inside & (bit != 0)
     return result
 
 
@@ -145,7 +147,8 @@ def first_moves(
     """
     heading, row, col = agents
     planes = goals.shape[1]
-    goals = jnp.broadcast_to(goals, (max(goals.shape[0], enterable.shape[0]), *goals.shape[1:]))
+    num_boards = max(goals.shape[0], enterable.shape[0])
+    goals = jnp.broadcast_to(goals, (num_boards, *goals.shape[1:]))
     board_of_agent = jnp.zeros_like(heading)
     if goals.shape[0] > 1:
         board_of_agent = jnp.arange(heading.shape[0])

@@ -1,12 +1,18 @@
 """Policies: functions `(key, observation [N, ...]) -> actions [N] int32`, perhaps with memory."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
+
+
+def unchanged(memory: Any, actions: Array, reward: Array, info: Mapping[str, Any]) -> Any:
+    """Returns a memory as it is, whatever came of the actions."""
+    del actions, reward, info
+    return memory
 
 
 @dataclass(frozen=True)
@@ -16,12 +22,15 @@ class MemoryPolicy:
     start: the memory before each episode's first step.
     reads_allowed: whether `act` also gets the actions that the game allows, `[N, A]` bool, of
     `env.allowed_actions(state)`; reads_state: whether the true state is its last argument.
+    after_step: `(memory, actions, reward, info) -> memory`, called after each step with what all
+    agents did, `[N]` int32, and earned, `[N]` float32, and the step's info.
     """
 
     start: Any
     act: Callable[..., tuple[Any, Array]]
     reads_allowed: bool = False
     reads_state: bool = False
+    after_step: Callable[[Any, Array, Array, Mapping[str, Any]], Any] = unchanged
 
     def needs(self, allowed: Any, state: Any) -> tuple[Any, ...]:
         """Returns the arguments of `act` behind memory, key and observation."""
@@ -83,8 +92,14 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
             memories.append(part)
         return tuple(memories), actions
 
+    def after_step(memory: Any, actions: Array, reward: Array, info: Mapping[str, Any]) -> Any:
+        return tuple(
+            policy.after_step(part, actions, reward, info)
+            for (_, policy), part in zip(policies, memory, strict=True)
+        )
+
     start = tuple(policy.start for _, policy in policies)
-    mixed = MemoryPolicy(start, act, reads_allowed, reads_state)
+    mixed = MemoryPolicy(start, act, reads_allowed, reads_state, after_step)
     return mixed
 
 

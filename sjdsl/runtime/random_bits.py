@@ -59,8 +59,8 @@ def random_bits_at(key: Array, stream: int | Array, numbers: Array) -> Array:
 
 @jax.jit  # one function of the program for each shape, however many rules draw
 def _numbered(key: Array, stream: Array, numbers: Array) -> Array:
-    first, second = _threefry(key, stream, numbers >> jnp.uint32(1))
-    return jnp.where((numbers & jnp.uint32(1)) == 0, first, second)
+    first, second = _threefry(key, stream, numbers >> 1)
+    return jnp.where((numbers & 1) == 0, first, second)
 
 
 def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
@@ -121,17 +121,38 @@ def next_threshold(before: Array, probability: Array) -> Array:
 def below(word: Array, bound: Array | int) -> Array:
     """Returns floor(word * bound / 2^32), int32: uniform below bounds of up to 65,535."""
     n = jnp.asarray(bound, jnp.uint32)
-    high, low = word >> jnp.uint32(16), word & jnp.uint32(0xFFFF)
-    result: Array = ((high * n + ((low * n) >> jnp.uint32(16))) >> jnp.uint32(16)).astype(jnp.int32)
+    upper_half = word >> 16
+    lower_half = word & 0xFFFF
+    upper = upper_half * n
+    carried = (lower_half * n) >> 16
+    result: Array = ((upper + carried) >> 16).astype(jnp.int32)
     return result
+
+
+def dealt_values(words: Array, number: int) -> Array:
+    """Returns different whole numbers below `number` for the last axis of random numbers, int32.
+
+    Entry i takes that at place i + floor(word * (number - i) / 2^32) of the list 0 .. number - 1,
+    and swaps it with that at place i: a Fisher-Yates shuffle, of which the first entries are kept.
+    """
+    places = jnp.arange(number, dtype=jnp.int32)
+    left = jnp.broadcast_to(places, (*words.shape[:-1], number))
+    dealt = []
+    for entry in range(words.shape[-1]):
+        place = entry + below(words[..., entry], number - entry)
+        is_taken = places == place[..., None]
+        value = jnp.sum(jnp.where(is_taken, left, 0), axis=-1, dtype=jnp.int32)
+        left = jnp.where(is_taken, left[..., entry : entry + 1], left)
+        dealt.append(value)
+    return jnp.stack(dealt, axis=-1)
 
 
 def unit(word: Array) -> Array:
     """Returns the upper 24 bits of random numbers as float32 in [0, 1): exact, equally likely."""
-    result: Array = (word >> jnp.uint32(8)).astype(jnp.float32) * jnp.float32(2.0**-24)
+    result: Array = (word >> 8).astype(jnp.float32) * jnp.float32(2.0**-24)
     return result
 
 
 def ranks(word: Array, member: Array) -> Array:
     """Returns the ranks of members, larger ones first, 0 for those that are none: uint32."""
-    return jnp.where(member, (word >> jnp.uint32(1)) + jnp.uint32(1), jnp.uint32(0))
+    return jnp.where(member, (word >> 1) + 1, jnp.uint32(0))

@@ -1,16 +1,38 @@
-"""Operations on the last axis of arrays, a row for each index: entries, shares, shifts, ramps."""
+"""Operations on the last axis of arrays, a row for each index, and entries by their numbers."""
+
+from typing import Any, TypeVar
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from sjdsl.runtime.reductions import argmax_of, sum_of
+
+A = TypeVar("A", Array, np.ndarray)
+
+
+def on_last_axis(entries: A, num_axes: int) -> A:
+    """Returns entries `[K]` on the last of so many axes: `[1, ..., 1, K]`."""
+    return entries.reshape((1,) * (num_axes - 1) + (-1,))
+
+
+def numbers_on_last_axis(size: int, num_axes: int, dtype: Any = jnp.int32) -> Array:
+    """Returns the numbers from 0 on the last of so many axes: `[1, ..., 1, size]`."""
+    return on_last_axis(jnp.arange(size, dtype=dtype), num_axes)
+
+
+def entries_in_bounds(values: Array, numbers: Array) -> Array:
+    """Returns entries of the first axis, undefined for numbers past the end.
+
+    No number is negative, so none is tested whether it counts from the end.
+    """
+    return values.at[numbers].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
 
 def one_hot(number: Array | int, size: int) -> Array:
     """Returns rows that hold at one number each: `[...]` integers -> `[..., size]` bool."""
     numbers = jnp.asarray(number)
-    along = jnp.arange(size, dtype=numbers.dtype).reshape((1,) * numbers.ndim + (-1,))
-    return numbers[..., None] == along
+    return numbers[..., None] == numbers_on_last_axis(size, numbers.ndim + 1, numbers.dtype)
 
 
 def entry(row: Array, key: Array) -> Array:
@@ -28,7 +50,8 @@ def highest(row: Array) -> Array:
 
     Without one, it is the last index.
     """
-    return (row.shape[-1] - 1 - argmax_of(row[..., ::-1] > 0, axis=-1)).astype(jnp.uint8)
+    from_last = argmax_of(row[..., ::-1] > 0, axis=-1)
+    return (row.shape[-1] - 1 - from_last).astype(jnp.uint8)
 
 
 def mix(row: Array) -> Array:
@@ -49,10 +72,11 @@ def shifted(row: Array, by: int, filler: Array) -> Array:
     Returns:
       `[..., K]`.
     """
-    source = jnp.arange(row.shape[-1], dtype=jnp.int32) - by
-    known = (source >= 0) & (source < row.shape[-1])
-    moved = row[..., jnp.clip(source, 0, row.shape[-1] - 1)]
-    return jnp.where(known.reshape((1,) * (row.ndim - 1) + (-1,)), moved, filler[..., None])
+    size = row.shape[-1]
+    source = jnp.arange(size, dtype=jnp.int32) - by
+    exists = (source >= 0) & (source < size)
+    moved = row[..., jnp.clip(source, 0, size - 1)]
+    return jnp.where(on_last_axis(exists, row.ndim), moved, filler[..., None])
 
 
 def ramp(value: Array, zero_at: Array, one_at: Array) -> Array:

@@ -10,6 +10,7 @@ from sjdsl.runtime.actions import HEADINGS
 from sjdsl.runtime.bits import WIDTH, unpack
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.module import GameModule
+from sjdsl.runtime.rows import on_last_axis
 
 
 def state_vector(module: GameModule, state: Any, row: Array, col: Array, length: Array) -> Array:
@@ -32,7 +33,8 @@ def state_vector(module: GameModule, state: Any, row: Array, col: Array, length:
       `[K]` float32.
     """
     present = row >= 0
-    height, width = len(module.MAP), len(module.MAP[0])
+    height = len(module.MAP)
+    width = len(module.MAP[0])
     parts = [
         state.step.astype(jnp.float32) / jnp.asarray(length, jnp.float32),
         jnp.where(present, row, 0).astype(jnp.float32) / jnp.float32(max(height - 1, 1)),
@@ -58,9 +60,8 @@ def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
                 return members.astype(jnp.float32)
             shifts = jnp.arange(num_agents).astype(stored.dtype)
             one = jnp.ones((), stored.dtype)
-            return ((stored[..., None] >> shifts.reshape((1,) * stored.ndim + (-1,))) & one).astype(
-                jnp.float32
-            )
+            bits = (stored[..., None] >> on_last_axis(shifts, stored.ndim + 1)) & one
+            return bits.astype(jnp.float32)
         case "cell":
             somewhere = stored >= 0
             parts = (somewhere, (stored >> 8) / 255 * somewhere, (stored & 255) / 255 * somewhere)

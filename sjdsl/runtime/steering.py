@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.runtime.actions import DIRECTIONS
+from sjdsl.runtime.rows import on_last_axis
 from sjdsl.runtime.torus import shorter_way
 
 FAR = 2**20  # more than the steps between any two cells of a map
@@ -67,5 +68,6 @@ def is_one_of(cells: Array, taken: Array) -> Array:
       cells: `[...]` int32, or `[M, W]`.
       taken: `[B]` int32, or for each row of `cells`, `[M or 1, 1, B]`.
     """
-    taken = taken.reshape((1,) * cells.ndim + (-1,)) if taken.ndim == 1 else taken
+    if taken.ndim == 1:
+        taken = on_last_axis(taken, cells.ndim + 1)
     return jnp.any(cells[..., None] == taken, axis=-1)

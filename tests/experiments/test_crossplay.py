@@ -23,6 +23,8 @@ KINDS: dict[int, dict[str, Any]] = {
     2: {"reward": "common", "learning_rate": 1e-3},
     10: {"memory": "gru", "gamma": 0.5},
     1: {"memory": "gru"},
+    5: {"memory": "gru", "memory_reads": ("action", "reward")},
+    6: {"memory": "gru", "memory_reads": ("action", "reward")},
     3: {"sharing": "per_agent"},
     4: {"sharing": "per_agent", "memory": "gru", "algorithm": "mappo"},
 }

@@ -28,6 +28,7 @@ ACTING = {
         "critic",
         "sharing",
         "memory",
+        "memory_reads",
         "epsilon_end",
         "own",
         "normalise_values",

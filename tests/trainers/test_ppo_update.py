@@ -45,6 +45,7 @@ from sjdsl.trainers.networks.actor_critics import make_actor_critics
 from sjdsl.trainers.networks.masks import NEVER
 
 CENTRAL = {"algorithm": "mappo"}
+READS = ("action", "reward", "trial")
 VARIANTS = {
     "ippo": {},
     "mappo": CENTRAL,
@@ -143,8 +144,22 @@ def less_sure(parameters: Any) -> Any:
         pytest.param({}, marks=pytest.mark.slow),
         pytest.param({**CENTRAL, "critic": "state"}, marks=pytest.mark.slow),
         pytest.param({**CENTRAL, "memory": "gru", "sharing": "per_agent"}, marks=pytest.mark.slow),
+        pytest.param({"memory": "gru", "memory_reads": READS}, marks=pytest.mark.slow),
+        pytest.param(
+            {**CENTRAL, "memory": "gru", "memory_reads": READS, "sharing": "per_agent"},
+            marks=pytest.mark.slow,
+        ),
     ],
-    ids=["mappo", "per agent", "memory", "ippo", "mappo of the state", "all at once"],
+    ids=[
+        "mappo",
+        "per agent",
+        "memory",
+        "ippo",
+        "mappo of the state",
+        "all at once",
+        "memory of rewards",
+        "all at once, of rewards",
+    ],
 )
 def test_learning_computes_what_acting_did(changes: dict[str, Any]) -> None:
     """Before the first gradient step the ratio of probabilities is 1 and values are those kept, whatever networks remember.

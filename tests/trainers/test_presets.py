@@ -255,7 +255,7 @@ def test_a_preset_made_for_some_games_refuses_others() -> None:
         load_preset("paper", game="chicken")
 
 
-@pytest.mark.parametrize("name", ["paper", "released", "two_cores", "overnight"])
+@pytest.mark.parametrize("name", ["paper", "released", "two_cores", "overnight", "rl2"])
 @pytest.mark.parametrize("game", NINE)
 def test_every_algorithm_and_reward_has_a_valid_configuration(name: str, game: str) -> None:
     for algorithm, reward in PPO:
@@ -279,7 +279,7 @@ def test_what_presets_resolve_to(golden: Callable[[Path, str], None]) -> None:
     `released` those of the released code.
     """
     lines = []
-    for name in ("paper", "released", "two_cores", "overnight"):
+    for name in ("paper", "released", "two_cores", "overnight", "rl2"):
         for algorithm in ("ippo", "mappo", "vdn"):
             of_reward = {}
             for reward in (reward for chosen, reward in RUNS if chosen == algorithm):

@@ -32,7 +32,9 @@ class Batch:
     # critic; else None
     joint: Any
     fresh: Array  # [L, M] bool
-    memory: Memory  # [M, G, ...] before the first of the L steps
+    # [M, G, ...] before the first of the L steps; `last`, what agents read of their last steps, has
+    # all of them, [M, G, L, S]
+    memory: Memory
     action: Array  # [L, M, N] int32
     log_probability: Array  # [L, M, N] float32, when drawn
     value: Array  # [L, M, N] float32, when drawn

@@ -46,6 +46,10 @@ class Partners:
         take = partial(take_actions, env, self.policy)
         return jax.vmap(take)(memory, keys, observation, state)
 
+    def after_step(self, memory: Any, action: Array, reward: Array, info: dict[str, Any]) -> Any:
+        """Returns their memory after B environments were stepped: `MemoryPolicy.after_step`."""
+        return jax.vmap(self.policy.after_step)(memory, action, reward, info)
+
     def in_place(self, action: Array, theirs: Array) -> Array:
         """Returns actions `[..., N]` with those of the partners replaced."""
         agents = jnp.asarray(self.agents)

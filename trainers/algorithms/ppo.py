@@ -21,6 +21,7 @@ from ..devices.data_parallel import (
 from ..environment import Environment
 from ..networks.actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from ..networks.architectures import Memory
+from ..networks.last_step import LastStep, over_rollout
 from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask
 from ..networks.teams import learning_agents, over_teams
 from ..networks.value_scale import follow_targets, value_unit
@@ -60,6 +61,7 @@ class Acting:
     log_probability: Array  # [..., B, N] float32, of the drawn action
     value: Array  # [..., B, N] float32, of the observation
     allowed: Array | None = None  # [..., B, N, bytes] uint8, the allowed actions, packed; None: all
+    last: LastStep | None = None  # leaves [..., B, G, 1, S], what agents read of their last steps
 
 
 @flax.struct.dataclass
@@ -67,7 +69,8 @@ class Played:
     """One rollout of an update."""
 
     rollout: Rollout
-    memory: Memory  # of the agents before the rollout
+    # of the agents before the rollout; `last`, what they read of their last steps, in all of it
+    memory: Memory
     finished: FinishedEpisodes  # total over the episodes that ended
     measured: dict[str, Array]  # the game's metrics, name -> [] float32, averaged over its steps
 
@@ -108,7 +111,8 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
             state.learner.params, state.worlds, rollout_key
         )
         after = replace(state, key=key, worlds=worlds)
-        return after, Played(rollout, state.worlds.memory, finished, measured)
+        memory = over_rollout(state.worlds.memory, rollout.acting.last)
+        return after, Played(rollout, memory, finished, measured)
 
     def take_steps(
         learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array
@@ -159,7 +163,8 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         logits = masked(logits, allowed)
         action = draw_actions(key, logits)
         log_probability = chosen_log_probability(logits, action)
-        return memory, action, Acting(log_probability, value, pack_mask(allowed))
+        last = worlds.memory["last"] if networks.network.reads else None
+        return memory, action, Acting(log_probability, value, pack_mask(allowed), last)
 
     def follow(memory: Memory, info: dict[str, Any]) -> Array:
         """Returns the values `[B, N]` of the observations at which episodes were cut."""
@@ -184,7 +189,13 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
         values: Array = jax.lax.cond(truncated.any(), read_last, read_nothing)
         return values
 
-    return Actor(act, networks.packing.pack, follow, keeps_state=networks.state_vector is not None)
+    return Actor(
+        act,
+        networks.packing.pack,
+        follow,
+        networks.after_step,
+        keeps_state=networks.state_vector is not None,
+    )
 
 
 def draw_actions(key: Array, logits: Array) -> Array:
@@ -222,7 +233,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
 
     Args:
       rollout: T steps of B environments.
-      memory: of the agents before its first step.
+      memory: that of `Played`.
       last_value: `[B, N]`, values of the observations after its last step.
     """
     acting: Acting = rollout.acting

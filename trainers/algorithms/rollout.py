@@ -1,6 +1,6 @@
 """Rollouts: T steps of B environments with the current policies, `[T, B, N, …]`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,6 +8,8 @@ import flax
 import jax
 import jax.numpy as jnp
 from jax import Array
+
+from sjdsl.runtime.policy import unchanged
 
 from ..devices.data_parallel import mean_of_all, own_keys, sum_of_all
 from ..environment import Environment
@@ -60,12 +62,15 @@ class Actor:
     act: `(worlds, key) -> memory, action [B, N], kept`.
     pack: packs an observation for the rollout.
     follow: `(memory, info) -> kept` after the step; `info` as the step gave it.
+    after_step: `(memory, action [B, N], reward [B, N], info) -> memory` after the step, before
+      `follow`.
     keeps_state: whether the rollout keeps the environments' states.
     """
 
     act: Callable[[Worlds, Array], tuple[Any, Array, Any]]
     pack: Callable[[Array], Array]
     follow: Callable[[Any, dict[str, Any]], Any]
+    after_step: Callable[[Any, Array, Array, Mapping[str, Any]], Any] = unchanged
     keeps_state: bool = False
 
 
@@ -145,6 +150,9 @@ def collect_rollout(
             action = partners.in_place(action, taken)
         env_keys = own_keys(env_key, action.shape[0])
         observation, state, reward, done, info = jax.vmap(env.step)(env_keys, worlds.state, action)
+        memory = actor.after_step(memory, action, reward, info)
+        if partners.agents:
+            partners_memory = partners.after_step(partners_memory, action, reward, info)
         trace = shaping.smoothing * worlds.trace + reward
         step = Step(
             reward=reward,

@@ -30,7 +30,8 @@ def explore(key: Array, values: Array, allowed: Array | None, epsilon: Array | f
     explore_key, action_key = jax.random.split(key)
     best = best_action(values, allowed)
     explores = jax.random.bernoulli(explore_key, epsilon, best.shape)
-    return jnp.where(explores, draw_any(action_key, best.shape, values.shape[-1], allowed), best)
+    drawn = draw_any(action_key, best.shape, values.shape[-1], allowed)
+    return jnp.where(explores, drawn, best)
 
 
 def best_action(values: Array, allowed: Array | None) -> Array:
@@ -41,6 +42,5 @@ def best_action(values: Array, allowed: Array | None) -> Array:
 def exploration(config: VDNConfig, updates: Array) -> Array:
     """Returns the probability of exploring after some updates: linear, then constant."""
     gone = jnp.minimum(updates / (config.epsilon_fraction * config.num_updates), 1.0)
-    return (config.epsilon_start + gone * (config.epsilon_end - config.epsilon_start)).astype(
-        jnp.float32
-    )
+    change = config.epsilon_end - config.epsilon_start
+    return (config.epsilon_start + gone * change).astype(jnp.float32)

@@ -1,6 +1,6 @@
 """Actor-critic networks of all agents: who shares parameters, and what critics observe."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -12,6 +12,7 @@ from jax import Array
 from ..environment import Environment, ObservableEnvironment, abstract_key, reset_shapes
 from ..settings.config import ConfigError, PPOConfig
 from .architectures import ActorCritic, Layers, Memory, Planes
+from .last_step import make_last_step
 from .masks import wants_masks
 from .packing import Packing, make_packing
 from .teams import make_teams, over_teams
@@ -49,6 +50,22 @@ class ActorCritics:
         """Returns the memory before the first step of B environments: leaves `[B, G, ...]`."""
         memory = self.network.start_memory(num_envs)
         return jax.tree.map(lambda leaf: jnp.repeat(leaf[:, None], len(self.teams), axis=1), memory)
+
+    def after_step(
+        self, memory: Memory, action: Array, reward: Array, info: Mapping[str, Any]
+    ) -> Memory:
+        """Returns the memory with what agents will read of the step that was just played.
+
+        Args:
+          memory: of `apply`, in which B environments' actions were chosen.
+          action, reward: `[B, N]`, of all agents; rewards as the game pays them.
+          info: as the step gave it.
+        """
+        if not self.network.reads:
+            return memory
+        last = make_last_step(self.network.reads, action, reward, info)
+        of_teams = {name: leaf[:, self.teams[:, None]] for name, leaf in last.items()}
+        return memory | {"last": of_teams}
 
     def joint(self, observation: Array, state: Any) -> Array | None:
         """Returns the input of central critics `[L, M, ...]`, or None.
@@ -138,6 +155,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         joint_planes=joint_planes,
         layers=Layers.of(config),
         recurrent=config.memory == "gru",
+        reads=config.memory_reads,
         numbers=env.num_agents if config.agent_id else 0,
         normalise_values=config.normalise_values,
     )
@@ -178,7 +196,10 @@ def state_shape(env: Environment) -> tuple[int, ...]:
             f"`{env.name}` has no state_vector for a critic of the state; "
             'choose critic = "observations"'
         )
-    result: tuple[int, ...] = jax.eval_shape(
-        lambda key: env.state_vector(env.reset(key)[1]), abstract_key()
-    ).shape
+
+    def first_vector(key: Array) -> Any:
+        _, state = env.reset(key)
+        return env.state_vector(state)
+
+    result: tuple[int, ...] = jax.eval_shape(first_vector, abstract_key()).shape
     return result

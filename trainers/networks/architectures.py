@@ -18,6 +18,7 @@ from ..settings.config_errors import ConfigError
 from ..settings.own_settings import filled
 from .convolution import convolve
 from .initialisation import orthogonal
+from .last_step import blank_last_step, last_step_features
 from .window_layer import WindowLayer
 
 HIDDEN_GAIN = 2.0**0.5
@@ -199,7 +200,8 @@ class ActorCritic(nn.Module):
 
     With a local critic, policy and value share one torso, and the value depends on the agent's own
     window. With a central one, the critic is a separate network that sees `joint`, the same for all
-    agents, and returns all S values at once, so it doesn't need agents' numbers.
+    agents, and returns all S values at once, so it doesn't need agents' numbers. It reads the last
+    steps of all S agents if each agent reads its own.
     """
 
     num_actions: int
@@ -208,6 +210,7 @@ class ActorCritic(nn.Module):
     joint_planes: Planes | None  # None: a local critic; (): joint is a vector
     layers: Layers
     recurrent: bool = False
+    reads: tuple[str, ...] = ()  # of the agents' last steps: `memory_reads`
     numbers: int = 0  # N if the agents' numbers are an input, else 0
     normalise_values: bool = False
 
@@ -223,7 +226,8 @@ class ActorCritic(nn.Module):
         """Reads L steps of M environments.
 
         Args:
-          memory: from the previous step; initially from `start_memory`.
+          memory: from the previous step; initially from `start_memory`. To read several steps, it
+            has what agents read in each, as `over_rollout` returns it.
           observation: `[L, M, S, P, V, V]` uint8.
           joint: `[L, M, ...]`, the input of a central critic; None for a local one.
           fresh: `[L, M]` bool, whether the episode starts with this step.
@@ -240,6 +244,9 @@ class ActorCritic(nn.Module):
         )
         features = Torso(self.planes, self.layers, name="torso")(observation)
         features = with_numbers(features, agents, self.numbers)
+        if self.reads:
+            last = last_step_features(memory["last"], fresh, self.num_actions, features.dtype)
+            features = jnp.concatenate([features, last], axis=-1)
         of_agents = jnp.broadcast_to(fresh[..., None], features.shape[:-1])
         memory, features = self._remember("memory", memory, features, of_agents)
         logits = Head(self.num_actions, self.layers, ACTOR_GAIN, name="actor")(features)
@@ -247,6 +254,9 @@ class ActorCritic(nn.Module):
             return memory, logits, critic(1)(features)[..., 0]
         assert joint is not None
         features = Torso(self.joint_planes, self.layers, name="critic_torso")(joint)
+        if self.reads:
+            of_all = last.reshape(*last.shape[:2], -1)
+            features = jnp.concatenate([features, of_all], axis=-1)
         memory, features = self._remember("critic_memory", memory, features, fresh)
         return memory, logits, critic(self.num_agents)(features)
 
@@ -263,10 +273,13 @@ class ActorCritic(nn.Module):
         """Returns the memory before the first step of M environments."""
         if not self.recurrent:
             return ()
-        width, dtype = self.layers.width, self.layers.dtype
-        memory = {"memory": jnp.zeros((num_envs, self.num_agents, width), dtype)}
+        width = self.layers.width
+        dtype = self.layers.dtype
+        memory: dict[str, Any] = {"memory": jnp.zeros((num_envs, self.num_agents, width), dtype)}
         if self.joint_planes is not None:
             memory["critic_memory"] = jnp.zeros((num_envs, width), dtype)
+        if self.reads:
+            memory["last"] = blank_last_step(self.reads, (num_envs, 1, self.num_agents))
         return memory
 
 

@@ -55,10 +55,15 @@ def _convolution(padding: int) -> Any:
             features = jnp.broadcast_to(features, (size, *features.shape))
 
         plain = partial(_plain, padding=padding)
-        one_by_one = partial(jax.lax.map, lambda both: plain(*both))
-        return jax.lax.platform_dependent(
-            (features, kernel), cpu=one_by_one, default=lambda both: jax.vmap(plain)(*both)
-        ), True
+
+        def one_by_one(features: Array, kernel: Array) -> Array:
+            result: Array = jax.lax.map(lambda both: plain(*both), (features, kernel))
+            return result
+
+        result = jax.lax.platform_dependent(
+            features, kernel, cpu=one_by_one, default=jax.vmap(plain)
+        )
+        return result, True
 
     return convolution
 
@@ -75,9 +80,8 @@ def _backward(inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, Arra
 
 
 def _gradients(features: Array, kernel: Array, gradient: Array) -> tuple[Array, Array]:
-    _, pull_back = jax.vjp(
-        lambda image, weights: _plain(image, weights, kernel.shape[0] // 2), features, kernel
-    )
+    plain = partial(_plain, padding=kernel.shape[0] // 2)
+    _, pull_back = jax.vjp(plain, features, kernel)
     result: tuple[Array, Array] = pull_back(gradient)
     return result
 
@@ -86,10 +90,10 @@ def _gradients_as_convolutions(
     features: Array, kernel: Array, gradient: Array
 ) -> tuple[Array, Array]:
     padding = kernel.shape[0] // 2
-    of_features = _convolution(padding)(gradient, jnp.flip(kernel, (0, 1)).swapaxes(2, 3))
-    of_kernel = _convolution(padding)(
-        features.transpose(3, 1, 2, 0), gradient.transpose(1, 2, 0, 3)
-    )
+    convolution = _convolution(padding)
+    turned = jnp.flip(kernel, (0, 1)).swapaxes(2, 3)
+    of_features = convolution(gradient, turned)
+    of_kernel = convolution(features.transpose(3, 1, 2, 0), gradient.transpose(1, 2, 0, 3))
     return of_features, of_kernel.transpose(1, 2, 0, 3)
 
 

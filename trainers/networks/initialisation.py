@@ -5,6 +5,7 @@ once, with OpenBLAS's threads, can deadlock (JAX 0.10, scipy 1.17: a program wit
 within sixty runs). The Gram-Schmidt procedure needs only products.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -23,9 +24,7 @@ def orthogonal(gain: float = 1.0) -> Initializer:
 
     def init(key: Array, shape: Sequence[int], dtype: Any = jnp.float32) -> Array:
         cols = shape[-1]
-        rows = 1
-        for size in shape[:-1]:
-            rows *= size
+        rows = math.prod(shape[:-1])
         drawn = jax.random.normal(key, (max(rows, cols), min(rows, cols)), jnp.float32)
         columns = orthonormal_columns(drawn)
         matrix = columns if rows >= cols else columns.T

@@ -13,8 +13,8 @@ from jax import Array
 from ..environment import Environment, MaskedEnvironment
 from ..settings.config import Config
 
-# a logit or a value whose probability is exactly 0 in float32; unlike with -inf, gradients and
-# entropies are finite
+# A logit or a value whose probability is exactly 0 in float32. With -inf, gradients and entropies
+# would not be finite.
 NEVER = -1e9
 
 
@@ -41,9 +41,8 @@ def draw_any(key: Array, shape: tuple[int, ...], num_actions: int, allowed: Arra
     """Returns actions `shape` int32, drawn from the allowed ones with equal probability."""
     if allowed is None:
         return jax.random.randint(key, shape, 0, num_actions, jnp.int32)
-    return jax.random.categorical(
-        key, masked(jnp.zeros(allowed.shape, jnp.float32), allowed)
-    ).astype(jnp.int32)
+    equal = jnp.zeros(allowed.shape, jnp.float32)
+    return jax.random.categorical(key, masked(equal, allowed)).astype(jnp.int32)
 
 
 def pack_mask(allowed: Array | None) -> Array | None:
@@ -53,6 +52,6 @@ def pack_mask(allowed: Array | None) -> Array | None:
 
 def unpack_mask(packed: Array | None, num_actions: int) -> Array | None:
     """Returns the masks that `pack_mask` packed."""
-    return (
-        None if packed is None else jnp.unpackbits(packed, axis=-1, count=num_actions).astype(bool)
-    )
+    if packed is None:
+        return None
+    return jnp.unpackbits(packed, axis=-1, count=num_actions).astype(bool)

@@ -51,11 +51,11 @@ class Part:
     def unpack(self, packed: Array) -> dict[int, Array]:
         """Returns the planes, `[..., cells]` each, of bytes `[..., num_bytes * cells]`."""
         by_byte = packed.reshape(*packed.shape[:-1], self.num_bytes, self.cells)
-        return {
-            place.plane: (by_byte[..., place.byte, :] >> jnp.uint8(place.low))
-            & jnp.uint8(2**place.bits - 1)
-            for place in self.places
-        }
+        planes = {}
+        for place in self.places:
+            shifted = by_byte[..., place.byte, :] >> jnp.uint8(place.low)
+            planes[place.plane] = shifted & jnp.uint8(2**place.bits - 1)
+        return planes
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,9 @@ class Packing:
 
 def make_packing(planes: Sequence[TokenPlane], window: tuple[int, int]) -> Packing:
     """Returns the packing of planes, each into the first byte that has room."""
-    return Packing((_part(planes, False, math.prod(window)), _part(planes, True, 1)), window)
+    by_cell = _part(planes, False, math.prod(window))
+    once = _part(planes, True, 1)
+    return Packing((by_cell, once), window)
 
 
 def _part(planes: Sequence[TokenPlane], uniform: bool, cells: int) -> Part:
@@ -99,11 +101,10 @@ def _part(planes: Sequence[TokenPlane], uniform: bool, cells: int) -> Part:
         if plane.uniform != uniform:
             continue
         bits = bits_of(plane)
-        fitting = [byte for byte, taken in enumerate(used) if taken + bits <= BYTE]
-        if not fitting:
-            fitting = [len(used)]
+        fitting = (byte for byte, taken in enumerate(used) if taken + bits <= BYTE)
+        byte = next(fitting, len(used))
+        if byte == len(used):
             used.append(0)
-        byte = fitting[0]
         places.append(Place(index, byte, used[byte], bits))
         used[byte] += bits
     return Part(cells, tuple(places))

@@ -38,7 +38,8 @@ def follow_targets(parameters: Any, target: Array, first: Array) -> Any:
     """
     critic = parameters["params"]["critic"]
     rate = jnp.where(first, 1.0, RATE)
-    mean, deviation = critic["mean"], critic["deviation"]
+    mean = critic["mean"]
+    deviation = critic["deviation"]
     square = jnp.square(deviation) + jnp.square(mean)
     new_mean = mean + rate * (mean_of_all(target.mean()) - mean)
     new_square = square + rate * (mean_of_all(jnp.square(target).mean()) - square)
@@ -47,9 +48,8 @@ def follow_targets(parameters: Any, target: Array, first: Array) -> Any:
         "kernel": critic["out"]["kernel"] * deviation / new_deviation,
         "bias": (critic["out"]["bias"] * deviation + mean - new_mean) / new_deviation,
     }
-    return with_critic(
-        parameters, {**critic, "out": out, "mean": new_mean, "deviation": new_deviation}
-    )
+    moved = {**critic, "out": out, "mean": new_mean, "deviation": new_deviation}
+    return with_critic(parameters, moved)
 
 
 def converted(parameters: Any, normalised: bool) -> Any:
@@ -57,18 +57,17 @@ def converted(parameters: Any, normalised: bool) -> Any:
     critic = parameters["params"]["critic"]
     if normalised == ("deviation" in critic):
         return parameters
-    kernel, bias = critic["out"]["kernel"], critic["out"]["bias"]
+    kernel = critic["out"]["kernel"]
+    bias = critic["out"]["bias"]
     if normalised:
-        moments = kernel.shape[:-2]
-        return with_critic(
-            parameters, {**critic, "mean": jnp.zeros(moments), "deviation": jnp.ones(moments)}
-        )
-    mean, deviation = critic["mean"][..., None], critic["deviation"][..., None]
+        shape = kernel.shape[:-2]
+        moments = {"mean": jnp.zeros(shape), "deviation": jnp.ones(shape)}
+        return with_critic(parameters, {**critic, **moments})
+    mean = critic["mean"][..., None]
+    deviation = critic["deviation"][..., None]
     rest = {name: part for name, part in critic.items() if name not in ("mean", "deviation")}
-    return with_critic(
-        parameters,
-        {**rest, "out": {"kernel": kernel * deviation[..., None], "bias": bias * deviation + mean}},
-    )
+    out = {"kernel": kernel * deviation[..., None], "bias": bias * deviation + mean}
+    return with_critic(parameters, {**rest, "out": out})
 
 
 def with_critic(parameters: Any, critic: Any) -> Any:

@@ -21,8 +21,8 @@ from sjdsl.runtime.tokens import to_channels
 from .initialisation import orthogonal
 from .window_rows import Planes, groups_of, make_tables, row_numbers, rows_by_plane, rows_of
 
-# numbers in a row of a matrix, or a multiple of them: other rows XLA copies, to longer ones, for a
-# GPU
+# Numbers in a row of a matrix, or a multiple of them: for a GPU, XLA copies other rows to longer
+# ones.
 ALIGNED = 8
 CELLS = 4  # cells whose rows are added in one pass over the windows; measured (docs/performance.md)
 
@@ -41,12 +41,12 @@ class WindowLayer(nn.Module):
     @nn.compact
     def __call__(self, tokens: Array) -> Array:
         """Returns `[..., width]` of windows `[..., P, V, V]` uint8, with values of their planes."""
-        lead, window = tokens.shape[:-3], tokens.shape[-3:]
         shape = (_num_inputs(tokens, self.planes), self.width)
         kernel = self.param("kernel", orthogonal(self.gain), shape)
         bias = self.param("bias", nn.initializers.zeros, (self.width,), jnp.float32)
-        weighed = _weigh_once(kernel, tokens.reshape(-1, *window), self.planes, self.dtype)
-        return (weighed + bias.astype(self.dtype)).reshape(*lead, self.width)
+        windows = tokens.reshape(-1, *tokens.shape[-3:])
+        weighed = _weigh_once(kernel, windows, self.planes, self.dtype)
+        return (weighed + bias.astype(self.dtype)).reshape(*tokens.shape[:-3], self.width)
 
 
 def _num_inputs(tokens: Array, planes: Planes) -> int:
@@ -61,8 +61,10 @@ def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Arr
         return weigh(kernel.astype(dtype), tokens, planes)
     local = [place for place, plane in enumerate(planes) if not plane.uniform]
     width = kernel.shape[-1]
-    rows = rows_by_plane(kernel.reshape(-1, math.prod(tokens.shape[2:]), width), planes)
-    by_cell = jnp.concatenate([rows[place] for place in local]).reshape(-1, width).astype(dtype)
+    num_cells = math.prod(tokens.shape[2:])
+    rows = rows_by_plane(kernel.reshape(-1, num_cells, width), planes)
+    local_rows = jnp.concatenate([rows[place] for place in local])
+    by_cell = local_rows.reshape(-1, width).astype(dtype)
     summed = jnp.concatenate([rows[place].sum(axis=1) for place in uniform]).astype(dtype)
     local_planes = tuple(planes[place] for place in local)
     uniform_planes = tuple(planes[place] for place in uniform)
@@ -181,7 +183,8 @@ def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
         number, windows = tokens.shape[:2]
         cells = _by_cell(tokens)
         width = kernels.shape[-1]
-        rows = rows_by_plane(_by_channel(kernels, cells.shape[-1]).astype(jnp.float32), planes)
+        by_channel = _by_channel(kernels, cells.shape[-1]).astype(jnp.float32)
+        rows = rows_by_plane(by_channel, planes)
         result = jnp.zeros((number * windows, width), jnp.float32)
         for group in groups_of(planes, windows):
             tables = make_tables(rows, group, planes)
@@ -197,9 +200,11 @@ def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
     def look_up_more(
         size: int, batched: list[bool], kernels: Array, tokens: Array
     ) -> tuple[Array, bool]:
-        if batched[0]:
-            merged = _merge(kernels, True, size), _merge(tokens, batched[1], size)
-            return _split(look_up(*merged), size), True
+        kernels_batched, tokens_batched = batched
+        if kernels_batched:
+            all_kernels = _merge(kernels, True, size)
+            result = look_up(all_kernels, _merge(tokens, tokens_batched, size))
+            return _split(result, size), True
         windows = jnp.moveaxis(tokens, 0, 1)  # of the same networks
         networks, _, number = windows.shape[:3]
         result = look_up(kernels, windows.reshape(networks, size * number, *windows.shape[3:]))
@@ -254,8 +259,10 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
     def look_up_more(
         size: int, batched: list[bool], tokens: Array, gradients: Array
     ) -> tuple[Array, bool]:
-        merged = _merge(tokens, batched[0], size), _merge(gradients, batched[1], size)
-        return _split(look_up_gradient(*merged), size), True
+        tokens_batched, gradients_batched = batched
+        all_tokens = _merge(tokens, tokens_batched, size)
+        all_gradients = _merge(gradients, gradients_batched, size)
+        return _split(look_up_gradient(all_tokens, all_gradients), size), True
 
     return look_up_gradient
 

@@ -145,7 +145,9 @@ def _play_to_end(
     ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
         action_key, env_key = jax.random.split(key)
         memory, actions = take_actions(env, policy, memory, action_key, observation, state)
-        return memory, env.step_env(env_key, state, actions)
+        stepped = env.step_env(env_key, state, actions)
+        _, _, reward, _, info = stepped
+        return policy.after_step(memory, actions, reward, info), stepped
 
     def advance(carry: tuple[Array, _Episodes]) -> tuple[Array, _Episodes]:
         key, before = carry

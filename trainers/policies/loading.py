@@ -2,9 +2,10 @@
 
 import inspect
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -178,7 +179,14 @@ def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: 
         action = jnp.argmax(logits, axis=-1) if greedy else jax.random.categorical(key, logits)
         return memory, action.astype(jnp.int32)
 
-    return _simplest_policy(networks.start_memory(1), act, networks.masks)
+    def after_step(memory: Any, actions: Array, reward: Array, info: Mapping[str, Any]) -> Any:
+        actions, reward, info = jax.tree.map(lambda leaf: leaf[None], (actions, reward, info))
+        return networks.after_step(memory, actions, reward, info)
+
+    policy = _simplest_policy(networks.start_memory(1), act, networks.masks)
+    if not config.memory_reads:
+        return policy
+    return replace(with_memory(policy), after_step=after_step)
 
 
 def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: bool) -> Policy:

@@ -84,6 +84,13 @@ def _require_odd(value: int) -> int:
     return value
 
 
+def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Returns the names in alphabetical order, as their order means nothing."""
+    if len(set(names)) < len(names):
+        raise ValueError("names, each of them once")
+    return tuple(sorted(names))
+
+
 def _hook_validator(kind: Kind, *names: str) -> BeforeValidator:
     """Returns a check that a value is one of `names`, by default the built-in ones, or custom code.
 
@@ -182,6 +189,11 @@ Sides = Annotated[
     Field(min_length=1),
     BeforeValidator(_listed),
 ]
+Reads = Annotated[
+    tuple[Literal["action", "reward", "trial"], ...],
+    BeforeValidator(_listed),
+    AfterValidator(_each_once),
+]
 Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partner_pairs)]
 
 COMMON, SVO = only("reward", "common"), only("reward", "svo")
@@ -193,6 +205,7 @@ TRACES = Only(
 )
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
 CNN, MAPPO = only("network", "cnn"), only("algorithm", "mappo")
+REMEMBERED = only("memory", "gru")
 BUFFER, ROLLOUT = only("replay", "buffer"), only("replay", "none")
 BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
@@ -399,6 +412,9 @@ class PPOConfig(Config):
     joint_optimiser: Annotated[bool, MAPPO] = False
     sharing: Literal["shared", "per_agent"] = "shared"  # whether agents share a network
     memory: Literal["none", "gru"] = "none"
+    # what agents with memory also read: their last action and reward; `trial`: whether a trial of
+    # several in an episode, or the episode, starts
+    memory_reads: Annotated[Reads, REMEMBERED] = ()
 
 
 def _require_common(reward: Any) -> Any:

@@ -21,6 +21,7 @@ SHAPING_NETWORKS = (
     "sharing",
     "critic",
     "memory",
+    "memory_reads",
     "partners",
 )
 # These may change from stage to stage as long as the networks keep their shapes.

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from typing import Literal
 
-from sjdsl.compiler.ast.expressions import Domain, Expr, Name, Named, Path, ShapeRef, Table, Words
+from sjdsl.compiler.ast.expressions import (
+    By,
+    Domain,
+    Expr,
+    Name,
+    Named,
+    Path,
+    ShapeRef,
+    Table,
+    Words,
+)
 from sjdsl.compiler.ast.node import Node
 
 
@@ -17,10 +27,15 @@ class Let(Named):
 
 
 class Draw(Named):
-    """`from a .. b` has high; `from { w, w }` has Words; `from { w: p }` has Table."""
+    """`from a .. b` has high; `from { w, w }` has Words; `from { w: p }` has Table.
+
+    by: of a row, of which each entry is drawn; different: no two of them are equal.
+    """
 
     source: Expr | Words | Table
     high: Expr | None
+    by: By | None
+    different: bool
 
 
 class Each(Node):

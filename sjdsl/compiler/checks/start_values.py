@@ -1,12 +1,12 @@
-"""Decides conditions as they are when an episode begins: on declared values and on the map, for given agents and cells."""
+"""Decides conditions on the values with which an episode begins, for given agents and cells."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.fold import UnknownValue
-from sjdsl.compiler.ir.queries import glyphs_of, movers_named, starts_of
+from sjdsl.compiler.ir.queries import declared_field, glyphs_of, starts_of
 from sjdsl.compiler.ir.values import Evaluation, decided
 
 
@@ -30,23 +30,26 @@ def places(game: ir.Game, kinds: tuple[str, ...]) -> list[Place]:
 
 
 def holds_at_start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> bool | None:
-    """Returns whether a condition holds in `phase start`; None if that is not known. `names`: the number of an agent or mover, or a cell."""
+    """Returns whether a condition holds in `phase start`; None if that is not known.
+
+    names: of variables, each with a cell or the number of an agent or mover.
+    """
     return decided(e, Evaluation(partial(_start, names=names, game=game), computes_reals=False))
 
 
 def reads_only_fields(e: ir.Expr, cell: str) -> bool:
-    """Returns whether a condition is the same for all cells of one character of the map: it asks for nothing of the cell but its fields."""
+    """Returns whether a condition is the same for all cells of one character of the map.
+
+    It then reads nothing of the cell but its fields, and whether somebody stands on it.
+    """
     nodes = list(ir.walk(e))
-    owners = [
-        n.owner if isinstance(n, ir.FieldRead) else n.cell
-        for n in nodes
-        if isinstance(n, ir.FieldRead | ir.Unoccupied)
-    ]
-    named = [
-        [n for n in found if isinstance(n, ir.Member) and n.name == cell]
-        for found in (nodes, owners)
-    ]
-    return len(named[0]) == len(named[1])
+    read: list[ir.Node | None] = [n.owner for n in nodes if isinstance(n, ir.FieldRead)]
+    read += [n.cell for n in nodes if isinstance(n, ir.Unoccupied)]
+
+    def times_named(among: Sequence[ir.Node | None]) -> int:
+        return sum(isinstance(node, ir.Member) and node.name == cell for node in among)
+
+    return times_named(nodes) == times_named(read)
 
 
 def _start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
@@ -61,13 +64,21 @@ def _start(e: ir.Expr, names: Mapping[str, Place | int], game: ir.Game) -> Any:
         case ir.FieldRead() if _is_kept(e, game):
             raise UnknownValue  # in later trials it is what the trial before left
         case ir.FieldRead(owner=None):
-            return _in_row(_declared(game.fields, e.name), e.type)
+            return _in_row(declared_field(game, e).start, e.type)
         case ir.FieldRead(owner=ir.Member(name=name)) if name in names:
-            return _in_row(_field_of(e, names[name], game), e.type)
-        case ir.Attribute(owner=ir.Member(name=name)) if name in names:
-            return _attribute(e.name, names[name])
-        case _:
-            raise UnknownValue
+            owner = names[name]
+            start = declared_field(game, e).start
+            if isinstance(owner, Place):
+                meaning = next(glyph for glyph in game.glyphs if glyph.glyph == owner.glyph)
+                start = starts_of(game, meaning)[e.name]
+            return _in_row(start, e.type)
+        case ir.Attribute(name="row" | "col", owner=ir.Member(name=name)):
+            if isinstance(names.get(name), Place):
+                return getattr(names[name], e.name)
+        case ir.Attribute(name="index", owner=ir.Member(name=name)):
+            if isinstance(names.get(name), int):
+                return names[name]
+    raise UnknownValue
 
 
 def _is_kept(read: ir.FieldRead, game: ir.Game) -> bool:
@@ -81,29 +92,8 @@ def _is_kept(read: ir.FieldRead, game: ir.Game) -> bool:
     )
 
 
-def _field_of(e: ir.FieldRead, owner: Place | int, game: ir.Game) -> Any:
-    if isinstance(owner, Place):
-        meaning = next(glyph for glyph in game.glyphs if glyph.glyph == owner.glyph)
-        return starts_of(game, meaning)[e.name]
-    if e.held_by.what == "mover":
-        return _declared(movers_named(game, e.held_by.name).fields, e.name)
-    return _declared(game.agents.fields, e.name)
-
-
-def _declared(fields: tuple[ir.VarField, ...], name: str) -> Any:
-    return next(field.start for field in fields if field.name == name)
-
-
 def _in_row(start: Any, type_: ir.Type) -> Any:
     """Returns what a variable begins with: of a row, all entries begin with the same value."""
     for level in reversed(type_.by):
         start = (start,) * len(level)
     return start
-
-
-def _attribute(name: str, owner: Place | int) -> int:
-    if isinstance(owner, Place) and name in ("row", "col"):
-        return owner.row if name == "row" else owner.col
-    if isinstance(owner, int) and name == "index":
-        return owner
-    raise UnknownValue

@@ -1,7 +1,8 @@
-"""Intervals of numbers in a game with given parameters, and the whole numbers that can leave int32.
+"""Intervals of numbers in a game with given parameters, and whole numbers that can leave int32.
 
-The interval in a type holds for all parameters that a file admits; one without limits makes it endless. Here a parameter has its value, `step`
-ends with the episode, a timer is at most what it is set to, and guards count. A whole number is looked at wherever its value is used.
+The interval in a type holds for all parameters that a file admits; one without limits makes it
+endless. Here a parameter has its value, `step` ends with the episode, a timer is at most what it is
+set to, and guards count. A whole number is looked at wherever its value is used.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -26,11 +27,14 @@ Held = tuple[str, str]  # a field: what holds it, and its name
 
 @dataclass
 class Played:
-    """A game with its numbers, and what is found while its rules are gone through.
+    """A game with its numbers, and what is collected while its rules are gone through.
 
-    steps: of a trial, or of the episode without trials. trials: of an episode. timers: the largest value of each so far. totals: the largest total of each event in an episode.
-    leaving: the whole numbers that leave int32. sets, growth: of each timer, the largest value it is set to, and how much those statements
-    that count it on (`set t = t + n`) can add in a step. forms: of expressions.
+    steps: of a trial, or of the episode without trials. trials: of an episode.
+    timers: the largest value of each so far. totals: the largest total of each event in an episode.
+    leaving: the whole numbers that leave int32.
+    sets, growth: of each timer, the largest value it is set to, and how much those statements that
+      count it on (`set t = t + n`) can add in a step.
+    forms: of expressions.
     """
 
     game: ir.Game
@@ -63,24 +67,24 @@ class Here(Analysis[Interval]):
     known: Mapping[Form, Interval] = field(default_factory=dict)
 
     def knowing(self, condition: ir.Expr, holds: bool = True) -> "Here":
-        """Returns this place, where a condition is known to hold (or, with `holds` False, not to hold)."""
-        here, already = self, len(self.played.leaving)
+        """Returns this place, where a condition is known to hold, or, with `holds` False, not to."""
+        place = self
+        num_leaving = len(self.played.leaving)
         for part in conjuncts(condition, holds):
             for subject, fn, other in _comparisons(part):
-                limits = limits_of(fn, subject, interval_of(other, here))
-                here = here if limits is None else here.bounded(subject, limits)
-        del self.played.leaving[
-            already:
-        ]  # the condition itself is gone through where it is written
-        return here
+                limits = limits_of(fn, subject, interval_of(other, place))
+                if limits is not None:
+                    place = place.bounded(subject, limits)
+        # What leaves int32 in the condition itself is collected where it is written.
+        del self.played.leaving[num_leaving:]
+        return place
 
     def bounded(self, e: ir.Expr, limits: Interval) -> "Here":
         """Returns this place, where a number is known to lie in an interval."""
         subject = form(e, memo=self.played.forms)
         low, high = self.known.get(subject, (-inf, inf))
-        return replace(
-            self, known={**self.known, subject: (max(low, limits[0]), min(high, limits[1]))}
-        )
+        bounded = (max(low, limits[0]), min(high, limits[1]))
+        return replace(self, known={**self.known, subject: bounded})
 
     def inside(self, domain: ir.Domain) -> "Here":
         """Goes through a domain, and returns the place where its variables are members of it."""
@@ -176,26 +180,26 @@ class Leaving(NamedTuple):
 
 
 def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, ir.Expr]]:
-    """Yields what a condition says of whole numbers; beside a real they are rounded, and then it says less."""
+    """Yields what a condition says of whole numbers.
+
+    Beside a real they are rounded, and then it says less.
+    """
+    comparisons: list[tuple[ir.Expr, ir.Comparison, ir.Expr]] = []
     match condition:
         case ir.Compare(fn=fn, left=left, right=right):
-            found: list[tuple[ir.Expr, ir.Comparison, ir.Expr]] = [
-                (left, fn, right),
-                (right, COMPARISONS[fn].mirror, left),
-            ]
+            comparisons = [(left, fn, right), (right, COMPARISONS[fn].mirror, left)]
         case ir.InRange(value=value, low=low, high=high):
-            found = [(value, ">=", low), (value, "<=", high)]
-        case _:
-            found = []
-    yield from (
-        (subject, fn, other)
-        for subject, fn, other in found
-        if subject.type.kind == other.type.kind == "int"
-    )
+            comparisons = [(value, ">=", low), (value, "<=", high)]
+    for subject, fn, other in comparisons:
+        if subject.type.kind == other.type.kind == "int":
+            yield subject, fn, other
 
 
 def interval_of(e: ir.Expr, here: Here) -> Interval:
-    """Returns the interval of a number, of a row that of all its entries; what leaves int32 in it is added to what was found."""
+    """Returns the interval of a number, or of all entries of a row.
+
+    What leaves int32 in it is added to `played.leaving`.
+    """
     return fold(e, here)
 
 
@@ -225,7 +229,9 @@ def _is_of_numbers(e: ir.Expr) -> bool:
 
 
 def _ends(value: Any) -> Interval:
-    return _hull(_ends(entry) for entry in value) if isinstance(value, tuple) else (value, value)
+    if isinstance(value, tuple):
+        return _hull(_ends(entry) for entry in value)
+    return value, value
 
 
 def _hull(intervals: Iterable[Interval]) -> Interval:

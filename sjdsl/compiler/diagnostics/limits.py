@@ -32,6 +32,7 @@ MAX_TRIALS = 1024  # of an episode
 MAX_TURNS = 128
 MAX_SHIFT = 64  # cells that an agent is sent in a direction
 MAX_DRAWN = 65_535  # values of one draw
+MAX_DEALT = 256  # values that the different entries of a row are drawn from
 MAX_DEFINES_DEEP = 32  # a define that uses a define that …
 MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
 

@@ -87,16 +87,9 @@ def elaborate(
     typed_looks = looks(game, static, problems)
     typed_events: tuple[ir.Event, ...] = ()
     with problems.survive():
-        typed_events = events([p for p in (start_phase, *turns) if p is not None], scope)
-    used_by_rules = set(static.used)
-    shapes_of_rules = set(static.shapes)
-    typed_policies = policies(game, scope.with_agent("policy"))
-    used_by_policies = static.used - used_by_rules
-    policy_shapes = {
-        name
-        for name in static.shapes
-        if name not in shapes_of_rules or Symbol("shape", name) in used_by_policies
-    }
+        phases = turns if start_phase is None else (start_phase, *turns)
+        typed_events = events(phases, scope)
+    typed_policies, policy_shapes = _policies_and_shapes(game, scope)
     typed_scenarios = scenarios(game, scope)
     report_never(static.never.values(), problems)
     if agents is None or start_phase is None or length is None or game.schedule is None:
@@ -119,7 +112,7 @@ def elaborate(
         fields=tuple(static.fields.values()),
         agents=agents,
         movers=tuple(static.movers.values()),
-        shapes=tuple(shape for name, shape in static.shapes.items() if name not in policy_shapes),
+        shapes=tuple(shape for shape in static.shapes.values() if shape not in policy_shapes),
         start=start_phase,
         schedule=turns,
         window=view,
@@ -130,12 +123,26 @@ def elaborate(
         checks=typed_checks,
         looks=typed_looks,
         policies=typed_policies,
-        policy_shapes=tuple(
-            shape for name, shape in static.shapes.items() if name in policy_shapes
-        ),
+        policy_shapes=policy_shapes,
         scenarios=typed_scenarios,
     )
     return typed, static
+
+
+def _policies_and_shapes(
+    game: Composition, scope: Scope
+) -> tuple[tuple[ir.ScriptedPolicy, ...], tuple[ir.Shape, ...]]:
+    """Returns the policies, and the shapes that they use and no rule of the game does."""
+    static = scope.static
+    used_by_rules = set(static.used)
+    shapes_of_rules = set(static.shapes)
+    typed = policies(game, scope.with_agent("policy"))
+    used_by_policies = static.used - used_by_rules
+    shapes = []
+    for name, shape in static.shapes.items():
+        if name not in shapes_of_rules or Symbol("shape", name) in used_by_policies:
+            shapes.append(shape)
+    return typed, tuple(shapes)
 
 
 def _read_map(

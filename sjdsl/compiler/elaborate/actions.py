@@ -17,16 +17,16 @@ from sjdsl.compiler.elaborate.arithmetic import join_types
 from sjdsl.compiler.elaborate.fields import field_type
 from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
-    as_agent,
+    check_agent,
     check_arguments,
     check_free,
     check_known_word,
-    check_somebody,
     check_words,
+    named_agent,
     not_a_word,
-    not_named,
+    repeated,
 )
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import is_known, narrow_word, narrowed
@@ -77,10 +77,7 @@ def _with_arguments(
     """Returns an action with arguments. first: its first number."""
     name = action.name.text
     if name in BUILT_IN:
-        number = len(action.arguments)
-        raise scope.fail(
-            errors.WrongArguments(action.span, name=name, wanted="no arguments", actual=number)
-        )
+        check_arguments(name, action.span, len(action.arguments), 0, scope)
     if name in AGENT_ATTRIBUTES or name in game.agent_fields:
         raise scope.fail(
             errors.NameTaken(
@@ -90,14 +87,10 @@ def _with_arguments(
                 help="give the action or the field another name",
             )
         )
-    seen = set()
-    for argument in action.arguments:
-        if argument.name is None:
-            continue
-        if argument.name.text in seen:
-            part = f"the argument `{argument.name.text}`"
-            scope.problems.add(errors.WrittenTwice(argument.name.span, part=part))
-        seen.add(argument.name.text)
+    names = (argument.name for argument in action.arguments if argument.name is not None)
+    for repeated_name in repeated(names):
+        part = f"the argument `{repeated_name.text}`"
+        scope.problems.add(errors.WrittenTwice(repeated_name.span, part=part))
     arguments = tuple(_argument(argument, scope) for argument in action.arguments)
     if first + prod(a.count for a in arguments) > limits.MAX_ACTIONS:
         raise scope.fail(errors.Unsupported(action.span, feature=TOO_MANY_ACTIONS))
@@ -219,12 +212,7 @@ def _argument_value(
         return value
     match type_.kind:
         case "agent":
-            wanted = "an agent, or the number of one"
-            if isinstance(value, ir.Nobody):
-                raise scope.expected(tree.span, wanted, "nobody")
-            if not as_agent(value):
-                raise scope.expected(tree.span, wanted, describe(value.type))
-            check_somebody(value, tree.span, scope)
+            check_agent(value, tree, "an agent, or the number of one", scope)
         case "int":
             if value.type.kind != "int" or value.type.by:
                 raise wrong_type(scope, tree, "a whole number", value.type)
@@ -266,7 +254,8 @@ def fixed_argument(
     if isinstance(value, ir.Word):
         return declared.type.words.index(value.value)
     if isinstance(value, ir.Number):
-        return int(value.value - (declared.type.low if declared.type.kind == "int" else 0))
+        lowest = declared.type.low if declared.type.kind == "int" else 0
+        return int(value.value - lowest)
     raise scope.fail(errors.NotFixed(tree.span, quantity="an argument that isn't a new name"))
 
 
@@ -313,8 +302,7 @@ def argument_read(
     scope.static.refer(steps[0].name, Symbol("action", declared.name))
     argument = declared.arguments[number]
     span = steps[used - 1].span
-    if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
-        raise not_named(agent, ast.Path(span, steps[0].name, ()), scope)
+    agent = named_agent(agent, ast.Path(span, steps[0].name, ()), scope)
     read = ir.ArgumentOf(
         type=argument.type,
         agent=agent,
@@ -371,40 +359,39 @@ def forbids(game: Composition, scope: Scope) -> tuple[ir.Forbid, ...]:
 
 def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
     numbers: list[int] = []
-    inner = scope
-    declared: ir.ActionWithArguments | None = None  # the action whose arguments are named
-    bound: dict[int, ast.Name] = {}
+    names: dict[int, ast.Name] = {}  # of arguments, by place; only a single action has some
+    declared: ir.ActionWithArguments | None = None
     for chosen in forbid.actions:
-        action = _forbidden_action(chosen, scope)
-        if action is None:
+        declared = _forbidden_action(chosen, scope)
+        if declared is None:
             numbers.append(scope.static.actions.index(chosen.name.text))
             continue
-        names = _new_names(chosen, action, scope)
+        names = _new_names(chosen, declared, scope)
         if names and len(forbid.actions) > 1:
             wanted = "a number or a word where `forbid` lists several actions"
             raise scope.misused(next(iter(names.values())), "a name for an argument", wanted)
-        numbers += _forbidden_numbers(chosen, action, names, scope)
-        if names:
-            declared = action
-            bound = names
-            inner = _with_names(names, action, scope)
-    test = inner.condition(forbid.condition)
-    check_possible(test, inner)
+        numbers += _forbidden_numbers(chosen, declared, names, scope)
+    inner = scope
+    if declared is not None and names:
+        inner = _with_names(names, declared, scope)
+    test = possible_condition(forbid.condition, inner)
     for node in ir.walk(test):
         if ir.is_expression(node) and _is_out_of_sight(node):
-            raise scope.fail(
-                errors.ForbidReads(node.origin or forbid.span, reads=f"`{text(node)}`")
-            )
-    names_by_place: tuple[str, ...] = ()
-    if declared is not None:
-        _check_names_read(bound, declared, test, scope)
-        places = range(len(declared.arguments))
-        names_by_place = tuple(bound[i].text if i in bound else "" for i in places)
+            span = node.origin or forbid.span
+            raise scope.fail(errors.ForbidReads(span, reads=f"`{text(node)}`"))
+    action = ""
+    names_by_place: list[str] = []
+    if declared is not None and names:
+        _check_names_read(names, declared, test, scope)
+        action = declared.name
+        names_by_place = [""] * len(declared.arguments)
+        for place, name in names.items():
+            names_by_place[place] = name.text
     return ir.Forbid(
         actions=tuple(numbers or range(len(scope.static.actions))),
         condition=test,
-        action="" if declared is None else declared.name,
-        names=names_by_place,
+        action=action,
+        names=tuple(names_by_place),
         origin=forbid.span,
     )
 

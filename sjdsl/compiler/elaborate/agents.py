@@ -9,7 +9,7 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.elaborate.actions import declare_actions, forbids
 from sjdsl.compiler.elaborate.fields import one_field
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, Static
 from sjdsl.compiler.ir.sorts import AGENTS
 
@@ -84,8 +84,7 @@ def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
                     raise scope.misused(name, "the agents", "a shape", help_)
             test = None
             if blocks.condition is not None:
-                test = scope.condition(blocks.condition)
-                check_possible(test, scope)
+                test = possible_condition(blocks.condition, scope)
             block_nodes += blocked(blocks, {AGENTS: test}, scope)
     return tuple(block_nodes)
 
@@ -115,6 +114,7 @@ def blocked(
             known = ["agents", *static.movers, *static.shapes]
             scope.problems.unknown(name, known, "what a cell can block")
             continue
-        test = tests.get(ir.Sort("mover", (name.text,)), tests.get(AGENTS))
+        mover = ir.Sort("mover", (name.text,))
+        test = tests[mover] if mover in tests else tests.get(AGENTS)
         block_nodes.append(ir.Block(what=name.text, condition=test, origin=blocks.span))
     return block_nodes

@@ -13,6 +13,7 @@ from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrowed_real
 from sjdsl.compiler.ir.operations import Calculation
 from sjdsl.compiler.ir.printer import expression_text as text
+from sjdsl.compiler.ir.queries import contains
 from sjdsl.compiler.ir.ranges import apart, range_of
 from sjdsl.compiler.ir.types import (
     INTEGER_UNITS,
@@ -34,17 +35,14 @@ def mismatch(
 
 
 def calculation(
-    operation: Calculation,
-    e: ast.Expr,
-    trees: Sequence[ast.Expr],
-    args: Sequence[ir.Expr],
-    scope: Scope,
+    operation: Calculation, e: ast.Expr, trees: Sequence[ast.Expr], scope: Scope
 ) -> ir.Expr:
     """Returns an operation on numbers, or on rows of numbers; on constants, its result.
 
-    operation: its entry in the table of operations.
+    operation: its entry in the table of operations. trees: its operands.
     """
-    types = [a.type for a in args]
+    args = scope.expressions(trees)
+    types = [arg.type for arg in args]
     if not (operation.rows and _are_rows_with_same_keys(types)):
         _check_numbers(operation, e, trees, types, scope)
     if operation.divisor is not None and divisor_can_be_zero(args[operation.divisor], scope):
@@ -58,7 +56,7 @@ def calculation(
     if operation.apart is not None:
         low, high = operation.apart
         _check_apart(e, args[low], args[high], scope)
-    numbers = [a.value for a in args if isinstance(a, ir.Number)]
+    numbers = [arg.value for arg in args if isinstance(arg, ir.Number)]
     if len(numbers) == len(args):
         value = operation.fold(*numbers)
         constant = type_.model_copy(update={"low": value, "high": value})
@@ -67,7 +65,8 @@ def calculation(
 
 
 def _are_rows_with_same_keys(types: Sequence[ir.Type]) -> bool:
-    return all(t.by and t.by == types[0].by and t.kind in ("int", "real") for t in types)
+    by = types[0].by
+    return bool(by) and all(t.by == by and t.kind in ("int", "real") for t in types)
 
 
 def _check_numbers(
@@ -93,7 +92,7 @@ def _check_apart(e: ast.Expr, low: ir.Expr, high: ir.Expr, scope: Scope) -> None
     """Reports two bounds of an operation that can be equal or cross, as float32 too."""
     known = scope.facts_and_requires
     compared = any(
-        compares(x, sign, y, known) for x, y in ((low, high), (high, low)) for sign in (">", "!=")
+        compares(low, sign, high, known) or compares(high, sign, low, known) for sign in (">", "!=")
     )
     if apart(low, high, compared):
         return
@@ -107,7 +106,7 @@ def _zero_divisor(span: Span, divisor: ir.Expr, scope: Scope) -> Poisoned:
     help_ = ""
     if isinstance(divisor, ir.Number):
         help_ = "divide by another number"
-    elif not any(isinstance(n, ir.ParamRef) for n in ir.walk(divisor)):
+    elif not contains(divisor, ir.ParamRef):
         help_ = f"guard it: `when {scope.static.written(span)} > 0 {{ … }}`"
     labels = parameters_read(scope.static, divisor)
     return scope.fail(errors.ZeroDivisor(span, labels=labels, help=help_))
@@ -185,13 +184,13 @@ def _is_share(left: ir.Expr, right: ir.Expr) -> bool:
     is_whole = whole.where is None and whole.restriction is None and whole.on is None
     if not is_whole or part.on is not None:
         return False
-    return part.var.sort.what == whole.var.sort.what and set(part.var.sort.names) <= set(
-        whole.var.sort.names
-    )
+    sort = part.var.sort
+    return sort.what == whole.var.sort.what and set(sort.names) <= set(whole.var.sort.names)
 
 
-def compare(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> ir.Expr:
+def compare(e: ast.Binary, scope: Scope) -> ir.Expr:
     """Returns `left < right` and its like."""
+    left, right = scope.expressions((e.left, e.right))
     if not (is_number(left.type) and is_number(right.type)):
         named = {left.type.kind, right.type.kind} & {"word", "agent", "cell", "member"}
         help_ = "words, agents and cells are compared with `is` and `is not`" if named else ""

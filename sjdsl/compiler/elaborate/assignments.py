@@ -6,22 +6,14 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.lookup import (
-    as_agent,
-    check_known_word,
-    check_words,
-    declared_name,
-    interval_text,
-    kinds_of_cell,
-    or_nowhere,
-    read_beside,
-)
+from sjdsl.compiler.elaborate.fitting import check_number, fitting_value
+from sjdsl.compiler.elaborate.lookup import declared_name, interval_text, is_agent, read_beside
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.elaborate.trials import TRIAL
-from sjdsl.compiler.ir.implications import narrow_word, narrowed
+from sjdsl.compiler.ir.implications import narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.types import describe, is_number, join_units
+from sjdsl.compiler.ir.types import describe, is_number
 
 ONLY_ADD = "only `add` stops at the end of a range that is `capped`"
 
@@ -85,72 +77,19 @@ def _target_beside(s: ast.Set | ast.Add, scope: Scope) -> tuple[ir.Expr, ir.VarF
 def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
     """Returns `set target = value` or `set target = value by lot`."""
     target, field = _target_beside(s, scope)
-    if target.type.kind == "word":
-        check_known_word(s.value, target, target.type.words, scope)
-    value = narrow_word(scope.expression(s.value), scope.facts)
-    if target.type.kind == "cell":
-        value = or_nowhere(value)
-    if value.type.by and value.type.by != target.type.by:
-        raise wrong_type(scope, s.value, describe(target.type), value.type)
-    _check_value(s, target, field, value, scope)
+    value = fitting_value(s.value, target, target.type, scope)
+    if target.type.kind == "int":
+        low, high = narrowed(value, scope.facts)
+        limit = inf if field.timer else target.type.high
+        if low < target.type.low or high > limit:
+            help_ = _instead_of_set(s, field, target, scope)
+            raise _leaves_range(s.value.span, target, low, high, scope, help_)
     lot = None
     if s.lot is not None:
         if s.lot.text != "lot":
             raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
-        lot = use.streams.of_statement(use.streams.header(s.span, s.span.end))
+        lot = use.streams.of_statement(use.streams.header(s.span))
     return ir.Set(target=target, value=value, lot=lot, origin=s.span)
-
-
-def _check_value(
-    s: ast.Set, target: ir.Expr, field: ir.VarField, value: ir.Expr, scope: Scope
-) -> None:
-    """Reports a value that a field can't hold."""
-    type_ = target.type
-    match type_.kind:
-        case "word":
-            if value.type.kind != "word":
-                raise wrong_type(scope, s.value, describe(type_), value.type)
-            check_words(value.type.words, type_.words, s.value.span, target, scope)
-        case "int" | "real":
-            _check_number(s.value, target, value, scope)
-            low, high = narrowed(value, scope.facts)
-            limit = inf if field.timer else type_.high
-            if type_.kind == "int" and (low < type_.low or high > limit):
-                help_ = _instead_of_set(s, field, target, scope)
-                raise _leaves_range(s.value.span, target, low, high, scope, help_)
-        case "agent":
-            if not as_agent(value):
-                raise wrong_type(scope, s.value, "an agent or nobody", value.type)
-        case "cell":
-            wanted = f"{describe(type_)} or nowhere"
-            is_cell = value.type.kind == "cell"  # or a row of cells
-            kinds = value.type.kinds if is_cell else kinds_of_cell(value)
-            if kinds is None:
-                raise wrong_type(scope, s.value, wanted, value.type)
-            if not set(kinds) <= set(type_.kinds):
-                raise wrong_type(scope, s.value, wanted, ir.Type(kind="cell", kinds=kinds))
-        case "agents":
-            if not isinstance(value, ir.Nobody) and value.type.kind != "agents":
-                raise wrong_type(scope, s.value, "a set of agents or nobody", value.type)
-        case _:
-            raise AssertionError(type_)
-
-
-def _check_number(tree: ast.Expr, target: ir.Expr, value: ir.Expr, scope: Scope) -> None:
-    """Reports a value that a field of numbers can't hold.
-
-    Such are other types than numbers, other units, and reals for whole numbers.
-    """
-    if value.type.kind not in ("int", "real"):
-        raise wrong_type(scope, tree, describe(target.type), value.type)
-    if join_units(target.type.unit, value.type.unit) is None:
-        left = describe(target.type)
-        right = describe(value.type)
-        raise scope.fail(
-            errors.UnitMismatch(tree.span, verb="put into one field", left=left, right=right)
-        )
-    if target.type.kind == "int" and value.type.kind != "int":
-        raise wrong_type(scope, tree, "a whole number", value.type)
 
 
 def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scope) -> str:
@@ -170,7 +109,7 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
     target, field = _target_beside(s, scope)
     value = scope.expression(s.value)
     if target.type.kind == "agents":
-        if not as_agent(value):
+        if not is_agent(value):
             raise wrong_type(scope, s.value, "an agent", value.type)
         return ir.Add(target=target, value=value, origin=s.span)
     if target.type.kind not in ("int", "real") or field.timer:
@@ -179,7 +118,7 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
         raise wrong_type(scope, s.target, wanted, target.type, help_)
     if value.type.by != target.type.by:
         raise wrong_type(scope, s.value, describe(target.type), value.type)
-    _check_number(s.value, target, value, scope)
+    check_number(s.value, target.type, value, scope)
     if target.type.kind == "int" and not field.capped:  # no other statement then adds to it
         low = target.type.low
         high = target.type.high

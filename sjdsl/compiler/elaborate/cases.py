@@ -1,5 +1,6 @@
 """Elaborates `case`: every value of the subject has exactly one arm (exhaustiveness)."""
 
+from itertools import chain
 from math import inf, isfinite
 from typing import NamedTuple
 
@@ -8,9 +9,9 @@ from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.arithmetic import join_types
-from sjdsl.compiler.elaborate.scope import Scope
-from sjdsl.compiler.ir.implications import narrow_word, narrowed
-from sjdsl.compiler.ir.types import describe
+from sjdsl.compiler.elaborate.lookup import not_among
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.ir.implications import narrowed
 
 
 class Range(NamedTuple):
@@ -26,7 +27,7 @@ Key = list[Range]  # the values of an arm; none for `otherwise`, until what is l
 
 def case(e: ast.Case, scope: Scope) -> ir.Expr:
     """Returns a `case` whose arms cover the subject once; `otherwise` is spelt out."""
-    subject = narrow_word(scope.expression(e.subject), scope.facts)
+    subject = scope.narrowed(e.subject)
     if isinstance(subject, ir.Word):
         return _known_word(e, subject, scope)
     if subject.type.kind in ("word", "condition") and not subject.type.by:
@@ -35,7 +36,7 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
         keys = _number_keys(e, subject, scope)
     else:
         wanted = "a whole number, a word or a condition"
-        raise scope.expected(e.subject.span, wanted, describe(subject.type))
+        raise wrong_type(scope, e.subject, wanted, subject.type)
 
     def arms_of(arm_and_key: tuple[ast.Arm, Key]) -> list[ir.Arm]:
         arm, key = arm_and_key
@@ -44,14 +45,12 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
             holds = key[0].words == ("yes",)
             inner = scope.knowing([subject if holds else ir.Not(value=subject)])
         value = inner.expression(arm.value)
-        return [
-            ir.Arm(low=r.low, high=r.high, words=r.words, value=value, origin=arm.span) for r in key
-        ]
+        return [ir.Arm(**part._asdict(), value=value, origin=arm.span) for part in key]
 
     built = scope.problems.each(zip(e.arms, keys, strict=True), arms_of)
     if len(built) < len(e.arms):
         raise Poisoned
-    arms = tuple(arm for of_one_key in built for arm in of_one_key)
+    arms = tuple(chain.from_iterable(built))
     type_ = join_types([a.value.type for a in arms], scope, "choose between", e)
     return ir.Case(type=type_, subject=subject, arms=arms, origin=e.span)
 
@@ -62,7 +61,7 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
     otherwise: ir.Expr | None = None
     for arm in e.arms:
         if arm.word is not None and not scope.static.is_word(arm.word.text):
-            raise _not_in_case(arm.word, (subject.value,), scope)
+            raise not_among(arm.word, (subject.value,), "this case", scope)
         value = scope.expression(arm.value)
         if arm.word is None:
             otherwise = value
@@ -74,10 +73,6 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
     if result is None:
         raise scope.fail(errors.CaseLacks(e.span, words=(subject.value,)))
     return result
-
-
-def _not_in_case(word: ast.Name, words: tuple[str, ...], scope: Scope) -> Poisoned:
-    return scope.fail(errors.WordOutside(word.span, word=word.text, owner="this case", words=words))
 
 
 def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
@@ -92,14 +87,14 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
             continue
         word = arm.word.text
         if word not in names:
-            raise _not_in_case(arm.word, names, scope)
+            raise not_among(arm.word, names, "this case", scope)
         if word in seen:
             raise scope.fail(errors.CaseRepeats(arm.word.span, name=word))
         seen.add(word)
         if subject.type.kind == "word":
             scope.static.refer(arm.word, Symbol("word", word))
         keys.append([Range(words=(word,))])
-    unseen = tuple(n for n in names if n not in seen)
+    unseen = tuple(name for name in names if name not in seen)
     rest = [Range(words=unseen)] if unseen else []
     _close(e, keys, rest, errors.CaseLacks(e.span, words=unseen), scope)
     return keys
@@ -115,20 +110,16 @@ def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
             keys.append([])
             continue
         last = arm.low if arm.high is None else arm.high
-        interval = (float(arm.low), inf if arm.open else float(last))
-        if last < arm.low or any(_overlap(interval, other) for other in taken):
+        end = inf if arm.open else last
+        if last < arm.low or any(first <= end and arm.low <= other for first, other in taken):
             raise scope.fail(errors.CaseOverlaps(arm.span))
-        taken.append(interval)
+        taken.append((arm.low, end))
         keys.append([Range(arm.low, None if arm.open else last)])
     low, high = narrowed(subject, scope.facts)
     gaps = _gaps(taken, low, high)
     rest = [Range(_whole(first), _whole(last)) for first, last in gaps]
     _close(e, keys, rest, errors.CaseLeavesOpen(e.span, numbers=_first_gap(rest)), scope)
     return keys
-
-
-def _overlap(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    return one[0] <= other[1] and other[0] <= one[1]
 
 
 def _gaps(taken: list[tuple[float, float]], low: float, high: float) -> list[tuple[float, float]]:

@@ -1,21 +1,22 @@
 """Elaborates `size` and `param`: units, values, tables and limits."""
 
+from collections.abc import Callable
 from itertools import product
 from math import isfinite
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.diagnostics.diagnostic import Label, near
-from sjdsl.compiler.diagnostics.problems import Poisoned
+from sjdsl.compiler.diagnostics.diagnostic import Label
 from sjdsl.compiler.elaborate.keys import entries_of, level_of
-from sjdsl.compiler.elaborate.lookup import table_words
-from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.lookup import no_word, not_among, table_words
+from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
 UNITS = (*UNIT_LIMITS, "word")
 Tree = ast.Expr | ast.Table
+T = TypeVar("T")
 
 
 def constant(declared: ast.Constant, scope: Scope, override: object = None) -> None:
@@ -67,8 +68,8 @@ def _report_outside(
     scope: Scope,
 ) -> None:
     """Reports the numbers of one declaration that are outside its limits, as one mistake."""
-    spans = [_entry(declared.value, keys, level, scope).span for keys, _ in outside]
-    first, *others = dict.fromkeys(spans)
+    entries = [_entry(declared.value, keys, level, scope) for keys, _ in outside]
+    first, *others = dict.fromkeys(entry.span for entry in entries)
     labels = [Label(span, "and this") for span in others]
     reason = ""
     if declared.low is not None:
@@ -106,15 +107,14 @@ def _overridden(declared: ast.Constant, override: object, scope: Scope) -> int |
     if hasattr(override, "item") and getattr(override, "shape", None) == ():
         number = override.item()
     is_whole = declared.unit.text in INTEGER_UNITS
-    if not isinstance(number, bool) and isinstance(number, int | float):
+    if isinstance(number, int | float) and not isinstance(number, bool):
         if isinstance(number, int) and abs(number) > limits.MAX_VALUE:
             problem = f"`{declared.name.text}` is {number}"
             raise scope.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
-        if isfinite(number):
-            if not is_whole:
-                return float(number)
-            if number == int(number):
-                return int(number)
+        if isfinite(number) and not is_whole:
+            return float(number)
+        if isfinite(number) and number == int(number):
+            return int(number)
     noun = "a whole number" if is_whole else "a number"
     wanted = f"{noun} for `{declared.name.text}`"
     raise scope.expected(declared.span, wanted, repr(override))
@@ -152,27 +152,33 @@ def _value(
     level: the first one, where it is declared by `by`.
     """
     if level is not None:
-        trees = entries_of(tree, level, scope)
-        built = {}
-        for entry in trees:
-            if id(entry) not in built:
-                built[id(entry)] = _value(entry, unit, scope)
-        inner_levels = {levels for levels, _ in built.values()}
-        if len(inner_levels) > 1:
-            raise scope.fail(errors.UnequalRows(tree.span))
-        return (level, *inner_levels.pop()), tuple(built[id(entry)][1] for entry in trees)
-    if not isinstance(tree, ast.Table):
+        entries = entries_of(tree, level, scope)
+    elif isinstance(tree, ast.Table):
+        level, entries = _entries_by_words(tree, scope)
+    else:
         return (), _number(tree, unit, scope)
-    names = table_words(tree, scope)
-    words = _declared_words(tree, names, scope)
-    entries = {
-        name: _value(entry.value, unit, scope)
-        for name, entry in zip(names, tree.entries, strict=True)
-    }
-    first_levels, _ = entries[names[0]]
-    if any(levels != first_levels for levels, _ in entries.values()):
+    read = _each_once(entries, lambda entry: _value(entry, unit, scope))
+    inner_levels, values = zip(*read, strict=True)
+    if len(set(inner_levels)) > 1:
         raise scope.fail(errors.UnequalRows(tree.span))
-    return (Level("word", words), *first_levels), tuple(entries[word][1] for word in words)
+    return (level, *inner_levels[0]), values
+
+
+def _each_once(trees: list[Tree], read: Callable[[Tree], T]) -> list[T]:
+    """Returns what is read of each tree; one that stands for several entries is read once."""
+    results: dict[int, T] = {}
+    for tree in trees:
+        if id(tree) not in results:
+            results[id(tree)] = read(tree)
+    return [results[id(tree)] for tree in trees]
+
+
+def _entries_by_words(table: ast.Table, scope: Scope) -> tuple[Level, list[Tree]]:
+    """Returns the words that a table is by, and what is written for each of them."""
+    names = table_words(table, scope)
+    words = _declared_words(table, names, scope)
+    written = {entry.key.text: entry.value for entry in table.entries}
+    return Level("word", words), [written[word] for word in words]
 
 
 def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
@@ -184,12 +190,16 @@ def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> t
     for words in sets:
         if set(words) == set(names):
             return words
-    closest = max(
-        sets, key=lambda s: (len(set(s) & set(names)), -len(set(s) ^ set(names))), default=()
-    )
-    unknown = next((e.key for e in table.entries if not scope.static.is_word(e.key.text)), None)
-    if unknown is not None:
-        raise _unknown_word(unknown, names, closest, scope)
+
+    def similarity(words: tuple[str, ...]) -> tuple[int, int]:
+        return len(set(words) & set(names)), -len(set(words) ^ set(names))
+
+    closest = max(sets, key=similarity, default=())
+    for entry in table.entries:
+        if not scope.static.is_word(entry.key.text):
+            if set(names) & set(closest):
+                raise not_among(entry.key, closest, "this table", scope)
+            raise no_word(entry.key, names, "table", scope)
     missing = tuple(w for w in closest if w not in names)
     if set(names) < set(closest) and missing == closest[:1] and len(names) > 1:
         return closest[1:]
@@ -198,34 +208,12 @@ def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> t
     raise scope.fail(errors.TableGap(table.span))
 
 
-def _unknown_word(
-    word: ast.Name, names: tuple[str, ...], closest: tuple[str, ...], scope: Scope
-) -> Poisoned:
-    """Reports an entry of a table that is no word of any set.
-
-    names: of all entries. closest: the set that has most of them.
-    """
-    if set(names) & set(closest):
-        return scope.fail(
-            errors.WordOutside(word.span, word=word.text, owner="this table", words=closest)
-        )
-    meant = near(word.text, [w for words in scope.static.word_sets for w in words])
-    help_ = ""
-    if not meant.nearest:
-        listed = ", ".join(dict.fromkeys(names))
-        help_ = (
-            "the words of a table are those of a field, a row (`by`) or an event: "
-            f"declare one, `field NAME : {{ {listed} }} = {names[0]}`"
-        )
-    return scope.fail(errors.UnknownName(word.span, name=word.text, near=meant, help=help_))
-
-
 def _number(tree: ast.Expr, unit: str, scope: Scope) -> int | float:
     """Returns a number of a unit that is known when compiled."""
     built = scope.expression(tree)
     if not isinstance(built, ir.Number):
         scope.fixed(tree, "the value of a number")
-        raise scope.expected(tree.span, "a number", describe(built.type))
+        raise wrong_type(scope, tree, "a number", built.type)
     value = built.value
     is_whole = unit in INTEGER_UNITS
     if not isfinite(value) or (is_whole and value != int(value)):
@@ -252,33 +240,28 @@ def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[st
     by: tuple[Level, ...] = ()
     entries: list[Tree] = [declared.value]
     if declared.by is not None:
-        by = (level_of(declared.by, scope),)
-        entries = entries_of(declared.value, by[0], scope)
+        level = level_of(declared.by, scope)
+        by = (level,)
+        entries = entries_of(declared.value, level, scope)
     elif isinstance(declared.value, ast.Table):
-        keys = _declared_words(declared.value, table_words(declared.value, scope), scope)
-        by = (Level("word", keys),)
-        written = {e.key.text: e.value for e in declared.value.entries}
-        entries = [written[key] for key in keys]
-    known: dict[int, str] = {}
-    for entry in entries:
-        if id(entry) not in known:
-            known[id(entry)] = _one_word(entry, scope)
-    values = tuple(known[id(entry)] for entry in entries)
+        level, entries = _entries_by_words(declared.value, scope)
+        by = (level,)
+    values = tuple(_each_once(entries, lambda entry: _one_word(entry, scope)))
     sets = [level.names for level in by if level.sort == "word"] + scope.static.word_sets
-    words = next((s for s in sets if set(values) <= set(s)), None)
+    words = next((words for words in sets if set(values) <= set(words)), None)
     if words is None:
         raise scope.fail(errors.NeverEqual(declared.value.span))
-    return ir.Type(kind="word", words=words, by=by), values if by else values[0]
+    type_ = ir.Type(kind="word", words=words, by=by)
+    return type_, values if by else values[0]
 
 
 def _one_word(tree: Tree, scope: Scope) -> str:
-    actual = "a table"
-    if not isinstance(tree, ast.Table):
-        built = scope.expression(tree)
-        if isinstance(built, ir.Word):
-            return built.value
-        actual = describe(built.type)
-    raise scope.expected(tree.span, "a word", actual)
+    if isinstance(tree, ast.Table):
+        raise scope.expected(tree.span, "a word", "a table")
+    built = scope.expression(tree)
+    if not isinstance(built, ir.Word):
+        raise wrong_type(scope, tree, "a word", built.type)
+    return built.value
 
 
 def _entry(value: Tree, keys: tuple[str, ...], level: Level | None, scope: Scope) -> Tree:

@@ -4,6 +4,7 @@ Often the mistake is in the declaration, and the use is right.
 """
 
 from dataclasses import replace
+from itertools import chain
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
@@ -54,13 +55,6 @@ def _number_of_agents_span(game: Composition) -> Span | None:
     return number.span
 
 
-def _attributes(game: Composition) -> list[ast.Field | ast.Timer]:
-    """Returns the fields and timers of cells, agents and the world."""
-    attributes = [a for kind in game.kinds.values() for a in kind.attributes]
-    fields = [a for a in attributes if isinstance(a, ast.Field | ast.Timer)]
-    return [*fields, *game.agent_fields.values(), *game.fields.values()]
-
-
 def _name_span(name: str, game: Composition) -> Span | None:
     """Returns where a name, word or action is declared first."""
     tables = (
@@ -73,13 +67,13 @@ def _name_span(name: str, game: Composition) -> Span | None:
         game.metrics,
     )
     names = [node.name for table in tables for node in table.values()]
-    attributes = _attributes(game)
-    names += [attribute.name for attribute in attributes]
+    fields = game.declared_fields()
+    names += [field.name for field in fields]
     if game.acts is not None:
         names += [action.name for action in game.acts.actions]
-    for attribute in attributes:
-        if isinstance(attribute, ast.Field) and isinstance(attribute.type, ast.Words):
-            names += attribute.type.names
+    for field in fields:
+        if isinstance(field, ast.Field) and isinstance(field.type, ast.Words):
+            names += field.type.names
     return next((declared.span for declared in names if declared.text == name), None)
 
 
@@ -90,19 +84,20 @@ def _type_span(name: str, game: Composition) -> Span | None:
             if action.arguments and action.name.text == name:
                 return action.span
     metric = game.metrics.get(name)
+    if isinstance(metric, ast.Event) and isinstance(metric.by, ast.Words):
+        return metric.by.names[0].span
     if isinstance(metric, ast.Event) and metric.by is not None:
-        return metric.by.names[0].span if isinstance(metric.by, ast.Words) else metric.by.span
-    for attribute in reversed(_attributes(game)):
-        if isinstance(attribute, ast.Field) and attribute.name.text == name:
-            return attribute.type.span
+        return metric.by.span
+    for field in reversed(game.declared_fields()):
+        if isinstance(field, ast.Field) and field.name.text == name:
+            return field.type.span
     return None
 
 
 def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:
     """Returns labels where the parameters in values are declared; none if there are too many."""
-    names = dict.fromkeys(
-        n.name for value in values for n in ir.walk(value) if isinstance(n, ir.ParamRef)
-    )
+    nodes = chain.from_iterable(map(ir.walk, values))
+    names = dict.fromkeys(node.name for node in nodes if isinstance(node, ir.ParamRef))
     spans = {name: static.params[name].origin for name in names}
     labels = tuple(Label(span, f"`{name}`") for name, span in spans.items() if span is not None)
     return labels if len(labels) <= MOST_LABELS else ()

@@ -15,22 +15,17 @@ from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
 from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.lookup import repeated
 from sjdsl.compiler.elaborate.movers import declare_movers
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.trials import TRIAL, declare_trial
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import HEADINGS
 
-Tables = Mapping[
-    str,
-    Mapping[
-        str, ast.Constant | ast.Define | ast.Field | ast.Timer | ast.Kind | ast.Group | ast.Movers
-    ],
-]
+Declared = ast.Constant | ast.Define | ast.Field | ast.Timer | ast.Kind | ast.Group | ast.Movers
+Tables = Mapping[str, Mapping[str, Declared]]
 RESERVED_VARIABLES = ("agent", "other", "step", "nobody", "all", "yes", "no", "cell")
-
-
 OBSERVED_NAMES = {  # what `observe` has names for, so that no kind can
     "outside": "what an agent sees off the map",
     "everyone": "all agents, in `observe`",
@@ -48,14 +43,17 @@ def declare_numbers(
         game.sources, expression, references=game.references, defines=dict(game.defines)
     )
     _check_names(game, _collect_words(game, static, problems), problems)
-    static.events = {n: m for n, m in game.metrics.items() if isinstance(m, ast.Event)}
+    for name, metric in game.metrics.items():
+        if isinstance(metric, ast.Event):
+            static.events[name] = metric
     static.number_from_file = num_agents is None and not overrides
     overrides = dict(overrides)
     if num_agents is not None:
         override_number(game, overrides, num_agents, problems)
     scope = Scope(static, problems)
-    by_agent = [c for c in game.constants.values() if isinstance(c.by, ast.Name)]
-    others = [c for c in game.constants.values() if c not in by_agent]
+    constants = list(game.constants.values())
+    by_agent = [declared for declared in constants if isinstance(declared.by, ast.Name)]
+    others = [declared for declared in constants if declared not in by_agent]
 
     def declare(constants: list[ast.Constant]) -> None:
         for declared in constants:
@@ -78,9 +76,9 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> dic
         if len(names) > limits.MAX_WORDS:
             feature = f"a set of more than {limits.MAX_WORDS} words"
             problems.add(errors.Unsupported(words.names[0].span, feature=feature))
-        for i, name in enumerate(words.names):
-            if name.text in names[:i]:
-                problems.add(errors.WrittenTwice(name.span, part=f"the word `{name.text}`"))
+        for name in repeated(words.names):
+            problems.add(errors.WrittenTwice(name.span, part=f"the word `{name.text}`"))
+        for name in words.names:
             first.setdefault(name.text, name.span)
         static.word_sets.append(tuple(dict.fromkeys(names)))
     static.word_sets.append(HEADINGS)
@@ -89,13 +87,10 @@ def _collect_words(game: Composition, static: Static, problems: Problems) -> dic
 
 def _word_sets(game: Composition) -> Iterator[ast.Words]:
     """Yields the sets of words of fields, rows, events, numbers and arguments of actions."""
-    attributes = [a for kind in game.kinds.values() for a in kind.attributes]
-    attributes += [a for movers in game.movers.values() for a in movers.attributes]
-    attributes += [*game.agent_fields.values(), *game.fields.values()]
     places: list[object] = []
-    for attribute in attributes:
-        if isinstance(attribute, ast.Field):
-            places += [attribute.type, attribute.by]
+    for field in game.declared_fields():
+        if isinstance(field, ast.Field):
+            places += [field.type, field.by]
     places += [metric.by for metric in game.metrics.values() if isinstance(metric, ast.Event)]
     places += [number.by for number in game.constants.values()]
     if game.acts is not None:
@@ -175,13 +170,9 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
 
 def _check_counts(game: Composition, problems: Problems) -> None:
     """Reports more kinds, fields or phases than a game may have."""
-    attributes = [a for kind in game.kinds.values() for a in kind.attributes]
-    attributes += [a for movers in game.movers.values() for a in movers.attributes]
-    num_fields = sum(isinstance(a, ast.Field | ast.Timer) for a in attributes)
-    num_fields += len(game.fields) + len(game.agent_fields)
     counts = (
         ("kinds", len(game.kinds), limits.MAX_KINDS),
-        ("fields", num_fields, limits.MAX_FIELDS),
+        ("fields", len(game.declared_fields()), limits.MAX_FIELDS),
         ("phases", len(game.phases), limits.MAX_PHASES),
     )
     for noun, number, limit in counts:
@@ -223,7 +214,8 @@ def _starts(
             continue
         scope.static.refer(name, symbol)
         with scope.problems.survive():
-            starts.append((name.text, starting(tree, name.text, fields[name.text].type, scope)))
+            start = starting(tree, name.text, fields[name.text].type, scope)
+            starts.append((name.text, start))
     return tuple(starts)
 
 
@@ -271,9 +263,5 @@ def _blocks_when(blocks: ast.Blocks, kind: str, sort: ir.Sort, scope: Scope) -> 
     """
     if blocks.condition is None:
         return None
-    cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
-    body = ir.Member(name=sort.name, sort=sort)
-    inner = scope.bind(kind, cell).bind(body.name, body)
-    test = inner.condition(blocks.condition)
-    check_possible(test, inner)
-    return test
+    inner = scope.bind_member(kind, ir.Sort("cell", (kind,))).bind_member(sort.name, sort)
+    return possible_condition(blocks.condition, inner)

@@ -5,18 +5,19 @@ from dataclasses import replace
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.lookup import (
-    as_agent,
     bound_cell,
     check_free,
     check_placed,
+    is_agent,
+    is_member,
     kinds_named,
     unknown,
+    variable,
 )
 from sjdsl.compiler.elaborate.possible import check_possible
-from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.queries import most_restricted
@@ -26,26 +27,24 @@ from sjdsl.compiler.ir.types import integer
 
 def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, Scope]:
     """Returns a domain and the scope inside it. warns: of a condition that never holds."""
-    sort = _sort_of(d.kind, scope)
-    chosen = d.bind or d.kind
-    var = ir.Member(name=_ir_name(chosen, scope), sort=sort, origin=d.kind.span)
-    check_free(chosen, scope, d.bind is not None)
+    var = _new_member(d, _sort_named(d.kind, scope), scope)
     restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
-    inner = with_member(d.bind, d.kind, var, scope)
+    inner = with_member(d, var, scope)
     on = None
     conditions: list[ir.Expr] = []
     if d.on is not None:
-        if sort.what == "cell":
+        if is_member(var, "cell"):
             raise scope.misused(d.kind, "a kind of cell", "an agent (`agent on KIND`)")
         cell = _cell_around(d.on, inner)
-        if cell is not None:
+        if cell is None:
+            sort = ir.Sort("cell", kinds_named(d.on.kind, inner))
+            on = _new_member(d.on, sort, inner)
+            inner = with_member(d.on, on, inner)
+            inner = inner.knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
+        else:
             stands_at = ir.StandsAt(agent=var, cell=cell, origin=d.on.span)
             conditions.append(stands_at)
-            inner = inner.knowing([stands_at, ir.StandsOn(agent=var, kinds=cell.sort.names)])
-        else:
-            on = _cell_under(d.on, inner)
-            inner = with_member(d.on.bind, d.on.kind, on, inner)
-            inner = inner.knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
+            inner = inner.knowing([stands_at, ir.StandsOn(agent=var, kinds=cell.kinds)])
     if d.where is not None:
         where = inner.condition(d.where)
         if warns:
@@ -61,8 +60,8 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
     return built, inner
 
 
-def _sort_of(kind: ast.Name, scope: Scope) -> ir.Sort:
-    """Returns what a name of agents, movers, a kind or a group stands for."""
+def _sort_named(kind: ast.Name, scope: Scope) -> ir.Sort:
+    """Returns what a name of agents, movers, a kind or a group stands for; reports any other."""
     if kind.text == "agent":
         return AGENTS
     if kind.text in scope.static.movers:
@@ -71,12 +70,11 @@ def _sort_of(kind: ast.Name, scope: Scope) -> ir.Sort:
     return ir.Sort("cell", kinds_named(kind, scope))
 
 
-def _cell_under(on: ast.On, scope: Scope) -> ir.Member:
-    """Returns the cell under an agent, which `on KIND` binds."""
-    name = on.bind or on.kind
-    check_free(name, scope, on.bind is not None)
-    sort = ir.Sort("cell", kinds_named(on.kind, scope))
-    return ir.Member(name=_ir_name(name, scope), sort=sort, origin=on.span)
+def _new_member(bound: ast.Domain | ast.On, sort: ir.Sort, scope: Scope) -> ir.Member:
+    """Returns the variable that a domain, or its `on KIND`, binds; reports a name in use."""
+    name = bound.bind or bound.kind
+    check_free(name, scope, bound.bind is not None)
+    return ir.Member(name=_ir_name(name, scope), sort=sort, origin=bound.kind.span)
 
 
 def _cell_around(on: ast.On, scope: Scope) -> ir.Member | None:
@@ -96,14 +94,14 @@ def _cell_around(on: ast.On, scope: Scope) -> ir.Member | None:
     return cell
 
 
-def with_member(
-    name: ast.Name | None, kind: ast.Name, var: ir.Member | None, scope: Scope
-) -> Scope:
-    """Returns a scope with the variable of a domain.
+def with_member(bound: ast.Domain | ast.On, var: ir.Member | None, scope: Scope) -> Scope:
+    """Returns a scope with the variable of a domain, or of its `on KIND`.
 
     It has the name of its kind if the text gives it none.
     """
-    return scope.bind(kind.text, var) if name is None else scope.bind_named(name, var)
+    if bound.bind is None:
+        return scope.bind(bound.kind.text, var)
+    return scope.bind_named(bound.bind, var)
 
 
 def _ir_name(name: ast.Name, scope: Scope) -> str:
@@ -113,8 +111,8 @@ def _ir_name(name: ast.Name, scope: Scope) -> str:
     """
     if not scope.defining:
         return name.text
-    around = [v for v in scope.variables.values() if isinstance(v, ir.Node)]
-    around += [f.condition for f in scope.facts]
+    around = [value for value in scope.variables.values() if isinstance(value, ir.Node)]
+    around += [fact.condition for fact in scope.facts]
     taken = {variable.name for node in around for variable in free_variables(node)}
     free_name = name.text
     while free_name in taken:
@@ -122,7 +120,7 @@ def _ir_name(name: ast.Name, scope: Scope) -> str:
     return free_name
 
 
-def only_one_who(scope: Scope, who: ir.Expr, help_: str) -> Scope:
+def when_back(who: ir.Expr, scope: Scope, help_: str) -> Scope:
     """Returns a scope for what is read when an agent comes back.
 
     Of the variables around it sees this agent alone, which has no place; what is known now may
@@ -150,7 +148,7 @@ def _restriction(
         case ast.Near():
             return near(restriction.shape, restriction.anchor, scope)
         case ast.Members():
-            members = tuple(_variable(name, scope) for name in restriction.names)
+            members = tuple(_named_member(name, scope) for name in restriction.names)
             for other in members:
                 are_cells = {other.sort.what, var.sort.what} == {"cell"}
                 if other.sort != var.sort and not are_cells:
@@ -159,12 +157,12 @@ def _restriction(
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
             value = scope.expression(restriction)
-            if var.sort.what == "cell" and value.type.kind == "cell" and not value.type.by:
+            if is_member(var, "cell") and value.type.kind == "cell" and not value.type.by:
                 if not set(var.kinds) & set(value.type.kinds):
                     raise scope.fail(errors.NeverOneCell(restriction.span))
                 return ir.InCell(value=value, origin=restriction.span)
-            holds_agents = value.type.kind == "agents" or as_agent(value)
-            if var.sort.what != "agent" or not holds_agents:
+            holds_agents = value.type.kind == "agents" or is_agent(value)
+            if not (is_member(var, "agent") and holds_agents):
                 wanted = "a shape of something, or a field that holds agents or a cell"
                 raise wrong_type(scope, restriction, wanted, value.type)
             return ir.InAgents(value=value, origin=restriction.span)
@@ -173,37 +171,33 @@ def _restriction(
 def near(ref: ast.ShapeRef, anchor: ast.Name, scope: Scope) -> ir.Near:
     """Returns `SHAPE of anchor`; a shape with a direction needs an agent."""
     shape = shapes.used(ref, scope)
-    member = _variable(anchor, scope)
-    if member.sort.what != "cell":
+    member = _named_member(anchor, scope)
+    if not is_member(member, "cell"):
         check_placed(member, ref.span, f"{shape.name} of {anchor.text}", scope)
-    if shape.directed and member.sort.what == "cell":
+    elif shape.directed:
         raise scope.fail(errors.DirectedShape(ref.span, name=shape.name, anchor=anchor.text))
     return ir.Near(shape=shape.name, anchor=member, origin=ref.span)
 
 
-def _variable(name: ast.Name, scope: Scope) -> ir.Member:
+def _named_member(name: ast.Name, scope: Scope) -> ir.Member:
     """Returns the agent, mover or cell that a name stands for."""
     if name.text not in scope.variables:
         raise unknown(name, scope)
-    scope.refer(name)
-    bound = scope.variables[name.text]
-    if bound is None:
-        raise Poisoned
-    if not isinstance(bound, ir.Member):
+    member = variable(name, scope)
+    if not isinstance(member, ir.Member):
         raise scope.misused(name, "a value", "an agent or a cell")
-    return bound.model_copy(update={"origin": name.span})
+    return member
 
 
-def most_members(d: ir.Domain, scope: Scope) -> int:
+def most_members(d: ir.Domain, static: Static) -> int:
     """Returns the most members a domain can have."""
-    static = scope.static
     match d.var.sort.what:
         case "agent":
             everywhere = static.num_agents
         case "mover":
             everywhere = static.movers[d.var.sort.name].number
         case "cell":
-            everywhere = sum(static.cells.get(k, 0) for k in d.var.kinds)
+            everywhere = sum(static.cells.get(kind, 0) for kind in d.var.kinds)
         case "world":
             raise AssertionError(d)
     return most_restricted(d, everywhere, lambda near: static.shapes[near.shape].lanes)
@@ -213,27 +207,21 @@ def can_be_empty(d: ir.Domain, scope: Scope) -> bool:
     """Returns whether a domain may have no member, as far as map, rules and guards tell."""
     static = scope.static
     known = scope.facts_and_requires
-    members = ir.Count(type=integer(0, most_members(d, scope)), domain=d)
-    if narrowed(members, known)[0] > 0 or compares(members, "!=", 0, known):
+    members = ir.Count(type=integer(0, most_members(d, static)), domain=d)
+    least, _ = narrowed(members, known)
+    if least > 0 or compares(members, "!=", 0, known):
         return False
     if d.where is not None or d.on is not None:
         return True
     match d.restriction:
-        case None if d.var.sort.what == "cell":
+        case None if is_member(d.var, "cell"):
             return not any(static.cells.get(kind, 0) for kind in d.var.kinds)
         case None:
-            return static.can_be_away and not _has_present_member(d.var.sort, scope)
+            has_one_around = any(member.sort == d.var.sort for member in scope.members)
+            # in the other parts of a game a variable may stand for one that is away
+            is_on_map = scope.part in ("phase", "start", "metrics", "checks", "policy")
+            return static.can_be_away and not (has_one_around and is_on_map)
         case ir.Among():
-            return d.var.sort.what == "cell"
+            return is_member(d.var, "cell")
         case _:
             return True
-
-
-def _has_present_member(sort: ir.Sort, scope: Scope) -> bool:
-    """Returns whether a domain around has an agent (or such a mover) that is on the map.
-
-    In some parts of a game a variable may stand for one that is away.
-    """
-    if scope.part not in ("phase", "start", "metrics", "checks", "policy"):
-        return False
-    return any(isinstance(v, ir.Member) and v.sort == sort for v in scope.variables.values())

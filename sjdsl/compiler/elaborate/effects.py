@@ -8,14 +8,16 @@ from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Fix, near
 from sjdsl.compiler.diagnostics.problems import Poisoned
-from sjdsl.compiler.elaborate.domains import domain, only_one_who
+from sjdsl.compiler.diagnostics.source import Span
+from sjdsl.compiler.elaborate.domains import domain, when_back
 from sjdsl.compiler.elaborate.keys import key_of
 from sjdsl.compiler.elaborate.lookup import (
-    as_agent,
+    check_agent,
     check_free,
     check_placed,
-    check_somebody,
+    is_member,
     kinds_of_cell,
+    named_agent,
     read_beside,
 )
 from sjdsl.compiler.elaborate.movers import check_heading, heading_of
@@ -24,19 +26,14 @@ from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.queries import body_sort
 from sjdsl.runtime.actions import HEADINGS
 
 FACINGS = (*HEADINGS, "same")
 QUARTERS = {"ahead": 0, "right": 1, "back": 2, "left": 3}  # turns to the right of the heading
-
-
 LATER = (
     "who is sent `after` some ticks finds its cell when it comes back: "
     "keep what it needs in a field of its own, set before it is sent"
 )
-
-
 DIRECTIONS = (
     "a direction: `ahead`, `back`, `left`, `right`, a heading such as `north` or `x.heading`, "
     "`away from x` or `toward x`"
@@ -46,12 +43,9 @@ DIRECTIONS = (
 def body(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns one agent, or one mover."""
     built = scope.expression(e)
-    if isinstance(built, ir.Member) and built.sort.what == "mover":
-        return built
-    if not as_agent(built):
+    if not is_member(built, "mover"):
         wanted = "an agent or a mover" if scope.static.movers else "an agent"
-        raise wrong_type(scope, e, wanted, built.type)
-    check_somebody(built, e.span, scope)
+        check_agent(built, e, wanted, scope)
     return built
 
 
@@ -61,15 +55,13 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
     if built.type.kind == "agents" and not built.type.by:
         return built
     wanted = "an agent or a set of agents"
-    if isinstance(built, ir.Member) and built.sort.what == "mover":
+    if is_member(built, "mover"):
         help_ = (
             "a mover earns nothing; keep it in a field of the mover, "
             "such as `field fed : 0 .. 9 capped = 0`"
         )
         raise scope.expected(e.span, wanted, "a mover", help_)
-    if not as_agent(built):
-        raise wrong_type(scope, e, wanted, built.type)
-    check_somebody(built, e.span, scope)
+    check_agent(built, e, wanted, scope)
     return built
 
 
@@ -85,10 +77,7 @@ def give(s: ast.Give, scope: Scope) -> ir.Stmt:
     but = None
     if s.receiver.but is not None:
         tree = ast.Path(s.receiver.but.span, s.receiver.but, ())
-        member = scope.expression(tree)
-        if not (isinstance(member, ir.Member) and member.sort.what == "agent"):
-            raise wrong_type(scope, tree, "an agent", member.type)
-        but = member
+        but = named_agent(scope.expression(tree), tree, scope)
     return ir.Give(value=value, receiver=None, but=but, origin=s.span)
 
 
@@ -101,74 +90,72 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
         raise scope.fail(errors.NoEvent(name.span, name=name.text, near=meant))
     static.refer(name, Symbol("metric", name.text))
     steps = s.event.steps
-    word = None
+    entry = None
     if event.by is not None:
         if len(steps) != 1 or not isinstance(steps[0], ast.Index):
             raise scope.expected(s.event.span, f"`{name.text}[word]`", "the whole row")
         if name.text not in static.event_levels:
             raise Poisoned
-        word = key_of(steps[0].key, name.text, static.event_levels[name.text], scope)
+        entry = key_of(steps[0].key, name.text, static.event_levels[name.text], scope)
     elif steps:
         raise scope.expected(s.event.span, "the event alone", "an entry of it")
     amount = None
     if s.by is not None:
-        amount = scope.number(s.by, ("count",), "a count")
-        if amount.type.low < 0:
-            raise scope.fail(errors.Negative(s.by.span, name="what is counted"))
-    for_ = None if s.receiver is None else receiver(s.receiver, scope)
-    return ir.Tally(event=name.text, word=word, amount=amount, receiver=for_, origin=s.span)
+        amount = scope.not_negative(s.by, ("count",), "a count", "what is counted")
+    earner = None if s.receiver is None else receiver(s.receiver, scope)
+    return ir.Tally(event=name.text, word=entry, amount=amount, receiver=earner, origin=s.span)
 
 
-def _facing_and_stay(s: ast.Send | ast.Shift, who_stays: str, scope: Scope) -> str | None:
-    """Returns which way an agent faces after it is sent, None if that isn't written.
+def _facing(facing: ast.Name | None, scope: Scope) -> str | None:
+    """Returns which way an agent faces after it is sent, None if that isn't written."""
+    if facing is None:
+        return None
+    if facing.text not in FACINGS:
+        raise scope.problems.unknown(facing, FACINGS, "what an agent can be made to face")
+    return facing.text
 
-    Reports anything but `stay` after `otherwise`. who_stays: by `otherwise stay`.
-    """
-    if s.facing is not None and s.facing.text not in FACINGS:
-        raise scope.problems.unknown(s.facing, FACINGS, "what an agent can be made to face")
-    if s.stay is not None and s.stay.text != "stay":
+
+def _check_stay(stay: ast.Name | None, who_stays: str, scope: Scope) -> None:
+    """Reports anything but `stay` after `otherwise`. who_stays: by `otherwise stay`."""
+    if stay is not None and stay.text != "stay":
         help_ = f"write `otherwise stay`: {who_stays} stays"
-        fix = Fix(s.stay.span, "stay")
-        raise scope.fail(errors.UnknownName(s.stay.span, name=s.stay.text, help=help_, fix=fix))
-    return None if s.facing is None else s.facing.text
+        fix = Fix(stay.span, "stay")
+        raise scope.fail(errors.UnknownName(stay.span, name=stay.text, help=help_, fix=fix))
 
 
 def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     """Returns `send x to CELL` as a shift if it happens at once, else `send x to DOMAIN`."""
     who = body(s.who, scope)
     after = None
+    arrival_scope = scope
     if s.after is not None:
-        after = scope.number(s.after, ("steps",), "a number of steps")
-        if after.type.low < 0:
-            raise scope.fail(errors.Negative(s.after.span, name="the delay"))
+        after = scope.not_negative(s.after, ("steps",), "a number of steps", "the delay")
+        arrival_scope = when_back(who, scope, LATER)
     if isinstance(after, ir.Number) and after.value == 0:
         after = None
-    around = scope if s.after is None else only_one_who(scope, who, LATER)
-    cell = _cell(s.domain, around)
-    facing = _facing_and_stay(s, "who finds no cell", scope)
+    cell = _one_cell(s.domain, arrival_scope)
+    facing = _facing(s.facing, scope)
+    _check_stay(s.stay, "who finds no cell", scope)
     if cell is not None and s.stay is None:
         raise _perhaps_taken(s, cell, scope)
     if cell is not None and after is None:
-        header = use.streams.header(s.span, s.span.end)
-        stream = use.streams.of_statement(header)
-        heading_stream = use.streams.of_statement(f"heading of {header}")
+        header = use.streams.header(s.span)
         return ir.Shift(
             who=who,
             to=cell,
             facing=facing,  # type: ignore[arg-type]
-            stream=stream,
-            heading_stream=heading_stream,
+            stream=use.streams.of_statement(header),
+            heading_stream=use.streams.of_statement(f"heading of {header}"),
             origin=s.span,
         )
     if cell is None:
         assert isinstance(s.domain, ast.Domain)
-        destination = _destination(s.domain, scope, around)
+        destination = _cells_to_choose_from(s.domain, arrival_scope, scope)
     else:
-        destination = _domain_of_cell(s.domain, cell)
-    header = use.streams.header(s.domain.span, s.domain.span.end)
-    sort = body_sort(who)
-    if sort.what == "mover":  # each sort is placed by itself
-        header = f"{header} of {sort.name}"
+        destination = _domain_of_cell(s.domain.span, cell)
+    header = use.streams.header(s.domain.span)
+    if is_member(who, "mover"):  # movers of each name are placed by themselves
+        header = f"{header} of {who.sort.name}"
     return ir.Send(
         who=who,
         domain=destination,
@@ -195,37 +182,36 @@ def _perhaps_taken(s: ast.Send, cell: ir.Expr, scope: Scope) -> Poisoned:
     return scope.fail(errors.PerhapsTaken(s.span, place=cell.name, help=help_))
 
 
-def _destination(d: ast.Domain, scope: Scope, around: Scope) -> ir.Domain:
-    """Returns the cells that somebody is sent to. around: what their `where` may name."""
+def _cells_to_choose_from(d: ast.Domain, arrival_scope: Scope, scope: Scope) -> ir.Domain:
+    """Returns the cells of which somebody is sent to one that is free.
+
+    arrival_scope: what their `where` may name. scope: names that their variable can't have.
+    """
     check_free(d.bind or d.kind, scope, d.bind is not None)
-    destination, _ = domain(d, around)
-    is_plain = destination.on is None and destination.restriction is None
-    if destination.var.sort.what != "cell" or not is_plain:
+    cells, _ = domain(d, arrival_scope)
+    has_place = cells.on is not None or cells.restriction is not None
+    if has_place or not is_member(cells.var, "cell"):
         raise scope.expected(d.span, "a kind of cell, perhaps with `where`", "another domain")
-    return destination
+    return cells
 
 
-def _domain_of_cell(tree: ast.Domain | ast.Path, cell: ir.Expr) -> ir.Domain:
+def _domain_of_cell(span: Span, cell: ir.Expr) -> ir.Domain:
     """Returns the domain of one cell, with a variable that the cell doesn't read."""
-    span = tree.span
-    read = {v.name for v in free_variables(cell)}
-    name = next(n for n in ("cell", "cell_", "cell__") if n not in read)
+    names_read = {variable.name for variable in free_variables(cell)}
+    name = next(n for n in ("cell", "cell_", "cell__") if n not in names_read)
     var = ir.Member(name=name, sort=ir.Sort("cell", kinds_of_cell(cell) or ()), origin=span)
     return ir.Domain(var=var, where=ir.Same(left=var, right=cell, origin=span), origin=span)
 
 
-def _cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
+def _one_cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
     """Returns the one cell that a destination is, of a field or a variable; None for a domain."""
     if isinstance(d, ast.Domain):
-        static = scope.static
         name = d.kind.text
-        is_name = d.bind is None and d.on is None and d.restriction is None and d.where is None
-        is_withheld = name in scope.withheld
-        if not is_name:
+        is_name = all(part is None for part in (d.bind, d.on, d.restriction, d.where))
+        known = (scope.variables, scope.withheld, scope.static.fields)
+        if not is_name or not any(name in names for names in known):
             return None
-        if not (is_withheld or name in scope.variables or name in static.fields):
-            return None
-        if is_withheld and static.kinds_of(name):
+        if name in scope.withheld and scope.static.kinds_of(name):
             help_ = f"any cell of the kind is `{name} as other`; {scope.withheld[name]}"
             actual = "a cell of the statements around"
             raise scope.misused(d.kind, actual, "a destination that is known later", help_)
@@ -241,13 +227,13 @@ def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = body(s.who, scope)
     check_placed(who, s.span, "send … by", scope)
     direction = _direction(s.direction, who, scope)
-    facing = _facing_and_stay(s, "who cannot go there", scope)
+    facing = _facing(s.facing, scope) or "same"
+    _check_stay(s.stay, "who cannot go there", scope)
     if s.stay is None:
         raise scope.fail(errors.NoWayFree(s.span))
-    stream = use.streams.of_statement(use.streams.header(s.span, s.span.end))
-    steps = scope.number(s.steps, ("cells", "count"), "a number of cells")
-    if steps.type.low < 0:
-        raise scope.fail(errors.Negative(s.steps.span, name="the number of cells"))
+    stream = use.streams.of_statement(use.streams.header(s.span))
+    wanted = "a number of cells"
+    steps = scope.not_negative(s.steps, ("cells", "count"), wanted, "the number of cells")
     most = steps.type.high
     if most > limits.MAX_SHIFT:
         number = "any number of" if most == inf else f"{most:g}"
@@ -258,7 +244,7 @@ def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
         who=who,
         steps=steps,
         **direction,
-        facing=facing or "same",  # type: ignore[arg-type]
+        facing=facing,  # type: ignore[arg-type]
         stream=stream,
         origin=s.span,
     )

@@ -6,7 +6,7 @@ Every function takes the tree and the scope and returns IR, or reports what is w
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import assert_never
+from typing import Literal, assert_never
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -18,13 +18,16 @@ from sjdsl.compiler.elaborate.arithmetic import calculation, compare, join_types
 from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.domains import can_be_empty, domain, most_members
 from sjdsl.compiler.elaborate.lookup import (
-    as_agent,
     bound_cell,
+    check_arguments,
     check_known_word,
     check_placed,
     check_words,
+    is_agent,
+    is_member,
     kinds_named,
     kinds_of_cell,
+    named_agent,
     not_named,
     or_nowhere,
     read_beside,
@@ -83,13 +86,10 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
             return case(e, scope)
         case ast.Unary(op="not"):
             return ir.Not(value=scope.condition(e.operand), origin=e.span)
+        case ast.Unary() if e.op in PREFIX:
+            return calculation(PREFIX[e.op], e, [e.operand], scope)
         case ast.Unary():
-            operand = scope.expression(e.operand)
-            if e.op in PREFIX:
-                return calculation(PREFIX[e.op], e, [e.operand], [operand], scope)
-            if not is_number(operand.type):
-                raise wrong_type(scope, e.operand, "a number", operand.type)
-            return operand
+            return scope.any_number(e.operand)
         case ast.Binary(op="and" | "or"):
             return logic(e, scope)
         case ast.Binary(op="is" | "is not"):
@@ -97,11 +97,10 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
             return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
         case ast.Binary(op="*" | "/"):
             return product(e, scope)
+        case ast.Binary() if e.op in COMPARISONS:
+            return compare(e, scope)
         case ast.Binary():
-            left, right = scope.expressions((e.left, e.right))
-            if e.op in COMPARISONS:
-                return compare(e, left, right, scope)
-            return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
+            return calculation(INFIX[e.op], e, [e.left, e.right], scope)
         case ast.Chose():
             return chose(e, scope)
         case ast.Standing():
@@ -115,8 +114,7 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
 def product(e: ast.Binary, scope: Scope) -> ir.Expr:
     """Returns `a * b` or `a / b`; a message about its units suggests an order in which they mix."""
     try:
-        left, right = scope.expressions((e.left, e.right))
-        return calculation(INFIX[e.op], e, [e.left, e.right], [left, right], scope)
+        return calculation(INFIX[e.op], e, [e.left, e.right], scope)
     except Poisoned:
         add_regrouped(e, scope)
         raise
@@ -140,10 +138,12 @@ def logic(e: ast.Binary, scope: Scope) -> ir.Expr:
             args += condition.args
         else:
             args.append(condition)
-        scope = scope.knowing([condition if e.op == "and" else ir.Not(value=condition)])
+        known = condition if e.op == "and" else ir.Not(value=condition)
+        scope = scope.knowing([known])
     if is_wrong:
         raise Poisoned
-    return ir.Logic(fn="and" if e.op == "and" else "or", args=tuple(args), origin=e.span)
+    fn: Literal["and", "or"] = "and" if e.op == "and" else "or"
+    return ir.Logic(fn=fn, args=tuple(args), origin=e.span)
 
 
 def _operands(e: ast.Binary) -> list[ast.Expr]:
@@ -179,42 +179,35 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
         right = or_nowhere(right)
     left_kinds = kinds_of_cell(left)
     right_kinds = kinds_of_cell(right)
+    are_like_movers = (
+        is_member(left, "mover") and is_member(right, "mover") and left.sort == right.sort
+    )
     if kinds == {"word"}:
         _check_common_words(e, left, right, scope)
     elif left_kinds is not None and right_kinds is not None:
         if left_kinds and right_kinds and not set(left_kinds) & set(right_kinds):
             raise scope.fail(errors.NeverOneCell(e.span))
-    elif not (_are_same_movers(left, right) or (as_agent(left) and as_agent(right))):
+    elif not are_like_movers and not (is_agent(left) and is_agent(right)):
         raise _not_identical(e, left, right, scope)
     return ir.Same(left=left, right=right, origin=e.span)
 
 
-def _are_same_movers(left: ir.Expr, right: ir.Expr) -> bool:
-    """Returns whether two expressions are movers of one name."""
-    return (
-        isinstance(left, ir.Member)
-        and isinstance(right, ir.Member)
-        and left.sort.what == "mover"
-        and left.sort == right.sort
-    )
-
-
 def _check_common_words(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> None:
     """Reports two values that have no word in common."""
-    for literal, other, tree in ((right, left, e.right), (left, right, e.left)):
-        if isinstance(literal, ir.Word):
-            check_words((literal.value,), other.type.words, tree.span, other, scope)
+    for side, other, tree in ((right, left, e.right), (left, right, e.left)):
+        if isinstance(side, ir.Word):
+            check_words((side.value,), other.type.words, tree.span, other, scope)
     if not set(left.type.words) & set(right.type.words):
         raise scope.fail(errors.NeverEqual(e.span))
 
 
 def _not_identical(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> Poisoned:
     """Reports the side of `x is y` that can't be compared with the other."""
-    if isinstance(left, ir.Member) and left.sort.what == "mover":
+    if is_member(left, "mover"):
         return wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
     left_is_one = (
         left.type.kind in ("word", "agent", "agents", "cell")
-        or as_agent(left)
+        or is_agent(left)
         or kinds_of_cell(left) is not None
     )
     help_ = ""
@@ -226,9 +219,7 @@ def _not_identical(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -
 
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
-    agent = scope.expression(e.agent)
-    if not (isinstance(agent, ir.Member) and agent.sort.what == "agent"):
-        raise not_named(agent, e.agent, scope)
+    agent = named_agent(scope.expression(e.agent), e.agent, scope)
     name = e.action.name.text
     argument = scope.variables.get(name)
     if isinstance(argument, str):  # a parameter of the phase
@@ -252,7 +243,7 @@ def standing(e: ast.Standing, scope: Scope) -> ir.Expr:
             raise scope.misused(e.kind, actual, wanted)
         return ir.Unoccupied(cell=cell, origin=e.span)
     agent = scope.expression(e.who)
-    if not (isinstance(agent, ir.Member) and agent.sort.what != "cell"):
+    if not (is_member(agent, "agent") or is_member(agent, "mover")):
         raise not_named(agent, e.who, scope)
     if agent.name == scope.returning:
         check_placed(agent, e.span, f"{agent.name} on {e.kind.text}", scope)
@@ -276,7 +267,7 @@ def within(e: ast.Within, scope: Scope) -> ir.Expr:
             join_types([value.type, bound.type], scope, "compare", tree)
         return ir.InRange(value=value, low=low, high=high, origin=e.span)
     container = scope.expression(e.container)
-    if not as_agent(value):
+    if not is_agent(value):
         raise wrong_type(scope, e.value, "an agent", value.type)
     if container.type.kind != "agents":
         raise wrong_type(scope, e.container, "a set of agents", container.type)
@@ -297,7 +288,7 @@ def _read_container(e: ast.Within, scope: Scope) -> None:
 def _in_words(e: ast.Within, container: ast.Words, value: ir.Expr, scope: Scope) -> ir.Expr:
     if value.type.kind != "word":
         raise wrong_type(scope, e.value, "a word", value.type)
-    names = tuple(n.text for n in container.names)
+    names = tuple(name.text for name in container.names)
     if isinstance(value, ir.Word) and all(map(scope.static.is_word, names)):  # a phase's argument
         return ir.Truth(value=value.value in names, origin=e.span)
     for name in container.names:
@@ -308,7 +299,9 @@ def _in_words(e: ast.Within, container: ast.Words, value: ir.Expr, scope: Scope)
 
 def count(d: ast.Domain, span: Span, scope: Scope, warns: bool = True) -> ir.Expr:
     built, _ = domain(d, scope, warns)
-    return ir.Count(type=integer(0, most_members(built, scope), "count"), domain=built, origin=span)
+    return ir.Count(
+        type=integer(0, most_members(built, scope.static), "count"), domain=built, origin=span
+    )
 
 
 def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
@@ -337,10 +330,8 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
         help_ = "write `sum(e over D)` to add over a domain"
         return sum_of_row(row_of_numbers(e.value, scope, help_=help_), e.span)
     built, inner = domain(e.domain, scope)
-    value = inner.expression(e.value)
-    if not is_number(value.type):
-        raise wrong_type(scope, e.value, "a number", value.type)
-    most = most_members(built, scope)
+    value = inner.any_number(e.value)
+    most = most_members(built, scope.static)
     low = times(min(value.type.low, 0), most)
     high = times(max(value.type.high, 0), most)
     type_ = beyond_one(value.type.model_copy(update={"low": low, "high": high}))
@@ -360,32 +351,27 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
     if function.reduces is not None and len(e.arguments) == 1:
         values = row_of_numbers(e.arguments[0], scope, "a row of numbers, or several numbers")
         return ir.SumRow(type=element(values.type), row=values, fn=name, origin=e.span)  # type: ignore[arg-type]
-    if not function.least <= len(e.arguments) <= function.most:
-        wanted = _arguments_wanted(function)
-        raise scope.fail(
-            errors.WrongArguments(e.span, name=name, wanted=wanted, actual=len(e.arguments))
-        )
+    number = len(e.arguments)
+    if function.most == function.least:
+        check_arguments(name, e.span, number, function.least, scope)
+    elif not function.least <= number <= function.most:
+        wanted = f"{function.least} or more arguments"
+        raise scope.fail(errors.WrongArguments(e.span, name=name, wanted=wanted, actual=number))
     return BUILDERS[function.builds](function, e, scope)
 
 
 # The builders of calls, by the class of the node they build.
 def calculated(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     assert isinstance(function, Calculation)
-    return calculation(function, e, e.arguments, scope.expressions(e.arguments), scope)
-
-
-def _arguments_wanted(function: Function) -> str:
-    if function.most != function.least:
-        return f"{function.least} or more arguments"
-    return "1 argument" if function.least == 1 else f"{function.least} arguments"
+    return calculation(function, e, e.arguments, scope)
 
 
 def matrix_class(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     table = scope.expression(e.arguments[0])
     if scope.part != "checks":
         raise scope.misused(e.name, "a class of games", "a value")
-    by = table.type.by
-    is_matrix = len(by) == 2 and len(by[0]) == 2 and by[0] == by[1]
+    levels = table.type.by
+    is_matrix = len(levels) == 2 and len(levels[0]) == 2 and levels[0] == levels[1]
     if not isinstance(table, ir.ParamRef) or not is_matrix:
         wanted = "a table of two words by the same two words"
         raise wrong_type(scope, e.arguments[0], wanted, table.type)
@@ -398,16 +384,12 @@ def extreme(e: ast.Extreme, scope: Scope) -> ir.Expr:
     if reduction is None or reduction.adds:  # a sum is `ast.Total`
         raise scope.problems.unknown(e.name, REDUCTIONS, "what there is over a domain")
     built, inner = domain(e.domain, scope)
-    value = inner.expression(e.value)
+    value = inner.any_number(e.value)
     types = [value.type]
-    if not is_number(value.type):
-        raise wrong_type(scope, e.value, "a number", value.type)
     otherwise = None
     if e.if_none is not None:
-        otherwise = scope.expression(e.if_none)
+        otherwise = scope.any_number(e.if_none)
         types.append(otherwise.type)
-        if not is_number(otherwise.type):
-            raise wrong_type(scope, e.if_none, "a number", otherwise.type)
     elif can_be_empty(built, scope):
         written = scope.static.written(e.domain.span)
         raise scope.fail(errors.ExtremeOfNothing(e.span, name=e.name.text, domain=written))
@@ -430,9 +412,9 @@ def before(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     (tree,) = e.arguments
     elsewhere: frozenset[str] = frozenset()
     if scope.static.can_be_away:
-        members = (v for v in scope.variables.values() if isinstance(v, ir.Member))
-        elsewhere = frozenset(v.name for v in members if v.sort.what != "cell")
-    value = replace(scope, about_steps=False, facts=(), elsewhere=elsewhere).expression(tree)
+        elsewhere = frozenset(m.name for m in scope.members if not is_member(m, "cell"))
+    before_step = replace(scope, about_steps=False, facts=(), elsewhere=elsewhere)
+    value = before_step.expression(tree)
     if value.type.kind in ("member", "mix"):
         raise wrong_type(scope, tree, "a value", value.type)
     return ir.Before(type=value.type, value=value, origin=e.span)

@@ -11,17 +11,16 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.lookup import (
-    as_agent,
+    check_agent,
     check_known_word,
-    check_somebody,
     check_words,
     interval_text,
     not_a_word,
+    not_among,
 )
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.implications import narrow_word, narrowed
+from sjdsl.compiler.ir.implications import narrowed
 from sjdsl.compiler.ir.sorts import Level, level_of_agents, level_of_numbers
-from sjdsl.compiler.ir.types import describe
 
 ENTRIES = ("agent", "{ a, b }", "0 .. 4")
 OTHERWISE = "otherwise"
@@ -70,7 +69,7 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
     }[level.sort]
     if level.sort == "word":
         check_known_word(tree, row, level.names, scope)
-    key = narrow_word(scope.expression(tree), scope.facts)
+    key = scope.narrowed(tree)
     if key.type.by or (key.type.kind == "mix" and isinstance(row, str)):
         raise wrong_type(scope, tree, wanted, key.type)
     if key.type.kind == "mix":
@@ -83,31 +82,21 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
                 raise wrong_type(scope, tree, wanted, key.type)
             check_words(key.type.words, level.names, tree.span, row, scope)
         case "agent":
-            _check_agent(key, tree, scope)
+            help_ = ""
+            if isinstance(key, ir.Number):
+                help_ = "rules name agents by variables, not by their numbers: `each agent as b`"
+            check_agent(key, tree, wanted, scope, help_)
         case "number":
             if key.type.kind != "int":
                 raise wrong_type(scope, tree, wanted, key.type)
             low, high = narrowed(key, scope.facts_and_requires)
-            if low < level.first or high > level.first + len(level) - 1:
+            if low < level.first or high > level.last:
                 actual = f"a number that can be {interval_text(low, high)}"
                 help_ = ""
                 if not isinstance(key, ir.Number):
                     help_ = "guard it with `when` or `where`, or bound it with `min` and `max`"
                 raise scope.expected(tree.span, wanted, actual, help_)
     return key
-
-
-def _check_agent(key: ir.Expr, tree: ast.Expr, scope: Scope) -> None:
-    """Reports a key that isn't an agent, or can be nobody."""
-    if isinstance(key, ir.Nobody):
-        raise scope.expected(tree.span, "an agent", "nobody")
-    if not as_agent(key):
-        help_ = ""
-        if isinstance(key, ir.Number):
-            help_ = "rules name agents by variables, not by their numbers: `each agent as b`"
-        actual = describe(key.type)
-        raise scope.expected(tree.span, "an agent", actual, help_)
-    check_somebody(key, tree.span, scope)
 
 
 def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
@@ -154,7 +143,7 @@ def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
     text = entry.key.text
     if level.sort == "word":
         if text not in level.names:
-            raise not_a_word(entry.key.span, text, "this table", level.names, scope)
+            raise not_among(entry.key, level.names, "this table", scope)
         scope.static.refer(entry.key, Symbol("word", text))
         yield level.names.index(text)
         return
@@ -162,16 +151,13 @@ def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
         raise scope.fail(errors.WordForNumber(entry.key.span, name=text))
     ends = [int(part) for part in text.replace("..", " ").split()]
     low = ends[0]
-    last_entry = level.first + len(level) - 1
-    high = last_entry if text.endswith("..") else ends[-1]
+    high = level.last if text.endswith("..") else ends[-1]
     if level.sort == "agent" and low <= ends[-1]:  # a table fits variants with fewer agents
-        if high > last_entry and scope.static.number_from_file:
-            problem = f"the agents are 0 .. {last_entry}"
+        if high > level.last and scope.static.number_from_file:
+            problem = f"the agents are 0 .. {level.last}"
             scope.problems.add(errors.NeverHappens(entry.key.span, problem=problem))
-        high = min(high, last_entry)
-    elif not level.first <= low <= high <= last_entry:
-        known = (f"{level.first} .. {last_entry}",)
-        raise scope.fail(
-            errors.WordOutside(entry.key.span, word=text, owner="this table", words=known)
-        )
+        high = min(high, level.last)
+    elif not level.first <= low <= high <= level.last:
+        known = (f"{level.first} .. {level.last}",)
+        raise not_among(entry.key, known, "this table", scope)
     yield from range(low - level.first, high - level.first + 1)

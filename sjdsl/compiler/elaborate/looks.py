@@ -8,12 +8,10 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.near_names import nearest
 
 HEXADECIMAL = re.compile("#[0-9a-fA-F]{6}")
@@ -57,17 +55,15 @@ def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Loo
 def _look(look: ast.Look, scope: Scope) -> ir.Look:
     static = scope.static
     name = look.what.text
-    sort = _sort_named(name, static)
+    sort = static.sort_of(name)
     if sort is None:
-        meant = near(name, ["agent", *static.kinds, *static.groups, *static.movers])
-        raise scope.fail(errors.UnknownName(look.what.span, name=name, near=meant))
+        known = ["agent", *static.movers, *static.kinds, *static.groups]
+        raise scope.problems.unknown(look.what, known, "the agents and kinds of this game")
     if name != "agent":
         static.refer(look.what, Symbol("name", name))
     test = None
     if look.where is not None:
-        inner = scope.bind(name, ir.Member(name=name, sort=sort))
-        test = inner.condition(look.where)
-        check_possible(test, inner)
+        test = possible_condition(look.where, scope.bind_member(name, sort))
         for node in ir.walk(test):
             if ir.is_expression(node) and not _is_readable(node):
                 span = node.origin or look.span
@@ -82,16 +78,6 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
         badge=None if look.badge is None else _paint(look.badge, scope),
         origin=look.span,
     )
-
-
-def _sort_named(name: str, static: Static) -> ir.Sort | None:
-    """Returns what a name of agents, movers, a kind or a group stands for."""
-    if name == "agent":
-        return AGENTS
-    if name in static.movers:
-        return ir.Sort("mover", (name,))
-    kinds = static.kinds_of(name)
-    return None if kinds is None else ir.Sort("cell", kinds)
 
 
 def _is_readable(node: ir.Expr) -> bool:

@@ -1,8 +1,10 @@
 """Looks names up: kinds, words and defines; refuses names that are taken or unknown."""
 
 import re
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
+from itertools import chain
 from math import inf
+from typing import Literal, TypeGuard
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
@@ -22,15 +24,36 @@ CELL_ATTRIBUTES = ("row", "col")
 NOWHERE = "nowhere"  # no cell; where a field has a word `nowhere`, that word
 
 
-def as_agent(e: ir.Expr) -> bool:
+def is_member(e: ir.Expr, what: Literal["agent", "mover", "cell"]) -> TypeGuard[ir.Member]:
+    """Returns whether an expression is a variable of a domain of agents, movers or cells."""
+    return isinstance(e, ir.Member) and e.sort.what == what
+
+
+def is_agent(e: ir.Expr) -> bool:
     """Returns whether an expression stands for one agent: a variable, or a value of type agent."""
-    return (isinstance(e, ir.Member) and e.sort.what == "agent") or e.type.kind == "agent"
+    return is_member(e, "agent") or e.type.kind == "agent"
+
+
+def check_agent(value: ir.Expr, e: ast.Expr, wanted: str, scope: Scope, help_: str = "") -> None:
+    """Reports what isn't one agent, or can be nobody. wanted: what the message asks for."""
+    if isinstance(value, ir.Nobody):
+        raise scope.expected(e.span, wanted, "nobody")
+    if not is_agent(value):
+        raise wrong_type(scope, e, wanted, value.type, help_)
+    check_somebody(value, e.span, scope)
+
+
+def named_agent(value: ir.Expr, e: ast.Expr, scope: Scope) -> ir.Member:
+    """Returns an agent that a statement has named; reports anything else."""
+    if is_member(value, "agent"):
+        return value
+    raise not_named(value, e, scope)
 
 
 def not_named(value: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
     """Reports something that isn't an agent that a statement has named."""
     wanted = "an agent that a statement around has named"
-    if as_agent(value) and not isinstance(value, ir.Member):
+    if is_agent(value) and not isinstance(value, ir.Member):
         help_ = f"name it: `each agent as x in {text(value)}`"
         return wrong_type(scope, e, wanted, value.type, help_, "an agent that a field holds")
     return wrong_type(scope, e, wanted, value.type)
@@ -38,7 +61,7 @@ def not_named(value: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
 
 def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
     """Returns the kinds that a cell can be of, none for `nowhere`; None if it isn't a cell."""
-    if isinstance(e, ir.Member) and e.sort.what == "cell":
+    if is_member(e, "cell"):
         return e.kinds
     return e.type.kinds if e.type.kind == "cell" and not e.type.by else None
 
@@ -83,15 +106,24 @@ def check_placed(agent: ir.Expr, span: Span, expression: str, scope: Scope) -> N
         raise scope.fail(errors.NoPlaceBefore(span, expression=expression, name=agent.name))
 
 
+def repeated(names: Iterable[ast.Name]) -> Iterator[ast.Name]:
+    """Yields each name that has occurred before."""
+    seen: set[str] = set()
+    for name in names:
+        if name.text in seen:
+            yield name
+        seen.add(name.text)
+
+
 def table_words(table: ast.Table, scope: Scope) -> tuple[str, ...]:
     """Returns the words of a table's entries; reports one that is there twice."""
-    names = tuple(entry.key.text for entry in table.entries)
-    for i, entry in enumerate(table.entries):
-        if entry.key.text in names[:i]:
-            raise scope.fail(errors.TableRepeats(entry.key.span, name=entry.key.text))
-        if scope.static.is_word(entry.key.text):
-            scope.static.refer(entry.key, Symbol("word", entry.key.text))
-    return names
+    keys = [entry.key for entry in table.entries]
+    for key in repeated(keys):
+        raise scope.fail(errors.TableRepeats(key.span, name=key.text))
+    for key in keys:
+        if scope.static.is_word(key.text):
+            scope.static.refer(key, Symbol("word", key.text))
+    return tuple(key.text for key in keys)
 
 
 def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
@@ -106,6 +138,15 @@ def kinds_named(name: ast.Name, scope: Scope) -> tuple[str, ...]:
     raise scope.problems.unknown(name, known, "the agents and kinds of this game")
 
 
+def variable(name: ast.Name, scope: Scope) -> ir.Expr | str:
+    """Returns what the name of a variable stands for; a text if that is an action."""
+    scope.refer(name)
+    bound = scope.variables[name.text]
+    if bound is None:
+        raise Poisoned
+    return bound if isinstance(bound, str) else bound.model_copy(update={"origin": name.span})
+
+
 def bound_cell(name: ast.Name, scope: Scope) -> ir.Member | None:
     """Returns the cell that a statement around has bound by this name; None if it is no variable.
 
@@ -113,14 +154,11 @@ def bound_cell(name: ast.Name, scope: Scope) -> ir.Member | None:
     """
     if name.text not in scope.variables:
         return None
-    scope.refer(name)
-    bound = scope.variables[name.text]
-    if bound is None:
-        raise Poisoned
-    if not (isinstance(bound, ir.Member) and bound.sort.what == "cell"):
+    cell = variable(name, scope)
+    if isinstance(cell, str) or not is_member(cell, "cell"):
         wanted = "a kind, a group, or a cell of a statement around"
         raise scope.misused(name, "not a cell", wanted)
-    return bound.model_copy(update={"origin": name.span})
+    return cell
 
 
 def check_free(name: ast.Name, scope: Scope, chosen: bool) -> None:
@@ -203,6 +241,28 @@ def not_a_word(
             span, word=word, owner=f"`{name}`", declared=declared, words=tuple(words)
         )
     )
+
+
+def not_among(word: ast.Name, words: tuple[str, ...], construct: str, scope: Scope) -> Poisoned:
+    """Reports a key that is none of those of a construct, such as `this table`."""
+    return scope.fail(errors.WordOutside(word.span, word=word.text, owner=construct, words=words))
+
+
+def no_word(name: ast.Name, names: Iterable[str], construct: str, scope: Scope) -> Poisoned:
+    """Reports a word that no field, row or event declares.
+
+    names: of all words beside it. construct: what they are the words of.
+    """
+    meant = near(name.text, list(chain.from_iterable(scope.static.word_sets)))
+    help_ = ""
+    if not meant.nearest:
+        listed = ", ".join(dict.fromkeys(names))
+        first, _, _ = listed.partition(",")
+        help_ = (
+            f"the words of a {construct} are those of a field, a row (`by`) or an event: "
+            f"declare one, `field NAME : {{ {listed} }} = {first}`"
+        )
+    return scope.fail(errors.UnknownName(name.span, name=name.text, near=meant, help=help_))
 
 
 def check_words(
@@ -352,10 +412,8 @@ def interval_text(low: float, high: float) -> str:
 def check_arguments(name: str, span: Span, number: int, wanted: int, scope: Scope) -> None:
     """Reports another number of arguments than is wanted."""
     if number != wanted:
-        noun = "argument" if wanted == 1 else "arguments"
-        raise scope.fail(
-            errors.WrongArguments(span, name=name, wanted=f"{wanted} {noun}", actual=number)
-        )
+        described = {0: "no arguments", 1: "1 argument"}.get(wanted, f"{wanted} arguments")
+        raise scope.fail(errors.WrongArguments(span, name=name, wanted=described, actual=number))
 
 
 def use_define(name: ast.Name, arguments: tuple[ast.Expr, ...], scope: Scope) -> ir.Expr:

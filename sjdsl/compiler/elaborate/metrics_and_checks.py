@@ -14,8 +14,8 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.elaborate.actions import action_numbers
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
-from sjdsl.compiler.elaborate.domains import domain
-from sjdsl.compiler.elaborate.lookup import use_define
+from sjdsl.compiler.elaborate.domains import domain, most_members
+from sjdsl.compiler.elaborate.lookup import is_member, use_define
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.fold import UnknownValue
 from sjdsl.compiler.ir.printer import domain_text
@@ -28,8 +28,6 @@ REQUIRES = (
     "use numbers, `size`s, `param`s and `count(KIND where …)` of the map as it is drawn; "
     "`always` covers every state of play"
 )
-
-
 CHANGING = ir.FieldRead | ir.Aggregate | ir.EventTotal | ir.Step | ir.Member
 
 
@@ -85,22 +83,19 @@ def _members_at_start(d: ir.Domain, static: Static) -> int | None:
     """Returns how many members a domain has at the start; None if the map doesn't decide that."""
     if d.on is not None or d.restriction is not None:
         return None
-    if d.var.sort.what != "cell":
-        if d.where is not None:
-            return None
-        if d.var.sort.what == "agent":
-            return static.num_agents
-        return static.movers[d.var.sort.name].number
+    if not is_member(d.var, "cell"):
+        return most_members(d, static) if d.where is None else None
     if not static.rows:
         raise Poisoned
     members = 0
     for _, meaning in static.glyphs:
-        if meaning.kind in d.var.kinds:
-            is_member = d.where is None or _holds_at_start(d.where, d.var, meaning, static)
-            if is_member is None:
-                return None
-            if is_member:
-                members += sum(row.count(meaning.glyph) for row in static.rows)
+        if meaning.kind not in d.var.kinds:
+            continue
+        are_members = d.where is None or _holds_at_start(d.where, d.var, meaning, static)
+        if are_members is None:
+            return None
+        if are_members:
+            members += sum(row.count(meaning.glyph) for row in static.rows)
     return members
 
 
@@ -126,13 +121,16 @@ def _holds_at_start(
 
 def check_requires(game: Composition, scope: Scope) -> None:
     """Reports every `require` that the file's own numbers break."""
-    values = {p.name: p.value for p in scope.static.params.values()}
+    values = {name: param.value for name, param in scope.static.params.items()}
     for test in scope.static.requires:
         if holds(test, values):
             continue
         problem = text(test)
-        names = sorted({n.name for n in ir.walk(test) if isinstance(n, ir.ParamRef)})
-        numbers = [f"{n} is {values[n]}" for n in names if not isinstance(values[n], tuple)]
+        parameters = {node.name for node in ir.walk(test) if isinstance(node, ir.ParamRef)}
+        numbers = []
+        for name in sorted(parameters):
+            if not isinstance(values[name], tuple):
+                numbers.append(f"{name} is {values[name]}")
         if numbers:
             problem = f"{problem} ({', '.join(numbers)})"
         labels = parameters_read(scope.static, test)
@@ -143,19 +141,17 @@ def check_requires(game: Composition, scope: Scope) -> None:
 
 def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
     """Returns the declared events; each is counted for agents or for the game, not both."""
-    counted_for_agents: dict[str, set[bool]] = {}
-    for phase in phases:
-        for node in ir.walk(phase):
-            if isinstance(node, ir.Tally):
-                counted_for_agents.setdefault(node.event, set()).add(node.receiver is not None)
+    nodes = chain.from_iterable(map(ir.walk, phases))
+    tallies = [node for node in nodes if isinstance(node, ir.Tally)]
+    for_agents = {tally.event for tally in tallies if tally.receiver is not None}
+    for_game = {tally.event for tally in tallies if tally.receiver is None}
     typed = []
     for name, event in scope.static.events.items():
-        ways = counted_for_agents.get(name, {True})
-        if len(ways) > 1:
+        if name in for_agents and name in for_game:
             part = f"event `{name}` counted with and without `for`, so it"
             raise scope.fail(errors.WrittenTwice(event.span, part=part))
-        (per_agent,) = ways
         by = scope.static.event_levels.get(name)
+        per_agent = name not in for_game
         typed.append(ir.Event(name=name, by=by, per_agent=per_agent, origin=event.span))
     return tuple(typed)
 
@@ -164,12 +160,9 @@ def measures(game: Composition, scope: Scope) -> tuple[ir.Measure, ...]:
     """Returns the `mean` and `final` metrics, numbers over the state."""
 
     def measure(metric: ast.Measure) -> ir.Measure:
-        value = scope.expression(metric.value)
-        if not is_number(value.type):
-            raise wrong_type(scope, metric.value, "a number", value.type)
-        return ir.Measure(
-            name=metric.name.text, mean=metric.is_mean, value=value, origin=metric.span
-        )
+        value = scope.any_number(metric.value)
+        name = metric.name.text
+        return ir.Measure(name=name, mean=metric.is_mean, value=value, origin=metric.span)
 
     written = [metric for metric in game.metrics.values() if isinstance(metric, ast.Measure)]
     return tuple(scope.problems.each(written, measure))
@@ -245,16 +238,17 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
 def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
     name = policy.name.text
     if policy.domain is not None:
-        inner = scope.bind("agent", ir.Member(name="agent", sort=AGENTS))
-        built, _ = domain(policy.domain, inner)
-        return ir.Policy(name="seek", domain=built, origin=policy.span)
+        goal, _ = domain(policy.domain, scope.bind_member("agent", AGENTS))
+        return ir.Policy(name="seek", domain=goal, origin=policy.span)
     if name in game.policies and not policy.actions:
         scope.static.refer(policy.name, Symbol("policy", name))
         return ir.Policy(name="scripted", scripted=name, origin=policy.span)
-    if name not in ("random", "never") or (name == "never") != bool(policy.actions):
+    if name == "random" and not policy.actions:
+        return ir.Policy(name="random", origin=policy.span)
+    if name != "never" or not policy.actions:
         known = ("random", "never(ACTION)", "seek KIND", *game.policies)
         raise scope.problems.unknown(policy.name, known, "the policies")
     numbers: list[int] = []
     for action in policy.actions:
         numbers += action_numbers(ast.Chosen(action.span, action, None), scope)
-    return ir.Policy(name=name, actions=tuple(numbers), origin=policy.span)  # type: ignore[arg-type]
+    return ir.Policy(name="never", actions=tuple(numbers), origin=policy.span)

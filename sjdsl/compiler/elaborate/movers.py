@@ -9,10 +9,10 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.fields import fields_of
+from sjdsl.compiler.elaborate.lookup import is_member
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.elaborate.world_map import POSES, check_glyph
-from sjdsl.compiler.ir.implications import narrow_word
 from sjdsl.compiler.ir.types import words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -65,7 +65,7 @@ def _check_mover_glyph(declared: ast.Movers, scope: Scope) -> None:
 def heading_of(who: ir.Expr, span: Span) -> ir.Expr:
     """Returns the heading of an agent, or of a mover, which has it as a field."""
     type_ = words(HEADINGS)
-    if isinstance(who, ir.Member) and who.sort.what == "mover":
+    if is_member(who, "mover"):
         return ir.FieldRead(type=type_, owner=who, held_by=who.sort, name="heading", origin=span)
     return ir.Attribute(type=type_, owner=who, name="heading", origin=span)
 
@@ -88,7 +88,7 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if var.sort.what == "agent" and s.course is not None:
         help_ = "agents choose their direction: write `move each agent`"
         raise scope.expected(s.course.span, "nothing after the agents", "a course", help_)
-    header = use.streams.header(s.span, s.span.end)
+    header = use.streams.header(s.span)
     course = None
     if var.sort.what == "mover":
         if s.course is None:
@@ -121,7 +121,7 @@ def _course(c: ast.Course, var: ir.Member, scope: Scope, stream: int) -> ir.Wand
         case ast.Ahead():
             return ir.Along(heading=heading_of(var, c.span), origin=c.span)
         case ast.Along():
-            heading = narrow_word(scope.expression(c.heading), scope.facts)
+            heading = scope.narrowed(c.heading)
             wanted = "a heading (`north`, `east`, `south` or `west`)"
             check_heading(heading, c.heading, wanted, scope)
             return ir.Along(heading=heading, origin=c.span)

@@ -1,12 +1,13 @@
 """Elaborates `show` and `hide`: what agents see, in a fixed order, and what is hidden."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from itertools import chain
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.compose import Composition, path_text
 from sjdsl.compiler.diagnostics import errors
-from sjdsl.compiler.diagnostics.diagnostic import Fix, near
+from sjdsl.compiler.diagnostics.diagnostic import Fix
 from sjdsl.compiler.elaborate.observed_paths import (
     OWNERS,
     Key,
@@ -16,9 +17,9 @@ from sjdsl.compiler.elaborate.observed_paths import (
     observer_scope,
     resolve,
 )
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import check_possible, possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
-from sjdsl.compiler.ir.implications import Fact, facts, is_known
+from sjdsl.compiler.ir.implications import is_known
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import element, words
 from sjdsl.runtime.actions import HEADINGS
@@ -31,6 +32,7 @@ RELATIVE = (
 )  # of a mover, to the observer
 WHOSE = ("nobody", "self", "other")  # how an agent that a field holds is seen
 PLANES = ("marks", "content")
+ORDER = ("cell", "heading", "other", "mover", "everyone", "own", "world")
 FORMS = "`hide marks`, `hide marks on KIND`, `hide marks on agents` or `hide content on agents`"
 
 
@@ -58,9 +60,8 @@ def observables(
     _check_shown_as_whole(whole, game, scope)
     _drop_fields_of_whole(whole, seen, rules, scope)
     _check_labels_of_whole(whole, seen, broken_kinds, scope)
-    order = ("cell", "heading", "other", "mover", "everyone", "own", "world")
-    in_order = sorted(seen.items(), key=lambda item: order.index(item[0][0]))
-    return tuple(entry for _, observable in in_order for entry in _entries(observable))
+    in_order = sorted(seen.values(), key=lambda observable: ORDER.index(observable.what))
+    return tuple(chain.from_iterable(map(_entries, in_order)))
 
 
 def _seen_by_default(static: Static) -> dict[Key, ir.Observable]:
@@ -112,8 +113,9 @@ def _drop_fields_of_whole(
 
 def _read(field: ir.Observable, parts: Sequence[ir.Node]) -> bool:
     """Returns whether some parts of the rules name a field of cells."""
-    nodes = (node for part in parts for node in ir.walk(part) if isinstance(node, ir.FieldRead))
-    return any(node.name == field.field and node.held_by.overlaps(field.sort) for node in nodes)
+    nodes = chain.from_iterable(map(ir.walk, parts))
+    reads = (node for node in nodes if isinstance(node, ir.FieldRead))
+    return any(read.name == field.field and read.held_by.overlaps(field.sort) for read in reads)
 
 
 def _check_labels_of_whole(
@@ -153,24 +155,20 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
     return [observable.model_copy(update={"type": type_, "word": entry}) for entry in level.entries]
 
 
-def check_places(what: str, test: ir.Expr | None, known: Iterable[Fact], scope: Scope) -> None:
-    """Reports a condition about the place of an agent of `everyone`, who may be away.
-
-    known: what holds where the condition is read.
-    """
-    if test is None or what != "everyone" or not scope.static.can_be_away:
+def _check_places(what: str, test: ir.Expr, scope: Scope) -> None:
+    """Reports a condition about the place of an agent of `everyone`, who may be away."""
+    if what != "everyone" or not scope.static.can_be_away:
         return
     place = next((node for node in ir.walk(test) if _is_place(node)), None)
     if place is None:
         return
-    known = list(known)
     if isinstance(test, ir.Logic) and test.fn == "and":
         first = test.args[0]
         if not any(map(_is_place, ir.walk(first))):
-            known += facts(first)
+            scope = scope.knowing([first])
     everyone = ir.Member(name="everyone", sort=AGENTS)
     away = ir.Attribute(type=ir.CONDITION, owner=everyone, name="away")
-    if not is_known(ir.Not(value=away), known):
+    if not is_known(ir.Not(value=away), scope.facts):
         example = "`as { gone where everyone.away, near where distance(agent, everyone) < 3, far }`"
         raise scope.fail(
             errors.Unsupported(
@@ -206,7 +204,8 @@ def _show(show: ast.Show, seen: dict[Key, ir.Observable], shown: set[Key], scope
         if what == "cell" and not name:
             seen[target.key] = _look(show, kind, scope)
         elif target.field is not None:
-            scope.static.used.add(field_symbol(name, "agent" if what in OWNERS.values() else kind))
+            owner = "agent" if what in OWNERS.values() else kind
+            scope.static.used.add(field_symbol(name, owner))
             seen[target.key] = _shown(show, target, target.field, scope)
         else:
             part = f"that movers `{kind}` are seen (they are, unless `hide {kind}`)"
@@ -217,9 +216,10 @@ def _shown(show: ast.Show, target: Seen, field: ir.VarField, scope: Scope) -> ir
     """Returns a field as it is seen."""
     what, kind, name = target.key
     observer = observer_scope(what, kind, show.what.name.text, scope)
-    condition = None if show.condition is None else observer.condition(show.condition)
-    check_places(what, condition, (), scope)
-    if condition is not None:
+    condition = None
+    if show.condition is not None:
+        condition = observer.condition(show.condition)
+        _check_places(what, condition, observer)
         check_possible(condition, observer)
         observer = observer.knowing([condition])
     labels = _labels(show, what, observer)
@@ -305,7 +305,8 @@ def _look(show: ast.Show, kind: str, scope: Scope) -> ir.Observable:
         actual = "a condition for the whole kind" if show.labels else "a kind without it"
         help_ = fields_of_a_kind(kind, "show", scope.static)
         raise scope.expected(show.span, wanted, actual, help_)
-    labels = _labels(show, "cell", observer_scope("cell", kind, show.what.name.text, scope))
+    observer = observer_scope("cell", kind, show.what.name.text, scope)
+    labels = _labels(show, "cell", observer)
     names = tuple(dict.fromkeys(label.name for label in labels))
     return ir.Observable(what="cell", kind=kind, type=words(names), labels=labels, origin=show.span)
 
@@ -325,7 +326,7 @@ def _labels(show: ast.Show, what: What, scope: Scope) -> tuple[ir.Label, ...]:
             test = scope.condition(label.where)
             others = [other.condition for other in labels if other.condition is not None]
             inner = scope.knowing(ir.Not(value=condition) for condition in others)
-            check_places(what, test, inner.facts, scope)
+            _check_places(what, test, inner)
             check_possible(test, inner)
         labels.append(ir.Label(name=name, condition=test, origin=label.span))
     return tuple(labels)
@@ -344,7 +345,7 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
             continue
         observer = observer_scope(what, kind, hide.what.name.text, scope)
         test = observer.condition(hide.condition)
-        check_places(what, test, (), scope)
+        _check_places(what, test, observer)
         check_possible(test, observer)
         shown = seen.get(target.key)
         if shown is None:
@@ -394,18 +395,17 @@ def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
             wanted = "`on KIND` before `when`"
             actual = "a condition without a kind of cells"
             raise scope.expected(hide.span, wanted, actual, f"write {FORMS}")
-        return ir.Hidden(what=plane, on="map" if on is None else "agents", origin=hide.span)  # type: ignore[arg-type]
+        place = "map" if on is None else "agents"
+        return ir.Hidden(what=plane, on=place, origin=hide.span)  # type: ignore[arg-type]
     kinds = static.kinds_of(on.text)
     if kinds is None:
-        meant = near(on.text, [*static.kinds, *static.groups, "agents"])
-        raise scope.fail(errors.UnknownName(on.span, name=on.text, near=meant))
+        known = [*static.kinds, *static.groups, "agents"]
+        raise scope.problems.unknown(on, known, "the kinds of this game")
     static.refer(on, Symbol("name", on.text))
     test = None
     if hide.condition is not None:
-        cell = ir.Member(name=on.text, sort=ir.Sort("cell", kinds))
-        observer = scope.with_agent("observe").bind(on.text, cell)
-        test = observer.condition(hide.condition)
-        check_possible(test, observer)
+        observer = scope.with_agent("observe").bind_member(on.text, ir.Sort("cell", kinds))
+        test = possible_condition(hide.condition, observer)
     return ir.Hidden(
         what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span
     )

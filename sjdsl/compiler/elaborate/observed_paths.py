@@ -49,9 +49,9 @@ def observer_scope(what: str, kind: str, name: str, scope: Scope) -> Scope:
             cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
             return observer.bind(kind, cell).bind(name, cell)
         case "mover":
-            return observer.bind(kind, ir.Member(name=kind, sort=ir.Sort("mover", (kind,))))
+            return observer.bind_member(kind, ir.Sort("mover", (kind,)))
         case "other" | "everyone":
-            return observer.bind(what, ir.Member(name=what, sort=AGENTS))
+            return observer.bind_member(what, AGENTS)
         case _:
             return observer
 
@@ -150,11 +150,14 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
         known = [*OWNERS, *static.kinds, *static.groups]
         raise scope.problems.unknown(owner, known, "what has fields")
     static.refer(owner, Symbol("name", head))
+    seen = []
     for kind in kinds:
-        if name.text not in static.kinds[kind]:
+        fields = static.kinds[kind]
+        if name.text not in fields:
             raise _no_field_of_kind(name, kind, head, scope)
         static.refer(name, Symbol("field", name.text, kind))
-    return [Seen(("cell", kind, name.text), static.kinds[kind][name.text]) for kind in kinds]
+        seen.append(Seen(("cell", kind, name.text), fields[name.text]))
+    return seen
 
 
 def _no_field_of_kind(name: ast.Name, kind: str, head: str, scope: Scope) -> Poisoned:

@@ -15,16 +15,18 @@ from sjdsl.compiler.elaborate.lookup import (
     CELL_ATTRIBUTES,
     MOVER_ATTRIBUTES,
     NOWHERE,
-    as_agent,
     check_placed,
     check_somebody,
     check_somewhere,
+    is_agent,
+    is_member,
     kinds_of_cell,
     no_field,
     unknown,
     use_define,
+    variable,
 )
-from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.sorts import AGENTS
@@ -41,7 +43,7 @@ def path(e: ast.Path, scope: Scope) -> ir.Expr:
         used = 1
         if isinstance(step, ast.Index):
             value = index(value, step, scope)
-        elif as_agent(value) and step.name.text in scope.static.with_arguments:
+        elif is_agent(value) and step.name.text in scope.static.with_arguments:
             value, used = argument_read(value, steps, scope)
         else:
             value = member(value, step.name, scope)
@@ -56,7 +58,10 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     name = e.name.text
     static = scope.static
     if name in scope.variables:
-        return _variable(e, scope)
+        value = variable(e.name, scope)
+        if isinstance(value, str):
+            raise scope.misused(e.name, f"the action `{value}`", "a value")
+        return value
     if name == "step":
         return ir.Step(type=integer(0, inf, "steps"), origin=e.span)
     if name in static.sizes:
@@ -87,17 +92,6 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     raise unknown(e.name, scope)
 
 
-def _variable(e: ast.Path, scope: Scope) -> ir.Expr:
-    scope.refer(e.name)
-    bound = scope.variables[e.name.text]
-    if bound is None:
-        raise Poisoned
-    if isinstance(bound, str):
-        actual = f"the action `{bound}`"
-        raise scope.misused(e.name, actual, "a value")
-    return bound.model_copy(update={"origin": e.span})
-
-
 def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     """Returns `owner.name`: a field or a read-only attribute of an agent, a mover or a cell."""
     if kinds_of_cell(owner) is not None:
@@ -105,13 +99,13 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     static = scope.static
     types = attribute_types(static)
     known: tuple[str, ...]
-    if isinstance(owner, ir.Member) and owner.sort.what == "mover":  # its heading is a field
+    if is_member(owner, "mover"):  # its heading is a field
         held_by = owner.sort
         fields = static.mover_fields(held_by.name)
         described = f"a mover `{held_by.name}`"
         known = MOVER_ATTRIBUTES
         types["index"] = integer(0, static.movers[held_by.name].number - 1, "number")
-    elif as_agent(owner):
+    elif is_agent(owner):
         check_somebody(owner, name.span, scope)
         held_by = AGENTS
         fields = static.agent_fields
@@ -191,8 +185,7 @@ def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Ex
     if not isinstance(place, ir.Member):
         if place.type.kind == "agent":
             raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
-        actual = describe(place.type)
-        raise scope.expected(tree.span, "an agent or a cell", actual)
+        raise wrong_type(scope, tree, "an agent or a cell", place.type)
     if place.sort.what != "cell":
         check_placed(place, tree.span, question, scope)
     return place
@@ -240,8 +233,7 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     type_ = element(row.type)
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
-            actual = describe(key.type)
-            raise scope.expected(step.key.span, "one entry", actual)
+            raise wrong_type(scope, step.key, "one entry", key.type)
         entry = level.keys[level.place_of(key.value)]  # type: ignore[arg-type]
         return row.model_copy(update={"word": entry, "type": type_})
     if key.type.kind == "mix":

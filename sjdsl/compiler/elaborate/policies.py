@@ -67,7 +67,6 @@ def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
         test = scope.condition(rule.condition)
         action, chosen, given = _action(rule.action, scope.knowing([test]))
         return ir.Act(condition=test, action=action, chosen=chosen, given=given, origin=rule.span)
-    shape = "" if isinstance(rule, ast.Go) else shapes.used(rule.shape, scope).name
     goal, _ = domain(rule.domain, scope)
     avoided = None
     if rule.avoided is not None:
@@ -76,7 +75,7 @@ def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
         return ir.Go(domain=goal, avoided=avoided, origin=rule.span)
     action, chosen, given = _action(rule.action, scope)
     return ir.Aim(
-        shape=shape,
+        shape=shapes.used(rule.shape, scope).name,
         domain=goal,
         avoided=avoided,
         action=action,
@@ -95,7 +94,8 @@ def _action(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given,
     declared = declared_action(action, name, scope)
     if declared is None:
         return scope.static.actions.index(name), "", ()
-    check_arguments(name, action.span, len(action.arguments or ()), len(declared.arguments), scope)
+    number = len(action.arguments or ())
+    check_arguments(name, action.span, number, len(declared.arguments), scope)
     given = arguments_given(action, declared, scope)
     check_exists(given, declared, scope)
     return declared.first, name, given
@@ -120,7 +120,8 @@ def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
                 errors.SlotsUnfilled(span, name=name, slots=total, agents=static.num_agents)
             )
         focal = [part for part in slots if not part.policy]
-        if not any(part.number or not has_written_number for part in focal):
+        has_focal = any(part.number for part in focal) if has_written_number else bool(focal)
+        if not has_focal:
             raise scope.fail(errors.NoFocalSlot(span, name=name))
         title = "" if scenario.title is None else scenario.title.text
         return ir.Scenario(name=name, title=title, slots=slots, origin=span)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import field_symbol
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
@@ -25,6 +25,13 @@ def know_steps(episode: ir.Expr, static: Static) -> None:
     if not _has_other_limits(episode, static):
         static.rule_facts = facts(ir.Compare(fn="<", left=STEP, right=episode))
     static.observed_facts = facts(ir.Compare(fn="<=", left=STEP, right=episode))
+
+
+def possible_condition(e: ast.Expr, scope: Scope) -> ir.Expr:
+    """Returns a condition; warns if it can never hold here."""
+    test = scope.condition(e)
+    check_possible(test, scope)
+    return test
 
 
 def check_possible(test: ir.Expr, scope: Scope) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import reduce
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics import errors
@@ -28,11 +27,11 @@ def _regrouped(e: ast.Binary) -> Iterator[ast.Binary]:
     factors, divisors = _parts(e)
     for divisor in divisors:
         for factor in factors[::-1]:
-            others = [f for f in factors if f is not factor]
-            if others:
+            other_factors = [other for other in factors if other is not factor]
+            other_divisors = [other for other in divisors if other is not divisor]
+            if other_factors:
                 quotient = ast.Binary(e.span, "/", factor, divisor)
-                left = [d for d in divisors if d is not divisor]
-                yield _chain([*others, quotient], left)
+                yield _chain([*other_factors, quotient], other_divisors)
 
 
 def _parts(e: ast.Expr) -> tuple[list[ast.Expr], list[ast.Expr]]:
@@ -45,10 +44,14 @@ def _parts(e: ast.Expr) -> tuple[list[ast.Expr], list[ast.Expr]]:
 
 
 def _chain(factors: Sequence[ast.Expr], divisors: Sequence[ast.Expr]) -> ast.Binary:
-    product = reduce(lambda left, right: ast.Binary(left.span, "*", left, right), factors)
-    chain = reduce(lambda left, right: ast.Binary(left.span, "/", left, right), divisors, product)
-    assert isinstance(chain, ast.Binary)
-    return chain
+    """Returns the factors multiplied in order, then divided by the divisors in order."""
+    product, *others = factors
+    for factor in others:
+        product = ast.Binary(product.span, "*", product, factor)
+    for divisor in divisors:
+        product = ast.Binary(product.span, "/", product, divisor)
+    assert isinstance(product, ast.Binary)
+    return product
 
 
 def _has_units(e: ast.Binary, scope: Scope) -> bool:
@@ -63,8 +66,9 @@ def _has_units(e: ast.Binary, scope: Scope) -> bool:
 
 def _is_helpless_mismatch(diagnostic: Diagnostic, e: ast.Binary) -> bool:
     """Returns whether a diagnostic is about units inside a product, and has no help yet."""
-    span = diagnostic.span
-    is_inside = span.file == e.span.file and e.span.start <= span.start and span.end <= e.span.end
+    inner = diagnostic.span
+    outer = e.span
+    is_inside = outer.start <= inner.start and inner.end <= outer.end and outer.file == inner.file
     return isinstance(diagnostic, errors.UnitMismatch) and is_inside and not diagnostic.help
 
 

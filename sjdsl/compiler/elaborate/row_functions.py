@@ -3,18 +3,12 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.lookup import (
-    as_agent,
-    check_known_word,
-    check_words,
-    kinds_of_cell,
-    or_nowhere,
-)
+from sjdsl.compiler.elaborate.fitting import fitting_value
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
+from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.types import describe, element, hull, integer, is_number, join_units, words
+from sjdsl.compiler.ir.types import element, hull, integer, is_number, words
 
 NO_ORDER = "agents have no order: ask for one with `where`"
 
@@ -56,7 +50,7 @@ def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
         case "word":
             type_ = words(level.names)
         case "number":
-            type_ = integer(level.first, level.first + len(level) - 1)
+            type_ = integer(level.first, level.last)
     return ir.Lowest(type=type_, row=row, last=function.last, origin=e.span)
 
 
@@ -66,9 +60,11 @@ def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)
     entries = sum_of_row(row)
-    if not compares(entries, ">", 0, scope.facts) and not narrowed(entries, scope.facts)[0] > 0:
+    least, _most = narrowed(entries, scope.facts)
+    if least <= 0 and not compares(entries, ">", 0, scope.facts):
         raise scope.fail(errors.EmptyMix(e.span, row=text(row)))
-    return ir.Mix(type=ir.Type(kind="mix", words=row.type.by[0].names), row=row, origin=e.span)
+    type_ = ir.Type(kind="mix", words=row.type.by[0].names)
+    return ir.Mix(type=type_, row=row, origin=e.span)
 
 
 def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
@@ -82,51 +78,10 @@ def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     if by != int(by):
         wanted = "a whole number of places"
         raise scope.expected(e.arguments[1].span, wanted, f"{by:g}")
-    filler = _filler(e.arguments[2], row, scope)
+    filler = fitting_value(e.arguments[2], row, element(row.type), scope)
     type_ = row.type
     if is_number(element(type_)):
         low, high = hull([type_, filler.type])
         kind = "real" if "real" in (type_.kind, filler.type.kind) else "int"
         type_ = type_.model_copy(update={"low": low, "high": high, "kind": kind})
     return ir.ShiftRow(type=type_, row=row, by=int(by), filler=filler, origin=e.span)
-
-
-def _filler(tree: ast.Expr, row: ir.Expr, scope: Scope) -> ir.Expr:
-    """Returns what comes in at the end of a shifted row, of the type of its entries."""
-    entry = element(row.type)
-    if entry.kind == "word":
-        check_known_word(tree, row, entry.words, scope)
-    filler = narrow_word(scope.expression(tree), scope.facts)
-    if entry.kind == "cell":
-        filler = or_nowhere(filler)
-    if not _fits(filler, entry):
-        raise wrong_type(scope, tree, describe(entry), filler.type)
-    check_words(filler.type.words, entry.words, tree.span, row, scope)
-    if is_number(entry) and join_units(entry.unit, filler.type.unit) is None:
-        left = describe(entry)
-        right = describe(filler.type)
-        raise scope.fail(
-            errors.UnitMismatch(tree.span, verb="put into one row", left=left, right=right)
-        )
-    return filler
-
-
-def _fits(value: ir.Expr, type_: ir.Type) -> bool:
-    """Returns whether a value has the kind of a type, whatever its unit, words or interval."""
-    match type_.kind:
-        case "cell":
-            kinds = kinds_of_cell(value)
-            return kinds is not None and set(kinds) <= set(type_.kinds)
-        case "int":
-            return is_number(value.type) and value.type.kind == "int"
-        case "real":
-            return is_number(value.type)
-        case "word":
-            return value.type.kind == "word" and not value.type.by
-        case "agent":
-            return as_agent(value) and not value.type.by
-        case "agents":
-            is_set = value.type.kind == "agents" and not value.type.by
-            return is_set or isinstance(value, ir.Nobody)
-        case _:
-            raise AssertionError(type_)

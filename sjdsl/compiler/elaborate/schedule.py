@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import chain
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
@@ -16,18 +17,10 @@ from sjdsl.compiler.ir.names import Names, phase_function
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.near_names import nearest
 
+# Expressions of these alone have the same value in all of an episode.
 CONSTANT = (
-    ir.Word,
-    ir.Number,
-    ir.ParamRef,
-    ir.At,
-    ir.Arithmetic,
-    ir.SumRow,
-    ir.Named,
-    ir.Narrowed,
-)  # nodes whose value is the same in all of an episode
-
-
+    ir.Word | ir.Number | ir.ParamRef | ir.At | ir.Arithmetic | ir.SumRow | ir.Named | ir.Narrowed
+)
 ARGUMENTS = (
     "use words, numbers, `size`s, `param`s and names of actions; "
     "what changes in play, and who is meant, the phase says itself"
@@ -40,13 +33,9 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
     if phase is None:
         scope.problems.add(errors.NoStart(game.span))
         return None
-    if phase.parameters:
-        _report_arguments("start", phase.name.span, len(phase.parameters), scope)
-    return _use(phase, "start", "start", {}, replace(scope, part="start"))
-
-
-def _report_arguments(name: str, span: Span, number: int, scope: Scope) -> None:
-    scope.problems.add(errors.WrongArguments(span, name=name, wanted="no arguments", actual=number))
+    with scope.problems.survive():
+        check_arguments("start", phase.name.span, len(phase.parameters), 0, scope)
+    return _typed_phase(phase, "start", "start", {}, replace(scope, part="start"))
 
 
 def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
@@ -59,21 +48,27 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
         feature = f"a schedule of more than {limits.MAX_TURNS} turns"
         scope.problems.add(errors.Unsupported(game.schedule.span, feature=feature))
         return ()
-    _check_written(game, game.schedule, scope)
-    written = [turn for turn in game.schedule.turns if turn.name.text in {*game.phases, "tick"}]
+    _check_phases_exist(game, game.schedule, scope)
     labels: list[str] = []
     functions = Names({"start"})
-    turns = scope.problems.each(written, lambda turn: _turn(turn, game, scope, labels, functions))
-    scheduled = {turn.name.text for turn in game.schedule.turns} | {"start"}
+    turns: list[ir.Turn] = []
+    for turn in game.schedule.turns:
+        with scope.problems.survive():
+            if turn.name.text == "tick":
+                check_arguments("tick", turn.span, len(turn.arguments), 0, scope)
+                turns.append(ir.Tick(origin=turn.span))
+            elif turn.name.text in game.phases:
+                turns.append(_phase_use(turn, game, scope, labels, functions))
+    scheduled = {turn.name.text for turn in game.schedule.turns}
     for name, phase in game.phases.items():
-        if name not in scheduled:
+        if name != "start" and name not in scheduled:
             scope.problems.add(errors.PhaseNotScheduled(phase.name.span, name=name))
-            arguments = dict.fromkeys(parameter.text for parameter in phase.parameters)
-            _use(phase, name, "", arguments, scope)  # to report its mistakes
+            unknown_values = dict.fromkeys(parameter.text for parameter in phase.parameters)
+            _typed_phase(phase, name, "", unknown_values, scope)  # to report its mistakes
     return tuple(turns)
 
 
-def _check_written(game: Composition, schedule: ast.Schedule, scope: Scope) -> None:
+def _check_phases_exist(game: Composition, schedule: ast.Schedule, scope: Scope) -> None:
     """Reports the phases that a schedule names and nobody has written.
 
     One with a similar name is reported by itself, all others together.
@@ -93,15 +88,15 @@ def _check_written(game: Composition, schedule: ast.Schedule, scope: Scope) -> N
         scope.problems.add(errors.PhasesNotWritten(span, name=others[0], names=others))
 
 
-def _turn(
+def _phase_use(
     turn: ast.Turn, game: Composition, scope: Scope, labels: list[str], functions: Names
-) -> ir.Turn:
-    """Returns a turn; adds its label and the name of its function to those there are."""
+) -> ir.Phase:
+    """Returns a use of a phase.
+
+    labels, functions: those of the turns before, to which this adds its own. Equal labels are
+    numbered.
+    """
     name = turn.name.text
-    if name == "tick":
-        if turn.arguments:
-            _report_arguments("tick", turn.span, len(turn.arguments), scope)
-        return ir.Tick(origin=turn.span)
     phase = game.phases[name]
     scope.static.refer(turn.name, Symbol("phase", name))
     if name == "start":
@@ -118,13 +113,12 @@ def _turn(
         values[parameter.text] = value
         shown.append(value if isinstance(value, str) else text(value))
     label = f"{name}({', '.join(shown)})" if shown else name
-    function = "_".join([name, *(re.sub(r"[\W_]", "_", argument) for argument in shown)])
-    earlier_uses = labels.count(label)
     labels.append(label)
-    if earlier_uses:
-        label = f"{label} #{earlier_uses + 1}"
-        function = f"{function}_{earlier_uses + 1}"
-    return _use(phase, label, functions.fresh(phase_function(function)), values, scope)
+    number = labels.count(label)
+    if number > 1:
+        label = f"{label} #{number}"
+    function = re.sub(r"\W", "_", "_".join([name, *shown]))
+    return _typed_phase(phase, label, functions.fresh(phase_function(function)), values, scope)
 
 
 def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
@@ -142,14 +136,14 @@ def _argument(argument: ast.Expr, scope: Scope) -> ir.Expr | str:
     return value
 
 
-def _use(
+def _typed_phase(
     phase: ast.Phase,
     label: str,
     function: str,
     values: dict[str, ir.Expr | str | None],
     scope: Scope,
 ) -> ir.Phase:
-    """Returns one use of a phase. values: of its parameters."""
+    """Returns a phase with values for its parameters. function: its name in generated code."""
     inner = replace(
         scope,
         variables=values,
@@ -157,5 +151,6 @@ def _use(
         never=scope.static.never_in(f"phase {phase.name.text}"),
     )
     body = block(phase.block, inner, PhaseUse(Streams(label, scope.static.sources)))
-    marks = dict.fromkeys(n.shape for s in body for n in ir.walk(s) if isinstance(n, ir.Mark))
+    nodes = chain.from_iterable(ir.walk(statement) for statement in body)
+    marks = dict.fromkeys(node.shape for node in nodes if isinstance(node, ir.Mark))
     return ir.Phase(label=label, name=function, body=body, marks=tuple(marks), origin=phase.span)

@@ -14,7 +14,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.ir.implications import Fact, facts
+from sjdsl.compiler.ir.implications import Fact, facts, narrow_word
 from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.types import describe, is_number
 
@@ -114,13 +114,23 @@ class Static:
         """Numbers that are read in here don't count as used."""
         before = set(self.used)
         yield
-        read = {d for d in self.used - before if d.name in self.params or d.name in self.sizes}
+        numbers = self.params.keys() | self.sizes.keys()
+        read = {symbol for symbol in self.used - before if symbol.name in numbers}
         self.required |= read
         self.used -= read
 
     def kinds_of(self, name: str) -> tuple[str, ...] | None:
         """Returns the kinds that the name of a kind or group stands for, None for other names."""
         return (name,) if name in self.kinds else self.groups.get(name)
+
+    def sort_of(self, name: str) -> ir.Sort | None:
+        """Returns what a name of agents, movers, a kind or a group stands for, None for others."""
+        if name == "agent":
+            return AGENTS
+        if name in self.movers:
+            return ir.Sort("mover", (name,))
+        kinds = self.kinds_of(name)
+        return None if kinds is None else ir.Sort("cell", kinds)
 
     def mover_fields(self, movers: str) -> dict[str, ir.VarField]:
         """Returns the fields of movers by name."""
@@ -198,6 +208,10 @@ class Scope(Record):
         """Returns the typed form of any expression."""
         return self.static.elaborate_expression(e, self)
 
+    def narrowed(self, e: ast.Expr) -> ir.Expr:
+        """Returns an expression; of a word without the words that the facts here exclude."""
+        return narrow_word(self.expression(e), self.facts)
+
     def expressions(self, trees: Sequence[ast.Expr]) -> list[ir.Expr]:
         """Returns the typed forms; reports the mistakes of all before giving up."""
         built = self.problems.each(trees, self.expression)
@@ -222,6 +236,25 @@ class Scope(Record):
             raise wrong_type(self, e, wanted, built.type)
         if units[0] in ("count", "steps", "cells") and built.type.kind != "int":
             raise wrong_type(self, e, wanted, built.type)
+        return built
+
+    def any_number(self, e: ast.Expr) -> ir.Expr:
+        """Returns a number of any unit; reports anything else."""
+        built = self.expression(e)
+        if not is_number(built.type):
+            raise wrong_type(self, e, "a number", built.type)
+        return built
+
+    def not_negative(
+        self, e: ast.Expr, units: tuple[ir.Unit, ...], wanted: str, name: str
+    ) -> ir.Expr:
+        """Returns a number as `number` does; reports one that can be negative.
+
+        name: what that message calls it.
+        """
+        built = self.number(e, units, wanted)
+        if built.type.low < 0:
+            raise self.fail(errors.Negative(e.span, name=name))
         return built
 
     def fixed(self, e: ast.Expr, quantity: str) -> int | float:
@@ -256,6 +289,10 @@ class Scope(Record):
         locals_ = {n: symbol for n, symbol in self.locals.items() if n != name}
         return self.but(variables={**self.variables, name: value}, locals=locals_)
 
+    def bind_member(self, name: str, sort: ir.Sort) -> "Scope":
+        """Returns this scope with one more variable of a domain, which has the name of its kind."""
+        return self.bind(name, ir.Member(name=name, sort=sort))
+
     def bind_named(self, name: ast.Name, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which the text names here."""
         return self.but(
@@ -277,6 +314,11 @@ class Scope(Record):
         return self.but(facts=(*self.facts, *known))
 
     @property
+    def members(self) -> list[ir.Member]:
+        """The agents, movers and cells that domains around have bound."""
+        return [value for value in self.variables.values() if isinstance(value, ir.Member)]
+
+    @property
     def facts_and_requires(self) -> tuple[Fact, ...]:
         """What holds here, with the game's `require`s."""
         return (*self.facts, *self.static.required_facts)
@@ -294,9 +336,7 @@ class Scope(Record):
 
     def with_agent(self, part: Part) -> "Scope":
         """Returns a scope of another part of the game, in which `agent` is any one of them."""
-        return Scope(self.static, self.problems, part=part).bind(
-            "agent", ir.Member(name="agent", sort=AGENTS)
-        )
+        return Scope(self.static, self.problems, part=part).bind_member("agent", AGENTS)
 
 
 def wrong_type(

@@ -63,18 +63,18 @@ def _lanes(rows: list[str]) -> tuple[tuple[Offset, ...], ...]:
     """Returns the lanes of a picture: each column is two, one ahead and one behind."""
     anchor_row = next(r for r, row in enumerate(rows) if "^" in row)
     anchor_col = rows[anchor_row].index("^")
-    columns: dict[
-        int, list[int]
-    ] = {}  # the cells ahead, farthest first, by their place to the right
+    columns: dict[int, list[int]] = {}  # how far ahead each cell is, by its place to the right
     for r, row in enumerate(rows):
         for c, glyph in enumerate(row):
             if glyph == "x":
                 columns.setdefault(c - anchor_col, []).append(anchor_row - r)
     lanes = []
     for right, cells in sorted(columns.items()):
-        ahead = [a for a in reversed(cells) if a >= 0]
-        behind = [a for a in cells if a < 0]
-        lanes += [tuple((a, right) for a in lane) for lane in (ahead, behind) if lane]
+        ahead = sorted(cell for cell in cells if cell >= 0)
+        behind = sorted((cell for cell in cells if cell < 0), reverse=True)
+        for lane in (ahead, behind):
+            if lane:
+                lanes.append(tuple((cell, right) for cell in lane))
     return tuple(lanes)
 
 
@@ -106,7 +106,10 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     if name not in BUILT_IN:
         raise scope.problems.unknown(ref.name, [*BUILT_IN, *scope.static.shapes], "the shapes")
     see_through = name in SEE_THROUGH
-    has_centre = see_through and len(arguments) == 2 and _is_centre(arguments[1])
+    has_centre = False
+    if see_through and len(arguments) == 2:
+        last = arguments[1]
+        has_centre = isinstance(last, ast.Path) and last.name.text == "centre"
     if has_centre:
         arguments = arguments[:1]
     parameters = BUILT_IN[name]
@@ -138,10 +141,6 @@ def built_in(ref: ast.ShapeRef, scope: Scope) -> ir.Shape:
     )
 
 
-def _is_centre(argument: ast.Expr) -> bool:
-    return isinstance(argument, ast.Path) and argument.name.text == "centre"
-
-
 def _around(name: str, r: int, has_centre: bool) -> tuple[tuple[Offset, ...], ...]:
     """Returns the one lane of a form that is the same in all directions."""
     is_within = SEE_THROUGH[name]
@@ -157,8 +156,9 @@ def _around(name: str, r: int, has_centre: bool) -> tuple[tuple[Offset, ...], ..
 
 def _directed(name: str, numbers: list[int]) -> tuple[tuple[Offset, ...], ...]:
     length = numbers[0]
-    lanes = [tuple((a, 0) for a in range(1, length + 1))]
+    lanes = [tuple((ahead, 0) for ahead in range(1, length + 1))]
     if name == "fan":
         for side in range(1, numbers[1] + 1):
-            lanes += [tuple((a, right) for a in range(length)) for right in (-side, side)]
+            lanes.append(tuple((ahead, -side) for ahead in range(length)))
+            lanes.append(tuple((ahead, side) for ahead in range(length)))
     return tuple(lanes)

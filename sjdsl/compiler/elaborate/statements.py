@@ -9,7 +9,6 @@ from typing import assert_never
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.diagnostics.diagnostic import near
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.assignments import add, set_
@@ -17,15 +16,16 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain, with_member
 from sjdsl.compiler.elaborate.domains import near as near_shape
 from sjdsl.compiler.elaborate.effects import body, give, send, shift, tally
-from sjdsl.compiler.elaborate.lookup import check_free
+from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.lookup import check_free, no_word, repeated
 from sjdsl.compiler.elaborate.movers import move
-from sjdsl.compiler.elaborate.possible import check_possible, warn_never
+from sjdsl.compiler.elaborate.possible import possible_condition, warn_never
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
-from sjdsl.compiler.ir.implications import compares, narrow_word, narrowed
+from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, is_number, join_units, real, words
+from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, join_units, real, words
 
 
 def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
@@ -86,7 +86,7 @@ def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.S
 
 
 def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
-    value = narrow_word(scope.expression(s.value), scope.facts)
+    value = scope.narrowed(s.value)
     check_free(s.name, scope, chosen=True)
     if isinstance(value, ir.Member):
         described = "the variable has a name already"
@@ -94,13 +94,14 @@ def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
     local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
     inner = scope.bind_named(s.name, local)
     if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
-        inner = inner.knowing([ir.Not(value=ir.Same(left=local, right=ir.Nobody()))])
+        is_nobody = ir.Same(left=local, right=ir.Nobody())
+        inner = inner.knowing([ir.Not(value=is_nobody)])
     return ir.Let(name=s.name.text, value=value, origin=s.span), inner
 
 
 def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
     check_free(s.name, scope, chosen=True)
-    stream = use.streams.of_statement(use.streams.header(s.span, s.span.end))
+    stream = use.streams.of_statement(use.streams.header(s.span))
     name = s.name.text
     match s.source:
         case ast.Words():
@@ -113,8 +114,39 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
             statement = _weighted(s, s.source, scope, stream)
         case _:
             statement = _between(s, s.source, scope, stream)
+    if s.by is not None:
+        statement = _of_row(s, s.by, statement, scope)
+    elif s.different:
+        wanted = "`by` and the entries of a row, which are all different"
+        raise scope.expected(s.name.span, wanted, "one value", "write `draw x by { a, b } from …`")
     local = ir.Local(type=statement.type, name=name, origin=s.name.span)
     return statement, scope.bind_named(s.name, local)
+
+
+def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
+    """Returns the draw of a row, each of whose entries is drawn as `one`."""
+    if isinstance(by, ast.Words):
+        _check_declared(by.names, scope)
+    level = level_of(by, scope)
+    type_ = one.type.model_copy(update={"by": (level,)})
+    if s.different:
+        if one.weights:
+            raise scope.expected(s.source.span, "values without weights", "a table of weights")
+        size = len(one.words)
+        if not size:
+            quantity = "what different values are drawn from"
+            for bound in (s.source, s.high):
+                assert bound is not None and not isinstance(bound, ast.Words | ast.Table)
+                scope.fixed(bound, quantity)
+            if one.type.kind == "real":
+                raise scope.expected(s.source.span, "whole numbers or words", "real numbers")
+            size = int(one.type.high - one.type.low) + 1
+        if size > limits.MAX_DEALT:
+            problem = f"different values are drawn from {size}"
+            raise scope.fail(limits.too_much(problem, limits.MAX_DEALT, s.source.span))
+        if size < len(level):
+            raise scope.fail(errors.TooFewToDeal(s.span, entries=len(level), values=size))
+    return one.model_copy(update={"type": type_, "by": level, "different": s.different})
 
 
 def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:
@@ -128,25 +160,14 @@ def _check_declared(names: Sequence[ast.Name], scope: Scope) -> None:
             )
             raise scope.expected(name.span, "a word", f"`{name.text}`", help_)
         if not scope.static.is_word(name.text):
-            meant = near(name.text, [w for words in scope.static.word_sets for w in words])
-            help_ = ""
-            if not meant.nearest:
-                listed = ", ".join(n.text for n in names)
-                help_ = (
-                    "the words of a `draw` are those of a field, a row (`by`) or an event: "
-                    f"declare some, `field NAME : {{ {listed} }} = {names[0].text}`"
-                )
-            raise scope.fail(errors.UnknownName(name.span, name=name.text, near=meant, help=help_))
+            raise no_word(name, [n.text for n in names], "`draw`", scope)
         scope.static.refer(name, Symbol("word", name.text))
 
 
 def _check_different(names: Sequence[ast.Name], noun: str, scope: Scope) -> None:
     """Reports a name that is written twice. noun: what the names are."""
-    seen: set[str] = set()
-    for name in names:
-        if name.text in seen:
-            raise scope.fail(errors.WrittenTwice(name.span, part=f"the {noun} `{name.text}`"))
-        seen.add(name.text)
+    for name in repeated(names):
+        raise scope.fail(errors.WrittenTwice(name.span, part=f"the {noun} `{name.text}`"))
 
 
 def _between(s: ast.Draw, source: ast.Expr, scope: Scope, stream: int) -> ir.Draw:
@@ -154,9 +175,8 @@ def _between(s: ast.Draw, source: ast.Expr, scope: Scope, stream: int) -> ir.Dra
     assert s.high is not None
     low, high = scope.expressions((source, s.high))
     if "real" in (low.type.kind, high.type.kind):
-        for tree, bound in ((source, low), (s.high, high)):
-            if not is_number(bound.type):
-                raise wrong_type(scope, tree, "a number", bound.type)
+        low = scope.any_number(source)
+        high = scope.any_number(s.high)
     else:
         units: tuple[ir.Unit, ...] = ("count", "steps", "cells")
         low = scope.number(source, units, "a whole number")
@@ -204,7 +224,8 @@ def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Dr
     numbers: tuple[int, ...] = ()
     if all(key.text.isdigit() for key in keys):
         numbers = tuple(int(key.text) for key in keys)
-        _check_different([ast.Name(key.span, str(int(key.text))) for key in keys], "number", scope)
+        without_zeros = [ast.Name(key.span, f"{int(key.text)}") for key in keys]  # 01 is 1
+        _check_different(without_zeros, "number", scope)
         type_ = integer(min(numbers), max(numbers), "number")
     else:
         names = tuple(key.text for key in keys)
@@ -232,26 +253,25 @@ def _check_sum(weights: Sequence[ir.Expr], span: Span, scope: Scope) -> None:
 
     Weights from parameters need `require a + b + c == 1`, or the form p, q, 1 - p - q.
     """
-    values = [w.value for w in weights if isinstance(w, ir.Number)]
+    values = [weight.value for weight in weights if isinstance(weight, ir.Number)]
     if len(values) == len(weights):
-        total = sum(values)
-        if abs(total - 1) > 1e-6:
-            raise scope.fail(errors.Weights(span, total=total))
+        if abs(sum(values) - 1) > 1e-6:
+            raise scope.fail(errors.Weights(span, total=sum(values)))
         return
-    one = ir.Number(type=weights[0].type, value=1)
-    rest: ir.Expr = one
+    first, *others = weights
+    total = first
+    for weight in others:
+        total = ir.Arithmetic(type=first.type, fn="+", args=(total, weight))
+    rest: ir.Expr = ir.Number(type=first.type, value=1)
     for weight in weights[:-1]:
-        rest = ir.Arithmetic(type=one.type, fn="-", args=(rest, weight))
-    sum_ = weights[0]
-    for weight in weights[1:]:
-        sum_ = ir.Arithmetic(type=one.type, fn="+", args=(sum_, weight))
-    is_one = form(weights[-1]) == form(rest) or compares(sum_, "==", one, scope.facts_and_requires)
-    if not is_one:
+        rest = ir.Arithmetic(type=first.type, fn="-", args=(rest, weight))
+    is_required = compares(total, "==", 1, scope.facts_and_requires)
+    if not is_required and form(weights[-1]) != form(rest):
         raise scope.fail(errors.Weights(span, total="something known only when it runs"))
 
 
 def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
-    header = use.streams.header(s.span, s.block.span.start)
+    header = use.streams.header(s.span, s.block)
     number = _number_picked(s, scope) if isinstance(s, ast.Pick) else None
     members, inner = _domain(s.domain, scope)
     if members is None:
@@ -282,9 +302,7 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
 
 
 def _number_picked(s: ast.Pick, scope: Scope) -> ir.Expr:
-    number = scope.number(s.number, ("count",), "a count")
-    if number.type.low < 0:
-        raise scope.fail(errors.Negative(s.number.span, name="the number picked"))
+    number = scope.not_negative(s.number, ("count",), "a count", "the number picked")
     is_literal = number.type.unit == "number"  # the value of a size can be changed
     if is_literal and number.type.high <= 0:
         warn_never(s.number.span, "none is picked", scope)
@@ -299,23 +317,18 @@ def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
     try:
         return domain(d, scope)
     except Poisoned:
-        kinds = [d.kind.text] if d.on is None else [d.kind.text, d.on.kind.text]
-        if not all(_is_known(kind, scope) for kind in kinds):
+        kinds = [d.kind] if d.on is None else [d.kind, d.on.kind]
+        if any(scope.static.sort_of(kind.text) is None for kind in kinds):
             raise  # a misspelt kind would make every use of its variable one more mistake
         if d.where is not None:
             scope = scope.after_unreadable_guard()
             with suppress(Poisoned):
                 _, inner = domain(replace(d, where=None), scope)
                 return None, inner
-        inner = with_member(d.bind, d.kind, None, scope)
+        inner = with_member(d, None, scope)
         if d.on is not None:
-            inner = with_member(d.on.bind, d.on.kind, None, inner)
+            inner = with_member(d.on, None, inner)
         return None, inner
-
-
-def _is_known(kind: str, scope: Scope) -> bool:
-    static = scope.static
-    return kind == "agent" or kind in static.movers or static.kinds_of(kind) is not None
 
 
 def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
@@ -328,7 +341,7 @@ def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> 
 
 
 def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
-    header = use.streams.header(s.span, s.block.span.start)
+    header = use.streams.header(s.span, s.block)
     stream = use.streams.of_statement(header)
     left, inner = _domain(s.left, scope)
     right, inner = _domain(s.right, inner)
@@ -347,29 +360,25 @@ def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
 
     A chain of `otherwise when`, or of `otherwise chance`, is one statement.
     """
-    header = use.streams.header(s.span, s.block.span.start)
-    stream = use.streams.of_statement(header) if isinstance(s, ast.Chance) else 0
+    trees = _with_following(s)
+    headers = [use.streams.header(tree.span, tree.block) for tree in trees]
+    stream = use.streams.of_statement(headers[0]) if isinstance(s, ast.Chance) else 0
     branches: list[ir.Branch] = []
-    current: ast.When | ast.Chance = s
-    while True:
+    for number, tree in enumerate(trees, 1):
+        header = " otherwise ".join(headers[:number])
         try:
-            branch = _branch(current, header, scope, use)
+            branch = _branch(tree, header, scope, use)
             branches.append(branch)
-            if isinstance(current, ast.When):
+            if isinstance(tree, ast.When):
                 scope = scope.knowing([ir.Not(value=branch.test)])
         except Poisoned:
-            inside(current.block, header, scope.after_unreadable_guard(), use)
-            if isinstance(current, ast.When):
+            inside(tree.block, header, scope.after_unreadable_guard(), use)
+            if isinstance(tree, ast.When):
                 scope = scope.after_unreadable_guard()
-        following = current.otherwise
-        if not isinstance(following, ast.When | ast.Chance) or not isinstance(following, type(s)):
-            break
-        following_header = use.streams.header(following.span, following.block.span.start)
-        header = f"{header} otherwise {following_header}"
-        current = following
     otherwise: tuple[ir.Stmt, ...] = ()
-    if following is not None:
-        otherwise = other_branch(following, f"{header} otherwise", scope, use)
+    if trees[-1].otherwise is not None:
+        header = f"{' otherwise '.join(headers)} otherwise"
+        otherwise = other_branch(trees[-1].otherwise, header, scope, use)
     if not branches:
         raise Poisoned
     if isinstance(s, ast.When):
@@ -377,11 +386,20 @@ def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
     return ir.Chance(branches=tuple(branches), otherwise=otherwise, stream=stream, origin=s.span)
 
 
+def _with_following(s: ast.When | ast.Chance) -> list[ast.When | ast.Chance]:
+    """Returns the statements of a chain of `otherwise when`, or of `otherwise chance`."""
+    trees = [s]
+    following = s.otherwise
+    while isinstance(following, ast.When | ast.Chance) and isinstance(following, type(s)):
+        trees.append(following)
+        following = following.otherwise
+    return trees
+
+
 def _branch(s: ast.When | ast.Chance, header: str, scope: Scope, use: PhaseUse) -> ir.Branch:
     """Returns the first branch of a statement."""
     if isinstance(s, ast.When):
-        test = scope.condition(s.condition)
-        check_possible(test, scope)
+        test = possible_condition(s.condition, scope)
         scope = scope.knowing([test])
     else:
         test = probability(s.probability, scope)

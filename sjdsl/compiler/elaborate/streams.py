@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.source import Source, Span
 
 _TOKEN = re.compile(r'"(?:\\.|[^"\\\n])*"|[a-z][a-z0-9_]*|\d+\.\d+|\d+|\.\.|->|[<>=!]=|#[^\n]*|\S')
@@ -17,7 +18,8 @@ _TOKEN = re.compile(r'"(?:\\.|[^"\\\n])*"|[a-z][a-z0-9_]*|\d+\.\d+|\d+|\.\.|->|[
 
 def layout_free(source: Source, start: int, end: int) -> str:
     """Returns the tokens of a part of the text, one space between, comments left out."""
-    return " ".join(t for t in _TOKEN.findall(source.text[start:end]) if not t.startswith("#"))
+    tokens = _TOKEN.findall(source.text[start:end])
+    return " ".join(token for token in tokens if not token.startswith("#"))
 
 
 @dataclass
@@ -29,8 +31,9 @@ class Streams:
     around: list[str] = field(default_factory=list)
     seen: Counter[str] = field(default_factory=Counter)
 
-    def header(self, span: Span, end: int) -> str:
-        """Returns the text of a statement up to its block."""
+    def header(self, span: Span, block: ast.Block | None = None) -> str:
+        """Returns the text of a statement, up to its block if it has one."""
+        end = span.end if block is None else block.span.start
         return layout_free(self.sources[span.file], span.start, end)
 
     def of_statement(self, text: str) -> int:
@@ -63,4 +66,5 @@ class PhaseUse:
 
 def number(label: str, text: str) -> int:
     """Returns the 32-bit number of a stream."""
-    return int.from_bytes(hashlib.sha256(f"{label}\n{text}".encode()).digest()[:4], "big")
+    digest = hashlib.sha256(f"{label}\n{text}".encode()).digest()
+    return int.from_bytes(digest[:4], "big")

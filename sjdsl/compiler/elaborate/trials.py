@@ -10,6 +10,7 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.queries import contains
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
@@ -22,6 +23,7 @@ def declare_trial(game: Composition, scope: Scope) -> None:
         return
     static = scope.static
     static.has_trials = True
+    static.used.add(Symbol("name", TRIAL))  # by the episode itself
     with scope.problems.survive(static.broken, Symbol("name", TRIAL)):
         number = _number_of_trials(game.episode, scope)
         static.fields[TRIAL] = ir.VarField(
@@ -48,7 +50,7 @@ def episode(game: Composition, scope: Scope) -> tuple[ir.Expr, ir.Trials | None]
     trials = game.episode.trials
     length = game.episode.length if trials is None else trials.steps
     steps = scope.number(length, ("steps",), "a number of steps")
-    if any(isinstance(node, ir.Step | ir.FieldRead | ir.Aggregate) for node in ir.walk(steps)):
+    if contains(steps, ir.Step, ir.FieldRead, ir.Aggregate):
         help_ = "use numbers, `size`s and `param`s; `end` ends an episode when something happens"
         quantity = "the length of an episode"
         raise scope.fail(errors.NotFixed(length.span, quantity=quantity, help=help_))

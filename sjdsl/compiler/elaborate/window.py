@@ -3,7 +3,7 @@
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
-from sjdsl.compiler.elaborate.possible import check_possible
+from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope
 
 SIDES = {"ahead": 9, "behind": 1, "left": 5, "right": 5}  # of a window, where the game says nothing
@@ -11,7 +11,7 @@ SIDES = {"ahead": 9, "behind": 1, "left": 5, "right": 5}  # of a window, where t
 
 def window(game: Composition, scope: Scope) -> ir.Window:
     """Returns what an observation covers: as far to each side as any view reaches."""
-    plain = next((w for w in game.windows if w.condition is None), None)
+    plain = next((tree for tree in game.windows if tree.condition is None), None)
     usual = SIDES if plain is None else _sides(plain, SIDES, scope)
     origin = game.windows[0].span if game.windows else None
     observer = scope.with_agent("observe")
@@ -19,18 +19,17 @@ def window(game: Composition, scope: Scope) -> ir.Window:
     def view(tree: ast.Window) -> ir.View:
         assert tree.condition is not None
         sides = _sides(tree, usual, scope)
-        test = observer.condition(tree.condition)
-        check_possible(test, observer)
+        test = possible_condition(tree.condition, observer)
         return ir.View(**sides, condition=test, origin=tree.span)
 
-    conditional = (w for w in game.windows if w.condition is not None)
+    conditional = (tree for tree in game.windows if tree.condition is not None)
     views = scope.problems.each(conditional, view)
     if views:
         last_origin = origin if plain is None else plain.span
         views.append(ir.View(**usual, condition=None, origin=last_origin))
-    farthest = {
-        side: max(usual[side], *(getattr(view, side) for view in views), 0) for side in SIDES
-    }
+    farthest = {}
+    for side in SIDES:
+        farthest[side] = max([0, usual[side], *(getattr(view, side) for view in views)])
     return ir.Window(**farthest, views=tuple(views), origin=origin)
 
 

@@ -92,7 +92,8 @@ def row_spans(lines: Iterable[str], name: str) -> tuple[Span, ...]:
     spans = []
     start = 0
     for number, line in enumerate(lines, 1):
-        spans.append(Span(name, start, start + len(line.rstrip("\r")), number, 1))
+        end = start + len(line.rstrip("\r"))
+        spans.append(Span(name, start, end, number, 1))
         start += len(line) + 1
     return tuple(spans) or (Span(name, 0, 0, 1, 1),)
 
@@ -195,7 +196,8 @@ def _place(
 
 def count_cells(rows: tuple[str, ...], glyphs: dict[str, ir.GlyphMeaning]) -> dict[str, int]:
     """Returns the number of cells of each kind."""
-    return dict(Counter(glyphs[glyph].kind for row in rows for glyph in row if glyph in glyphs))
+    cells = "".join(rows)
+    return dict(Counter(glyphs[glyph].kind for glyph in cells if glyph in glyphs))
 
 
 def glyph_table(static: Static, problems: Problems) -> dict[str, ir.GlyphMeaning]:

@@ -1,4 +1,7 @@
-"""Escapes text that goes into generated Python: every text of a game, and every name of a file, becomes part of it here alone."""
+"""Escapes text that goes into generated Python.
+
+Every text of a game, and every name of a file, becomes part of generated code here alone.
+"""
 
 
 def quoted(text: str) -> str:
@@ -7,5 +10,8 @@ def quoted(text: str) -> str:
 
 
 def remark(text: str) -> str:
-    """Returns a text as it may stand in a comment or a docstring: one line of printable ASCII without backslashes and double quotes."""
+    """Returns a text for a comment or a docstring: one line of printable ASCII.
+
+    Each backslash, double quote and other character is a question mark.
+    """
     return "".join(c if c.isascii() and c.isprintable() and c not in '\\"' else "?" for c in text)

@@ -1,7 +1,7 @@
-"""Expressions as Python text: operator precedence and brackets. The one place where nodes of a program become text on one line.
+"""Expressions as Python text on one line: operator precedence and brackets.
 
-An operand gets brackets where Python's precedence asks for them, and where a bit operation meets another operation: few
-readers know whether `a + b & c == d` is `((a + b) & c) == d`.
+An operand gets brackets where Python's precedence asks for them, and where a bit operation meets
+another operation: few readers know whether `a + b & c == d` is `((a + b) & c) == d`.
 """
 
 from math import copysign
@@ -9,9 +9,31 @@ from typing import assert_never
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.emit.escaping import quoted
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    DTYPES,
+    Arange,
+    Attribute,
+    Binary,
+    Broadcast,
+    Call,
+    Cast,
+    Expression,
+    Index,
+    Lambda,
+    Literal,
+    Mapping,
+    Name,
+    Sequence,
+    Slice,
+    Unary,
+    Where,
+    call,
+)
 
-COMPARISON, UNARY, ATOM = 0, 6, 7
+LAMBDA = -1
+COMPARISON = 0
+UNARY = 6
+ATOM = 7
 PYTHON_PRECEDENCE = {
     **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), COMPARISON),
     **{
@@ -24,7 +46,10 @@ BITWISE = {"|", "^", "&", "<<", ">>"}
 
 
 class Bracketed(Record):
-    """`open` items `close`, the items with commas between them; `comma`: one follows the last even on one line."""
+    """Items between `open` and `close`, separated by commas.
+
+    comma: whether one follows the last item even on one line.
+    """
 
     open: str
     items: tuple["Piece", ...]
@@ -39,7 +64,7 @@ class Chain(Record):
 
 
 class Operation(Record):
-    """Operands with operators between them that may stand on lines of their own: `a`, `+ b`, `+ c`."""
+    """Operands and operators, which may be on lines of their own: `a`, `+ b`, `+ c`."""
 
     first: "Piece"
     rest: tuple[tuple[str, "Piece"], ...]
@@ -48,7 +73,7 @@ class Operation(Record):
 Piece = str | Chain | Operation
 
 
-def text(node: array.Expression) -> str:
+def text(node: Expression) -> str:
     """Returns an expression on one line."""
     return flat(pieces(node))
 
@@ -63,125 +88,103 @@ def flat(piece: "Piece | Bracketed") -> str:
         case Chain():
             return "".join(map(flat, piece.pieces))
         case Operation():
-            return flat(piece.first) + "".join(
-                f" {op} {flat(operand)}" for op, operand in piece.rest
-            )
+            rest = [f" {op} {flat(operand)}" for op, operand in piece.rest]
+            return flat(piece.first) + "".join(rest)
 
 
-def pieces(node: array.Expression | array.Slice) -> Piece:
+def pieces(node: Expression | Slice) -> Piece:
     """Returns an expression as pieces that `layout` breaks into lines."""
     match node:
-        case array.Name():
+        case Name():
             return node.identifier
-        case array.Literal():
-            if node.name or isinstance(node.value, str):
-                return node.name or quoted(str(node.value))
+        case Literal():
+            if node.name:
+                return node.name
+            if isinstance(node.value, str):
+                return quoted(node.value)
             return "..." if node.value is ... else repr(node.value)
-        case array.Slice():
-            start, stop = (
-                "" if part is None else flat(pieces(part)) for part in (node.start, node.stop)
-            )
+        case Slice():
+            start = "" if node.start is None else text(node.start)
+            stop = "" if node.stop is None else text(node.stop)
             return f"{start}:{stop}"
-        case array.Unary():
+        case Unary():
             return _after(node.op, _operand(node.operand, UNARY))
-        case array.Binary():
+        case Binary():
             return _operation(node)
-        case array.Sequence(items=items, is_list=is_list):
+        case Sequence(items=items, is_list=is_list):
             inner = tuple(map(pieces, items))
-            return Chain(
-                (
-                    Bracketed("[", inner, "]")
-                    if is_list
-                    else Bracketed("(", inner, ")", comma=len(items) == 1),
-                )
-            )
-        case array.Mapping():
-            return Chain(
-                (
-                    Bracketed(
-                        "{",
-                        tuple(
-                            _after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries
-                        ),
-                        "}",
-                    ),
-                )
-            )
-        case array.Lambda():
+            if is_list:
+                return Chain((Bracketed("[", inner, "]"),))
+            return Chain((Bracketed("(", inner, ")", comma=len(items) == 1),))
+        case Mapping():
+            entries = [_after(f"{quoted(key)}: ", pieces(value)) for key, value in node.entries]
+            return Chain((Bracketed("{", tuple(entries), "}"),))
+        case Lambda():
             return _after(f"lambda {', '.join(node.parameters)}: ", pieces(node.body))
-        case array.Attribute():
+        case Attribute():
             return Chain((*_base(node.value), f".{node.name}"))
-        case array.Index():
+        case Index():
             return Chain((*_base(node.value), Bracketed("[", tuple(map(pieces, node.keys)), "]")))
-        case array.Call():
-            named = tuple(_after(f"{name}=", pieces(value)) for name, value in node.keywords)
-            return Chain(
-                (*_base(node.function), Bracketed("(", (*map(pieces, node.arguments), *named), ")"))
-            )
-        case array.Where():
-            return pieces(array.call("jnp.where", node.condition, node.then, node.otherwise))
-        case array.Cast():
-            return pieces(
-                array.Call(array.Attribute(node.value, "astype"), (array.DTYPES[node.dtype],))
-            )
-        case array.Broadcast():
-            return pieces(array.call("jnp.broadcast_to", node.value, array.Sequence(node.shape)))
-        case array.Arange():
-            dtype = {} if node.dtype is None else {"dtype": array.DTYPES[node.dtype]}
-            return pieces(array.call("jnp.arange", node.size, **dtype))
+        case Call():
+            named = [_after(f"{name}=", pieces(value)) for name, value in node.keywords]
+            arguments = (*map(pieces, node.arguments), *named)
+            return Chain((*_base(node.function), Bracketed("(", arguments, ")")))
+        case Where():
+            return pieces(call("jnp.where", node.condition, node.then, node.otherwise))
+        case Cast():
+            return pieces(Call(Attribute(node.value, "astype"), (DTYPES[node.dtype],)))
+        case Broadcast():
+            return pieces(call("jnp.broadcast_to", node.value, Sequence(node.shape)))
+        case Arange():
+            dtype = {} if node.dtype is None else {"dtype": DTYPES[node.dtype]}
+            return pieces(call("jnp.arange", node.size, **dtype))
         case _:
             assert_never(node)
 
 
-def _base(node: array.Expression) -> list["str | Bracketed"]:
+def _base(node: Expression) -> list["str | Bracketed"]:
     """Returns what a trailer follows, in brackets unless it binds as tightly."""
-    if _strength(node) < ATOM or (
-        isinstance(node, array.Literal) and not isinstance(node.value, str) and not node.name
-    ):
+    is_value = isinstance(node, Literal) and not isinstance(node.value, str) and not node.name
+    if is_value or _strength(node) < ATOM:
         return [Bracketed("(", (pieces(node),), ")")]
-    found = pieces(node)
-    return list(found.pieces) if isinstance(found, Chain) else [flat(found)]
+    base = pieces(node)
+    return list(base.pieces) if isinstance(base, Chain) else [flat(base)]
 
 
-def _strength(node: array.Expression) -> int:
+def _strength(node: Expression) -> int:
     """Returns how tightly the outermost operation of an expression binds."""
     match node:
-        case array.Binary():
+        case Binary():
             return PYTHON_PRECEDENCE[node.op]
-        case array.Unary():
+        case Unary():
             return UNARY
-        case array.Literal(value=bool()):
+        case Literal(value=bool()):
             return ATOM
-        case array.Literal(value=int() | float() as value, name="") if copysign(1, value) < 0:
+        case Literal(value=int() | float() as value, name="") if copysign(1, value) < 0:
             return UNARY
-        case array.Lambda():
-            return -1
+        case Lambda():
+            return LAMBDA
         case _:
             return ATOM
 
 
-def _operand(node: array.Expression, least: int) -> Piece:
+def _operand(node: Expression, least: int) -> Piece:
     """Returns an operand, in brackets if it binds less than it must."""
-    mixes_bits = least == COMPARISON + 1 and isinstance(node, array.Binary) and node.op in BITWISE
-    return (
-        Chain((Bracketed("(", (pieces(node),), ")"),))
-        if _strength(node) < least or mixes_bits
-        else pieces(node)
-    )
+    mixes_bits = least == COMPARISON + 1 and isinstance(node, Binary) and node.op in BITWISE
+    if mixes_bits or _strength(node) < least:
+        return Chain((Bracketed("(", (pieces(node),), ")"),))
+    return pieces(node)
 
 
-def _operation(node: array.Binary) -> Operation:
+def _operation(node: Binary) -> Operation:
     """Returns an operation; `(a + b) + c` is one of three operands."""
     strength = PYTHON_PRECEDENCE[node.op]
     inner = UNARY if node.op in BITWISE else strength + 1
     right = _operand(node.right, inner)
     left = node.left
-    if (
-        isinstance(left, array.Binary)
-        and strength != COMPARISON
-        and PYTHON_PRECEDENCE[left.op] == strength
-    ):
-        if left.op == node.op or node.op not in BITWISE:
+    if isinstance(left, Binary) and strength != COMPARISON:
+        is_alike = PYTHON_PRECEDENCE[left.op] == strength
+        if is_alike and (left.op == node.op or node.op not in BITWISE):
             before = _operation(left)
             return Operation(before.first, (*before.rest, (node.op, right)))
     return Operation(_operand(left, inner), ((node.op, right),))

@@ -1,4 +1,4 @@
-"""Line breaks: pieces of an expression laid out in lines of at most 120 columns, as a formatter would break them."""
+"""Breaks expressions into lines of at most 120 columns, as a formatter would."""
 
 from sjdsl.compiler.emit.expressions import Bracketed, Chain, Operation, Piece, flat
 
@@ -20,7 +20,8 @@ def layout(piece: Piece, column: int, indent: int, after: int, bracketed: bool =
         return whole
     if isinstance(piece, Chain):
         return _chain(piece, column, indent, after)
-    fits_alone = indent + len(piece.rest[-1][0]) + 1 + len(flat(piece.rest[-1][1])) + after <= WIDTH
+    last_line = " ".join((piece.rest[-1][0], flat(piece.rest[-1][1])))
+    fits_alone = indent + len(last_line) + after <= WIDTH
     last = None if bracketed and fits_alone else _last_broken(piece, column, indent, after)
     if last is not None:
         return last
@@ -35,13 +36,17 @@ def layout(piece: Piece, column: int, indent: int, after: int, bracketed: bool =
 
 
 def _last_broken(piece: Operation, column: int, indent: int, after: int) -> str | None:
-    """Returns `a + f(` … `)`: only the last operand is broken, if all before it fits on the first line."""
+    """Returns `a + f(` … `)`, where only the last operand is broken.
+
+    None if what is before it doesn't fit on the first line.
+    """
     *before, (op, last) = piece.rest
     head = f"{flat(Operation(piece.first, tuple(before)))} {op} "
     if not isinstance(last, Chain) or column + len(head) > WIDTH // 2:
         return None
     broken = _chain(last, column + len(head), indent, after)
-    return head + broken if column + len(head) + len(broken.split("\n")[0]) <= WIDTH else None
+    first_line = head + broken.split("\n")[0]
+    return head + broken if column + len(first_line) <= WIDTH else None
 
 
 def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
@@ -53,19 +58,20 @@ def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
     widest = max(brackets, key=lambda i: len(flat(parts[i])))
     bracket = parts[widest]
     assert isinstance(bracket, Bracketed)
-    before, behind = Chain(tuple(parts[:widest])), Chain(tuple(parts[widest + 1 :]))
+    before = Chain(tuple(parts[:widest]))
+    behind = Chain(tuple(parts[widest + 1 :]))
     head = layout(before, column, indent, len(bracket.open)) if before.pieces else ""
     tail = layout(behind, indent + len(bracket.close), indent, after) if behind.pieces else ""
-    return f"{head}{bracket.open}\n{_items(bracket, indent + INDENT)}\n{' ' * indent}{bracket.close}{tail}"
+    items = _items(bracket, indent + INDENT)
+    return f"{head}{bracket.open}\n{items}\n{' ' * indent}{bracket.close}{tail}"
 
 
 def _items(bracket: Bracketed, indent: int) -> str:
-    """Returns what stands in brackets on lines of its own: one for all if it fits, else one for each."""
+    """Returns what is in brackets, on one line if it fits, else on a line for each item."""
     together = ", ".join(map(flat, bracket.items)) + "," * bracket.comma
-    rows = bracket.open == "{" or any(
-        isinstance(item, Chain) and isinstance(item.pieces[0], Bracketed) for item in bracket.items
-    )
-    if indent + len(together) <= WIDTH and not rows:
+    chains = [item for item in bracket.items if isinstance(item, Chain)]
+    has_rows = any(isinstance(chain.pieces[0], Bracketed) for chain in chains)
+    if indent + len(together) <= WIDTH and not has_rows and bracket.open != "{":
         return " " * indent + together
     comma = "," if len(bracket.items) > 1 or bracket.comma else ""
     lines = [layout(item, indent, indent, len(comma), bracketed=True) for item in bracket.items]

@@ -14,7 +14,8 @@ def listing(program: Program) -> Iterator[str]:
         if fact.name != "HASH":  # of the rules, not of this program
             yield f"fact {fact.name} = {text(fact.value)}"
     for plane in program.planes:
-        yield f"plane {plane.name} : {plane.encoding} 0 .. {plane.high} {', '.join(plane.labels)}".rstrip()
+        labels = ", ".join(plane.labels)
+        yield f"plane {plane.name} : {plane.encoding} 0 .. {plane.high} {labels}".rstrip()
     for number in program.numbers:
         yield f"number {number.name} = {number.value}  # {number.comment}".removesuffix("  # ")
     for constant in program.constants:

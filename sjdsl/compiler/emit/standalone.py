@@ -26,19 +26,21 @@ def standalone(program: Program) -> str:
 
 @cache
 def _kernel(name: str) -> tuple[list[str], list[str]]:
-    """Returns a module of the runtime as the body of a function that looks others up in their scopes, and which others it calls."""
+    """Returns a module of the runtime as the body of a function, and which others it calls.
+
+    The function looks the others up in their scopes.
+    """
     text = files(RUNTIME).joinpath(f"{name}.py").read_text(encoding="utf-8")
-    lines, called = text.splitlines(), list[str]()
+    lines = text.splitlines()
+    called: list[str] = []
     for node in reversed(ast.parse(text).body):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(RUNTIME):
-            scope, names = (
-                (node.module or "").removeprefix(RUNTIME).removeprefix("."),
-                [alias.name for alias in node.names],
-            )
-            lines[node.lineno - 1 : node.end_lineno] = [
-                f"{one} = _{scope}.{one}" if scope else f"{one} = _{one}" for one in names
-            ]
-            called = [*([scope] if scope else names), *called]
+        if not isinstance(node, ast.ImportFrom) or not (node.module or "").startswith(RUNTIME):
+            continue
+        scope = (node.module or "").removeprefix(RUNTIME).removeprefix(".")
+        names = [alias.name for alias in node.names]
+        prefix = f"_{scope}." if scope else "_"
+        lines[node.lineno - 1 : node.end_lineno] = [f"{name} = {prefix}{name}" for name in names]
+        called = [*([scope] if scope else names), *called]
     return [f"    {line}".rstrip() for line in lines], called
 
 

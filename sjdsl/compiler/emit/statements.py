@@ -13,12 +13,9 @@ from sjdsl.compiler.program.expressions import Assign, Expression, Return, State
 
 def function_lines(function: Function) -> list[str]:
     """Returns the lines of a function."""
-    parameters = Bracketed(
-        "(", tuple(f"{name}: {type_}" for name, type_ in function.parameters), ")"
-    )
-    head = layout(
-        Chain((f"def {function.name}", parameters)), 0, 0, len(f" -> {function.returns}:")
-    )
+    parameters = tuple(f"{name}: {type_}" for name, type_ in function.parameters)
+    call = Chain((f"def {function.name}", Bracketed("(", parameters, ")")))
+    head = layout(call, 0, 0, len(f" -> {function.returns}:"))
     lines = f"{head} -> {function.returns}:".split("\n") + _docstring(function.doc)
     last_comment = ""
     for statement in function.body:
@@ -44,8 +41,12 @@ def statement_lines(statement: Statement, comment: str = "", indent: int = INDEN
 
 
 def assignment(head: str, value: Piece, comment: str, indent: int = 0) -> list[str]:
-    """Returns the lines of `head` and a value, with the comment behind the first line, or above it if there is no room."""
-    spaces, behind = " " * indent, f"  # {comment}" * bool(comment)
+    """Returns the lines of `head` and a value.
+
+    The comment is behind the first line, or above it if there is no room.
+    """
+    spaces = " " * indent
+    behind = f"  # {comment}" if comment else ""
     line = f"{spaces}{head}{flat(value)}{behind}"
     if len(line) <= WIDTH:
         return [line]
@@ -62,9 +63,8 @@ def constant_lines(name: str, value: Expression, comment: str) -> list[str]:
 
 def comment_lines(comment: str, indent: int = 0) -> list[str]:
     """Returns a comment on lines of its own."""
-    return textwrap.wrap(
-        comment, WIDTH, initial_indent=" " * indent + "# ", subsequent_indent=" " * indent + "# "
-    )
+    start = " " * indent + "# "
+    return textwrap.wrap(comment, WIDTH, initial_indent=start, subsequent_indent=start)
 
 
 def origin(span: Span | None) -> str:
@@ -73,19 +73,14 @@ def origin(span: Span | None) -> str:
 
 
 def _docstring(doc: str) -> list[str]:
-    """Returns the lines of a docstring: those of the text, and what is too long for one on the next, farther in."""
-    spaces, lines = (
-        " " * INDENT,
-        [remark(line.replace('"', "'")) for line in doc.splitlines() or [""]],
-    )
+    """Returns the lines of a docstring; what is too long for a line goes on farther in."""
+    spaces = " " * INDENT
+    lines = [remark(line.replace('"', "'")) for line in doc.splitlines() or [""]]
     if len(lines) == 1 and len(lines[0]) + INDENT + 6 <= WIDTH:
         return [f'{spaces}"""{lines[0]}"""']
-    found: list[str] = []
+    wrapped: list[str] = []
     for line in lines:
         inner = " " * (len(line) - len(line.lstrip()) + INDENT)
-        found += textwrap.wrap(line, WIDTH - INDENT - 3, subsequent_indent=inner) or [""]
-    return [
-        f'{spaces}"""{found[0]}',
-        *((spaces + line).rstrip() for line in found[1:]),
-        f'{spaces}"""',
-    ]
+        wrapped += textwrap.wrap(line, WIDTH - INDENT - 3, subsequent_indent=inner) or [""]
+    first, *rest = wrapped
+    return [f'{spaces}"""{first}', *((spaces + line).rstrip() for line in rest), f'{spaces}"""']

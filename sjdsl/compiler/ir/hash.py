@@ -72,7 +72,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Shape: "shape name lanes see_through directed",
     # statements
     ir.Let: "let name value",
-    ir.Draw: "draw name low high words numbers weights stream",
+    ir.Draw: "draw name low high words numbers weights by different stream",
     ir.Each: "each domain body",
     ir.Pick: "pick number most domain body otherwise stream",
     ir.First: "first domain body",

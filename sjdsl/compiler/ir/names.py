@@ -14,7 +14,7 @@ _KERNELS = {
     "bits": "as_bits from_bits has_member pack unpack",
     "counting": "count_near occupied segment_sum size_of_large_set size_of_set times_in",
     "neighbourhood": "entries_at looked_up over_neighbours",
-    "random_bits": "below next_threshold ranks random_bits random_bits_at threshold unit",
+    "random_bits": "below dealt_values next_threshold ranks random_bits random_bits_at threshold unit",
     "fields": "StateField",
     "geometry": "around_edges blocking cells_of inside lane_reach near_masks neighbours next_cells "
     "numbers_among own_cell own_cells view_cells view_offsets view_steps view_steps_around painted "

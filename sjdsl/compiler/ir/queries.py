@@ -5,6 +5,7 @@ stays an oracle.
 """
 
 from collections.abc import Callable
+from types import UnionType
 
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.expressions import (
@@ -42,9 +43,9 @@ Start = int | float | str | None
 Lanes = tuple[tuple[tuple[int, int], ...], ...]
 
 
-def contains(node: Node, *sorts: type[Node]) -> bool:
-    """Returns whether a node of one of these sorts is in `node`, or is it."""
-    return any(isinstance(inner, sorts) for inner in walk(node))
+def contains(node: Node, *classes: type[Node] | UnionType) -> bool:
+    """Returns whether a node of one of these classes is in `node`, or is it."""
+    return any(isinstance(inner, classes) for inner in walk(node))
 
 
 def is_any_or_all(e: Node) -> bool:

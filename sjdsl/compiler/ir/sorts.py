@@ -66,6 +66,11 @@ class Level(Record):
         """What the first entry stands for: its number, or 0 for words and agents."""
         return int(self.names[0]) if self.sort == "number" else 0
 
+    @property
+    def last(self) -> int:
+        """What the last entry stands for."""
+        return self.first + len(self) - 1
+
     def place_of(self, key: str | int) -> int:
         """Returns the place of an entry, from 0.
 

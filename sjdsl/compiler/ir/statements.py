@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from sjdsl.compiler.ir.expressions import Domain, Expr, Member
 from sjdsl.compiler.ir.node import INSTANCE, CourseNode, Node, Statement, Type
+from sjdsl.compiler.ir.sorts import Level
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
     Stmt: TypeAlias = (
@@ -31,6 +32,9 @@ class Draw(Statement):
 
     From `low` to `high` (ends included), or from `words`, with `weights` unless they are fair, or
     from `numbers` with weights.
+
+    by: the entries of the row that is drawn, each by itself; None: one value.
+    different: no two of them are equal.
     """
 
     name: str
@@ -40,6 +44,8 @@ class Draw(Statement):
     words: tuple[str, ...] = ()
     numbers: tuple[int, ...] = ()
     weights: tuple[Expr, ...] = ()
+    by: Annotated[Level | None, INSTANCE] = None
+    different: bool = False
     stream: int
 
 

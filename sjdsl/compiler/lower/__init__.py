@@ -23,9 +23,10 @@ from sjdsl.compiler.lower.assignments import fields_of_several_lots
 from sjdsl.compiler.lower.assignments import finish as finish_writes
 from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.cell_appearance import token_planes
+from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.map_tables import Layout
 from sjdsl.compiler.lower.observations import observe
-from sjdsl.compiler.lower.pools import Pool, all_pools
+from sjdsl.compiler.lower.pools import Pool, Pools, all_pools
 from sjdsl.compiler.lower.returning import bring_back
 from sjdsl.compiler.lower.scope import IterationScope, NotSupported
 from sjdsl.compiler.lower.sending import Sends
@@ -43,12 +44,29 @@ from sjdsl.compiler.lower.statements import block, mark_size
 from sjdsl.compiler.lower.trials import next_trial
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    DTYPES,
+    Expression,
+    Literal,
+    Name,
+    Return,
+    Sequence,
+    Where,
+    as_array,
+    call,
+    constant,
+    live,
+    path,
+    reduction,
+    scalar,
+    zeros,
+)
 from sjdsl.runtime.fields import StateField
 
-STATE, OUT, PARAMS, ACTIONS, KEY = (
-    array.Name(x) for x in ("state", "out", "params", "actions", "key")
-)
+STATE = Name("state")
+OUT = Name("out")
+PARAMS = Name("params")
+ACTIONS = Name("actions")
 PHASE = (
     ("state", "State"),
     ("out", "Outcome"),
@@ -56,7 +74,7 @@ PHASE = (
     ("actions", "Array"),
     ("key", "Array"),
 )
-STAY = array.Name("STAY")
+STAY = Name("STAY")
 
 
 def new_module(game: ir.Game) -> Module:
@@ -112,7 +130,7 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
     phases = dict.fromkeys(turn.function for turn in turns)
     beginning = [_reset()]
     if game.trials is not None:
-        beginning.append(next_trial(game, game.trials, _started(array.Name("laid")), module))
+        beginning.append(next_trial(game, game.trials, _started(Name("laid")), module))
     functions = (*constructors, *beginning, _step(turns, module), start, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
@@ -133,7 +151,7 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
     )
 
 
-def _turns(pools: dict[str, tuple[Pool, ...]], module: Module) -> list[Turn]:
+def _turns(pools: Pools, module: Module) -> list[Turn]:
     """Returns the calls of a step, without those of functions that do nothing."""
     lowered: list[tuple[ir.Turn, Function]] = []
     for turn in module.game.schedule:
@@ -141,13 +159,15 @@ def _turns(pools: dict[str, tuple[Pool, ...]], module: Module) -> list[Turn]:
             function = _tick(pools, module)
         else:
             function = _phase(turn, pools[turn.name], module)
-        if function.body != (array.Return((STATE, OUT)),):
+        if function.body != (Return((STATE, OUT)),):
             lowered.append((turn, function))
     phases = [(turn, function) for turn, function in lowered if isinstance(turn, ir.Phase)]
-    shared = iter(share(phases))
-    return [
-        Turn(function) if isinstance(turn, ir.Tick) else next(shared) for turn, function in lowered
-    ]
+    calls_of_phases = iter(share(phases))
+    calls = []
+    for turn, function in lowered:
+        is_phase = isinstance(turn, ir.Phase)
+        calls.append(next(calls_of_phases) if is_phase else Turn(function))
+    return calls
 
 
 def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
@@ -171,20 +191,20 @@ def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
     )
     if game.trials is not None:
         facts = (*facts, ("NUM_TRIALS", game.trials.number, "of an episode"))
-    fields = array.Sequence(tuple(map(_state_field_call, described_fields(game))))
+    fields = Sequence(tuple(map(_state_field_call, described_fields(game))))
     return (
-        *(Fact(name, array.constant(value), comment) for name, value, comment in facts),
+        *(Fact(name, constant(value), comment) for name, value, comment in facts),
         Fact("FIELDS", fields, "variables of the game, in State"),
     )
 
 
-def _state_field_call(field: StateField) -> array.Expression:
+def _state_field_call(field: StateField) -> Expression:
     arguments = {}
     for declared in dataclasses.fields(field):
         value = getattr(field, declared.name)
         if value != declared.default:
-            arguments[declared.name] = array.constant(value)
-    return array.call("StateField", **arguments)
+            arguments[declared.name] = value
+    return call("StateField", **arguments)
 
 
 def _used(
@@ -194,9 +214,9 @@ def _used(
     names = set()
     for function in functions:
         for node in walk(function):
-            if isinstance(node, array.Name):
+            if isinstance(node, Name):
                 names.add(node.identifier)
-            elif isinstance(node, array.Literal):
+            elif isinstance(node, Literal):
                 names.add(node.name)
     constants = tuple(c for c in module.constants.values() if c.name in names)
     numbers = [n for n in module.numbers.values() if n.name in names]
@@ -204,31 +224,23 @@ def _used(
     return constants, tuple(sorted(numbers, key=lambda n: groups.index(n.group)))
 
 
-def _function(
-    w: Writer, name: str, parameters: tuple[tuple[str, str], ...], returns: str, doc: str
-) -> Function:
-    return Function(name, parameters, returns, doc, array.live(w.body))
-
-
 def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Function:
-    """Returns the function that makes the first value of a class."""
-    values = tuple((field.name, field.default) for field in fields)
-    call = array.Call(array.Name(class_), (), values)
-    return Function(name, (), class_, doc, (array.Return((call,)),))
+    """Returns the function that constructs the first value of a class."""
+    defaults = {field.name: field.default for field in fields}
+    return Function(name, (), class_, doc, (Return((call(class_, **defaults),)),))
 
 
 def _reset() -> Function:
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
-    state = _started(array.call("initial_state"))
-    return Function("reset", parameters, "State", doc, (array.Return((state,)),))
+    state = _started(call("initial_state"))
+    return Function("reset", parameters, "State", doc, (Return((state,)),))
 
 
-def _started(laid: array.Expression) -> array.Expression:
+def _started(laid: Expression) -> Expression:
     """Returns the state in which the phase `start` leaves another."""
-    actions = array.call("jnp.full", array.Name("NUM_AGENTS"), STAY, array.DTYPES["i32"])
-    start = array.call("start", laid, array.call("no_outcome"), PARAMS, actions, KEY)
-    return array.Index(start, (array.Literal(0),))
+    actions = call("jnp.full", Name("NUM_AGENTS"), STAY, DTYPES["i32"])
+    return call("start", laid, call("no_outcome"), PARAMS, actions, KEY)[0]
 
 
 def _step(turns: list[Turn], module: Module) -> Function:
@@ -238,28 +250,26 @@ def _step(turns: list[Turn], module: Module) -> Function:
     in the order of the schedule.
     """
     w = Writer(module)
-    below = array.Binary("<", ACTIONS, array.Literal(0))
-    above = array.Binary(">=", ACTIONS, NUM_ACTIONS)
-    w.set(ACTIONS, array.Where(array.Binary("|", below, above), STAY, ACTIONS))
+    is_unknown = (ACTIONS < 0) | (ACTIONS >= NUM_ACTIONS)
+    w.set(ACTIONS, Where(is_unknown, STAY, ACTIONS))
     if module.game.agents.forbids:
-        allowed = array.call("allowed_actions", STATE, PARAMS)
-        chosen = array.call("one_hot", ACTIONS, NUM_ACTIONS)
-        w.set(
-            array.Name("allowed"), array.reduction("any", array.Binary("&", allowed, chosen), (1,))
-        )
-        w.set(ACTIONS, array.Where(array.Name("allowed"), ACTIONS, STAY))
-    w.set(OUT, array.call("no_outcome"))
+        chosen = call("one_hot", ACTIONS, NUM_ACTIONS)
+        is_open = call("allowed_actions", STATE, PARAMS) & chosen
+        allowed = Name("allowed")
+        w.set(allowed, reduction("any", is_open, (1,)))
+        w.set(ACTIONS, Where(allowed, ACTIONS, STAY))
+    w.set(OUT, call("no_outcome"))
     marks = [f"mark_{phase.name}" for phase in marking_phases(module.game)]
     if marks:
-        none: dict[str, array.Expression] = {
-            mark: array.call("jnp.zeros_like", array.path(f"state.{mark}")) for mark in marks
-        }
-        w.set(STATE, replaced("state", none))
-    marked = array.Name("marked")
+        changes: dict[str, Expression] = {}
+        for mark in marks:
+            changes[mark] = call("jnp.zeros_like", path(f"state.{mark}"))
+        w.set(STATE, replaced("state", changes))
+    marked = Name("marked")
     for turn in turns:
         results = (STATE, OUT, marked) if turn.marks else (STATE, OUT)
-        arguments = (STATE, OUT, PARAMS, ACTIONS, KEY, *turn.given)
-        w.unpack(results, array.call(turn.function.name, *arguments))
+        arguments = (STATE, OUT, PARAMS, ACTIONS, KEY, *turn.arguments)
+        w.unpack(results, call(turn.function.name, *arguments))
         if turn.marks:
             w.set(STATE, replaced("state", {turn.marks: marked}))
     w.give_back(STATE, OUT)
@@ -268,7 +278,7 @@ def _step(turns: list[Turn], module: Module) -> Function:
         "`actions`: `[N]` int32; `key`: two uint32 words."
     )
     parameters = (("state", "State"), ("actions", "Array"), ("params", "Params"), ("key", "Array"))
-    return _function(w, "step", parameters, "tuple[State, Outcome]", doc)
+    return Function("step", parameters, "tuple[State, Outcome]", doc, live(w.body))
 
 
 def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function:
@@ -286,18 +296,20 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
     if w.marked:
         w.changed[f"mark_{phase.name}"] = _all_marks(phase, w)
     w.give_back(replaced("state", w.changed), replaced("out", w.outcome))
-    return _function(w, phase.name, PHASE, "tuple[State, Outcome]", _written(phase, module.sources))
+    return Function(
+        phase.name, PHASE, "tuple[State, Outcome]", _written(phase, module.sources), live(w.body)
+    )
 
 
-def _all_marks(phase: ir.Phase, w: Writer) -> array.Expression:
+def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
     """Returns the cells that a phase marks, with zeros for statements that never happen."""
-    parts: list[array.Expression] = list(w.marked)
+    parts: list[Expression] = list(w.marked)
     missing = mark_size(phase, w.module.game) - sum(w.marked.values())
     if missing:
-        parts.append(array.call("jnp.zeros", array.Literal(missing), array.DTYPES["i32"]))
+        parts.append(zeros("i32", missing))
     if len(parts) == 1:
         return parts[0]
-    return array.call("jnp.concatenate", array.Sequence(tuple(parts), is_list=True))
+    return call("jnp.concatenate", parts)
 
 
 def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
@@ -310,15 +322,14 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
     return "\n".join([first, *(margin.sub("", line, count=1).rstrip() for line in rest)])
 
 
-def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
+def _tick(pools: Pools, module: Module) -> Function:
     w = Writer(module, "tick")
-    one = array.Literal(1)
     for field in all_fields(module.game):
         if field.timer:
             attribute = attribute_name(field)
-            before = array.path(f"state.{attribute}")
+            before = path(f"state.{attribute}")
             w.origin = field.origin
-            w.assign(attribute, array.Binary("-", array.call("jnp.maximum", before, one), one))
+            w.assign(attribute, call("jnp.maximum", before, 1) - 1)
     w.origin = None
     doc = "All timers fall by one."
     away = [sort for sort in body_sorts(module.game) if module.stores_away(sort)]
@@ -330,7 +341,7 @@ def _tick(pools: dict[str, tuple[Pool, ...]], module: Module) -> Function:
         plurals = " and ".join(sort.plural for sort in away)
         doc = f"All timers fall by one; {plurals} whose time away is over return."
     w.give_back(replaced("state", w.changed), OUT)
-    return _function(w, "tick", PHASE, "tuple[State, Outcome]", doc)
+    return Function("tick", PHASE, "tuple[State, Outcome]", doc, live(w.body))
 
 
 def _measures(module: Module) -> Function:
@@ -339,12 +350,12 @@ def _measures(module: Module) -> Function:
     for measure in module.game.measures:
         w.origin = measure.origin
         value = as_dtype(w.value(measure.value, IterationScope()), "f32")
-        node = array.scalar(value.node, "f32") if value.literal else value.node
+        node = scalar(value.node, "f32") if value.literal else value.node
         values.append((measure.name, node))
     w.origin = None
-    w.give_back(array.Mapping(tuple(values)))
+    w.give_back(constant(dict(values)))
     doc = "Returns the `mean` and `final` values at the end of a step: float32 scalars by name."
-    return _function(w, "measures", READING, "dict[str, Array]", doc)
+    return Function("measures", READING, "dict[str, Array]", doc, live(w.body))
 
 
 def _lengths(module: Module) -> list[Function]:
@@ -352,17 +363,15 @@ def _lengths(module: Module) -> list[Function]:
     w = Writer(module)
     w.origin = module.game.episode.origin
     value = w.value(module.game.episode, IterationScope())
-    w.give_back(array.as_array(value.node, "i32"))
+    w.give_back(as_array(value.node, "i32"))
     parameters = (("params", "Params"),)
     doc = "Returns the steps until truncation: int32 scalar."
     if module.game.trials is None:
-        return [_function(w, "episode_length", parameters, "Array", doc)]
+        return [Function("episode_length", parameters, "Array", doc, live(w.body))]
     of_trial = "Returns the steps until a trial ends, unless an `end` does so: int32 scalar."
-    trial = _function(w, "trial_length", parameters, "Array", of_trial)
-    w = Writer(module)
-    length = array.call("trial_length", PARAMS)
-    w.give_back(array.Binary("*", array.Name("NUM_TRIALS"), length))
-    return [trial, _function(w, "episode_length", parameters, "Array", doc)]
+    trial = Function("trial_length", parameters, "Array", of_trial, live(w.body))
+    length = Name("NUM_TRIALS") * call("trial_length", PARAMS)
+    return [trial, Function("episode_length", parameters, "Array", doc, (Return((length,)),))]
 
 
 def _observe(module: Module) -> Function:
@@ -376,7 +385,7 @@ def _observe(module: Module) -> Function:
         f"Returns what each agent sees: `[N, {num_planes}, {rows}, {cols}]` uint8; "
         "planes as in TOKEN_PLANES."
     )
-    return _function(w, "observe", READING, "Array", doc)
+    return Function("observe", READING, "Array", doc, live(w.body))
 
 
 __all__ = ["NotSupported", "lower", "new_module", "token_planes"]

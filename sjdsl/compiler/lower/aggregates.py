@@ -1,6 +1,5 @@
 """Lowers `count`, `sum`, `min` and `max` over domains, with a fast form for neighbours of cells."""
 
-from dataclasses import replace
 from math import isinf
 
 from sjdsl.compiler import ir
@@ -8,7 +7,7 @@ from sjdsl.compiler.ir.operations import REDUCTIONS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     TRUE,
-    Axis,
+    Axes,
     Value,
     as_dtype,
     iota,
@@ -17,6 +16,7 @@ from sjdsl.compiler.lower.axes import (
     select,
     spread,
     union,
+    without,
 )
 from sjdsl.compiler.lower.domains import enter, is_empty, neighbours_constant, shape_name, whole_set
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
@@ -24,14 +24,13 @@ from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     DType,
     Lambda,
-    Literal,
-    Name,
     Unary,
     call,
     constant,
     path,
 )
 
+LARGEST = 2**31 - 1  # of the whole numbers of the language
 MOST = 32  # cells of a shape: each is a few lines of the program that XLA compiles
 _PLAIN = (  # what may be computed of a neighbour in a function of its own
     ir.Number, ir.Word, ir.Truth, ir.ParamRef, ir.Member, ir.Local, ir.At, ir.Named, ir.FieldRead,
@@ -63,20 +62,18 @@ def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope,
     nodes = [node for root in roots for node in ir.walk(root)]
     if not all(isinstance(n, _PLAIN) for n in nodes if isinstance(n, ir.Expression)):
         return False
-    reads_field = any(
-        isinstance(n, ir.FieldRead)
-        and isinstance(n.owner, ir.Member)
-        and n.owner.name == d.var.name
-        for n in nodes
-    )
-    return reads_field and sum(map(len, w.module.shape(d.restriction.shape).lanes)) <= MOST
+    owners = [n.owner for n in nodes if isinstance(n, ir.FieldRead)]
+    if not any(isinstance(owner, ir.Member) and owner.name == d.var.name for owner in owners):
+        return False
+    shape = w.module.shape(d.restriction.shape)
+    return sum(map(len, shape.lanes)) <= MOST
 
 
 def over_neighbours(
     e: ir.Count | ir.Sum | ir.Extreme,
     scope: IterationScope,
     w: Writer,
-    otherwise: Value | None = None,
+    otherwise: Value | int = 0,
 ) -> Value:
     """Returns a count, a sum or an extreme over the cells around each cell.
 
@@ -86,67 +83,59 @@ def over_neighbours(
     assert isinstance(d.restriction, ir.Near)
     anchor = scope.variables[d.restriction.anchor.name]
     assert isinstance(anchor, CellVar)
-    (axis,) = scope.axes
     table = neighbours_constant(d.restriction, anchor, d.var.kinds, w)
-    number = Name(w.names.fresh(d.var.name))
-    site = Value(number, "i32", (axis,))
+    number = w.fresh(d.var.name)
     w.parameters[number] = number
-    inner = (
-        scope.always()
-        .binding(**{d.var.name: CellVar(site, d.var.kinds, beside=True)})
-        .when(state_reads.is_site(site, d.var.kinds, w))
-    )
+    site = Value(number, "i32", scope.axes)
+    inner = scope.always().binding(d.var.name, CellVar(site, d.var.kinds, beside=True))
+    inner = inner.when(state_reads.is_site(site, d.var.kinds, w))
     if d.where is not None:
-        inner = inner.when(w.value(d.where, inner.always()))
-    fold = "sum" if isinstance(e, ir.Count | ir.Sum) else REDUCTIONS[e.fn].array
-    if isinstance(e, ir.Count):
-        value = inner.mask
-    else:
-        nothing = literal(0, "i32") if otherwise is None else otherwise
-        value = select(inner.mask, as_dtype(w.value(e.value, inner.always()), "i32"), nothing)
-    _, *given = w.parameters.items()
-    body = Lambda(
-        (number.identifier, *(name.identifier for _, name in given)), spread(value, (axis,))
-    )
-    w.names.taken.difference_update(
-        name.identifier for name in w.parameters.values()
-    )  # they mean nothing outside
+        inner = inner.when(w.value(d.where, inner))
+    fold = "sum"
+    value = inner.mask
+    if not isinstance(e, ir.Count):
+        fold = REDUCTIONS[e.fn].array if isinstance(e, ir.Extreme) else "sum"
+        value = select(inner.mask, as_dtype(w.value(e.value, inner), "i32"), otherwise)
+    _, *fields = w.parameters.items()
+    names = [parameter.identifier for _, parameter in fields]
+    body = Lambda((number.identifier, *names), spread(value, scope.axes))
+    w.names.taken.difference_update({number.identifier, *names})  # they mean nothing outside
     w.parameters.clear()
-    some = {} if anchor.axis is not None else {"around": anchor.site.node}
-    return Value(
-        call(
-            "over_neighbours", Literal(fold), table, body, *(stored for stored, _ in given), **some
-        ),
-        "i32",
-        (axis,),
-    )
+    arguments = [fold, table, body, *(stored for stored, _ in fields)]
+    around = {} if anchor.axis is not None else {"around": anchor.site.node}
+    return Value(call("over_neighbours", *arguments, **around), "i32", scope.axes)
 
 
-LARGEST = 2**31 - 1  # of the whole numbers of the language
-
-
-def total(e: ir.Count | ir.Sum, scope: IterationScope, w: Writer) -> Value:
-    """Returns a count or a sum, with the axes of the surroundings it depends on."""
+def count(e: ir.Count, scope: IterationScope, w: Writer) -> Value:
+    """Returns how many members a domain has, with the axes of the surroundings it depends on."""
     if is_empty(e.domain, w):
-        return literal(0, "i32" if e.type.kind == "int" else "f32")
-    if isinstance(e, ir.Count):
-        quick = _whole_number(e.domain, w) or _size(e, scope, w) or _near(e, scope, w)
-        if quick is not None:
-            return quick
-    name = _count_name(e.domain) if isinstance(e, ir.Count) else "total"
+        return literal(0, "i32")
+    quick = _whole_number(e.domain, w) or _size(e, scope, w) or _near(e, scope, w)
+    if quick is not None:
+        return quick
+    name = _count_name(e.domain)
     if is_over_neighbours(e, scope, w):
         return w.keep(name, over_neighbours(e, scope, w))
     inner = enter(e.domain, scope.always(), w)
-    new = tuple(a for a in inner.axes if a not in scope.axes)
-    if isinstance(e, ir.Count):
-        if not new:
-            return as_dtype(inner.mask, "i32")
-        return w.keep(name, reduce("sum", inner.mask, new))
-    value = as_dtype(w.value(e.value, inner.always()), "i32" if e.type.kind == "int" else "f32")
-    values = select(inner.mask, value, literal(0, value.dtype))
-    if new and w.exact and value.dtype == "f32":
-        return w.keep("total", _exact_sum(values, new))
-    return w.keep("total", reduce("sum", values, new))
+    added = without(inner.axes, scope.axes)
+    if not added:
+        return as_dtype(inner.mask, "i32")
+    return w.keep(name, reduce("sum", inner.mask, added))
+
+
+def total(e: ir.Sum, scope: IterationScope, w: Writer) -> Value:
+    """Returns a sum over a domain, with the axes of the surroundings it depends on."""
+    dtype: DType = "i32" if e.type.kind == "int" else "f32"
+    if is_empty(e.domain, w):
+        return literal(0, dtype)
+    if is_over_neighbours(e, scope, w):
+        return w.keep("total", over_neighbours(e, scope, w))
+    inner = enter(e.domain, scope.always(), w)
+    added = without(inner.axes, scope.axes)
+    values = select(inner.mask, as_dtype(w.value(e.value, inner), dtype), 0)
+    if added and w.exact and dtype == "f32":
+        return w.keep("total", _exact_sum(values, added))
+    return w.keep("total", reduce("sum", values, added))
 
 
 def _count_name(d: ir.Domain) -> str:
@@ -165,12 +154,11 @@ def _whole_number(d: ir.Domain, w: Writer) -> Value | None:
     return Value(w.module.num_cells(d.var.kinds), "i32")
 
 
-def _exact_sum(values: Value, over: tuple[Axis, ...]) -> Value:
+def _exact_sum(values: Value, over: Axes) -> Value:
     """Returns the sum of reals over axes, which decides something."""
     axes = union(values.axes, over)
     places = constant(tuple(axes.index(axis) for axis in over))
-    kept = tuple(axis for axis in axes if axis not in over)
-    return Value(call("exact_sum", spread(values, axes), places), "f32", kept)
+    return Value(call("exact_sum", spread(values, axes), places), "f32", without(axes, over))
 
 
 def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
@@ -179,7 +167,7 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
     dtype: DType = "i32" if e.type.kind == "int" else "f32"
     otherwise = None
     if e.otherwise is not None:
-        otherwise = as_dtype(w.value(e.otherwise, scope.always()), dtype)
+        otherwise = as_dtype(w.value(e.otherwise, scope), dtype)
     if is_empty(e.domain, w):
         assert otherwise is not None
         return otherwise
@@ -187,19 +175,19 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
     if otherwise == neutral and is_over_neighbours(e, scope, w):
         return w.keep(reduction.kept, over_neighbours(e, scope, w, otherwise))
     inner = enter(e.domain, scope.always(), w)
-    new = tuple(a for a in inner.axes if a not in scope.axes)
-    value = as_dtype(w.value(e.value, inner.always()), dtype)
+    added = without(inner.axes, scope.axes)
+    value = as_dtype(w.value(e.value, inner), dtype)
     mask = inner.mask
-    if any(a in value.axes for a in new):
+    if any(a in value.axes for a in added):
         if mask != TRUE and otherwise not in (None, neutral):
             mask = w.keep("member", mask)  # it is read twice
-        value = reduce(reduction.array, select(mask, value, neutral), new)
+        value = reduce(reduction.array, select(mask, value, neutral), added)
         value = w.keep(reduction.kept, value)
         if otherwise == neutral:
             return value
     if otherwise is None or mask == TRUE:
         return value
-    return select(w.keep("anybody", reduce("any", mask, new)), value, otherwise)
+    return select(w.keep("anybody", reduce("any", mask, added)), value, otherwise)
 
 
 def _neutral(e: ir.Extreme, otherwise: Value | None, dtype: DType) -> Value:
@@ -225,8 +213,9 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     members = whole_set(e.domain, scope, w)
     if members is None:
         return None
-    size = call("size_of_large_set" if members.levels else "size_of_set", members.node)
-    return w.keep(_count_name(e.domain), replace(members, node=size, dtype="i32", levels=0))
+    kernel = "size_of_large_set" if members.levels else "size_of_set"
+    size = Value(call(kernel, members.node), "i32", members.axes)
+    return w.keep(_count_name(e.domain), size)
 
 
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
@@ -237,18 +226,18 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.axis is None or anchor.painted is not None:
         return None
-    if d.where is not None and any(
-        isinstance(n, ir.Member | ir.Local) and n.name != d.var.name for n in ir.walk(d.where)
-    ):
+    nodes = () if d.where is None else ir.walk(d.where)
+    names = {n.name for n in nodes if isinstance(n, ir.Member | ir.Local)}
+    if not names <= {d.var.name}:
         return None
     shape = w.module.shape(d.restriction.shape)
     masks = w.module.layout.near_table(anchor.kinds, shape, d.var.kinds)
     name = f"near_{shape_name(d.restriction.shape)}_{'_'.join(d.var.kinds)}"
-    constant = w.module.constant(name, masks, f"neighbours of each cell in {shape.name}, as bits")
+    table = w.module.constant(name, masks, f"neighbours of each cell in {shape.name}, as bits")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))
-    other = CellVar(iota(axis), d.var.kinds, axis)
-    member = (
-        TRUE if d.where is None else w.value(d.where, scope.always().binding(**{d.var.name: other}))
-    )
+    member = TRUE
+    if d.where is not None:
+        other = CellVar(iota(axis), d.var.kinds, axis)
+        member = w.value(d.where, scope.binding(d.var.name, other))
     vector = member.node if axis in member.axes else spread(member, (axis,))
-    return w.keep("near", Value(call("count_near", vector, constant), "i32", (anchor.axis,)))
+    return w.keep("near", Value(call("count_near", vector, table), "i32", (anchor.axis,)))

@@ -1,7 +1,5 @@
 """Lowers `forbid`: the function that says which actions are open to each agent."""
 
-from dataclasses import replace
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
 from sjdsl.compiler.lower.axes import Axis, Value, aligned, iota
@@ -9,10 +7,10 @@ from sjdsl.compiler.lower.chosen import argument_value
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Expression, Name, call, live
 
 READING = (("state", "State"), ("params", "Params"))
-NUM_ACTIONS = array.call("len", array.Name("ACTIONS"))
+NUM_ACTIONS = call("len", Name("ACTIONS"))
 
 
 def allowed_actions(module: Module) -> Function:
@@ -20,26 +18,23 @@ def allowed_actions(module: Module) -> Function:
     w = Writer(module)
     agents = module.game.agents
     axes = (w.axis("agent", module.agents), w.axis("action", len(agents.actions)))
-    shape = array.Sequence((module.agents, NUM_ACTIONS))
-    everything = array.call("jnp.ones", shape, array.Name("bool"))
-    allowed: array.Expression = everything
+    everything = call("jnp.ones", (module.agents, NUM_ACTIONS), Name("bool"))
+    allowed: Expression = everything
     for forbid in agents.forbids:
         w.origin = forbid.origin
         test = w.keep("forbidden", w.value(forbid.condition, _scope(forbid, axes, w)))
         closes = [a in forbid.actions and name != "stay" for a, name in enumerate(agents.actions)]
         comment = "actions a `forbid` is about"
-        table = module.constant("forbids", array.constant(closes), comment, "bool")
-        of_actions = array.Index(table, (array.NEW_AXIS,))
-        closed = w.bind("closed", array.Binary("&", aligned(test, axes), of_actions))
-        is_open = array.Unary("~", closed)
+        table = module.constant("forbids", closes, comment, "bool")
+        closed = w.bind("closed", aligned(test, axes) & table[None])
         if allowed == everything and axes[0] in test.axes:
-            allowed = is_open
+            allowed = ~closed
         else:
-            allowed = array.Binary("&", allowed, is_open)
+            allowed = allowed & ~closed
     w.origin = None
     w.give_back(allowed)
     doc = "Returns which actions each agent may take: `[N, A]` bool."
-    return Function("allowed_actions", READING, "Array", doc, array.live(w.body))
+    return Function("allowed_actions", READING, "Array", doc, live(w.body))
 
 
 def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationScope:
@@ -62,10 +57,10 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
         for number in action.numbers:
             places[number] = (number - action.first) // rest % argument.count
         comment = f"the argument `{name}` of each action that is {action.name}(..), 0 of others"
-        table = w.module.constant(f"{action.name}_{name}", array.constant(places), comment, "i32")
+        table = w.module.constant(f"{action.name}_{name}", places, comment, "i32")
         value = argument_value(argument, Value(table, "i32", (action_axis,)))
         if argument.type.kind == "agent":
-            scope = scope.binding(**{name: AgentVar(value)})
+            scope = scope.binding(name, AgentVar(value))
         else:
-            scope = replace(scope, locals={**scope.locals, name: value})
+            scope = scope.letting(name, value)
     return scope

@@ -12,11 +12,13 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
     TRUE,
+    Axes,
     Axis,
     Value,
     aligned,
     as_dtype,
-    binary,
+    axes_of,
+    broadcast,
     indexed,
     iota,
     joined,
@@ -26,13 +28,34 @@ from sjdsl.compiler.lower.axes import (
     spread,
     taken,
     union,
+    without,
 )
 from sjdsl.compiler.lower.draws import random_bits
 from sjdsl.compiler.lower.entries import rolled, row_key, to_words, unrolled, whole_axis
 from sjdsl.compiler.lower.expressions import declared_by, nobody, owner
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    DTYPES,
+    NEW_AXIS,
+    REST,
+    Attribute,
+    Broadcast,
+    Cast,
+    DType,
+    Expression,
+    Literal,
+    Name,
+    Where,
+    as_array,
+    call,
+    reduction,
+    reshaped,
+    scalar,
+    written,
+    zeros,
+)
 
 MOST_NESTED = 100  # additions in one expression, through which Python goes recursively
 MOST_TERMS = 2**19  # of an exact sum: `runtime/exact_reals.py`
@@ -55,7 +78,7 @@ class Target(Record):
         return attribute_name(self.declared)
 
     @property
-    def own_axes(self) -> tuple[Axis, ...] | None:
+    def owner_axes(self) -> Axes | None:
         """The axis of those whose field it is, none for the world's.
 
         None if they are computed numbers.
@@ -68,7 +91,11 @@ class Target(Record):
         """Returns the place of the entry of a row that is written; None for all of it."""
         if not self.keys:
             return None
-        return row_key(self.keys[0], self.read.type.by[0], self.scope.always(), w)
+        return row_key(self.keys[0], self.read.type.by[0], self.scope, w)
+
+    def num_entries(self, w: Writer) -> Literal:
+        """Returns how many entries a row has."""
+        return w.module.num_entries(self.read.type.by[0])
 
     @property
     def along(self) -> Axis | None:
@@ -77,14 +104,9 @@ class Target(Record):
         None where entries are found one by one.
         """
         axis = whole_axis(self.keys[0], self.scope) if self.keys else None
-        if axis is None or self.own_axes is None or axis in self.own_axes:
+        if axis is None or self.owner_axes is None or axis in self.owner_axes:
             return None
         return axis
-
-
-def past_the_end(who: Variable, w: Writer) -> Value:
-    """Returns the number after that of the last agent or cell: what is written there is dropped."""
-    return Value(w.module.extent(who.sort), "i32")
 
 
 def fields_of_several_lots(phase: ir.Phase) -> frozenset[tuple[str, str]]:
@@ -104,126 +126,117 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     by lot is overwritten where this one drew a greater rank.
     """
     scope = target.scope
-    one = literal(1, "u32")
-    bits = binary(">>", random_bits(stream, scope, w), one, "u32")
-    rank = select(scope.mask, binary("+", bits, one, "u32"), literal(0, "u32"))
-    index = literal(0, "i32") if target.who is None else target.who.number
+    who = target.who
+    bits = random_bits(stream, scope, w) >> 1
+    rank = select(scope.mask, bits + 1, 0)
+    index = literal(0, "i32") if who is None else who.number
     key = target.key(w)
-    axes = union(scope.axes, index.axes, rank.axes, value.axes, () if key is None else key.axes)
-    zero = literal(0, "i32")
-    at = _flat(select(scope.mask, index, zero), axes, "i32")
-    entry: array.Expression | None = None
+    axes = union(scope.axes, axes_of(index, rank, value, key))
+    at = _flat(select(scope.mask, index, 0), axes, "i32")
+    entry: Expression | None = None
     if key is not None:
-        entry = _flat(select(scope.mask, as_dtype(key, "i32"), zero), axes, "i32")
+        entry = _flat(select(scope.mask, as_dtype(key, "i32"), 0), axes, "i32")
     ranks = _flat(rank, axes, "u32")
     place, extent = _lot_places(target, at, entry, w)
     if (target.read.held_by.what, target.read.name) in w.several_lots:
         place = w.bind("place", place)
         ranks = _outranking(target, place, w.bind("rank", ranks), extent, w)
-    won = w.bind("won", array.call("drawn_by_lot", place, ranks, extent))
+    won = w.bind("won", call("drawn_by_lot", place, ranks, extent))
     current = w.current(target.attribute)
-    if target.who is None and entry is None:
-        drawn_first = array.reduction("argmax", won, (0,))
-        drawn = array.Index(_values(value, target, axes, w), (drawn_first,))
-        w.assign(target.attribute, array.Where(array.reduction("any", won), drawn, current))
+    if who is None and entry is None:
+        drawn_first = reduction("argmax", won, (0,))
+        drawn = _values(value, target, axes, w)[drawn_first]
+        w.assign(target.attribute, Where(reduction("any", won), drawn, current))
         return
-    keys: tuple[array.Expression, ...]
-    if target.who is None:
-        past = array.scalar(w.module.num_entries(target.read.type.by[0]), "i32")
-        keys = (array.Where(won, place, past),)
+    places: tuple[Expression, ...]
+    if who is None or entry is None:
+        places = (Where(won, place, scalar(extent, "i32")),)
     else:
-        past = array.scalar(past_the_end(target.who, w).node, "i32")
-        if entry is None:
-            keys = (array.Where(won, place, past),)
-        else:
-            keys = (array.Where(won, at, past), entry)
+        past_the_end = scalar(w.module.extent(who.sort), "i32")
+        places = (Where(won, at, past_the_end), entry)
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
-    w.assign(target.attribute, array.written("set_at", current, keys, new))
+    w.assign(target.attribute, written("set_at", current, places, new))
 
 
 def _lot_places(
-    target: Target, at: array.Expression, entry: array.Expression | None, w: Writer
-) -> tuple[array.Expression, array.Expression]:
+    target: Target, at: Expression, entry: Expression | None, w: Writer
+) -> tuple[Expression, Expression]:
     """Returns the number of each instance's target among all that it may have, and how many.
 
     Each entry of each row is one target.
     """
-    extent: array.Expression = array.Literal(1)
+    extent: Expression = Literal(1)
     if target.who is not None:
         extent = w.module.extent(target.who.sort)
     if entry is None:
         return at, extent
-    num_entries = w.module.num_entries(target.read.type.by[0])
+    num_entries = target.num_entries(w)
     if target.who is None:
         return entry, num_entries
-    place = array.Binary("+", array.Binary("*", at, num_entries), entry)
-    return place, array.Binary("*", extent, num_entries)
+    return at * num_entries + entry, extent * num_entries
 
 
 def _outranking(
     target: Target,
-    place: array.Expression,
-    ranks: array.Name,
-    extent: array.Expression,
+    place: Expression,
+    ranks: Name,
+    extent: Expression,
     w: Writer,
-) -> array.Name:
+) -> Name:
     """Returns the ranks above those that earlier statements drew for a target, others as 0."""
-    best: array.Expression | None = w.best_ranks.get(target.attribute)
-    if best is not None:
-        ranks = w.bind("rank", array.call("outranking", place, ranks, best))
-    best = best or array.call("jnp.zeros", extent, array.DTYPES["u32"])
-    kept = w.bind("best", array.call("best_ranks", place, ranks, best))
-    w.best_ranks[target.attribute] = kept
+    best: Expression | None = w.best_ranks.get(target.attribute)
+    if best is None:
+        best = zeros("u32", extent)
+    else:
+        ranks = w.bind("rank", call("outranking", place, ranks, best))
+    w.best_ranks[target.attribute] = w.bind("best", call("best_ranks", place, ranks, best))
     return ranks
 
 
 def _values(
-    value: Value, target: Target, axes: tuple[Axis, ...], w: Writer, along_row: bool = False
-) -> array.Expression:
+    value: Value, target: Target, axes: Axes, w: Writer, along_row: bool = False
+) -> Expression:
     """Returns the value of each instance, in the order of their numbers.
 
     along_row: whether one value that a whole row is set to gets a new axis.
     """
     type_ = target.read.type
-    if target.keys:
-        type_ = type_.model_copy(update={"by": ()})
-    entries = [w.module.num_entries(level) for level in type_.by]
-    set_extents = [array.Literal(w.module.numbers_per_set)] * (
-        w.module.levels(type_) - len(entries)
-    )
+    levels = () if target.keys else type_.by
+    entries = tuple(map(w.module.num_entries, levels))
+    set_extents = w.module.set_extents(type_)
     if value.levels > len(set_extents):
         return _flat(value, axes, value.dtype, (*entries, *set_extents))
-    flat = _flat(value, axes, value.dtype, tuple(set_extents))
+    flat = _flat(value, axes, value.dtype, set_extents)
     if along_row and entries and value.levels == len(set_extents):
-        return array.Index(flat, (array.ALL, array.NEW_AXIS))
+        return flat[:, None]
     return flat
 
 
 def _flat(
     value: Value,
-    axes: tuple[Axis, ...],
-    dtype: array.DType,
-    inside: tuple[array.Expression, ...] = (),
-) -> array.Expression:
+    axes: Axes,
+    dtype: DType,
+    inside: tuple[Expression, ...] = (),
+) -> Expression:
     """Returns a value for each instance, in the order of their numbers.
 
     inside: extents of the value's own levels.
     """
     node = aligned(value, axes, value.levels)
     if value.literal:
-        node = array.as_array(node, dtype)
-    full = array.Broadcast(node, (*(a.extent for a in axes), *inside))
-    return array.Call(array.Attribute(full, "reshape"), (array.Literal(-1), *inside))
+        node = as_array(node, dtype)
+    full = Broadcast(node, (*(a.extent for a in axes), *inside))
+    return reshaped(full, -1, *inside)
 
 
 def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     """Writes `set target = value`."""
     with w.deciding(w.module.deciding.has_field(written_field(s.target))):
         value = stored_value(s.value, s.target, scope, w)
-    written = targets(s.target, scope, w)
-    if len(written) > 1 and not value.literal:
+    reached = targets(s.target, scope, w)
+    if len(reached) > 1 and not value.literal:
         value = w.keep("written", value)
-    for target in written:
+    for target in reached:
         kept = as_dtype(value, state_reads.storage(target.declared, w))
         if s.lot is not None:
             write_by_lot(s.lot, target, kept, w)
@@ -242,7 +255,7 @@ def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) 
         e = e.model_copy(update={"type": target.type})
     if target.type.kind == "cell":
         return state_reads.kept_cell(e, scope, w)
-    value = w.value(e, scope.always())
+    value = w.value(e, scope)
     match target.type.kind:
         case "word":
             return to_words(value, e.type.words, target.type.words, w, declared_by(target, w))
@@ -272,38 +285,43 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
         table = layout.numbers_table(who.kinds, kind)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
-        key = who.site.node if who.axis is None else array.Slice(None, array.Literal(-1))
-        cell = CellVar(Value(array.Index(name, (key,)), "i32", who.site.axes), (kind,))
+        numbers = name[who.site.node] if who.axis is None else name[:-1]
+        cell = CellVar(Value(numbers, "i32", who.site.axes), (kind,))
         of_kinds.append(Target(w.module.field(read, kind), cell, keys, read, scope))
     return of_kinds
 
 
 def _write(target: Target, value: Value, w: Writer) -> None:
     """Writes one field where the scope's mask holds."""
-    own, along = target.own_axes, target.along
+    owner_axes = target.owner_axes
+    along = target.along
     key = target.key(w) if along is None else None
-    if own is None or (key is not None and any(a.size > 1 and a not in own for a in key.axes)):
+    if owner_axes is None or (
+        key is not None and any(a.size > 1 for a in without(key.axes, owner_axes))
+    ):
         _scatter(target, key, value, w)
         return
-    stored = Value(
-        w.current(target.attribute),
-        state_reads.storage(target.declared, w),
-        own,
-        w.module.levels(target.read.type),
-    )
-    before = stored if along is None else unrolled(stored, along)
-    own = before.axes
-    over = tuple(a for a in target.scope.axes if a not in own)
-    mask = reduce("any", target.scope.mask, over)
-    if mask == FALSE:
+    dtype = state_reads.storage(target.declared, w)
+    levels = w.module.levels(target.read.type)
+    before = Value(w.current(target.attribute), dtype, owner_axes, levels)
+    if along is not None:
+        before = unrolled(before, along)
+    mask = target.scope.mask
+    lacking = without(target.scope.axes, before.axes)
+    reached = reduce("any", mask, lacking)
+    if reached == FALSE:
         return
-    key = None if key is None else _of_the_one(key, over, target.scope.mask)
-    after = _entries(before, mask, key, target, _of_the_one(value, over, target.scope.mask), w)
+    value = _of_the_one(value, lacking, mask)
+    if key is None:
+        after = _whole(before, reached, value)
+    else:
+        after = _entry(before, reached, _of_the_one(key, lacking, mask), target, value, w)
     if after != before:
-        w.assign(target.attribute, after.node if along is None else rolled(after.node, own, along))
+        node = after.node if along is None else rolled(after.node, before.axes, along)
+        w.assign(target.attribute, node)
 
 
-def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
+def _of_the_one(value: Value, over: Axes, mask: Value) -> Value:
     """Returns a value or key without axes of the scope that the target lacks.
 
     It is that of the one instance that writes. The value differs along them only if one instance
@@ -315,65 +333,56 @@ def _of_the_one(value: Value, over: tuple[Axis, ...], mask: Value) -> Value:
         return value
     if any(a.size > 1 for a in gone):  # the sum is the value of the one instance that happens
         assert mask != TRUE, over
-        number: array.DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
-        masked = select(mask, as_dtype(value, number), literal(0, number))
+        number: DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
+        masked = select(mask, as_dtype(value, number), 0)
         return as_dtype(reduce("sum", masked, over), value.dtype)
-    keys = tuple(array.Literal(0) if a in gone else array.ALL for a in value.axes)
-    kept = tuple(a for a in value.axes if a not in gone)
-    return replace(value, node=array.Index(value.node, keys), axes=kept)
+    keys = tuple(Literal(0) if a in gone else ALL for a in value.axes)
+    return replace(value, node=value.node[keys], axes=without(value.axes, gone))
 
 
-def _entries(
-    before: Value, mask: Value, key: Value | None, target: Target, value: Value, w: Writer
-) -> Value:
-    """Returns the field with the value in its place: the whole, or one entry of a row."""
-    if key is None and mask != TRUE:
+def _whole(before: Value, mask: Value, value: Value) -> Value:
+    """Returns the field with the value in its place."""
+    if mask != TRUE:
         return select(mask, value, before)
-    if (
-        key is None
-        and value.axes == before.axes
-        and value.levels == before.levels
-        and not value.literal
-    ):
+    is_full = value.axes == before.axes and value.levels == before.levels
+    if is_full and not value.literal:
         return value
-    if key is None and not value.axes and not value.levels:
-        return replace(before, node=array.call("jnp.full_like", before.node, value.node))
-    if key is None:
-        rows = aligned(value, before.axes, before.levels)
-        return replace(
-            before, node=array.call("jnp.broadcast_to", rows, array.Attribute(before.node, "shape"))
-        )
+    if not value.axes and not value.levels:
+        return replace(before, node=call("jnp.full_like", before.node, value.node))
+    rows = aligned(value, before.axes, before.levels)
+    return replace(before, node=call("jnp.broadcast_to", rows, Attribute(before.node, "shape")))
+
+
+def _entry(
+    before: Value, mask: Value, key: Value, target: Target, value: Value, w: Writer
+) -> Value:
+    """Returns the rows of a field with the value in one entry of each."""
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
-        of_words = {"axis": array.constant(-2)} if before.levels > 1 else {}
-        return replace(
-            before, node=array.call("set_entry", before.node, key.node, new.node, **of_words)
-        )
-    hit = _entries_of_word(key, before.axes, target, w)
+        of_sets = {"axis": -2} if before.levels > 1 else {}
+        return replace(before, node=call("set_entry", before.node, key.node, new.node, **of_sets))
+    is_entry = _entries_of_word(key, before.axes, target, w)
     if mask != TRUE:
-        hit = array.Binary("&", hit, _for_each_word(mask, before.axes))
+        is_entry = is_entry & _for_each_word(mask, before.axes)
     if before.levels > 1:  # of large sets
-        words = array.Index(hit, (array.REST, array.NEW_AXIS))
-        return replace(
-            before, node=array.Where(words, aligned(value, before.axes, before.levels), before.node)
-        )
-    return replace(before, node=array.Where(hit, _for_each_word(value, before.axes), before.node))
+        is_entry = is_entry[..., None]
+        new_entry = aligned(value, before.axes, before.levels)
+    else:
+        new_entry = _for_each_word(value, before.axes)
+    return replace(before, node=Where(is_entry, new_entry, before.node))
 
 
-def _entries_of_word(
-    key: Value, axes: tuple[Axis, ...], target: Target, w: Writer
-) -> array.Expression:
+def _entries_of_word(key: Value, axes: Axes, target: Target, w: Writer) -> Expression:
     """Returns which entries of the rows are those of a word that is computed."""
-    words = w.module.num_entries(target.read.type.by[0])
-    hit = array.call("one_hot", aligned(key, axes), words)
+    is_entry = call("one_hot", aligned(key, axes), target.num_entries(w))
     if axes and not key.axes:
-        return array.Index(hit, (*[array.NEW_AXIS] * len(axes), array.ALL))
-    return hit
+        return is_entry[*[NEW_AXIS] * len(axes), :]
+    return is_entry
 
 
-def _for_each_word(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
+def _for_each_word(value: Value, axes: Axes) -> Expression:
     """Returns a value with one more axis, for the entries of a row; a scalar stays one."""
-    return indexed(aligned(value, axes), (array.REST, array.NEW_AXIS)) if value.axes else value.node
+    return indexed(aligned(value, axes), (REST, NEW_AXIS)) if value.axes else value.node
 
 
 def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
@@ -383,22 +392,20 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
         assert key is not None
         index = as_dtype(key, "i32")
         name = "to_entry"
-        past = Value(w.module.num_entries(target.read.type.by[0]), "i32")
+        past_the_end = target.num_entries(w)
         entry = None
     else:
         index = target.who.number
         name = _place(target.who)
-        past = past_the_end(target.who, w)
+        past_the_end = w.module.extent(target.who.sort)
         entry = key
-    axes = union(index.axes, scope.mask.axes, value.axes, () if entry is None else entry.axes)
-    at = w.keep(name, Value(spread(select(scope.mask, index, past), axes), "i32", axes))
-    keys: tuple[array.Expression, ...] = (at.node,)
-    if entry is not None:
-        keys = (at.node, aligned(entry, axes))
+    axes = axes_of(index, scope.mask, value, entry)
+    at = w.keep(name, broadcast(select(scope.mask, index, past_the_end), axes)).node
+    places = (at,) if entry is None else (at, aligned(entry, axes))
     levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
     current = w.current(target.attribute)
-    w.assign(target.attribute, array.written("set_at", current, keys, new))
+    w.assign(target.attribute, written("set_at", current, places, new))
 
 
 def _place(who: Variable) -> str:
@@ -413,9 +420,9 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
         if target.read.type.kind == "agents":
             _add_member(s, target, w)
             continue
-        dtype: array.DType = "f32" if target.read.type.kind == "real" else "i32"
+        dtype: DType = "f32" if target.read.type.kind == "real" else "i32"
         with w.deciding(decides):
-            value = as_dtype(w.value(s.value, scope.always()), dtype)
+            value = as_dtype(w.value(s.value, scope), dtype)
         is_exact = decides and value.dtype == "f32"
         if is_exact:
             _count_terms(target, s, w)
@@ -424,7 +431,7 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
 
 def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
     """Counts the terms of an exact sum, and refuses too many."""
-    separate = target.own_axes or ()  # each member of these has a sum of its own
+    separate = target.owner_axes or ()  # each member of these has a sum of its own
     summed = prod(axis.size for axis in target.scope.axes if axis not in separate)
     terms = w.terms.get(target.attribute, 0) + summed
     if terms >= MOST_TERMS:
@@ -440,148 +447,105 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
 
     is_exact: whether they are of reals as fixed-point numbers, whose digits are one more level.
     """
-    scope = target.scope
-    if scope.mask == TRUE or not value.levels:
-        masked = select(scope.mask, value, literal(0, value.dtype))
+    masked = select(target.scope.mask, value, 0)
+    key = target.key(w) if target.along is None else None
+    if key is not None:  # a row that has the value at the key's word and 0 elsewhere
+        axes = axes_of(masked, key)
+        is_entry = _entries_of_word(key, axes, target, w)
+        zero = scalar(literal(0, masked.dtype).node, masked.dtype)
+        masked = Value(Where(is_entry, _for_each_word(masked, axes), zero), masked.dtype, axes, 1)
+    if is_exact:
+        reals = scalar(masked.node, "f32") if masked.literal else masked.node
+        masked = Value(call("fixed_point", reals), "i32", masked.axes, masked.levels + 1)
+    if target.owner_axes is not None:
+        total = _total(target, target.owner_axes, masked, is_exact)
     else:
-        axes = union(scope.mask.axes, value.axes)
-        test = aligned(scope.mask, axes, value.levels) if scope.mask.axes else scope.mask.node
-        masked = replace(
-            value, node=array.Where(test, _row_aligned(value, axes), array.Literal(0)), axes=axes
-        )
+        assert target.who is not None
+        total = _scattered(target, target.who, masked, is_exact, w)
     sums = w.added.setdefault(target.attribute, [])
-    own = target.own_axes
-    key = target.key(w) if own is None or target.along is None else None
-    if key is not None:
-        axes = union(
-            masked.axes, key.axes
-        )  # a row that has the value at the key's word and 0 elsewhere
-        zero = array.scalar(literal(0, masked.dtype).node, masked.dtype)
-        row = array.Where(
-            _entries_of_word(key, axes, target, w), _for_each_word(masked, axes), zero
-        )
-        masked = Value(row, masked.dtype, axes, 1)
-    if is_exact:
-        given = array.scalar(masked.node, "f32") if masked.literal else masked.node
-        masked = Value(array.call("fixed_point", given), "i32", masked.axes, masked.levels + 1)
-    if own is not None and target.along is not None:
-        entries = union(own, (target.along,))
-        total = reduce("sum", masked, tuple(a for a in scope.axes if a not in entries))
-        is_array = bool(total.axes or total.levels)
-        node = (
-            rolled(_row_aligned(total, entries), entries, target.along) if is_array else total.node
-        )
-        sums.append(
-            w.keep(
-                f"{target.attribute}_added",
-                Value(node, total.dtype, own if is_array else (), is_array + is_exact),
-            )
-        )
-        return
-    if own is not None:
-        total = reduce("sum", masked, tuple(a for a in scope.axes if a not in own))
-        if (
-            total.axes or total.levels
-        ):  # a row that is the same for all is aligned too: JAX would not know which axis it lacks
-            total = replace(total, node=_row_aligned(total, own), axes=own)
-        sums.append(w.keep(f"{target.attribute}_added", total))
-        return
-    assert target.who is not None
-    index = target.who.number
-    axes = union(index.axes, masked.axes)
-    total = reduce("sum", masked, tuple(a for a in scope.axes if a not in axes))
-    extent = w.module.extent(target.who.sort)
-    dtype = "f32" if is_exact else total.dtype
-    zeros = array.call(
-        "jnp.zeros",
-        array.shape_of((extent, *map(w.module.num_entries, target.read.type.by))),
-        array.DTYPES[dtype],
-    )
-    if is_exact:
-        zeros = array.call("fixed_point", zeros)
-    amount = _row_aligned(total, axes) if total.axes or total.levels else total.node
-    shape = (Axis(f"all of {target.attribute}", extent.size, 0),)
-    places = (spread(index, axes) if axes else index.node,)
-    sets = array.written("add_at", zeros, places, amount)
-    sums.append(
-        w.keep(
-            f"{target.attribute}_added",
-            Value(sets, total.dtype, shape, len(target.read.type.by) + is_exact),
-        )
-    )
+    sums.append(w.keep(f"{target.attribute}_added", total))
 
 
-def _row_aligned(value: Value, axes: tuple[Axis, ...]) -> array.Expression:
-    """Returns a value lined up with axes, its levels last."""
-    if value.axes == axes:
-        return value.node
-    return array.Index(
-        value.node,
-        (
-            *(array.ALL if a in value.axes else array.NEW_AXIS for a in axes),
-            *[array.ALL] * value.levels,
-        ),
-    )
+def _total(target: Target, owner_axes: Axes, terms: Value, is_exact: bool) -> Value:
+    """Returns the sum of the terms for each member of `owner_axes`, the axes of a field."""
+    along = target.along
+    kept = owner_axes if along is None else union(owner_axes, (along,))
+    total = reduce("sum", terms, without(target.scope.axes, kept))
+    if not total.axes and not total.levels:
+        return total
+    # A row that is the same for all is aligned too: JAX would not know which axis it lacks.
+    node = aligned(total, kept)
+    if along is None:
+        return replace(total, node=node, axes=owner_axes)
+    return Value(rolled(node, kept, along), total.dtype, owner_axes, 1 + is_exact)
+
+
+def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: Writer) -> Value:
+    """Returns the sum of the terms for each agent or cell, which are at computed places."""
+    index = who.number
+    axes = axes_of(index, terms)
+    total = reduce("sum", terms, without(target.scope.axes, axes))
+    extent = w.module.extent(who.sort)
+    levels = target.read.type.by
+    none = zeros("f32" if is_exact else total.dtype, extent, *map(w.module.num_entries, levels))
+    if is_exact:
+        none = call("fixed_point", none)
+    sums = written("add_at", none, (spread(index, axes),), aligned(total, axes))
+    everybody = Axis(f"all of {target.attribute}", extent.size, 0)
+    return Value(sums, total.dtype, (everybody,), len(levels) + is_exact)
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
-    scope, who = target.scope, target.who
-    member = w.value(s.value, scope.always())
-    joining = scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
-    dtype, words = w.module.set_dtype, w.module.numbers_per_set
-    keys = [x for x in (target.key(w),) if x is not None]
-    around = union(member.axes, *(k.axes for k in keys), scope.mask.axes)
-    sizes = [w.module.num_entries(target.read.type.by[0]) for _ in keys]
-    sets: array.Expression
-    if who is None:  # those who are not added are numbers past the end
-        axes = around
-        at = w.keep(
-            "member",
-            Value(
-                spread(select(scope.mask, member, Value(w.module.agents, "i32")), axes), "i32", axes
-            ),
-        )
-        sets = _folded([aligned(key, axes) for key in keys], at.node, sizes, w)
+    mask = target.scope.mask
+    who = target.who
+    member = w.value(s.value, target.scope)
+    key = target.key(w)
+    index = member if who is None else who.number
+    axes = axes_of(index, member, key, mask)
+    # What is not added has a number past the end.
+    past_the_end = w.module.agents if who is None else w.module.extent(who.sort)
+    at = broadcast(select(mask, index, past_the_end), axes)
+    at = w.keep("member" if who is None else _place(who), at)
+    places: list[Expression] = []
+    sizes: list[Literal] = []
+    if who is not None:
+        places.append(at.node)
+        sizes.append(past_the_end)
+    if key is not None:
+        places.append(aligned(key, axes))
+        sizes.append(target.num_entries(w))
+    joining = target.scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
+    axis = None if joining is None else joining.axis
+    joins_once = axis in axes and all(a.size == 1 for a in axes if a != axis)
+    sets: Expression
+    if who is None:
+        sets = _folded(places, at.node, sizes, w)
+    elif axis is not None and joins_once and not w.module.numbers_per_set:
+        dtype = w.module.set_dtype
+        bits = Value(scalar(Literal(1), dtype) << iota(axis, dtype).node, dtype, (axis,))
+        sets = written("add_at", zeros(dtype, *sizes), tuple(places), aligned(bits, axes))
     else:
-        axes = union(who.number.axes, around)
-        at = Value(spread(select(scope.mask, who.number, past_the_end(who, w)), axes), "i32", axes)
-        places = [w.keep(_place(who), at).node, *(aligned(key, axes) for key in keys)]
-        extents = [w.module.extent(who.sort), *sizes]
-        itself = joining.axis if isinstance(joining, AgentVar) else None
-        once = (
-            itself is not None and itself in axes and all(a.size == 1 or a == itself for a in axes)
-        )  # each agent joins once at most
-        if once and not words:
-            assert itself is not None
-            bits = Value(
-                array.Binary("<<", array.scalar(array.Literal(1), dtype), iota(itself, dtype).node),
-                dtype,
-                (itself,),
-            )
-            zeros = array.call("jnp.zeros", array.shape_of(tuple(extents)), array.DTYPES[dtype])
-            sets = array.written("add_at", zeros, tuple(places), aligned(bits, axes))
-        else:
-            sets = _folded(places, aligned(member, axes), extents, w)
-    if target.read.type.by and not keys:  # to every entry of the row
-        sets = array.Index(sets, (*[array.ALL] * (who is not None), array.NEW_AXIS))
-    joined_sets = w.keep(f"{target.attribute}_joined", Value(sets, dtype))
-    w.joined.setdefault(target.attribute, []).append(joined_sets.node)
+        sets = _folded(places, aligned(member, axes), sizes, w)
+    if target.read.type.by and key is None:  # to every entry of the row
+        sets = sets[None] if who is None else sets[:, None]
+    joined_sets = w.keep_node(f"{target.attribute}_joined", sets, w.module.set_dtype)
+    w.joined.setdefault(target.attribute, []).append(joined_sets)
 
 
 def _folded(
-    places: list[array.Expression], member: array.Expression, sizes: list[array.Literal], w: Writer
-) -> array.Expression:
+    places: list[Expression], member: Expression, sizes: list[Literal], w: Writer
+) -> Expression:
     """Returns the sets to which instances add an agent each, as bits.
 
     places: where each instance adds; sizes: how many places there are.
     """
-    empty = array.call("jnp.zeros", array.shape_of((*sizes, w.module.agents)), array.Name("bool"))
-    table = array.written("set_at", empty, (*places, member), array.Literal(True))
-    members = w.keep("members", Value(table, "bool")).node
+    empty = zeros("bool", *sizes, w.module.agents)
+    table = written("set_at", empty, (*places, member), Literal(True))
+    members = w.keep_node("members", table, "bool")
     if w.module.numbers_per_set:
-        return array.call("pack", members)
-    return array.call("as_bits", members, array.DTYPES[w.module.set_dtype])
+        return call("pack", members)
+    return call("as_bits", members, DTYPES[w.module.set_dtype])
 
 
 def finish(w: Writer) -> None:
@@ -589,28 +553,29 @@ def finish(w: Writer) -> None:
     for attribute, sums in w.added.items():
         declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
         stored_dtype = state_reads.storage(declared, w)
-        dtype: array.DType = "i32" if declared.type.kind == "int" else "f32"
+        dtype: DType = "i32" if declared.type.kind == "int" else "f32"
         node = as_dtype(Value(w.current(attribute), stored_dtype), dtype).node
         is_exact = attribute in w.terms
         if is_exact:
-            node = array.call("fixed_point", node)
-        for number, total in enumerate(sums, 1):
-            node = joined("+", node, total.node)
-            if number % MOST_NESTED == 0:
-                node = w.bind(attribute, node)
+            node = call("fixed_point", node)
+        node = _combined("+", node, [total.node for total in sums], attribute, w)
         if is_exact:
-            node = array.call("rounded", node)
+            node = call("rounded", node)
         if declared.capped:
-            low = array.Literal(int(declared.type.low))
-            high = array.Literal(int(declared.type.high))
-            node = array.call("jnp.clip", node, low, high)
+            node = call("jnp.clip", node, int(declared.type.low), int(declared.type.high))
         if stored_dtype not in ("i32", "f32"):
-            node = array.Cast(node, stored_dtype)
+            node = Cast(node, stored_dtype)
         w.assign(attribute, node)
     for attribute, sets in w.joined.items():
-        node = w.current(attribute)
-        for number, members in enumerate(sets, 1):
-            node = array.Binary("|", node, members)
-            if number % MOST_NESTED == 0:
-                node = w.bind(attribute, node)
-        w.assign(attribute, node)
+        w.assign(attribute, _combined("|", w.current(attribute), sets, attribute, w))
+
+
+def _combined(
+    op: str, node: Expression, terms: list[Expression], attribute: str, w: Writer
+) -> Expression:
+    """Returns a field together with sums or sets; many are combined step by step."""
+    for number, term in enumerate(terms, 1):
+        node = joined(op, node, term)
+        if number % MOST_NESTED == 0:
+            node = w.bind(attribute, node)
+    return node

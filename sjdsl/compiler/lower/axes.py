@@ -6,9 +6,11 @@ were made, those of outer statements first.
 
 import operator
 from array import array
+from collections.abc import Callable
 from dataclasses import replace
 from math import prod
 from typing import Literal as OneOf
+from typing import TypeAlias
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.operations import COMPARISONS
@@ -26,6 +28,7 @@ from sjdsl.compiler.program.expressions import (
     Index,
     Literal,
     Name,
+    Part,
     Slice,
     Unary,
     Where,
@@ -62,17 +65,49 @@ class Axis(Record):
         return Literal(self.size, self.constant)
 
 
+def _operator(op: str) -> Callable[["Value", "Operand"], "Value"]:
+    return lambda left, right: binary(op, left, as_value(right, left.dtype))
+
+
 class Value(Record):
-    """An array: `node` computes it.
+    """An array that `node` computes.
 
     Its axes are `axes`, then `levels` more: those of the entries of rows and tables, and last that
-    of the numbers of large sets of agents.
+    of the numbers of large sets of agents. Operators align arrays by their axes. `==` says whether
+    two values are the same expression; `eq` and `ne` compare entry by entry.
     """
 
     node: Expression
     dtype: DType
     axes: tuple[Axis, ...] = ()
     levels: int = 0
+
+    __add__ = _operator("+")
+    __sub__ = _operator("-")
+    __mul__ = _operator("*")
+    __floordiv__ = _operator("//")
+    __mod__ = _operator("%")
+    __and__ = _operator("&")
+    __or__ = _operator("|")
+    __lshift__ = _operator("<<")
+    __rshift__ = _operator(">>")
+    __lt__ = _operator("<")
+    __le__ = _operator("<=")
+    __gt__ = _operator(">")
+    __ge__ = _operator(">=")
+    eq = _operator("==")
+    ne = _operator("!=")
+
+    def __invert__(self) -> "Value":
+        match self.node:
+            case Literal(value=value):
+                return literal(not value, "bool")
+            case Binary(op=("==" | "!=") as op, left=left, right=right):
+                return replace(self, node=Binary(_OPPOSITES[op], left, right))
+            case Unary(op="~", operand=operand):
+                return replace(self, node=operand)
+            case _:
+                return replace(self, node=~self.node)
 
     @property
     def literal(self) -> bool:
@@ -83,6 +118,10 @@ class Value(Record):
         """The number that a literal is."""
         assert isinstance(self.node, Literal) and isinstance(self.node.value, int | float)
         return self.node.value
+
+
+Axes: TypeAlias = tuple[Axis, ...]
+Operand: TypeAlias = Value | float | Literal
 
 
 def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
@@ -96,7 +135,19 @@ def literal(value: float | bool, dtype: DType, name: str = "") -> Value:
             return Value(Literal(int(value), name), dtype)
 
 
-TRUE, FALSE = literal(True, "bool"), literal(False, "bool")
+TRUE = literal(True, "bool")
+FALSE = literal(False, "bool")
+
+
+def as_value(operand: Operand, dtype: DType) -> Value:
+    """Returns a number, or a number that the module names, as a value of a dtype."""
+    match operand:
+        case Value():
+            return operand
+        case Literal():
+            return Value(operand, dtype)
+        case _:
+            return literal(operand, dtype)
 
 
 def float32(number: float) -> float:
@@ -118,18 +169,22 @@ def one_hot(number: Value, axis: Axis) -> Value:
     return Value(node, "bool", (*number.axes, axis))
 
 
-def union(*axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+def union(*axes: Axes) -> Axes:
     """Returns all the axes, left to right."""
     return tuple(sorted({a for group in axes for a in group}, key=lambda a: a.order))
 
 
-TRUE = literal(True, "bool")
+def axes_of(*values: Value | None) -> Axes:
+    """Returns the axes of all the values, left to right."""
+    return union(*(value.axes for value in values if value is not None))
 
 
-FALSE = literal(False, "bool")
+def without(axes: Axes, others: Axes) -> Axes:
+    """Returns the axes that are not among others."""
+    return tuple(axis for axis in axes if axis not in others)
 
 
-def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression:
+def aligned(value: Value, axes: Axes, levels: int = 0) -> Expression:
     """Returns a value with an axis of length 1 for each of `axes` and `levels` that it lacks.
 
     Scalars stay scalars.
@@ -139,8 +194,16 @@ def aligned(value: Value, axes: tuple[Axis, ...], levels: int = 0) -> Expression
     lacking = max(0, levels - value.levels)
     if value.axes == axes and not lacking:
         return value.node
-    keys = [ALL if axis in value.axes else NEW_AXIS for axis in axes]
-    return indexed(value.node, (*keys, *[NEW_AXIS] * lacking))
+    return indexed(value.node, (*_keys(value, axes), *[NEW_AXIS] * lacking))
+
+
+def row_aligned(row: Value, axes: Axes) -> Expression:
+    """Returns a row with an axis of length 1 for each of `axes` that it lacks, its levels last."""
+    return row.node if row.axes == axes else Index(row.node, _keys(row, axes))
+
+
+def _keys(value: Value, axes: Axes) -> tuple[Slice | Literal, ...]:
+    return tuple(ALL if axis in value.axes else NEW_AXIS for axis in axes)
 
 
 def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expression:
@@ -162,11 +225,33 @@ def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expressio
     return Index(node, keys)
 
 
-def spread(value: Value, axes: tuple[Axis, ...]) -> Expression:
+def spread(value: Value, axes: Axes) -> Expression:
     """Returns a value broadcast to exactly these axes; a scalar over no axes stays one."""
     if value.axes == axes:
         return value.node
     return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
+
+
+def broadcast(value: Value, axes: Axes) -> Value:
+    """Returns a value with exactly these axes."""
+    return replace(value, node=spread(value, axes), axes=axes)
+
+
+def called(kernel: str, *arguments: Value | Part, dtype: DType | None = None) -> Value:
+    """Returns a call of a function of arrays, which are aligned.
+
+    dtype: of the result; that of the first argument if None.
+    """
+    first = arguments[0]
+    assert isinstance(first, Value)
+    axes = axes_of(*(a for a in arguments if isinstance(a, Value)))
+    nodes = [aligned(a, axes) if isinstance(a, Value) else a for a in arguments]
+    return Value(call(kernel, *nodes), dtype or first.dtype, axes, first.levels)
+
+
+def looked_up(table: Expression, key: Value, dtype: DType) -> Value:
+    """Returns entries of a table of the map or of the game."""
+    return Value(table[key.node], dtype, key.axes)
 
 
 def taken(value: Value, key: Expression, levels: int = 0) -> Value:
@@ -187,8 +272,15 @@ def as_dtype(value: Value, dtype: DType) -> Value:
     return replace(value, node=Cast(node, dtype, value.dtype), dtype=dtype)
 
 
-def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
+def binary(op: str, a: Value, b: Value) -> Value:
     """Returns `a op b`, computed if both are literals, without an operand that changes nothing."""
+    if op in "&|" and a.dtype == "bool":
+        neutral, absorbing = (TRUE, FALSE) if op == "&" else (FALSE, TRUE)
+        if absorbing in (a, b):
+            return absorbing
+        if neutral in (a, b):
+            return b if a == neutral else a
+    dtype: DType = "bool" if op in COMPARISONS else a.dtype
     if a.literal and b.literal:
         result = _folded(op, a.number, b.number, dtype)
         if result is not None:
@@ -196,12 +288,14 @@ def binary(op: str, a: Value, b: Value, dtype: DType) -> Value:
     if op in _OPPOSITES and isinstance(a.node, Arange) and a.node == b.node and a.axes != b.axes:
         first, second = sorted((a, b), key=lambda value: value.axes[0].order)
         is_same = one_hot(first, second.axes[0])
-        return is_same if op == "==" else invert(is_same)
+        return is_same if op == "==" else ~is_same
     if op in COMPARISONS:
-        a, b = _before_conversion(a, b), _before_conversion(b, a)
-    if _is_neutral(op, b) and a.dtype == dtype:
+        as_stored = _before_conversion(a, b)
+        b = _before_conversion(b, a)
+        a = as_stored
+    elif _is_neutral(op, b):
         return a
-    if op in "+*" and _is_neutral(op, a) and b.dtype == dtype:
+    elif op in "+*" and _is_neutral(op, a):
         return b
     axes = union(a.axes, b.axes)
     levels = max(a.levels, b.levels)
@@ -258,42 +352,12 @@ def _is_neutral(op: str, value: Value) -> bool:
     return value.number == _NEUTRAL.get(op)
 
 
-def both(*conditions: Value) -> Value:
-    """Returns the conjunction."""
-    result = TRUE
-    for condition in conditions:
-        if condition == FALSE:
-            return FALSE
-        if condition != TRUE:
-            result = condition if result == TRUE else binary("&", result, condition, "bool")
-    return result
-
-
-def either(tests: list[Value]) -> Value:
-    """Returns the disjunction."""
-    if TRUE in tests:
-        return TRUE
-    result, *rest = [t for t in tests if t != FALSE] or [FALSE]
-    for test in rest:
-        result = binary("|", result, test, "bool")
-    return result
-
-
-def invert(condition: Value) -> Value:
-    """Returns the negation."""
-    match condition.node:
-        case Literal(value=value):
-            return literal(not value, "bool")
-        case Binary(op=("==" | "!=") as op, left=left, right=right):
-            return replace(condition, node=Binary(_OPPOSITES[op], left, right))
-        case Unary(op="~", operand=operand):
-            return replace(condition, node=operand)
-        case _:
-            return replace(condition, node=Unary("~", condition.node))
-
-
-def select(condition: Value, a: Value, b: Value) -> Value:
-    """Returns `a` where the condition holds, else `b`; both of one dtype."""
+def select(condition: Value, a: Operand, b: Operand) -> Value:
+    """Returns `a` where the condition holds, else `b`; numbers are of the other one's dtype."""
+    if not isinstance(a, Value):
+        assert isinstance(b, Value)
+        a = as_value(a, b.dtype)
+    b = as_value(b, a.dtype)
     if condition == TRUE:
         return a
     if condition == FALSE:
@@ -312,9 +376,7 @@ def select(condition: Value, a: Value, b: Value) -> Value:
     return Value(Where(test, then, otherwise), dtype, axes, levels)
 
 
-def reduce(
-    fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: tuple[Axis, ...]
-) -> Value:
+def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: Axes) -> Value:
     """Returns `any`, `all`, `sum`, `min` or `max` over axes.
 
     A value without one of the axes is the same all along it, so its sum is multiplied.
@@ -340,8 +402,7 @@ def reduce(
         return result
     if result.dtype == "bool":
         result = as_dtype(result, "i32")
-    times = prod(a.size for a in over if a not in value.axes)
-    return binary("*", result, literal(times, result.dtype), result.dtype)
+    return result * prod(a.size for a in over if a not in value.axes)
 
 
 def summed(node: Expression, dtype: DType) -> Expression:

@@ -14,7 +14,7 @@ from sjdsl.compiler.ir.queries import (
 )
 from sjdsl.compiler.lower.scope import NotSupported
 from sjdsl.compiler.lower.state_reads import timer_bound
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Expression, Literal
 from sjdsl.runtime.planes import TokenPlane
 
 OTHER_FACING = 2  # number of the agent plane: the first heading of another
@@ -329,7 +329,6 @@ def largest(e: ir.Expr, game: ir.Game) -> float:
     return max(bounds, default=e.type.high)
 
 
-def relative_heading(difference: array.Expression) -> array.Expression:
+def relative_heading(difference: Expression) -> Expression:
     """Returns the number of another's heading relative to the observer's."""
-    turned = array.Binary("&", difference, array.Literal(3))
-    return array.Binary("+", array.Literal(OTHER_FACING), turned)
+    return Literal(OTHER_FACING) + (difference & 3)

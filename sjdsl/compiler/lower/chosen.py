@@ -2,20 +2,20 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
-from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, binary, both, literal
+from sjdsl.compiler.lower.axes import TRUE, Value, as_dtype, literal
 from sjdsl.compiler.lower.entries import ABSENT, to_words
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Expression, Name
 
 
 def action_of(agent: ir.Expr, scope: IterationScope) -> Value:
     """Returns the number of the action an agent takes in this step."""
     assert isinstance(agent, ir.Member), agent
     variable = scope.variables[agent.name]
-    actions: array.Expression = array.Name("actions")
+    actions: Expression = Name("actions")
     if variable.axis is None:
-        actions = array.Index(actions, (variable.number.node,))
+        actions = actions[variable.number.node]
     return Value(actions, "i32", variable.number.axes)
 
 
@@ -25,12 +25,12 @@ def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
     taken = action_of(e.agent, scope)
     if e.given:
         number, exists = action_number(action, e.given, scope, w)
-        return both(binary("==", taken, number, "bool"), exists)
+        return taken.eq(number) & exists
     first = Value(w.module.first_action(action), "i32")
     if len(action.numbers) == 1:
-        return binary("==", taken, first, "bool")
+        return taken.eq(first)
     last = literal(action.numbers[-1], "i32")
-    return both(binary(">=", taken, first, "bool"), binary("<=", taken, last, "bool"))
+    return (taken >= first) & (taken <= last)
 
 
 def action_number(
@@ -42,12 +42,12 @@ def action_number(
     for argument, declared in zip(given, action.arguments, strict=True):
         place, is_value = _place(argument, declared, scope, w)
         count = literal(declared.count, "i32")
-        offset = binary("+", binary("*", offset, count, "i32"), place, "i32")
-        exists = both(exists, is_value)
+        offset = offset * count + place
+        exists = exists & is_value
     if offset.literal and 0 <= offset.number < len(action.numbers):  # else none exists
         return Value(w.module.action(action.first + int(offset.number)), "i32"), exists
     first = Value(w.module.first_action(action), "i32")
-    return binary("+", offset, first, "i32"), exists
+    return offset + first, exists
 
 
 def _place(
@@ -62,7 +62,7 @@ def _place(
             number = to_words(value, type_.words, words, w)
             exists = TRUE
             if not set(type_.words) <= set(words):
-                exists = binary("!=", number, literal(ABSENT, "u8"), "bool")
+                exists = number.ne(ABSENT)
             return as_dtype(number, "i32"), exists
         case "int":
             low = literal(declared.type.low, "i32")
@@ -70,10 +70,10 @@ def _place(
             value = as_dtype(value, "i32")
             exists = TRUE
             if type_.low < declared.type.low:
-                exists = binary(">=", value, low, "bool")
+                exists = value >= low
             if type_.high > high:
-                exists = both(exists, binary("<=", value, literal(high, "i32"), "bool"))
-            return binary("-", value, low, "i32"), exists
+                exists = exists & (value <= high)
+            return value - low, exists
         case _:
             return as_dtype(value, "i32"), TRUE
 
@@ -85,11 +85,11 @@ def argument_of(e: ir.ArgumentOf, scope: IterationScope, w: Writer) -> Value:
     """
     action = action_named(w.module.game, e.action)
     first = Value(w.module.first_action(action), "i32")
-    place = binary("-", action_of(e.agent, scope), first, "i32")
+    place = action_of(e.agent, scope) - first
     for argument in reversed(action.arguments[e.number + 1 :]):
-        place = binary("//", place, literal(argument.count, "i32"), "i32")
+        place = place // argument.count
     argument = action.arguments[e.number]
-    place = binary("%", place, literal(argument.count, "i32"), "i32")
+    place = place % argument.count
     return argument_value(argument, w.keep(f"{e.action}_{e.name}".strip("_"), place))
 
 
@@ -99,6 +99,6 @@ def argument_value(argument: ir.ActionArgument, place: Value) -> Value:
         case "word":
             return as_dtype(place, "u8")
         case "int":
-            return binary("+", place, literal(argument.type.low, "i32"), "i32")
+            return place + argument.type.low
         case _:
             return place

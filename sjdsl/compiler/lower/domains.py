@@ -9,41 +9,42 @@ from sjdsl.compiler.lower.axes import (
     TRUE,
     Axis,
     Value,
-    binary,
-    both,
+    axes_of,
+    called,
     indexed,
-    invert,
     iota,
     literal,
+    looked_up,
     spread,
-    union,
 )
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
+from sjdsl.compiler.lower.scope import (
+    AgentVar,
+    CellVar,
+    IterationScope,
+    NotSupported,
+    Variable,
+    numbered,
+)
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     ALL,
     NEW_AXIS,
-    Binary,
     DType,
     Expression,
-    Index,
     Literal,
     Name,
-    Sequence,
     call,
-    constant,
     reduction,
 )
 
 
 class Swept(Record):
-    """The cells of a shape around an anchor, in the frame, along `axis`.
+    """The cells of a shape around an anchor, in the frame, along their last axis.
 
     ok: which are on the map and not behind what blocks the shape.
     """
 
     cells: Value
-    axis: Axis
     ok: Value
 
 
@@ -62,9 +63,9 @@ def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         agent = inner.variables[d.var.name]
         assert isinstance(agent, AgentVar)
         site, is_on = state_reads.site_under(agent, d.on.kinds, w)
-        inner = inner.binding(**{d.on.name: CellVar(site, d.on.kinds)}).when(is_on)
+        inner = inner.binding(d.on.name, CellVar(site, d.on.kinds)).when(is_on)
     if d.where is not None:
-        inner = inner.when(w.value(d.where, inner.always()))
+        inner = inner.when(w.value(d.where, inner))
     return inner
 
 
@@ -95,7 +96,7 @@ def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
         return None
     if d.restriction.value.type.kind != "agents":
         return None
-    return w.value(d.restriction.value, scope.always())
+    return w.value(d.restriction.value, scope)
 
 
 def extended(
@@ -108,7 +109,7 @@ def extended(
 ) -> IterationScope:
     """Returns the scope with one more quantifier around it."""
     return replace(
-        scope.binding(**{d.var.name: variable}),
+        scope.binding(d.var.name, variable),
         axes=scope.axes if axis is None else (*scope.axes, axis),
         digits=(*scope.digits, (digit, radix)),
     )
@@ -122,7 +123,7 @@ def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
             index = w.keep(d.var.name, w.value(value, scope))
             variable = AgentVar(index)
             inner = extended(scope, None, d, variable, index, extent)
-            inner = inner.when(binary(">=", index, literal(0, "i32"), "bool"))
+            inner = inner.when(index >= 0)
             return inner.when(state_reads.present(variable, w))
     axis = w.axis(d.var.name, extent)
     variable = AgentVar(iota(axis), axis, d.var.sort)
@@ -144,23 +145,19 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     """
     axis = w.axis(d.var.name, len(among.members))
     indices = [number_in(d, scope.variables[m.name], w) for m in among.members]
-    axes = union(*(i.axes for i in indices))
-    parts = Sequence(tuple(spread(i, axes) for i in indices), is_list=True)
-    stacked = call("jnp.stack", parts, axis=Literal(len(axes)))
+    axes = axes_of(*indices)
+    stacked = call("jnp.stack", [spread(i, axes) for i in indices], axis=len(axes))
     index = w.keep(d.var.name, Value(stacked, "i32", (*axes, axis)))
-    variable: Variable
-    if d.var.sort.what == "cell":
-        variable = CellVar(index, d.var.kinds)
-        exists = state_reads.is_site(index, d.var.kinds, w)
+    variable = numbered(d.var, index)
+    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort))
+    if isinstance(variable, CellVar):
+        inner = inner.when(state_reads.is_site(index, d.var.kinds, w))
     else:
-        variable = AgentVar(index, sort=d.var.sort)
-        exists = state_reads.present(variable, w)
-    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort)).when(exists)
-    for later in range(len(indices)):
-        for earlier in range(later):
-            is_later = binary("==", iota(axis), literal(later, "i32"), "bool")
-            same = binary("==", indices[later], indices[earlier], "bool")
-            inner = inner.when(invert(both(is_later, same)))
+        inner = inner.when(state_reads.present(variable, w))
+    for place, later in enumerate(indices):
+        for earlier in indices[:place]:
+            is_repeated = iota(axis).eq(place) & later.eq(earlier)
+            inner = inner.when(~is_repeated)
     return inner
 
 
@@ -181,9 +178,10 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     kinds = d.var.kinds
     match d.restriction:
         case ir.Near():
-            site, axis, ok = sites_in(d.restriction, kinds, scope, w, d.var.name)
+            site, exists = sites_in(d.restriction, kinds, scope, w, d.var.name)
+            axis = site.axes[-1]
             inner = extended(scope, axis, d, CellVar(site, kinds), iota(axis), axis.extent)
-            return inner.when(ok)
+            return inner.when(exists)
         case ir.InCell(value=value):
             held = state_reads.held_cell(value, kinds, scope, w)
             inner = extended(scope, None, d, held, held.site, w.module.num_cells(kinds))
@@ -196,23 +194,26 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
 
 def sites_in(
     near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Writer, name: str
-) -> tuple[Value, Axis, Value]:
-    """Returns a shape's cells around an anchor, by number among `kinds`, their axis and mask."""
+) -> tuple[Value, Value]:
+    """Returns a shape's cells around an anchor, by number among `kinds`, and which exist.
+
+    They are along the last axis.
+    """
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
     if isinstance(anchor, CellVar):
         anchor = state_reads.placed(anchor, w)
         axis = w.axis(name, sum(map(len, shape.lanes)))
-        constant = neighbours_constant(near, anchor, kinds, w)
-        node = constant if anchor.axis is not None else Index(constant, (anchor.site.node,))
-        site = Value(node, "i32", (*anchor.site.axes, axis))
-        return site, axis, state_reads.is_site(site, kinds, w)
+        table = neighbours_constant(near, anchor, kinds, w)
+        neighbours = table if anchor.axis is not None else table[anchor.site.node]
+        site = Value(neighbours, "i32", (*anchor.site.axes, axis))
+        return site, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
     site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
     exists = state_reads.is_site(site, kinds, w)
     if has_inner_blocks(shape, w):
-        exists = both(exists, swept.ok)
-    return site, swept.axis, exists
+        exists = exists & swept.ok
+    return site, exists
 
 
 def neighbours_constant(near: ir.Near, anchor: CellVar, kinds: tuple[str, ...], w: Writer) -> Name:
@@ -242,11 +243,8 @@ def shape_name(shape: str) -> str:
 
 def _has_changing_blocks(shape: ir.Shape, w: Writer) -> bool:
     """Returns whether agents, or cells under a condition, may end a lane of the shape."""
-    game = w.module.game
-    if any(b.what == shape.name for b in game.agents.blocks):
-        return True
-    blocks = [b for kind in game.kinds for b in kind.blocks]
-    return any(b.what == shape.name and b.condition is not None for b in blocks)
+    by_agents = any(b.what == shape.name for b in w.module.game.agents.blocks)
+    return by_agents or bool(conditional_blocks(shape.name, w))
 
 
 def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
@@ -266,88 +264,91 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
         size = w.module.number(f"num_{ident}_cells", num_cells, "cells of the shape")
         w.shape_axes[ident, anchor] = w.axis(ident, size)
     axis = w.shape_axes[ident, anchor]
+    at = state_reads.location(anchor, w)
     if isinstance(anchor, AgentVar):
-        at = state_reads.position(anchor, w)
         facing = state_reads.heading(anchor, w)
     else:  # a cell has no heading, and the shapes around cells have no direction
-        at = state_reads.cell(anchor, w)
         facing = literal(0, "i32")
     if shape.see_through:
-        steps = Value(Index(table, (Literal(0),)), "i32", (axis,))
+        steps = Value(table[0], "i32", (axis,))
     else:
-        steps = Value(Index(table, (facing.node,)), "i32", (*at.axes, axis))
-    cells = w.keep(f"{ident}_cells", _plus(at, steps, axis, w))
-    ok = _reached(shape, ident, at, facing, cells, axis, w)
-    if any(a.order >= axis.order for a in scope.axes):
-        # The shape has been swept around or before an axis of this scope: it gets a new axis here.
-        renamed = replace(w.axis(ident, axis.size), constant=axis.constant)
-        cells = _with_axis(cells, axis, renamed)
-        ok = _with_axis(ok, axis, renamed)
-        axis = renamed
-    return Swept(cells, axis, ok)
+        steps = Value(table[facing.node], "i32", (*at.axes, axis))
+    cells = w.keep(f"{ident}_cells", _plus(at, steps, w))
+    ok = _reached(shape, at, facing, cells, w)
+    if all(a.order < axis.order for a in scope.axes):
+        return Swept(cells, ok)
+    # The shape has been swept around or before an axis of this scope: it gets a new axis here.
+    renamed = replace(w.axis(ident, axis.size), constant=axis.constant)
+    return Swept(_with_axis(cells, axis, renamed), _with_axis(ok, axis, renamed))
 
 
 def _with_axis(value: Value, axis: Axis, renamed: Axis) -> Value:
     return replace(value, axes=tuple(renamed if a == axis else a for a in value.axes))
 
 
-def _plus(at: Value, steps: Value, axis: Axis, w: Writer) -> Value:
+def _plus(at: Value, steps: Value, w: Writer) -> Value:
     """Returns cells with the steps to each cell of a shape added.
 
     The shape's axis comes last, whenever it was made.
     """
-    axes = (*at.axes, axis)
+    axes = (*at.axes, steps.axes[-1])
     lead = at.node
     if at.axes:
-        lead = Index(lead, (*[ALL] * len(at.axes), NEW_AXIS))
+        lead = lead[*[ALL] * len(at.axes), None]
     tail = steps.node
     if steps.axes != axes:
-        tail = Index(tail, (*[NEW_AXIS] * len(at.axes), ALL))
-    return state_reads.on_map(Value(Binary("+", lead, tail), "i32", axes), w)
+        tail = tail[*[NEW_AXIS] * len(at.axes), :]
+    return state_reads.on_map(Value(lead + tail, "i32", axes), w)
 
 
-def _reached(
-    shape: ir.Shape, ident: str, at: Value, facing: Value, cells: Value, axis: Axis, w: Writer
-) -> Value:
+def _reached(shape: ir.Shape, at: Value, facing: Value, cells: Value, w: Writer) -> Value:
     """Returns which of the cells are on the map and not behind a cell that blocks the shape."""
-    inside_table = w.module.layout.inside_table
-    inside = w.module.constant("inside", inside_table, "cells of the map in the frame")
-    on_map = Value(Index(inside, (cells.node,)), "bool", cells.axes)
+    inside = is_inside(cells, w)
     if not has_inner_blocks(shape, w):
-        return on_map
+        return inside
+    ident = shape_name(shape.name)
     if _has_changing_blocks(shape, w):
-        return w.keep(f"{ident}_reached", _walked(shape, on_map, cells, w))
+        return w.keep(f"{ident}_reached", _walked(shape, inside, cells, w))
+    axis = cells.axes[-1]
     if axis.size > 32:
         feature = f"a shape of {axis.size} cells that something on the map blocks (at most 32)"
         raise NotSupported(feature, shape.origin, "make it smaller, or let nothing block it")
     dtype: DType = "u8" if axis.size <= 8 else "u32"
     comment = f"cells of {shape.name} not behind what blocks it: bits by cell and heading"
     table = w.module.constant(f"{ident}_reach", w.module.layout.reach_table(shape), comment)
-    row = binary("*", at, literal(4, "i32"), "i32")
-    entry = binary("+", row, replace(facing, axes=at.axes), "i32")
-    bits = w.keep(f"{ident}_bits", Value(Index(table, (entry.node,)), dtype, at.axes))
+    bits = w.keep(f"{ident}_bits", looked_up(table, at * 4 + facing, dtype))
     reached = call("from_bits", bits.node, axis.extent)
     return w.keep(f"{ident}_reached", Value(reached, "bool", (*at.axes, axis)))
+
+
+def is_inside(cells: Value, w: Writer) -> Value:
+    """Returns which cells of the frame are on the map."""
+    table = w.module.layout.inside_table
+    inside = w.module.constant("inside", table, "cells of the map in the frame")
+    return looked_up(inside, cells, "bool")
+
+
+def always_block(cells: Value, name: str, w: Writer) -> Value:
+    """Returns which cells always block agents, movers of a name, or a shape."""
+    table = w.module.layout.blocking_table(name)
+    fixed = w.module.constant(f"blocks_{name}", table, f"cells that always block {name}")
+    return looked_up(fixed, cells, "bool")
 
 
 def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
     """Returns which cells are reached if lanes may end at cells whose state decides."""
     name = shape.name
-    comment = f"cells that always block {name}"
-    table = w.module.layout.blocking_table(name)
-    fixed = w.module.constant(f"blocks_{name}", table, comment)
-    blocked = Value(Index(fixed, (cells.node,)), "bool", cells.axes)
+    blocked = always_block(cells, name, w)
     for condition, kind in conditional_blocks(name, w):
-        blocked = binary("|", blocked, blocked_by(condition, kind, cells, w), "bool")
+        blocked = blocked | blocked_by(condition, kind, cells, w)
     for block in w.module.game.agents.blocks:
         if block.what == name:
-            blocked = binary("|", blocked, _agents_block(block, cells, w), "bool")
+            blocked = blocked | _agents_block(block, cells, w)
     blocked = w.keep(f"{name}_blocked", blocked)
-    starts = constant([number == 0 for lane in shape.lanes for number in range(len(lane))])
-    first = w.module.constant(
-        f"{name}_starts", starts, f"first cells of the lanes of {name}", "bool"
-    )
-    return Value(call("reached", blocked.node, on_map.node, first), "bool", cells.axes)
+    starts = [number == 0 for lane in shape.lanes for number in range(len(lane))]
+    comment = f"first cells of the lanes of {name}"
+    first = w.module.constant(f"{name}_starts", starts, comment, "bool")
+    return called("reached", blocked, on_map.node, first)
 
 
 def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
@@ -357,8 +358,7 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
         axis = w.axis("blocker", w.module.agents)
         scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
         stops = spread(w.value(block.condition, scope), (axis,))
-        stops = Index(stops, (*(NEW_AXIS for _ in cells.axes), ALL))
-        standing = Binary("&", standing, stops)
+        standing = standing & stops[*[NEW_AXIS] * len(cells.axes), :]
     return Value(reduction("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
 
@@ -393,7 +393,7 @@ def blocked_by(
         variables[agent.sort.name] = agent
     assert block.condition is not None
     test = w.value(block.condition, IterationScope(axes=cells.axes, variables=variables))
-    return both(state_reads.is_site(site, (kind.name,), w), test)
+    return state_reads.is_site(site, (kind.name,), w) & test
 
 
 def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
@@ -401,25 +401,23 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
     assert variable.axis is not None
-    ok = TRUE
     if isinstance(anchor, CellVar):
-        around = Index(w.module.layout.offsets_table(shape), (Literal(0),))
+        around = w.module.layout.offsets_table(shape)[0]
         name = f"{shape.name.split('(')[0]}_around"
         offsets = w.module.constant(name, around, f"cells of {shape.name}")
-        axis = w.axis("around", sum(map(len, shape.lanes)))
-        steps = Value(offsets, "i32", (axis,))
-        cells = _plus(state_reads.cell(anchor, w), steps, axis, w)
+        steps = Value(offsets, "i32", (w.axis("around", sum(map(len, shape.lanes))),))
+        cells = _plus(state_reads.cell(anchor, w), steps, w)
+        ok = TRUE
     else:
         swept = sweep(near, scope, w)
         cells = swept.cells
-        if has_inner_blocks(shape, w):
-            ok = swept.ok
+        ok = swept.ok if has_inner_blocks(shape, w) else TRUE
     axes = cells.axes[:-1]
     if variable.axis not in cells.axes:
         axes = (*axes, variable.axis)
     standing = stand_on(cells, state_reads.position(variable, w).node)
     if ok != TRUE:
-        standing = Binary("&", standing, Index(ok.node, (*[ALL] * len(ok.axes), NEW_AXIS)))
+        standing = standing & ok.node[*[ALL] * len(ok.axes), None]
     inside = Value(reduction("any", standing, (len(cells.axes) - 1,)), "bool", axes)
     return w.keep(f"in_{shape_name(near.shape)}", inside)
 
@@ -427,4 +425,4 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
 def stand_on(cells: Value, position: Expression) -> Expression:
     """Returns who stands on which cells: an axis more, for the agents, after those of the cells."""
     each_cell = indexed(cells.node, (*[ALL] * len(cells.axes), NEW_AXIS))
-    return Binary("==", each_cell, Index(position, (*[NEW_AXIS] * len(cells.axes), ALL)))
+    return each_cell.eq(position[*[NEW_AXIS] * len(cells.axes), :])

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import (
+    Axes,
     Axis,
     Value,
     aligned,
     as_dtype,
-    binary,
-    invert,
+    axes_of,
+    called,
     iota,
     literal,
-    union,
 )
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.expressions import operand, real
@@ -22,12 +22,10 @@ from sjdsl.compiler.program.expressions import (
     Arange,
     Cast,
     Expression,
-    Index,
     Literal,
     Name,
     as_array,
     call,
-    constant,
     scalar,
 )
 
@@ -43,12 +41,17 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
         return Value(call("random_bits", KEY, w.stream(stream), *extents), "u32", axes)
     number = literal(0, "i32")
     for digit, radix in digits:
-        number = binary("+", binary("*", number, Value(radix, "i32"), "i32"), digit, "i32")
+        number = number * radix + digit
     node = as_array(number.node, "u32") if number.literal else Cast(number.node, "u32")
     stream_number = w.stream(stream)
-    instance = w.keep("instance", Value(node, "u32", number.axes))
-    bits = call("random_bits_at", KEY, stream_number, instance.node)
+    instance = w.keep_node("instance", node, "u32")
+    bits = call("random_bits_at", KEY, stream_number, instance)
     return w.keep("word", Value(bits, "u32", number.axes))
+
+
+def bits_of_each(stream: int, sort: ir.Sort, w: Writer) -> Expression:
+    """Returns 32 random bits for each agent, or each mover of a name."""
+    return call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
 
 
 def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
@@ -70,7 +73,7 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
     The same random bits are compared with a rising limit for each branch.
     """
     is_chain = len(s.branches) > 1
-    bits = binary(">>", random_bits(s.stream, scope, w), literal(1, "u32"), "u32")
+    bits = random_bits(s.stream, scope, w) >> 1
     if is_chain or s.otherwise:
         bits = w.keep("word", bits)
     happens: list[Value] = []
@@ -82,28 +85,31 @@ def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value]
             limit = _next_limit(lower, branch.test, scope, w)
         if is_chain:
             limit = w.keep(_branch_name(branch, "limit"), limit)
-        hit = binary("<", bits, limit, "bool")
+        hit = bits < limit
         if lower is not None:
-            hit = binary("&", hit, binary(">=", bits, lower, "bool"), "bool")
+            hit = hit & (bits >= lower)
         name = _branch_name(branch, "happens") if is_chain else "happens"
         happens.append(w.keep(name, hit))
         lower = limit
     assert lower is not None
-    any_happens = binary("<", bits, lower, "bool") if is_chain else happens[0]
-    return happens, invert(any_happens)
+    any_happens = bits < lower if is_chain else happens[0]
+    return happens, ~any_happens
 
 
 def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns the limit below which a draw makes the first branch of a chain happen."""
-    p = _probability(probability, scope, w)
-    return Value(call("threshold", _array(p)), "u32", p.axes)
+    return _threshold(_probability(probability, scope, w))
+
+
+def _threshold(p: Value) -> Value:
+    return Value(call("threshold", _array(p, p.axes)), "u32", p.axes)
 
 
 def _next_limit(lower: Value, probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns the limit below which a branch of a chain happens, or one before it."""
     with w.deciding():
         p = operand(probability, _probability(probability, scope, w), w)
-    axes = union(lower.axes, p.axes)
+    axes = axes_of(lower, p)
     return Value(call("next_threshold", aligned(lower, axes), _array(p, axes)), "u32", axes)
 
 
@@ -119,34 +125,53 @@ def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     Where only a guard keeps it from being negative, rounding may bring it below 0: it is 0 then.
     """
     with w.deciding():
-        p = real(e, scope.always(), w)
+        p = real(e, scope, w)
     if e.type.low < 0:
-        return replace(p, node=call("jnp.maximum", p.node, Literal(0.0)))
+        return called("jnp.maximum", p, 0.0)
     return p
 
 
-def _array(p: Value, axes: tuple[Axis, ...] | None = None) -> Expression:
-    """Returns a probability as an array, lined up with axes."""
-    return scalar(p.node, "f32") if p.literal else aligned(p, p.axes if axes is None else axes)
+def _array(p: Value, axes: Axes) -> Expression:
+    """Returns a probability as an array, aligned with axes."""
+    return scalar(p.node, "f32") if p.literal else aligned(p, axes)
 
 
 def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
-    """Returns a drawn number or word."""
-    bits = random_bits(s.stream, scope, w)
-    if s.weights:
-        return w.keep(s.name, _weighted(s, bits, scope, w))
+    """Returns a drawn number or word; of a row, those of its entries along a level."""
+    if s.by is None:
+        bits = random_bits(s.stream, scope, w)
+        return w.keep(s.name, _drawn(s, bits, scope, w))
+    entries = w.axis(s.name, w.module.num_entries(s.by))
+    bits = random_bits(s.stream, scope, w, entries)
+    drawn = _dealt(s, bits) if s.different else _drawn(s, bits, scope, w)
+    axes = tuple(axis for axis in drawn.axes if axis != entries)
+    return w.keep(s.name, Value(aligned(drawn, (*axes, entries)), drawn.dtype, axes, levels=1))
+
+
+def _dealt(s: ir.Draw, bits: Value) -> Value:
+    """Returns different words' numbers, or different whole numbers, for the last axis of `bits`."""
     if s.words:
-        place = Cast(call("below", bits.node, Literal(len(s.words))), "u8")
-        return w.keep(s.name, Value(place, "u8", bits.axes))
+        return Value(Cast(call("dealt_values", bits.node, len(s.words)), "u8"), "u8", bits.axes)
+    low = int(s.type.low)
+    size = int(s.type.high) - low + 1
+    return Value(call("dealt_values", bits.node, size), "i32", bits.axes) + low
+
+
+def _drawn(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
+    """Returns the number or word that random bits stand for."""
+    if s.weights:
+        return _weighted(s, bits, scope, w)
+    if s.words:
+        place = Cast(call("below", bits.node, len(s.words)), "u8")
+        return Value(place, "u8", bits.axes)
     assert s.low is not None and s.high is not None
     if s.type.kind == "real":
-        return w.keep(s.name, _between(s, s.low, s.high, bits, scope, w))
-    low = as_dtype(w.value(s.low, scope.always()), "i32")
-    high = as_dtype(w.value(s.high, scope.always()), "i32")
-    span = binary("+", binary("-", high, low, "i32"), literal(1, "i32"), "i32")
-    axes = union(bits.axes, span.axes)
-    drawn = Value(call("below", aligned(bits, axes), aligned(span, axes)), "i32", axes)
-    return w.keep(s.name, binary("+", drawn, low, "i32"))
+        return _between(s, s.low, s.high, bits, scope, w)
+    low = as_dtype(w.value(s.low, scope), "i32")
+    high = as_dtype(w.value(s.high, scope), "i32")
+    span = high - low + 1
+    drawn = called("below", bits, span, dtype="i32")
+    return drawn + low
 
 
 def _between(
@@ -154,37 +179,34 @@ def _between(
 ) -> Value:
     """Returns a real drawn between two others."""
     with w.deciding(s.name in w.module.deciding.variables):
-        start = operand(low, real(low, scope.always(), w), w)
-        end = operand(high, real(high, scope.always(), w), w)
-        share = replace(bits, node=call("unit", bits.node), dtype="f32")
-        offset = binary("*", binary("-", end, start, "f32"), share, "f32")
+        start = operand(low, real(low, scope, w), w)
+        end = operand(high, real(high, scope, w), w)
+        offset = (end - start) * called("unit", bits, dtype="f32")
         if w.exact:
-            offset = replace(offset, node=call("exactly", offset.node))
-        return binary("+", start, offset, "f32")
+            offset = called("exactly", offset)
+        return start + offset
 
 
 def _weighted(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
     """Returns a word's number, or a whole number, drawn with weights."""
-    shifted = w.keep("word", binary(">>", bits, literal(1, "u32"), "u32"))
+    shifted = w.keep("word", bits >> 1)
     total: Value | None = None
     place = literal(0, "i32")
     for weight in s.weights[:-1]:
         with w.deciding():
             p = _probability(weight, scope, w)
             total = p if total is None else _add_weight(total, weight, p, w)
-        limit = Value(call("threshold", _array(total)), "u32", total.axes)
-        is_later = as_dtype(binary(">=", shifted, limit, "bool"), "i32")
-        place = binary("+", place, is_later, "i32")
+        place = place + as_dtype(shifted >= _threshold(total), "i32")
     if s.numbers:
-        values = constant(list(s.numbers))
+        values = list(s.numbers)
         comment = f"what `{s.name}` is drawn from"
         table = w.module.constant(f"{s.name}_values", values, comment, "i32")
-        return replace(place, node=Index(table, (place.node,)))
+        return replace(place, node=table[place.node])
     return as_dtype(place, "u8")
 
 
 def _add_weight(total: Value, weight: ir.Expr, p: Value, w: Writer) -> Value:
     """Returns the sum of some weights and the next one."""
     if not total.literal:
-        total = replace(total, node=call("exactly", total.node))
-    return binary("+", total, operand(weight, p, w), "f32")
+        total = called("exactly", total)
+    return total + operand(weight, p, w)

@@ -8,19 +8,29 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.lower.axes import (
+    Axes,
     Axis,
     Value,
     aligned,
     as_dtype,
-    binary,
+    axes_of,
     literal,
+    looked_up,
+    row_aligned,
     select,
     taken,
     union,
 )
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    NEW_AXIS,
+    Expression,
+    as_array,
+    call,
+    reduction,
+)
 
 ABSENT = 255  # the number of a word in a set that does not have it
 
@@ -36,18 +46,15 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
     key = row_key(e.key, e.row.type.by[0], scope, w)
     if key.literal or not row.axes:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
-    axes = union(row.axes, key.axes)
+    axes = axes_of(row, key)
     if e.type.kind == "agents" and row.levels == 2:
-        found = array.call("entry", numbers_first(aligned_row(row, axes)), aligned(key, axes))
-        return Value(numbers_last(found), row.dtype, axes, 1)
+        sets = call("entry", numbers_first(row_aligned(row, axes)), aligned(key, axes))
+        return Value(numbers_last(sets), row.dtype, axes, 1)
     if row.levels != 1:
-        instead = "write one of the words out with `case`"
-        raise NotSupported(
-            "a table of several levels by words that differ from member to member",
-            e.origin,
-            instead,
-        )
-    return Value(array.call("entry", aligned_row(row, axes), aligned(key, axes)), row.dtype, axes)
+        feature = "a table of several levels by words that differ from member to member"
+        raise NotSupported(feature, e.origin, "write one of the words out with `case`")
+    node = call("entry", row_aligned(row, axes), aligned(key, axes))
+    return Value(node, row.dtype, axes)
 
 
 def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
@@ -63,7 +70,7 @@ def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value
         case "word":
             return to_words(key, e.type.words, level.names, w)
         case "number":
-            return binary("-", as_dtype(key, "i32"), literal(level.first, "i32"), "i32")
+            return as_dtype(key, "i32") - level.first
         case "agent":
             return key
 
@@ -81,51 +88,40 @@ def unrolled(row: Value, along: Axis) -> Value:
     first_level = len(row.axes)
     node = row.node
     if place != first_level:
-        node = array.call("jnp.moveaxis", node, array.Literal(first_level), array.Literal(place))
+        node = call("jnp.moveaxis", node, first_level, place)
     return replace(row, node=node, axes=axes, levels=row.levels - 1)
 
 
-def rolled(node: array.Expression, axes: tuple[Axis, ...], along: Axis) -> array.Expression:
+def rolled(node: Expression, axes: Axes, along: Axis) -> Expression:
     """Returns an array over axes with one of them last: the inverse of `unrolled`."""
     place = axes.index(along)
     last = len(axes) - 1
     if place == last:
         return node
-    return array.call("jnp.moveaxis", node, array.Literal(place), array.Literal(last))
+    return call("jnp.moveaxis", node, place, last)
 
 
-def aligned_row(row: Value, axes: tuple[Axis, ...]) -> array.Expression:
-    """Returns a row lined up with axes, its levels last."""
-    if row.axes == axes:
-        return row.node
-    return array.Index(
-        row.node, tuple(array.ALL if a in row.axes else array.NEW_AXIS for a in axes)
-    )
-
-
-def numbers_first(sets: array.Expression) -> array.Expression:
+def numbers_first(sets: Expression) -> Expression:
     """Returns large sets with the axis of their numbers first, so that entries come last."""
-    return array.call("jnp.moveaxis", sets, array.Literal(-1), array.Literal(0))
+    return call("jnp.moveaxis", sets, -1, 0)
 
 
-def numbers_last(sets: array.Expression) -> array.Expression:
+def numbers_last(sets: Expression) -> Expression:
     """Returns large sets as they are stored: the inverse of `numbers_first`."""
-    return array.call("jnp.moveaxis", sets, array.Literal(0), array.Literal(-1))
+    return call("jnp.moveaxis", sets, 0, -1)
 
 
 def _expected(row: Value, shares: Value, w: Writer) -> Value:
-    axes = union(row.axes, shares.axes)
-    left = aligned_row(shares, axes)
+    axes = axes_of(row, shares)
+    left = row_aligned(shares, axes)
     if row.levels > 1:
-        left = array.Index(
-            left, (*[array.ALL] * (len(axes) + 1), *[array.NEW_AXIS] * (row.levels - 1))
-        )
-    products = array.Binary("*", left, aligned_row(as_dtype(row, "f32"), axes))
+        left = left[*[ALL] * (len(axes) + 1), *[NEW_AXIS] * (row.levels - 1)]
+    products = left * row_aligned(as_dtype(row, "f32"), axes)
     place = len(axes)
     if w.exact:
-        total: array.Expression = array.call("sum_in_order", products, array.Literal(place))
+        total: Expression = call("sum_in_order", products, place)
     else:
-        total = array.reduction("sum", products, (place,), "f32")
+        total = reduction("sum", products, (place,), "f32")
     expected = Value(total, "f32", axes, row.levels - 1)
     return w.keep("expected" if row.levels == 1 else "expected_row", expected)
 
@@ -152,10 +148,8 @@ def to_words(
     shift = numbers[-1] - (len(numbers) - 1)
     shifted = [(shift + i) % 256 for i in range(len(numbers))]
     if numbers[1:] == shifted[1:] and (numbers[0] == shifted[0] or len(numbers) > 4):
-        moved = binary("-" if shift < 0 else "+", value, literal(abs(shift), "u8"), "u8")
+        moved = value - abs(shift) if shift < 0 else value + shift
         if numbers[0] == shifted[0]:
             return moved
-        is_first = binary("==", value, literal(0, "u8"), "bool")
-        return select(is_first, literal(numbers[0], "u8"), moved)
-    table = array.as_array(array.constant(numbers), "u8")
-    return replace(value, node=array.Index(table, (value.node,)))
+        return select(value.eq(0), numbers[0], moved)
+    return looked_up(as_array(numbers, "u8"), value, "u8")

@@ -1,7 +1,8 @@
 """Lowers expressions to array expressions."""
 
 from dataclasses import replace
-from functools import reduce
+from functools import partial, reduce
+from operator import and_, or_
 from typing import Literal as OneOf
 from typing import assert_never
 
@@ -10,31 +11,39 @@ from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS
 from sjdsl.compiler.lower import chosen, state_reads
-from sjdsl.compiler.lower.aggregates import extreme, total
+from sjdsl.compiler.lower.aggregates import count, extreme, total
 from sjdsl.compiler.lower.axes import (
     TRUE,
     Value,
     aligned,
     as_dtype,
+    axes_of,
     binary,
-    both,
-    either,
+    called,
     float32,
-    invert,
     literal,
+    row_aligned,
     select,
     summed,
-    union,
 )
 from sjdsl.compiler.lower.condition_names import condition_name, value_name
-from sjdsl.compiler.lower.entries import aligned_row, entry, numbers_first, numbers_last, to_words
+from sjdsl.compiler.lower.entries import entry, numbers_first, numbers_last, to_words
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import NOBODY, Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Binary,
+    DType,
+    Expression,
+    Unary,
+    call,
+    path,
+    reduction,
+    scalar,
+)
 
 LARGE = 8  # nodes of a defined condition from which on it keeps its name
 ARMS = 4  # of one nested selection
-VALUE_DTYPES: dict[str, array.DType] = {
+VALUE_DTYPES: dict[str, DType] = {
     "int": "i32",
     "real": "f32",
     "word": "u8",
@@ -56,7 +65,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Nowhere():
             return state_reads.no_cell(w)
         case ir.ParamRef():
-            node = array.path(f"params.{param_attribute(e.name)}")
+            node = path(f"params.{param_attribute(e.name)}")
             return Value(node, VALUE_DTYPES[e.type.kind], (), len(e.type.by))
         case ir.Member():
             return scope.variables[e.name].number
@@ -76,44 +85,46 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return arithmetic(e, scope, w)
         case ir.Compare():
             left, right = _numbers((e.left, e.right), scope, w)
-            return binary(e.fn, left, right, "bool")
+            return binary(e.fn, left, right)
         case ir.Same():
             return same(e, scope, w)
         case ir.InRange():
             value, low, high = _numbers((e.value, e.low, e.high), scope, w)
-            return both(binary(">=", value, low, "bool"), binary("<=", value, high, "bool"))
+            return (value >= low) & (value <= high)
         case ir.InWords():
             return _is_one_of(lower(e.value, scope, w), e.words, e.value, w)
         case ir.InSet():
             return in_set(e, scope, w)
         case ir.IsEmpty():
-            container = lower(e.container, scope, w)
-            empty = binary("==", container, literal(0, "u32"), "bool")
-            if not container.levels:
+            empty = lower(e.container, scope, w).eq(0)
+            if not empty.levels:
                 return empty
-            return replace(empty, node=array.reduction("all", empty.node, (-1,)), levels=0)
+            return replace(empty, node=reduction("all", empty.node, (-1,)), levels=0)
         case ir.Chose():
-            action = Value(w.module.action(e.action), "i32")
-            return binary("==", chosen.action_of(e.agent, scope), action, "bool")
+            return chosen.action_of(e.agent, scope).eq(w.module.action(e.action))
         case ir.Unoccupied():
             cell = owner(e.cell, scope, w)
             assert isinstance(cell, CellVar)
-            return invert(state_reads.occupied(cell, w))
+            return ~state_reads.occupied(cell, w)
         case ir.StandsOn():
             _, is_on = state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)
             return is_on
         case ir.StandsAt():
-            return stands_at(e, scope, w)
+            # One that is away is on cell 0 of the frame, which is no cell of the map.
+            position = state_reads.location(owner(e.agent, scope, w), w)
+            return position.eq(state_reads.location(owner(e.cell, scope, w), w))
         case ir.ChoseWith():
             return chosen.chose_with(e, scope, w)
         case ir.ArgumentOf():
             return chosen.argument_of(e, scope, w)
         case ir.Not():
-            return invert(lower(e.value, scope, w))
+            return ~lower(e.value, scope, w)
         case ir.Logic():
             parts = [lower(a, scope, w) for a in e.args]
-            return either(parts) if e.fn == "or" else both(*parts)
-        case ir.Count() | ir.Sum():
+            return reduce(or_ if e.fn == "or" else and_, parts)
+        case ir.Count():
+            return count(e, scope, w)
+        case ir.Sum():
             return total(e, scope, w)
         case ir.Extreme():
             return extreme(e, scope, w)
@@ -122,13 +133,12 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Lowest():
             with w.deciding():
                 row = lower(e.row, scope, w)
-            node = array.call("highest" if e.last else "lowest", row.node)
+            node = call("highest" if e.last else "lowest", row.node)
             return replace(row, node=node, dtype="u8", levels=0)
         case ir.Mix():
             row = lower(e.row, scope, w)
-            shares = array.call("exact_mix" if w.exact else "mix", row.node)
-            name = value_name(e.row)
-            name = f"{name}_shares" if name else "shares"
+            shares = call("exact_mix" if w.exact else "mix", row.node)
+            name = f"{value_name(e.row)}_shares".strip("_")
             return w.keep(name, Value(shares, "f32", row.axes, 1))
         case ir.ShiftRow():
             return shift(e, scope, w)
@@ -159,25 +169,24 @@ def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
     container = lower(e.container, scope, w)
     value = lower(e.value, scope, w)
     if container.levels:
-        axes = union(container.axes, value.axes)
-        node = array.call("has_member", aligned_row(container, axes), aligned(value, axes))
+        axes = axes_of(container, value)
+        node = call("has_member", row_aligned(container, axes), aligned(value, axes))
         return Value(node, "bool", axes)
-    shifted = binary(">>", as_dtype(container, "u32"), as_dtype(value, "u32"), "u32")
-    bit = binary("&", shifted, literal(1, "u32"), "u32")
-    return binary("!=", bit, literal(0, "u32"), "bool")
+    shifted = as_dtype(container, "u32") >> as_dtype(value, "u32")
+    return (shifted & 1).ne(0)
 
 
 def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
     """Returns the sum or an extreme of all entries of a row."""
     row = lower(e.row, scope, w)
-    reduction = REDUCTIONS[e.fn]
-    node: array.Expression
-    if not reduction.adds:
-        node = array.reduction(reduction.array, row.node, (-1,), None)
+    folding = REDUCTIONS[e.fn]
+    node: Expression
+    if not folding.adds:
+        node = reduction(folding.array, row.node, (-1,), None)
     elif w.exact and row.dtype == "f32":
-        node = array.call("exact_sum", row.node, array.Literal(len(row.axes)))
+        node = call("exact_sum", row.node, len(row.axes))
     else:
-        node = array.reduction(reduction.array, summed(row.node, row.dtype), (-1,), row.dtype)
+        node = reduction(folding.array, summed(row.node, row.dtype), (-1,), row.dtype)
     return replace(row, node=node, levels=0)
 
 
@@ -198,16 +207,15 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
             filler = as_dtype(filler, VALUE_DTYPES[kind])
         case _:
             pass
-    axes = union(row.axes, filler.axes)
-    entries = aligned_row(row, axes)
-    fill = array.scalar(filler.node, row.dtype) if filler.literal else aligned_row(filler, axes)
-    if row.levels > 1:  # of large sets
-        if not filler.literal:
-            fill = numbers_first(fill)
-        moved = array.call("shifted", numbers_first(entries), array.Literal(e.by), fill)
-        return replace(row, node=numbers_last(moved), axes=axes)
-    moved = array.call("shifted", entries, array.Literal(e.by), fill)
-    return replace(row, node=moved, axes=axes)
+    axes = axes_of(row, filler)
+    entries = row_aligned(row, axes)
+    fill = scalar(filler.node, row.dtype) if filler.literal else row_aligned(filler, axes)
+    if row.levels == 1:
+        return replace(row, node=call("shifted", entries, e.by, fill), axes=axes)
+    if not filler.literal:
+        fill = numbers_first(fill)
+    moved = call("shifted", numbers_first(entries), e.by, fill)  # rows of large sets
+    return replace(row, node=numbers_last(moved), axes=axes)
 
 
 def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -248,8 +256,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     variable = owner(e.owner, scope, w)
     if e.name in ("row", "col"):
         in_frame = _in_frame(variable, e.name, w)
-        pad = array.Literal(w.module.layout.pad, "PAD")
-        return replace(in_frame, node=array.Binary("-", in_frame.node, pad))
+        return replace(in_frame, node=in_frame.node - w.module.pad)
     assert isinstance(variable, AgentVar)
     match e.name:
         case "index":
@@ -259,20 +266,16 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
         case "moved":
             return state_reads.moved(variable, w)
         case "away":
-            return invert(state_reads.present(variable, w))
+            return ~state_reads.present(variable, w)
         case _:
             raise AssertionError(e)
 
 
 def _in_frame(variable: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
     """Returns the row or column of an agent or a cell in the frame around the map."""
-    if isinstance(variable, AgentVar):
-        at = state_reads.position(variable, w)
-    else:
-        at = state_reads.cell(variable, w)
-    cols = w.module.number("frame_cols", w.module.layout.cols)
+    at = state_reads.location(variable, w)
     op = "//" if side == "row" else "%"
-    return w.keep(side, Value(array.Binary(op, at.node, cols), "i32", at.axes))
+    return w.keep(side, replace(at, node=Binary(op, at.node, w.module.frame_cols)))
 
 
 def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
@@ -283,28 +286,13 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
         if isinstance(cell, CellVar) and cell.seen and isinstance(observer, AgentVar):
             if observer.axis == cell.seen[0]:
                 return state_reads.seen_steps(w, *cell.seen)
-    rows = binary("-", _in_frame(a, "row", w), _in_frame(b, "row", w), "i32")
-    cols = binary("-", _in_frame(a, "col", w), _in_frame(b, "col", w), "i32")
+    rows = _in_frame(a, "row", w) - _in_frame(b, "row", w)
+    cols = _in_frame(a, "col", w) - _in_frame(b, "col", w)
     layout = w.module.layout
     if layout.wraps:
-        height = array.Literal(layout.height)
-        width = array.Literal(layout.width)
-        rows = replace(rows, node=array.call("shorter_way", rows.node, height))
-        cols = replace(cols, node=array.call("shorter_way", cols.node, width))
-    rows = replace(rows, node=array.call("jnp.abs", rows.node))
-    cols = replace(cols, node=array.call("jnp.abs", cols.node))
-    return w.keep("distance", binary("+", rows, cols, "i32"))
-
-
-def stands_at(e: ir.StandsAt, scope: IterationScope, w: Writer) -> Value:
-    """Returns whether an agent or a mover is on a cell.
-
-    One that is away is on cell 0 of the frame, which is no cell of the map.
-    """
-    cell = owner(e.cell, scope, w)
-    assert isinstance(cell, CellVar)
-    position = state_reads.position(agent(e.agent, scope, w), w)
-    return binary("==", position, state_reads.cell(cell, w), "bool")
+        rows = called("shorter_way", rows, layout.height)
+        cols = called("shorter_way", cols, layout.width)
+    return w.keep("distance", called("jnp.abs", rows) + called("jnp.abs", cols))
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
@@ -312,7 +300,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     operation = CALCULATIONS[e.fn]
     dtype = VALUE_DTYPES[e.type.kind]
     is_whole = dtype == "i32" and all(a.type.kind == "int" for a in e.args)
-    args_dtype: array.DType = "i32" if is_whole else "f32"
+    args_dtype: DType = "i32" if is_whole else "f32"
     with w.deciding(operation.kind == "whole"):
         args = [as_dtype(lower(a, scope, w), args_dtype) for a in e.args]
     are_literal = all(a.literal for a in args)
@@ -320,20 +308,20 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
         if operation.rounding is not None or operation.exact:
             args = [operand(a, value, w) for a, value in zip(e.args, args, strict=True)]
         if operation.exact:
-            return _called(operation.exact, args, dtype)
+            return called(operation.exact, *args, dtype=dtype)
     is_operator = not operation.array[0].isalpha()
     if is_operator and len(args) == 2:
-        return binary(operation.array, args[0], args[1], dtype)
+        return binary(operation.array, args[0], args[1])
     if is_operator and are_literal:
         return literal(operation.fold(args[0].number), args_dtype)
     if is_operator:
-        return replace(args[0], node=array.Unary(operation.array, args[0].node))
+        return replace(args[0], node=Unary(operation.array, args[0].node))
     if are_literal and operation.rounding is None:
         numbers = [a.number if args_dtype == dtype else float32(a.number) for a in args]
         return literal(operation.fold(*numbers), dtype)
     if operation.least == operation.most:
-        return as_dtype(_called(operation.array, args, args_dtype), dtype)
-    return reduce(lambda left, right: _called(operation.array, [left, right], dtype), args)
+        return as_dtype(called(operation.array, *args), dtype)
+    return reduce(partial(called, operation.array), args)
 
 
 def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
@@ -341,29 +329,23 @@ def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
 
     Written numbers and parameters are float32 anyway.
     """
-    if not w.exact or value.dtype != "f32" or value.literal or _is_given(e):
+    if not w.exact or value.dtype != "f32" or value.literal or _is_unrounded(e):
         return value
-    return replace(value, node=array.call("exactly", value.node))
+    return called("exactly", value)
 
 
-def _is_given(e: ir.Expr) -> bool:
+def _is_unrounded(e: ir.Expr) -> bool:
     """Returns whether a number is no result of the arithmetic of reals.
 
     Such are written numbers, parameters and whole numbers.
     """
     match e:
         case ir.Named():
-            return _is_given(e.value)
+            return _is_unrounded(e.value)
         case ir.At() if e.key.type.kind != "mix":
-            return _is_given(e.row)
+            return _is_unrounded(e.row)
         case _:
             return isinstance(e, ir.Number | ir.ParamRef) or e.type.kind == "int"
-
-
-def _called(kernel: str, args: list[Value], dtype: array.DType) -> Value:
-    """Returns a call of a function of arrays."""
-    axes = union(*(a.axes for a in args))
-    return Value(array.call(kernel, *(aligned(a, axes) for a in args)), dtype, axes)
 
 
 def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
@@ -371,7 +353,7 @@ def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
     if is_cell(e.left):
         left = state_reads.kept_cell(e.left, scope, w)
         right = state_reads.kept_cell(e.right, scope, w)
-        return binary("==", left, right, "bool")
+        return left.eq(right)
     left = lower(e.left, scope, w)
     right = lower(e.right, scope, w)
     if e.left.type.kind == "word":
@@ -385,14 +367,14 @@ def same(e: ir.Same, scope: IterationScope, w: Writer) -> Value:
             words = tuple(dict.fromkeys(left_words + right_words))
             left = to_words(left, left_words, words, w)
             right = to_words(right, right_words, words, w)
-    return binary("==", left, right, "bool")
+    return left.eq(right)
 
 
 def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer) -> list[Value]:
     """Returns numbers to be compared: reals if one of them is one."""
     with w.deciding():
         values = [lower(x, scope, w) for x in expressions]
-    dtype: array.DType = "f32" if any(v.dtype == "f32" for v in values) else "i32"
+    dtype: DType = "f32" if any(v.dtype == "f32" for v in values) else "i32"
     return [as_dtype(v, dtype) for v in values]
 
 
@@ -400,7 +382,7 @@ def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> V
     """Returns whether a word is one of some. e: what the value is of."""
     declared = declared_by(e, w)
     numbers = [w.module.word(word, e.type.words, declared) for word in words]
-    return either([binary("==", value, number, "bool") for number in numbers])
+    return reduce(or_, [value.eq(number) for number in numbers])
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
@@ -432,11 +414,11 @@ def first_of(arms: list[tuple[Value, Value]], otherwise: Value, w: Writer) -> Va
 
 def _arm_test(e: ir.Case, arm: ir.Arm, subject: Value, w: Writer) -> Value:
     if e.subject.type.kind == "condition":
-        return subject if arm.words == ("yes",) else invert(subject)
+        return subject if arm.words == ("yes",) else ~subject
     if arm.words:
         return _is_one_of(subject, arm.words, e.subject, w)
     if arm.low is not None and arm.low == arm.high:
-        return binary("==", subject, literal(arm.low, "i32"), "bool")
-    low = TRUE if arm.low is None else binary(">=", subject, literal(arm.low, "i32"), "bool")
-    high = TRUE if arm.high is None else binary("<=", subject, literal(arm.high, "i32"), "bool")
-    return both(low, high)
+        return subject.eq(arm.low)
+    low = TRUE if arm.low is None else subject >= arm.low
+    high = TRUE if arm.high is None else subject <= arm.high
+    return low & high

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import reduce
+from operator import or_
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
@@ -11,14 +13,12 @@ from sjdsl.compiler.lower.axes import (
     TRUE,
     Axis,
     Value,
-    both,
     iota,
 )
-from sjdsl.compiler.lower.per_agent import any_of
 from sjdsl.compiler.lower.pools import Pool
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Expression, Literal, Name, Where, call
 
 
 def fitting_cells(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> Value:
@@ -28,17 +28,17 @@ def fitting_cells(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> V
     """
     assert s.domain.where is not None
     cell = CellVar(iota(axis), s.domain.var.kinds, axis)
-    inner = scope.binding(**{s.domain.var.name: cell})
+    inner = scope.binding(s.domain.var.name, cell)
     return w.value(s.domain.where, replace(inner, axes=(*scope.axes, axis)))
 
 
 def free_cells(
     pool: Pool,
-    leaving: array.Expression | None,
+    leaving: Expression | None,
     same_for_all: bool,
     w: Writer,
-    entered: Iterable[tuple[Pool, array.Name]] = (),
-) -> array.Expression:
+    entered: Iterable[tuple[Pool, Name]] = (),
+) -> Expression:
     """Returns which cells of a destination are free, `[S]` bool.
 
     leaving: whose cells count as free, `[N]` bool. same_for_all: whether the same cells fit
@@ -49,38 +49,40 @@ def free_cells(
     axis = w.axis("destination", extent)
     free = TRUE
 
-    def without(name: str, sites: array.Expression) -> Value:
-        taken = array.call("occupied", w.keep_node(name, sites, "i32"), extent)
-        return both(free, Value(array.Unary("~", taken), "bool", (axis,)))
+    def empty(name: str, sites: Expression) -> Value:
+        """Returns which cells are not among those that others stand on."""
+        taken = call("occupied", w.keep_node(name, sites, "i32"), extent)
+        return Value(~taken, "bool", (axis,))
 
     if pool.phase != "start":
-        free = without("others", _sites_of_others(pool, leaving, w))
-    placed: dict[ir.Sort, list[array.Expression]] = {}
+        free = empty("others", _sites_of_others(pool, leaving, w))
+    placed: dict[ir.Sort, list[Expression]] = {}
     for other, who in entered:
         if set(other.kinds) & set(pool.kinds):
             placed.setdefault(other.sort, []).append(who)
     for sort, masks in placed.items():
         positions = w.current(attribute_of("position", sort))
-        cells = array.Where(any_of(masks), positions, state_reads.nowhere(w).node)
-        free = without("entered", state_reads.site_at(Value(cells, "i32"), pool.kinds, w).node)
+        cells = Where(reduce(or_, masks), positions, state_reads.nowhere(w).node)
+        sites = state_reads.site_at(Value(cells, "i32"), pool.kinds, w)
+        free = free & empty("entered", sites.node)
     if pool.send.domain.where is not None and same_for_all:
-        free = both(free, fitting_cells(pool.send, axis, IterationScope(), w))
+        free = free & fitting_cells(pool.send, axis, IterationScope(), w)
     if free == TRUE:
-        return array.Literal(None)  # all of them
+        return Literal(None)  # all of them
     if not free.axes:
-        return array.call("jnp.full", extent, free.node)
+        return call("jnp.full", extent, free.node)
     return w.keep("free", free).node
 
 
-def _sites_of_others(pool: Pool, leaving: array.Expression | None, w: Writer) -> array.Expression:
+def _sites_of_others(pool: Pool, leaving: Expression | None, w: Writer) -> Expression:
     """Returns which cells of a destination agents and movers stand on, those of its sort first."""
-    sites: list[array.Expression] = []
+    sites: list[Expression] = []
     for sort in sorted(body_sorts(w.module.game), key=lambda sort: sort != pool.sort):
         site, _ = state_reads.site_under(state_reads.everybody(w, sort), pool.kinds, w)
         if leaving is None or sort != pool.sort:
             sites.append(site.node)
         else:
-            sites.append(array.Where(leaving, w.module.num_cells(pool.kinds), site.node))
+            sites.append(Where(leaving, w.module.num_cells(pool.kinds), site.node))
     if len(sites) == 1:
         return sites[0]
-    return array.call("jnp.concatenate", array.Sequence(tuple(sites), is_list=True))
+    return call("jnp.concatenate", sites)

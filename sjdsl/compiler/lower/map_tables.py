@@ -5,7 +5,7 @@ from functools import cached_property
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import blocks_always, glyphs_of
-from sjdsl.compiler.program.expressions import Expression, Index, Literal, Name, call, constant
+from sjdsl.compiler.program.expressions import Expression, Literal, Name, call
 
 MAP = (Name("MAP"), Name("PAD"))
 
@@ -42,11 +42,13 @@ class Layout:
     def pad(self) -> int:
         """Cells of padding on each side: as far as a window or a shape reaches."""
         view = self.game.window
-        reach = [max(abs(a), abs(c)) for s in self.game.shapes for lane in s.lanes for a, c in lane]
+        lanes = [lane for shape in self.game.shapes for lane in shape.lanes]
+        reach = [max(abs(ahead), abs(right)) for lane in lanes for ahead, right in lane]
         along = max(view.ahead, view.behind)
         across = max(view.left, view.right)
-        corner = along == across  # then a window could show cell 0, which stands for nowhere
-        return max(along + corner, across + corner, 1, *reach)
+        if along == across:  # then a window could show cell 0, which stands for nowhere
+            along += 1
+        return max(along, across, 1, *reach)
 
     @property
     def cols(self) -> int:
@@ -68,7 +70,7 @@ class Layout:
         return sum(row.count(glyph) for glyph in glyphs for row in self.game.rows)
 
     def cells_table(self, kinds: tuple[str, ...]) -> Expression:
-        return call("cells_of", *MAP, Literal(self.glyphs(kinds)))
+        return call("cells_of", *MAP, self.glyphs(kinds))
 
     def site_table(self, kinds: tuple[str, ...]) -> Expression:
         """The number of each cell of the frame among the cells of the kinds; past the end: none."""
@@ -76,39 +78,34 @@ class Layout:
 
     def order_table(self, kinds: tuple[str, ...]) -> Expression:
         """The places of a group's cells in reading order, where they are listed kind by kind."""
-        return call("reading_order", MAP[0], constant([self.glyphs((kind,)) for kind in kinds]))
+        return call("reading_order", MAP[0], [self.glyphs((kind,)) for kind in kinds])
 
     def numbers_table(self, group: tuple[str, ...], kind: str) -> Expression:
         """The number of each cell of a group among the cells of one kind.
 
         It is past the end for cells of other kinds, and once more at the end.
         """
-        group_glyphs = Literal(self.glyphs(group))
-        return call("numbers_among", MAP[0], group_glyphs, Literal(self.glyphs((kind,))))
+        return call("numbers_among", MAP[0], self.glyphs(group), self.glyphs((kind,)))
 
     def starts_table(
         self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str
     ) -> Expression:
         """The starting values of a kind's field, cell by cell."""
-        values = {
-            g.glyph: encode[dict(g.starts).get(field.name, field.start)]
-            for g in self.game.glyphs
-            if g.kind == kind
-        }
-        return call("values_of", MAP[0], constant(values), Literal(dtype))
+        values = {}
+        for meaning in self.game.glyphs:
+            if meaning.kind == kind:
+                values[meaning.glyph] = encode[dict(meaning.starts).get(field.name, field.start)]
+        return call("values_of", MAP[0], values, dtype)
 
     def starts(self, kind: str, field: ir.VarField) -> set[object]:
         """Returns the starting values that a kind's field has on this map."""
-        used = {g for row in self.game.rows for g in row}
-        return {
-            dict(g.starts).get(field.name, field.start)
-            for g in self.game.glyphs
-            if g.kind == kind and g.glyph in used
-        }
+        glyphs = set().union(*self.game.rows)
+        on_map = [g for g in self.game.glyphs if g.kind == kind and g.glyph in glyphs]
+        return {dict(g.starts).get(field.name, field.start) for g in on_map}
 
     def base_table(self, looks: dict[str, int]) -> Expression:
         """The frame painted with one number a kind."""
-        return call("painted", *MAP, constant({g.glyph: looks[g.kind] for g in self.game.glyphs}))
+        return call("painted", *MAP, {g.glyph: looks[g.kind] for g in self.game.glyphs})
 
     @property
     def view_table(self) -> Expression:
@@ -157,15 +154,15 @@ class Layout:
         return self.glyphs(tuple(kinds))
 
     def blocking_table(self, name: str) -> Expression:
-        return call("blocking", *MAP, Literal(self.blocking_glyphs(name)))
+        return call("blocking", *MAP, self.blocking_glyphs(name))
 
     def next_table(self, name: str = "agents") -> Expression:
         """The cell that a step leads agents or movers to, by cell and direction."""
-        return call("next_cells", *MAP, Literal(self.blocking_glyphs(name)), **self._edges)
+        return call("next_cells", *MAP, self.blocking_glyphs(name), **self._edges)
 
     def offsets_table(self, shape: ir.Shape) -> Expression:
         """What to add to a cell for each heading and each cell of a shape, lane by lane."""
-        cells = constant(tuple(cell for lane in shape.lanes for cell in lane))
+        cells = tuple(cell for lane in shape.lanes for cell in lane)
         return call("shape_offsets", *MAP, cells, **self._edges)
 
     def reach_table(self, shape: ir.Shape) -> Expression:
@@ -173,8 +170,8 @@ class Layout:
 
         They are bits, by cell and heading.
         """
-        lanes = constant(tuple(map(len, shape.lanes)))
-        glyphs = Literal(self.blocking_glyphs(shape.name))
+        lanes = tuple(map(len, shape.lanes))
+        glyphs = self.blocking_glyphs(shape.name)
         return call("lane_reach", *MAP, self.offsets_table(shape), lanes, glyphs, **self._edges)
 
     def neighbours_table(
@@ -183,7 +180,7 @@ class Layout:
         """The cells of a shape around each cell, by number among `others`; past the end: none."""
         numbers = self.site_table(others)
         if self.wraps:
-            numbers = Index(numbers, (self.edges_table,))
+            numbers = numbers[self.edges_table]
         return call("neighbours", self.cells_table(kinds), numbers, self.offsets_table(shape))
 
     def near_table(
@@ -191,4 +188,4 @@ class Layout:
     ) -> Expression:
         """The neighbours of each cell as bits."""
         neighbours = self.neighbours_table(kinds, shape, others)
-        return call("near_masks", neighbours, Literal(self.num_cells(others)))
+        return call("near_masks", neighbours, self.num_cells(others))

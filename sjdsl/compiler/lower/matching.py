@@ -1,22 +1,21 @@
 """Lowers `match`: greedy pairs of two domains in random order."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.lower.axes import Axis, Value, binary, both, iota, spread
+from sjdsl.compiler.lower.axes import Axis, Value, iota, spread
 from sjdsl.compiler.lower.domains import enter
 from sjdsl.compiler.lower.draws import KEY
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
-from sjdsl.compiler.lower.selection import mask_over, nearest, under
+from sjdsl.compiler.lower.scope import (
+    IterationScope,
+    NotSupported,
+    numbered,
+)
+from sjdsl.compiler.lower.selection import bound, nearest
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    ALL,
-    NEW_AXIS,
-    Binary,
     Cast,
     Expression,
-    Index,
     Literal,
     Name,
-    Unary,
     call,
 )
 
@@ -36,13 +35,9 @@ def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
         raise NotSupported("`match` of one certain agent", s.origin, instead)
     var = s.right.var
     partner = w.keep(var.name, _partners(s, left, w))
-    matched = binary("<", partner, Value(w.module.extent(var.sort), "i32"), "bool")
-    right: Variable
-    if var.sort.what == "cell":
-        right = CellVar(partner, var.kinds)
-    else:
-        right = AgentVar(partner, sort=var.sort)
-    inner = left.always().binding(**{var.name: right}, **under(s.right, right, w))
+    matched = partner < w.module.extent(var.sort)
+    right = numbered(var, partner)
+    inner = bound(s.right, right, left.always(), w)
     return inner.when(scope.mask).when(w.keep("matched", matched))
 
 
@@ -56,10 +51,10 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
         raise NotSupported(feature, s.origin, "match a group with itself, or with other kinds")
     size = w.module.extent(right.var.sort)
     if s.first:
-        inner, lanes, found = nearest(right, left.always(), w)
-        mask = both(left.mask, found)
+        inner, exists = nearest(right, left.always(), w)
         reached = inner.variables[right.var.name].number
-        return _among_reached(s, reached, mask, (rows, lanes), size, same_sort, w)
+        axes = (rows, inner.axes[-1])
+        return _among_reached(s, reached, left.mask & exists, axes, size, same_sort, w)
     inner = enter(right, left, w)
     cols = inner.axes[-1]
     variable = inner.variables[right.var.name]
@@ -70,13 +65,13 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     if variable.axis is None:
         return _among_reached(s, variable.number, inner.mask, (rows, cols), size, same_sort, w)
     assert size.value == cols.size
-    pairs = mask_over(inner, (rows, cols)).node
+    pairs = spread(inner.mask, (rows, cols))
     if same_sort:
-        pairs = Binary("&", pairs, Unary("~", call("jnp.eye", size, dtype=Name("bool"))))
+        pairs = pairs & ~call("jnp.eye", size, dtype=Name("bool"))
     pairs = w.keep_node("pairs", pairs, "bool")
     drawn = call("random_bits", KEY, w.stream(s.stream), rows.extent, cols.extent)
     ranks = w.keep("order", Value(call("ranks", drawn, pairs), "u32", (rows, cols)))
-    return Value(call("pair", ranks.node, alike=Literal(same_sort)), "i32", (rows,))
+    return Value(call("pair", ranks.node, alike=same_sort), "i32", (rows,))
 
 
 def _among_reached(
@@ -95,14 +90,14 @@ def _among_reached(
     rows, _ = axes
     reached = w.keep_node("reached", spread(index, axes), "i32")
     happens = spread(mask, axes)
-    left = Index(iota(rows).node, (ALL, NEW_AXIS))
+    left = iota(rows).node[:, None]
     if same_sort:
-        happens = Binary("&", happens, Binary("!=", reached, left))
-    numbers: Expression = Cast(Binary("+", Binary("*", left, size), reached), "u32")
+        happens = happens & reached.ne(left)
+    numbers: Expression = Cast(left * size + reached, "u32")
     happens = w.keep_node("pairs", happens, "bool")
     stream = w.stream(s.stream)
     instance = w.keep_node("instance", numbers, "u32")
     drawn = call("random_bits_at", KEY, stream, instance)
     ranks = w.keep("order", Value(call("ranks", drawn, happens), "u32", axes))
-    pairs = call("pair_reached", reached, ranks.node, size, alike=Literal(same_sort))
+    pairs = call("pair_reached", reached, ranks.node, size, alike=same_sort)
     return Value(pairs, "i32", (rows,))

@@ -10,44 +10,31 @@ from sjdsl.compiler.lower.axes import (
     Value,
     aligned,
     as_dtype,
-    binary,
-    both,
-    invert,
+    broadcast,
     iota,
     spread,
+    without,
 )
 from sjdsl.compiler.lower.domains import blocked_by, conditional_blocks, enter, is_empty
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.entries import to_words
 from sjdsl.compiler.lower.expressions import agent
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.state_reads import HEADING, POSITION
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    ALL,
-    NEW_AXIS,
-    Binary,
     Cast,
     Expression,
-    Index,
     Literal,
     Name,
-    Sequence,
-    Unary,
     Where,
     call,
-    constant,
     path,
+    zeros,
 )
 from sjdsl.runtime.actions import HEADINGS, STEPS, TURNS
 
 NO_STEP = 4
-POSITION, HEADING = path("state.position"), path("state.heading")
-
-
-POSITION = path("state.position")
-
-
-HEADING = path("state.heading")
 
 
 def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
@@ -55,8 +42,8 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     game = w.module.game
     inner = enter(s.domain, scope, w)
     actions = game.agents.actions
-    turns = constant([TURNS.get(action, 0) for action in actions])
-    steps = constant([STEPS.get(action, NO_STEP) for action in actions])
+    turns = [TURNS.get(action, 0) for action in actions]
+    steps = [STEPS.get(action, NO_STEP) for action in actions]
     turn = w.module.constant("turn", turns, "quarter turns to the right by action", "i32")
     step = w.module.constant("step_by", steps, "direction of a step by action; 4: none", "i32")
     comment = "where a step leads, by cell and direction; the cell itself if blocked"
@@ -65,12 +52,12 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     if inner.mask != TRUE:
         stay = Literal(actions.index("stay"), "STAY")
         chosen = w.keep_node("chosen", Where(inner.mask.node, chosen, stay), "i32")
-    w.assign("heading", Binary("&", Binary("+", HEADING, Index(turn, (chosen,))), Literal(3)))
-    stride = w.bind("stride", Index(step, (chosen,)))
-    ahead = Binary("+", w.current("heading"), stride) if game.agents.relative else stride
-    entry = Binary("+", Binary("*", POSITION, Literal(4)), Binary("&", ahead, Literal(3)))
-    stays = Binary("==", stride, w.module.number("no_step", NO_STEP))
-    target = w.bind("target", Where(stays, POSITION, Index(table, (entry,))))
+    w.assign("heading", (HEADING + turn[chosen]) & 3)
+    stride = w.bind("stride", step[chosen])
+    ahead = w.current("heading") + stride if game.agents.relative else stride
+    entry = POSITION * 4 + (ahead & 3)
+    stays = stride.eq(w.module.number("no_step", NO_STEP))
+    target = w.bind("target", Where(stays, POSITION, table[entry]))
     stay_if_blocked(agent(s.domain.var, inner, w), target, w)
     settle(s, AGENTS, target, w)
 
@@ -90,10 +77,10 @@ def settle(s: ir.Move, sort: ir.Sort, target: Name, w: Writer) -> None:
     if w.module.game.movers:  # all others stay, and whoever wants a cell of theirs stays as well
         taken = call("is_one_of", target, state_reads.all_positions(w, but=sort))
         w.set(target, Where(taken, position, target))
-    bits = call("random_bits", KEY, w.stream(s.stream), w.module.extent(sort))
+    bits = bits_of_each(s.stream, sort, w)
     w.assign(attribute, call("resolve", position, target, bits))
     if w.module.stores_moved(sort):
-        w.assign(attribute_of("moved", sort), Binary("!=", w.current(attribute), position))
+        w.assign(attribute_of("moved", sort), w.current(attribute).ne(position))
 
 
 def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
@@ -104,8 +91,8 @@ def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
             feature = "`move each` of agents named one by one where cells block under a condition"
             raise NotSupported(feature, w.origin)
         blocked = blocked_by(block, kind, Value(target, "i32", (body.axis,)), w, body)
-        moves = Value(Binary("!=", target, position), "bool", (body.axis,))
-        w.set(target, Where(binary("&", blocked, moves, "bool").node, position, target))
+        moves = Value(target.ne(position), "bool", (body.axis,))
+        w.set(target, Where((blocked & moves).node, position, target))
         w.forget()
 
 
@@ -122,15 +109,15 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     position = state_reads.positions(w, mover.sort)
     match course:
         case ir.Along():
-            value = w.value(course.heading, inner.always())
+            value = w.value(course.heading, inner)
             heading = to_words(value, course.heading.type.words, HEADINGS, w)
-            spread_heading = Value(spread(heading, (axis,)), "u8", (axis,))
+            spread_heading = broadcast(heading, (axis,))
             direction = w.keep("way", as_dtype(spread_heading, "i32"))
             goes = inner.mask
         case ir.Wander():
             direction, goes = _open_direction(course, inner, mover, w)
-    entry = Binary("+", Binary("*", position, Literal(4)), direction.node)
-    next_cell: Expression = Index(_next_table(mover.sort, w), (entry,))
+    entry = position * 4 + direction.node
+    next_cell: Expression = _next_table(mover.sort, w)[entry]
     if goes != TRUE:
         next_cell = Where(spread(goes, (axis,)), next_cell, position)
     target = w.bind("target", next_cell)
@@ -147,9 +134,8 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
 
 def _next_table(sort: ir.Sort, w: Writer) -> Name:
     comment = f"where a step leads {sort.name}, by cell and direction; the cell itself if blocked"
-    return w.module.constant(
-        f"next_cell_of_{sort.name}", w.module.layout.next_table(sort.name), comment
-    )
+    table = w.module.layout.next_table(sort.name)
+    return w.module.constant(f"next_cell_of_{sort.name}", table, comment)
 
 
 def _keeps_heading(course: ir.Along | ir.Wander) -> bool:
@@ -168,28 +154,28 @@ def _open_direction(
     axis = mover.axis
     ways = w.axis("way", 4)
     axes = (axis, ways)
-    position = Index(state_reads.positions(w, mover.sort), (ALL, NEW_AXIS))
-    directions = Index(iota(ways).node, (NEW_AXIS, ALL))
-    entry = Binary("+", Binary("*", position, Literal(4)), directions)
-    beside = w.keep("beside", Value(Index(_next_table(mover.sort, w), (entry,)), "i32", axes))
+    position = state_reads.positions(w, mover.sort)[:, None]
+    directions = iota(ways).node[None, :]
+    entry = position * 4 + directions
+    beside = w.keep("beside", Value(_next_table(mover.sort, w)[entry], "i32", axes))
     taken = call("is_one_of", beside.node, state_reads.all_positions(w))
-    leads_away = Binary("!=", beside.node, position)
-    is_open = Value(Binary("&", leads_away, Unary("~", taken)), "bool", axes)
+    leads_away = beside.node.ne(position)
+    is_open = Value(leads_away & ~taken, "bool", axes)
     for block, kind in conditional_blocks(mover.sort.plural, w):
-        is_open = binary("&", is_open, invert(blocked_by(block, kind, beside, w, mover)), "bool")
+        is_open = is_open & ~blocked_by(block, kind, beside, w, mover)
     if course.avoided is not None and not is_empty(course.avoided, w):
         cells, is_member = _members(course.avoided, scope, axis, w)
         avoided = Where(is_member, cells, Literal(-1))  # a row of cells for each mover
-        within = call("is_one_of", beside.node, Index(avoided, (ALL, NEW_AXIS, ALL)))
-        is_open = binary("&", is_open, Value(Unary("~", within), "bool", axes), "bool")
+        within = call("is_one_of", beside.node, avoided[:, None, :])
+        is_open = is_open & Value(~within, "bool", axes)
     if course.goal is not None:
         better = _better(course.goal, course.away, scope, mover, axis, w)
-        is_open = binary("&", is_open, Value(better, "bool", axes), "bool")
-    direction = Name(w.names.fresh("way"))
-    found = Name(w.names.fresh("found"))
-    bits = call("random_bits", KEY, w.stream(course.stream), w.module.extent(mover.sort))
-    w.unpack((direction, found), call("pick", is_open.node, bits))
-    goes = w.keep("goes", both(scope.mask, Value(found, "bool", (axis,))))
+        is_open = is_open & Value(better, "bool", axes)
+    direction = w.fresh("way")
+    has_way = w.fresh("found")
+    bits = bits_of_each(course.stream, mover.sort, w)
+    w.unpack((direction, has_way), call("pick", is_open.node, bits))
+    goes = w.keep("goes", scope.mask & Value(has_way, "bool", (axis,)))
     return Value(direction, "i32", (axis,)), goes
 
 
@@ -201,18 +187,16 @@ def _better(
     away: farther from it. Returns `[M, 4]` bool.
     """
     if is_empty(goal, w):
-        return call("jnp.zeros", Sequence((axis.extent, Literal(4))), Name("bool"))
+        return zeros("bool", axis.extent, 4)
     cells, is_member = _members(goal, scope, axis, w)
     layout = w.module.layout
     positions = state_reads.positions(w, mover.sort)
-    cols = w.module.number("frame_cols", layout.cols)
+    arguments = [positions, cells, is_member, w.module.frame_cols]
     if layout.wraps:
-        height = Literal(layout.height)
-        width = Literal(layout.width)
-        gained = call("gains_around", positions, cells, is_member, cols, height, width)
+        gained = call("gains_around", *arguments, layout.height, layout.width)
     else:
-        gained = call("gains", positions, cells, is_member, cols)
-    return Binary(">" if away else "<", gained, Literal(0))
+        gained = call("gains", *arguments)
+    return gained > 0 if away else gained < 0
 
 
 def _members(
@@ -223,16 +207,11 @@ def _members(
     Both are `[M, T]`, or `[1, T]` if they are the same for all movers.
     """
     inner = enter(d, scope.always(), w)
-    candidate = inner.variables[d.var.name]
-    if isinstance(candidate, CellVar):
-        at = state_reads.cell(candidate, w)
-    else:
-        at = state_reads.position(candidate, w)
+    at = state_reads.location(inner.variables[d.var.name], w)
     mask = inner.mask
-    new = next((a for a in inner.axes if a not in scope.axes), None)
-    if new is None:  # one candidate for each mover
-        cells = Index(spread(at, (axis,)), (ALL, NEW_AXIS))
-        return cells, Index(spread(mask, (axis,)), (ALL, NEW_AXIS))
+    added = without(inner.axes, scope.axes)
+    if not added:  # one candidate for each mover
+        return spread(at, (axis,))[:, None], spread(mask, (axis,))[:, None]
     if not mask.axes:
-        mask = Value(spread(mask, (new,)), "bool", (new,))
-    return aligned(at, (axis, new)), aligned(mask, (axis, new))
+        mask = broadcast(mask, added)
+    return aligned(at, (axis, *added)), aligned(mask, (axis, *added))

@@ -9,12 +9,10 @@ from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     TRUE,
-    Axis,
+    Axes,
     Value,
     as_dtype,
-    binary,
-    both,
-    invert,
+    called,
     iota,
     literal,
     select,
@@ -32,8 +30,6 @@ from sjdsl.compiler.lower.cell_appearance import (
 from sjdsl.compiler.lower.expressions import agent as agent_of
 from sjdsl.compiler.lower.expressions import first_of
 from sjdsl.compiler.lower.painting import (
-    HEADING,
-    POSITION,
     Part,
     first_look,
     look_number,
@@ -41,38 +37,45 @@ from sjdsl.compiler.lower.painting import (
     parts_of,
     shift_of,
 )
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported, Variable
+from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.state_reads import HEADING, POSITION
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Call,
+    Cast,
+    Expression,
+    Literal,
+    Name,
+    Where,
+    call,
+    reshaped,
+    scalar,
+)
 
 
-def marks_seen(
-    marks: list[Part], planes: dict[str, Value], seen: list[array.Name], w: Writer
-) -> Value:
+def marks_seen(marks: list[Part], planes: dict[str, Value], seen: list[Name], w: Writer) -> Value:
     """Returns the marks of a cell as bits, one a phase."""
     first = marks[0]
     if len(marks) == 1:
         return planes[first.name]
-    if all(m.plane == first.plane and m.shift == first.shift + i for i, m in enumerate(marks)):
+    places = [(mark.plane, mark.shift) for mark in marks]
+    if places == [(first.plane, first.shift + number) for number in range(len(marks))]:
         whole = replace(planes[first.name], node=seen[first.plane])
-        shift = Value(w.module.number("mark_shift", first.shift), "u8")
-        mask = Value(w.module.number("mark_mask", 2 ** len(marks) - 1), "u8")
-        return binary("&", binary(">>", whole, shift, "u8"), mask, "u8")
+        shift = w.module.number("mark_shift", first.shift)
+        mask = w.module.number("mark_mask", 2 ** len(marks) - 1)
+        return (whole >> shift) & mask
     bits = planes[first.name]
-    for place, mark in enumerate(marks[1:], 1):
-        bit = binary("<<", planes[mark.name], literal(place, "u8"), "u8")
-        bits = binary("|", bits, bit, "u8")
+    for number, mark in enumerate(marks[1:], 1):
+        bits = bits | (planes[mark.name] << number)
     return bits
 
 
 def somebody_seen(planes: dict[str, Value], w: Writer) -> Value:
     """Returns where an agent stands, the observer too."""
-    return w.keep("somebody", binary("!=", planes["agent"], literal(0, "u8"), "bool"))
+    return w.keep("somebody", planes["agent"].ne(0))
 
 
-def without_hidden_marks(
-    marks: Value, planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer
-) -> Value:
+def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: Axes, w: Writer) -> Value:
     """Returns the marks that are seen: none on the cells on which they are hidden."""
     all_hidden = w.module.game.hidden
     by_kind = {look.kind.name: look for look in looks(w.module.game) if look.present}
@@ -81,7 +84,7 @@ def without_hidden_marks(
         raw = w.keep("raw", raw)
     for hidden in all_hidden:
         if hidden.what == "marks" and hidden.on == "agents":
-            marks = select(somebody_seen(planes, w), literal(0, "u8"), marks)
+            marks = select(somebody_seen(planes, w), 0, marks)
         for kind in hidden.kinds:
             if kind not in by_kind:
                 continue
@@ -90,8 +93,8 @@ def without_hidden_marks(
             is_hidden, values = look_fields(look, raw, w)
             if hidden.when is not None:
                 scope = seen_cell(look, hidden.name, values, axes)
-                is_hidden = binary("&", is_hidden, w.value(hidden.when, scope), "bool")
-            marks = w.keep("marks", select(is_hidden, literal(0, "u8"), marks))
+                is_hidden = is_hidden & w.value(hidden.when, scope)
+            marks = w.keep("marks", select(is_hidden, 0, marks))
     return marks
 
 
@@ -103,37 +106,33 @@ def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Val
     name = look.kind.name
     first = first_look(look, w)
     if not look.painted:
-        return w.keep(f"is_{name}", binary("==", raw, first, "bool")), {}
+        return w.keep(f"is_{name}", raw.eq(first)), {}
     fields = [field.name for field, _ in look.painted]
     sizes = tuple(size for _, size in look.painted)
-    call = array.call("look_fields", raw.node, first.node, array.constant(sizes))
-    names = [f"is_{name}", *(f"{name}_{field}" for field in fields)]
-    is_kind, *values = w.keep_parts(tuple(names), call)
-    by_field = {
-        field: replace(raw, node=value) for field, value in zip(fields, values, strict=True)
-    }
-    return replace(raw, node=is_kind, dtype="bool"), by_field
+    parts = call("look_fields", raw.node, first.node, sizes)
+    names = [f"{name}_{field}" for field in fields]
+    is_kind, *nodes = w.keep_parts((f"is_{name}", *names), parts)
+    values = [replace(raw, node=node) for node in nodes]
+    return replace(raw, node=is_kind, dtype="bool"), dict(zip(fields, values, strict=True))
 
 
-def seen_cell(
-    look: Look, name: str, values: dict[str, Value], axes: tuple[Axis, ...]
-) -> IterationScope:
+def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> IterationScope:
     """Returns the scope of a condition about the observer and a cell that it sees.
 
     values: of the painted fields, which need not be looked up.
     """
-    cell = CellVar(literal(0, "i32"), (look.kind.name,), painted=tuple(values.items()), seen=axes)
-    return _seen_by(axes, **{name: cell})
+    painted = tuple(values.items())
+    cell = CellVar(literal(0, "i32"), (look.kind.name,), painted=painted, seen=axes)
+    return _observer_scope(axes).binding(name, cell)
 
 
-def _seen_by(axes: tuple[Axis, ...], **others: Variable) -> IterationScope:
-    """Returns the scope of a condition about the observer, the first axis, and others."""
-    return IterationScope(
-        axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0]), **others}
-    )
+def _observer_scope(axes: Axes) -> IterationScope:
+    """Returns the scope of a condition about the observer, who is along the first axis."""
+    observer = AgentVar(iota(axes[0]), axes[0])
+    return IterationScope(axes=axes, variables={"agent": observer})
 
 
-def observe(w: Writer) -> array.Expression:
+def observe(w: Writer) -> Expression:
     """Writes the statements of `observe`; returns the observation."""
     game = w.module.game
     by_id = any(s.what == "other" for s in game.observables)
@@ -160,30 +159,28 @@ def observe(w: Writer) -> array.Expression:
     columns += _everyone(axes, w)
     columns += _own(axes, w)
     is_present = state_reads.present(AgentVar(iota(observer), observer), w)
-    present = array.Literal(None) if is_present == TRUE else is_present.node
+    present = Literal(None) if is_present == TRUE else is_present.node
     full = [_full(column, axes) for column in columns]
-    return array.call("planes_of", array.Name("WINDOW"), present, *full)
+    return call("planes_of", Name("WINDOW"), present, *full)
 
 
-def _cut_windows(painted: list[array.Name], w: Writer) -> list[array.Name]:
+def _cut_windows(painted: list[Name], w: Writer) -> list[Name]:
     """Writes the windows of all observers, of each painted plane."""
-    sides = tuple(
-        (side, w.module.number(side, getattr(w.module.game.window, side), "cells of a window"))
-        for side in ("ahead", "behind", "left", "right")
-    )
+    sides = []
+    for side in ("ahead", "behind", "left", "right"):
+        cells = getattr(w.module.game.window, side)
+        sides.append((side, w.module.number(side, cells, "cells of a window")))
     seen = []
     for number, plane in enumerate(painted):
-        frame: array.Expression = array.Call(
-            array.Attribute(plane, "reshape"), (array.Name("FRAME"),)
-        )
+        frame: Expression = reshaped(plane, Name("FRAME"))
         if w.module.layout.wraps:
-            frame = array.call("joined_edges", frame, array.Name("PAD"))
-        windows = array.Call(array.Name("windows"), (frame, POSITION, HEADING), sides)
+            frame = call("joined_edges", frame, Name("PAD"))
+        windows = Call(Name("windows"), (frame, POSITION, HEADING), tuple(sides))
         seen.append(w.bind(f"seen_{number}", windows))
     return seen
 
 
-def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> list[array.Name]:
+def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
     """Returns the painted planes as each agent's own window has them.
 
     Beyond it everything is as off the map.
@@ -191,35 +188,35 @@ def _own_windows(seen: list[array.Name], axes: tuple[Axis, ...], w: Writer) -> l
     views = w.module.game.window.views
     if not views:
         return seen
-    place = _seen_by(axes[:1])
+    place = _observer_scope(axes[:1])
     inside = TRUE  # replaced by the last view, which has no condition
     for number, view in reversed(list(enumerate(views))):
         w.origin = view.origin
         table = w.module.layout.view_cells_table(view)
-        constant = w.module.constant(f"view_{number}", table, "cells of one of the windows")
-        cells = Value(constant, "bool", axes[1:])
+        mask = w.module.constant(f"view_{number}", table, "cells of one of the windows")
+        cells = Value(mask, "bool", axes[1:])
         if view.condition is None:
             inside = cells
         else:
             inside = select(_condition(view.condition, place, w), cells, inside)
     inside = w.keep("in_window", inside)
-    return [
-        w.bind(name.identifier, select(inside, Value(name, "u8", axes), literal(0, "u8")).node)
-        for name in seen
-    ]
+    windows = []
+    for name in seen:
+        visible = select(inside, Value(name, "u8", axes), 0)
+        windows.append(w.bind(name.identifier, visible.node))
+    return windows
 
 
-def _myself(w: Writer) -> array.Expression:
+def _myself(w: Writer) -> Expression:
     """Returns which cell of its window is the observer's own."""
     if w.module.layout.shows_cells_twice:
         comment = "which cells of its window show the observer's own"
         table = w.module.constant("myself", w.module.layout.own_cells_table, comment)
-        return array.Index(table, (HEADING,))
+        return table[HEADING]
     game = w.module.game
-    numbers = (*view_size(game), game.window.ahead, game.window.left)
-    own_cell = array.call("own_cell", *map(array.constant, numbers))
+    own_cell = call("own_cell", *view_size(game), game.window.ahead, game.window.left)
     comment = "which cell of its window is the observer's own"
-    return array.Index(w.module.constant("myself", own_cell, comment), (array.NEW_AXIS,))
+    return w.module.constant("myself", own_cell, comment)[None]
 
 
 def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
@@ -227,46 +224,43 @@ def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
 
     Where nobody does it is the first of all.
     """
-    number = array.Binary("-", array.Cast(plane.node, "i32"), array.Literal(1))
-    index = Value(array.call("jnp.maximum", number, array.Literal(0)), "i32", plane.axes)
+    index = called("jnp.maximum", as_dtype(plane, "i32") - 1, 0)
     return AgentVar(w.keep(name, index), sort=sort)
 
 
-def _part_of(
-    part: Part, parts: tuple[Part, ...], seen: array.Expression, axes: tuple[Axis, ...], w: Writer
-) -> Value:
+def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: Axes, w: Writer) -> Value:
     """Returns a part of a byte that was painted."""
-    shifted = binary(">>", Value(seen, "u8", axes), shift_of(part, w), "u8")
+    shifted = Value(seen, "u8", axes) >> shift_of(part, w)
     if sum(p.plane == part.plane for p in parts) == 1:
         return shifted
-    mask = Value(w.module.number(f"{part.name}_mask", 2**part.bits - 1), "u8")
-    return binary("&", shifted, mask, "u8")
+    return shifted & w.module.number(f"{part.name}_mask", 2**part.bits - 1)
 
 
-def _full(column: Value, axes: tuple[Axis, ...]) -> array.Expression:
+def _full(column: Value, axes: Axes) -> Expression:
     """Returns a value broadcast to axes: a column over the window."""
     if column.literal:
-        column = replace(column, node=array.scalar(column.node, "u8"))
+        column = replace(column, node=scalar(column.node, "u8"))
     return spread(column, axes)
 
 
-def _content(raw: Value, axes: tuple[Axis, ...], w: Writer) -> Value:
+def _content(raw: Value, axes: Axes, w: Writer) -> Value:
     """Returns the content as each observer is shown it."""
     game = w.module.game
-    found = [look for look in looks(game) if look.present]
-    if all(look.same and look.raw == look.final for look in found):
+    present = [look for look in looks(game) if look.present]
+    if all(look.same and look.raw == look.final for look in present):
         return raw
     raw = w.keep("raw", raw)
-    arms, shown, shift = [], raw, 0
-    for look in (
-        look for look in found if look.same
-    ):  # those before this one may show more or fewer values than are painted
-        if look.final - look.raw != shift:
-            arms.append((binary("<", raw, first_look(look, w), "bool"), shown))
+    arms = []
+    shown = raw
+    shift = 0
+    for look in present:
+        # Looks before this one may show more or fewer values than are painted.
+        if look.same and look.final - look.raw != shift:
+            arms.append((raw < first_look(look, w), shown))
             shift = look.final - look.raw
             shown = _shifted(raw, shift, look.kind.name, w)
     shown = first_of(arms, shown, w)
-    for look in found:
+    for look in present:
         if not look.same:
             is_kind, values = look_fields(look, raw, w)
             shown = w.keep("content", select(is_kind, _shown(look, values, axes, w), shown))
@@ -277,12 +271,14 @@ def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
     """Returns the numbers that are shown of a kind and those after it, from the painted ones."""
     if shift == 0:
         return raw
-    name, comment = ("up", "added to") if shift > 0 else ("down", "taken from")
-    by = w.module.number(f"{kind}_{name}", abs(shift), f"{comment} what is painted, from {kind} on")
-    return binary("+" if shift > 0 else "-", raw, Value(by, "u8"), "u8")
+    if shift > 0:
+        comment = f"added to what is painted, from {kind} on"
+        return raw + w.module.number(f"{kind}_up", shift, comment)
+    comment = f"taken from what is painted, from {kind} on"
+    return raw - w.module.number(f"{kind}_down", -shift, comment)
 
 
-def _shown(look: Look, values: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> Value:
+def _shown(look: Look, values: dict[str, Value], axes: Axes, w: Writer) -> Value:
     """Returns the number of a kind's look for each observer, from its painted values."""
     name = look.kind.name
     place = seen_cell(look, name, values, axes)
@@ -292,10 +288,10 @@ def _shown(look: Look, values: dict[str, Value], axes: tuple[Axis, ...], w: Writ
     first = Value(w.module.number(f"{name}_shown", look.final, "as it is shown"), "u8")
     if not look.observables:  # a kind of which only marks are seen has one look
         return first
-    seen = [
-        w.keep(f"shown_{observable.field}", _observable(observable, words, values, place, w))
-        for observable, words in zip(look.observables, look.final_words, strict=True)
-    ]
+    seen = []
+    for observable, words in zip(look.observables, look.final_words, strict=True):
+        shown = _observable(observable, words, values, place, w)
+        seen.append(w.keep(f"shown_{observable.field}", shown))
     return look_number(first, tuple(map(len, look.final_words)), seen)
 
 
@@ -327,7 +323,7 @@ def _observable(
         shown = values[observable.field]
     if observable.hidden_when is not None:
         is_hidden = _condition(observable.hidden_when, place, w)
-        shown = select(is_hidden, literal(len(words) - 1, "u8"), shown)
+        shown = select(is_hidden, len(words) - 1, shown)
     return shown
 
 
@@ -340,38 +336,41 @@ def _condition(test: ir.Expr, place: IterationScope, w: Writer) -> Value:
         raise
 
 
-def _agents(agent: Value, axes: tuple[Axis, ...], by_id: bool, w: Writer) -> list[Value]:
+def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
     """Returns the plane of agents, then one for each field that is shown of the others."""
     is_self = _myself(w)
     agent = w.keep("agent", agent)
-    somebody = binary("!=", agent, literal(0, "u8"), "bool").node
+    somebody = agent.ne(0).node
     if w.module.layout.shows_cells_twice:  # the observer's own cell is seen only inside its window
-        is_self = array.Binary("&", is_self, somebody)
+        is_self = is_self & somebody
     if not by_id:
-        observers = array.Index(array.Cast(HEADING, "u8"), (array.ALL, array.NEW_AXIS))
-        heading = array.Binary("-", agent.node, array.Literal(1))
-        difference = array.Binary("-", heading, observers)
+        observers = Cast(HEADING, "u8")[:, None]
+        difference = agent.node - 1 - observers
         other = w.keep_node("others", relative_heading(difference), "u8")
         return [_agent_plane(is_self, somebody, other, axes, w)]
     standing = _standing(agent, "who", AGENTS, w)
-    place = _seen_by(axes, other=standing)
-    observers = array.Index(HEADING, (array.ALL, array.NEW_AXIS))
-    difference = array.Binary("-", array.Index(HEADING, (standing.index.node,)), observers)
-    other = array.Cast(relative_heading(difference), "u8")
+    place = _observer_scope(axes).binding("other", standing)
+    observers = HEADING[:, None]
+    difference = HEADING[standing.index.node] - observers
+    other = Cast(relative_heading(difference), "u8")
     columns = [_agent_plane(is_self, somebody, other, axes, w)]
-    is_other = array.Binary("&", somebody, array.Unary("~", is_self))
+    is_other = somebody & ~is_self
     theirs = w.keep("theirs", Value(is_other, "bool", axes))
-    for observable in w.module.game.observables:
-        if observable.what == "other":
-            value = _one_up(observable, _field_observable(observable, standing, place, w))
-            columns.append(_visible(observable, value, place, w, theirs))
+    for observable in _shown_of("other", w):
+        value = _one_up(observable, _field_observable(observable, standing, place, w))
+        columns.append(_visible(observable, value, place, w, theirs))
     return columns
+
+
+def _shown_of(what: str, w: Writer) -> list[ir.Observable]:
+    """Returns what is shown of others, of movers, of everyone, of the observer or of the world."""
+    return [observable for observable in w.module.game.observables if observable.what == what]
 
 
 def _one_up(observable: ir.Observable, value: Value) -> Value:
     """Returns a word's number one up, since 0 says that nobody is there; numbers stay."""
     if observable.labels or observable.type.kind == "word":
-        return binary("+", value, literal(1, "u8"), "u8")
+        return value + 1
     return value
 
 
@@ -382,34 +381,33 @@ def _visible(
 
     Where the rules do not show it, it is 0, or the word `hidden` if it is shown under a condition.
     """
-    zero = literal(0, "u8")
     hidden_when = observable.hidden_when
     if observable.shown_when is None:
-        value = select(exists, value, zero)
+        value = select(exists, value, 0)
         if hidden_when is None:
             return value
-        return select(w.value(hidden_when, place), zero, value)
+        return select(w.value(hidden_when, place), 0, value)
     words = shown_words(observable)
-    hidden = zero
+    hidden = 0
     if words:
         is_one_up = observable.what in ("other", "mover")
-        hidden = literal(len(words) - 1 + is_one_up, "u8")
+        hidden = len(words) - 1 + is_one_up
     is_shown = w.value(observable.shown_when, place)
     if hidden_when is not None:
-        is_shown = both(is_shown, invert(w.value(hidden_when, place)))
-    return select(exists, select(is_shown, value, hidden), zero)
+        is_shown = is_shown & ~w.value(hidden_when, place)
+    return select(exists, select(is_shown, value, hidden), 0)
 
 
 def _agent_plane(
-    is_self: array.Expression,
-    somebody: array.Expression,
-    other: array.Expression,
-    axes: tuple[Axis, ...],
+    is_self: Expression,
+    somebody: Expression,
+    other: Expression,
+    axes: Axes,
     w: Writer,
 ) -> Value:
     """Returns the plane of agents: 1 for the observer, 0 for nobody, and numbers for others."""
-    others = array.Where(somebody, other, array.Literal(0))
-    plane = array.Cast(array.Where(is_self, array.Literal(1), others), "u8")
+    others = Where(somebody, other, Literal(0))
+    plane = Cast(Where(is_self, Literal(1), others), "u8")
     return w.keep("agents", Value(plane, "u8", axes))
 
 
@@ -434,11 +432,11 @@ def _field_observable(
     if stored.dtype == "u8":
         return stored
     if declared.type.kind != "int" or not state_reads.fits_byte(declared, w):
-        bounded = array.call("jnp.minimum", stored.node, array.Literal(255))
-        return replace(stored, node=array.Cast(bounded, "u8"), dtype="u8")
-    if isinstance(stored.node, array.Cast) and stored.node.source == "u8":
+        bounded = call("jnp.minimum", stored.node, 255)
+        return replace(stored, node=Cast(bounded, "u8"), dtype="u8")
+    if isinstance(stored.node, Cast) and stored.node.source == "u8":
         return replace(stored, node=stored.node.value, dtype="u8")  # the byte that was widened
-    return replace(stored, node=array.Cast(stored.node, "u8"), dtype="u8")
+    return replace(stored, node=Cast(stored.node, "u8"), dtype="u8")
 
 
 def _attribute_observable(observable: ir.Observable, place: IterationScope, w: Writer) -> Value:
@@ -449,21 +447,19 @@ def _attribute_observable(observable: ir.Observable, place: IterationScope, w: W
     value = w.value(read, place)
     if observable.field in ("row", "col"):
         is_present = state_reads.present(agent_of(owner, place, w), w)
-        value = select(is_present, value, literal(0, "i32"))
+        value = select(is_present, value, 0)
     return as_dtype(value, "u8")
 
 
-def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+def _movers(planes: dict[str, Value], axes: Axes, w: Writer) -> list[Value]:
     """Returns the planes of movers: where they are, then one for each field shown of them."""
     columns = []
-    for observable in w.module.game.observables:
-        if observable.what != "mover":
-            continue
+    for observable in _shown_of("mover", w):
         w.origin = observable.origin
         painted = planes[observable.kind]
-        exists = binary("!=", painted, literal(0, "u8"), "bool")
+        exists = painted.ne(0)
         mover = _standing(painted, f"which_{observable.kind}", observable.sort, w)
-        place = _seen_by(axes, **{observable.kind: mover})
+        place = _observer_scope(axes).binding(observable.kind, mover)
         if not observable.field:
             value = as_dtype(exists, "u8")
         elif observable.field == "heading" and not observable.labels:
@@ -475,44 +471,38 @@ def _movers(planes: dict[str, Value], axes: tuple[Axis, ...], w: Writer) -> list
     return columns
 
 
-def _turned_to_observer(heading: Value, axes: tuple[Axis, ...]) -> Value:
+def _turned_to_observer(heading: Value, axes: Axes) -> Value:
     """Returns headings relative to the observer's, from 1 for the same one on."""
-    observers = array.Index(HEADING, (array.ALL, array.NEW_AXIS))
-    turned = array.Binary("-", heading.node, observers)
-    number = array.Binary("+", array.Binary("&", turned, array.Literal(3)), array.Literal(1))
-    return Value(array.Cast(number, "u8"), "u8", axes)
+    observers = HEADING[:, None]
+    number = ((heading.node - observers) & 3) + 1
+    return Value(Cast(number, "u8"), "u8", axes)
 
 
-def _everyone(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+def _everyone(axes: Axes, w: Writer) -> list[Value]:
     """Returns what is shown of every agent: for each field a plane an agent, by their numbers."""
     columns = []
     observer, window = axes
     pair = (observer, w.axis("everyone", w.module.agents))
     body = AgentVar(iota(pair[1]), pair[1])
-    place = _seen_by(pair, everyone=body)
-    for observable in w.module.game.observables:
-        if observable.what == "everyone":
-            w.origin = observable.origin
-            value = _visible(observable, _field_observable(observable, body, place, w), place, w)
-            value = w.keep(f"everyone_{observable.field}", value)
-            reshape = array.Attribute(_full(value, (*pair, window)), "reshape")
-            planes = array.Call(reshape, (observer.extent, array.Literal(-1)))
-            columns.append(Value(planes, "u8", axes))
+    place = _observer_scope(pair).binding("everyone", body)
+    for observable in _shown_of("everyone", w):
+        w.origin = observable.origin
+        value = _visible(observable, _field_observable(observable, body, place, w), place, w)
+        value = w.keep(f"everyone_{observable.field}", value)
+        planes = reshaped(_full(value, (*pair, window)), observer.extent, -1)
+        columns.append(Value(planes, "u8", axes))
     return columns
 
 
-def _own(axes: tuple[Axis, ...], w: Writer) -> list[Value]:
+def _own(axes: Axes, w: Writer) -> list[Value]:
     """Returns the planes of the observer's own fields and the world's."""
     columns = []
     observer = AgentVar(iota(axes[0]), axes[0])
-    place = _seen_by(axes[:1])
-    for what in ("own", "world"):
-        for observable in w.module.game.observables:
-            if observable.what != what:
-                continue
-            w.origin = observable.origin
-            body = observer if what == "own" else None
-            value = _field_observable(observable, body, place, w)
-            visible = _visible(observable, value, place, w)
-            columns.append(w.keep(f"shown_{observable.field}", visible))
+    place = _observer_scope(axes[:1])
+    for observable in (*_shown_of("own", w), *_shown_of("world", w)):
+        w.origin = observable.origin
+        body = observer if observable.what == "own" else None
+        value = _field_observable(observable, body, place, w)
+        visible = _visible(observable, value, place, w)
+        columns.append(w.keep(f"shown_{observable.field}", visible))
     return columns

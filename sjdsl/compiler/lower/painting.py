@@ -5,18 +5,10 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import body_sorts, movers_named
 from sjdsl.compiler.lower import state_reads
-from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, binary, literal, union
+from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, literal, union
 from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, constant, path, scalar
-
-POSITION, HEADING = path("state.position"), path("state.heading")
-
-
-POSITION = path("state.position")
-
-
-HEADING = path("state.heading")
+from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, scalar, zeros
 
 
 class Part(Record):
@@ -35,8 +27,10 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     by_id: whether agents are told apart by their numbers, not by their headings alone.
     """
     num_contents = max(look.raw + look.raw_values for look in looks(game))
-    wanted: list[tuple[str, int, ir.Phase | None]] = [("content", _bits(num_contents), None)]
-    wanted.append(("agent", _bits(game.agents.number + 1) if by_id else 3, None))
+    agent_bits = _bits(game.agents.number + 1) if by_id else 3
+    wanted: list[tuple[str, int, ir.Phase | None]] = []
+    wanted.append(("content", _bits(num_contents), None))
+    wanted.append(("agent", agent_bits, None))
     for movers in game.movers:
         number = shown_movers(movers, game)
         if number:
@@ -45,8 +39,11 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     parts: list[Part] = []
     used = [0]  # bits of each plane
     for name, bits, phase in wanted:
-        plane = next((i for i, u in enumerate(used) if u + bits <= 8), len(used))
-        if plane == len(used):
+        with_room = [plane for plane, taken in enumerate(used) if taken + bits <= 8]
+        if with_room:
+            plane = with_room[0]
+        else:
+            plane = len(used)
             used.append(0)
         parts.append(Part(name, plane, used[plane], bits, phase))
         used[plane] += bits
@@ -90,18 +87,17 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     comment = "looks of the cells of the frame, fields aside"
     base = w.module.constant("base", layout.base_table(numbers), comment)
     frame_cells = w.module.number("frame_cells", layout.rows * layout.cols)
-    empty = call("jnp.zeros", frame_cells, path("jnp.uint8"))
-    planes = [
-        w.bind(f"plane_{plane}", base if plane == content.plane else empty)
-        for plane in range(1 + max(p.plane for p in parts))
-    ]
+    empty = zeros("u8", frame_cells)
+    planes = []
+    for plane in range(1 + max(part.plane for part in parts)):
+        planes.append(w.bind(f"plane_{plane}", base if plane == content.plane else empty))
     _paint_fields(planes[content.plane], content, w)
     for part in parts:
         if part.marks is not None:
             w.origin = part.marks.origin
-            plane = planes[part.plane]
             bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
-            w.set(plane, call("paint", plane, path(f"state.{part.name}"), bit))
+            painted = call("paint", planes[part.plane], path(f"state.{part.name}"), bit)
+            w.set(planes[part.plane], painted)
     by_name = {part.name: part for part in parts}
     for sort in body_sorts(w.module.game):
         if sort.name in by_name:
@@ -127,11 +123,11 @@ def _paint_fields(plane: Name, content: Part, w: Writer) -> None:
         for field, _ in look.painted:
             value = Value(path(f"state.{attribute_name(field)}"), state_reads.storage(field, w))
             if field.type.kind == "agent":  # one up: 0 is nobody
-                value = binary("+", value, literal(1, "i32"), "i32")
+                value = value + 1
             values.append(value)
         sizes = tuple(size for _, size in look.painted)
         number = look_number(first_look(look, w), sizes, values)
-        shifted = binary("<<", number, shift_of(content, w), "u8")
+        shifted = number << shift_of(content, w)
         w.set(plane, call("fill", plane, cells, shifted.node))
 
 
@@ -142,14 +138,13 @@ def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer
     extent = w.module.extent(sort)
     w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
     are_told_apart = by_id if is_agent else part.bits > 1
-    one = literal(1, "u8")
     if are_told_apart:
-        shown = binary("+", Value(Arange(extent, "u8"), "u8"), one, "u8")
+        shown = Value(Arange(extent, "u8"), "u8") + 1
     elif is_agent:
-        shown = binary("+", Value(Cast(HEADING, "u8"), "u8"), one, "u8")
+        shown = Value(Cast(state_reads.HEADING, "u8"), "u8") + 1
     else:
         shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
-    shifted = binary("<<", shown, shift_of(part, w), "u8")
+    shifted = shown << shift_of(part, w)
     w.set(plane, call("paint", plane, state_reads.positions(w, sort), shifted.node))
 
 
@@ -159,9 +154,9 @@ def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Va
     sizes: how many values each place can have; the first place is the most significant.
     """
     if len(values) == 1:
-        return binary("+", as_dtype(values[0], "u8"), first, "u8")
+        return as_dtype(values[0], "u8") + first
     axes = union(*(value.axes for value in values))
     nodes = [
         scalar(value.node, "u8") if value.literal else aligned(value, axes) for value in values
     ]
-    return Value(call("look_number", first.node, constant(sizes), *nodes), "u8", axes)
+    return Value(call("look_number", first.node, sizes, *nodes), "u8", axes)

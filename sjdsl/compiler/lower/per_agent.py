@@ -4,35 +4,45 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower.axes import (
     Value,
-    literal,
+    axes_of,
     reduce,
     select,
     spread,
-    union,
+    without,
 )
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Cast,
+    Expression,
+    Literal,
+    Part,
+    Where,
+    call,
+    constant,
+    scalar,
+    written,
+    zeros,
+)
 from sjdsl.runtime.actions import HEADINGS
 
 
-def per_agent(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns which agents a statement reaches, `[N]` bool."""
+def per_agent(name: str, e: ir.Expr, scope: IterationScope, w: Writer) -> Expression:
+    """Returns which agents a statement reaches, `[N]` bool, under a name."""
     who = agent(e, scope, w)
     extent = w.module.extent(who.sort)
     if who.axis is not None:
-        reached = reduce("any", scope.mask, tuple(a for a in scope.axes if a != who.axis))
-        if reached.axes:
-            return reached
-        return Value(array.call("jnp.full", extent, reached.node), "bool")
-    at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, Value(extent, "i32")))
-    nobody = array.call("jnp.zeros", extent, array.DTYPES["bool"])
-    return Value(array.written("set_at", nobody, (at.node,), array.Literal(True)), "bool")
+        reached = reduce("any", scope.mask, without(scope.axes, (who.axis,)))
+        node = reached.node if reached.axes else call("jnp.full", extent, reached.node)
+    else:
+        at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, extent))
+        node = written("set_at", zeros("bool", extent), (at.node,), Literal(True))
+    return w.keep_node(name, node, "bool")
 
 
-def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array.Expression:
+def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expression:
     """Returns a number from 0 on for each agent that a statement reaches, `[N]` int32.
 
     All instances that reach an agent have the same number for it; agents that none reaches get
@@ -41,31 +51,27 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> array
     who = agent(e, scope, w)
     extent = w.module.extent(who.sort)
     if who.axis is None:
-        at = select(scope.mask, who.index, Value(extent, "i32"))
-        axes = union(at.axes, value.axes)
+        at = select(scope.mask, who.index, extent)
+        axes = axes_of(at, value)
         places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
-        zeros = array.call("jnp.zeros", extent, array.DTYPES["i32"])
-        return array.written("set_at", zeros, (places,), spread(value, axes))
+        none = zeros("i32", extent)
+        return written("set_at", none, (places,), spread(value, axes))
     if any(a != who.axis for a in value.axes):
-        others = tuple(a for a in scope.axes if a != who.axis)
-        value = reduce("max", select(scope.mask, value, literal(0, "i32")), others)
-    return value.node if value.axes else array.call("jnp.full", extent, value.node)
+        others = without(scope.axes, (who.axis,))
+        value = reduce("max", select(scope.mask, value, 0), others)
+    return value.node if value.axes else call("jnp.full", extent, value.node)
 
 
-def put(
-    name: str, sort: ir.Sort, who: array.Expression, value: array.Expression, w: Writer
-) -> None:
+def put(name: str, sort: ir.Sort, who: Expression, value: Part, w: Writer) -> None:
     """Writes a new value of an attribute for some agents, or some movers of a name.
 
     who: which of them, `[N]` bool.
     """
     attribute = attribute_of(name, sort)
-    w.assign(attribute, array.Where(who, value, w.current(attribute)))
+    w.assign(attribute, Where(who, constant(value), w.current(attribute)))
 
 
-def turn(
-    sort: ir.Sort, who: array.Expression, facing: str | None, stream: int | None, w: Writer
-) -> None:
+def turn(sort: ir.Sort, who: Expression, facing: str | None, stream: int | None, w: Writer) -> None:
     """Turns some agents or movers: north, east, ..., to any heading (None), or not at all ("same").
 
     The heading of a mover is a field of words, and so a byte.
@@ -73,22 +79,15 @@ def turn(
     if facing == "same":
         return
     is_byte = sort.what == "mover"
-    heading: array.Expression
+    heading: Expression
     if facing is None:
         assert stream is not None
-        bits = array.call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
-        heading = array.call("below", bits, array.Literal(4))
+        bits = bits_of_each(stream, sort, w)
+        heading = call("below", bits, 4)
         if is_byte:
-            heading = array.Cast(heading, "u8")
+            heading = Cast(heading, "u8")
     else:
         heading = w.module.number(facing, HEADINGS.index(facing))
         if is_byte:
-            heading = array.scalar(heading, "u8")
+            heading = scalar(heading, "u8")
     put("heading", sort, who, heading, w)
-
-
-def any_of(masks: list[array.Expression]) -> array.Expression:
-    first, *others = masks
-    for other in others:
-        first = array.Binary("|", first, other)
-    return first

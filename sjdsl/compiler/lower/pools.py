@@ -1,5 +1,7 @@
 """Pools: the destinations of `send` in a game, numbered; each use of a phase has its own."""
 
+from typing import TypeAlias
+
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.queries import body_sort
@@ -23,9 +25,12 @@ class Pool(Record):
         return body_sort(self.send.who)
 
 
-def all_pools(game: ir.Game) -> dict[str, tuple[Pool, ...]]:
+Pools: TypeAlias = dict[str, tuple[Pool, ...]]  # by phase
+
+
+def all_pools(game: ir.Game) -> Pools:
     """Returns the pools of every phase, numbered through the game."""
-    pools: dict[str, tuple[Pool, ...]] = {}
+    pools: Pools = {}
     number = 0
     for phase in (game.start, *game.schedule):
         if not isinstance(phase, ir.Phase):

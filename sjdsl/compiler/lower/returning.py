@@ -8,15 +8,15 @@ from sjdsl.compiler.lower.axes import (
     iota,
     spread,
 )
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.pools import Pool, sends_of
+from sjdsl.compiler.lower.pools import Pool, Pools, sends_of
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer, replaced
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, Where, call, path
 
 
-def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writer) -> None:
+def bring_back(pools: Pools, sorts: list[ir.Sort], w: Writer) -> None:
     """Writes how delays count down, and how those come back whose delay is over.
 
     They come back pool by pool, each onto the map as it then is. sorts: of those who can be away.
@@ -31,57 +31,49 @@ def bring_back(pools: dict[str, tuple[Pool, ...]], sorts: list[ir.Sort], w: Writ
     w.origin = None
 
 
-def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, array.Expression]:
+def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, Expression]:
     """Writes the ticks that everybody is still away; returns who is due, `[N]` bool."""
-    due: dict[ir.Sort, array.Expression] = {}
-    left: dict[str, array.Expression] = {}
-    one = array.Literal(1)
+    due: dict[ir.Sort, Expression] = {}
+    left: dict[str, Expression] = {}
     for sort in sorts:
         attribute = attribute_of("away", sort)
-        away = array.path(f"state.{attribute}")
-        is_nowhere = array.Binary("==", state_reads.positions(w, sort), state_reads.nowhere(w).node)
-        is_due = array.Binary("&", is_nowhere, array.Binary("==", away, one))
-        is_waiting = array.Binary("&", is_nowhere, array.Binary(">", away, one))
-        due[sort] = w.bind("due", is_due)
-        left[attribute] = array.Binary("-", away, array.Cast(is_waiting, "i32"))
-    w.set(array.Name("state"), replaced("state", left))
+        away = path(f"state.{attribute}")
+        is_nowhere = state_reads.positions(w, sort).eq(state_reads.nowhere(w).node)
+        due[sort] = w.bind("due", is_nowhere & away.eq(1))
+        left[attribute] = away - Cast(is_nowhere & (away > 1), "i32")
+    w.set(Name("state"), replaced("state", left))
     return due
 
 
-def _bring_back_to(pool: Pool, due: array.Expression, w: Writer) -> None:
+def _bring_back_to(pool: Pool, due: Expression, w: Writer) -> None:
     """Writes how those come back who are due and were sent to a pool."""
-    position, heading, away, away_facing, away_pool = (
-        attribute_of(name, pool.sort)
-        for name in ("position", "heading", "away", "away_facing", "away_pool")
-    )
+    sort = pool.sort
 
-    def stored(attribute: str) -> array.Expression:
-        return array.path(f"state.{attribute}")
+    def stored(name: str) -> Expression:
+        return path(f"state.{attribute_of(name, sort)}")
 
-    to_pool = array.Binary("==", stored(away_pool), array.Literal(pool.number))
-    back = w.keep_node("back", array.Binary("&", due, to_pool), "bool")
+    back = w.keep_node("back", due & stored("away_pool").eq(pool.number), "bool")
     fitting = _fitting_on_return(pool, w)
     free = free_cells(pool, None, fitting is None, w)
     arguments = [state_reads.cells_of(pool.kinds, w), free, back]
     for stream in (pool.send.cell_stream, pool.send.heading_stream):
-        number = w.stream(stream ^ ir.RETURN)
-        arguments.append(array.call("random_bits", KEY, number, w.module.extent(pool.sort)))
-    arguments += [stored(position), stored(heading), stored(away_facing)]
+        arguments.append(bits_of_each(stream ^ ir.RETURN, sort, w))
+    arguments += [stored("position"), stored("heading"), stored("away_facing")]
     if fitting is not None:
         arguments.append(fitting)
-    new_position = array.Name(w.names.fresh(position))
-    new_heading = array.Name(w.names.fresh(heading))
-    placed = array.Name(w.names.fresh("placed"))
-    w.unpack((new_position, new_heading, placed), array.call("come_back", *arguments))
-    changes: dict[str, array.Expression] = {
-        position: new_position,
-        heading: new_heading,
-        away: array.Where(placed, array.Literal(0), stored(away)),
+    position = w.fresh(attribute_of("position", sort))
+    heading = w.fresh(attribute_of("heading", sort))
+    placed = w.fresh("placed")
+    w.unpack((position, heading, placed), call("come_back", *arguments))
+    changes: dict[str, Expression] = {
+        attribute_of("position", sort): position,
+        attribute_of("heading", sort): heading,
+        attribute_of("away", sort): Where(placed, Literal(0), stored("away")),
     }
-    w.set(array.Name("state"), replaced("state", changes))
+    w.set(Name("state"), replaced("state", changes))
 
 
-def _fitting_on_return(pool: Pool, w: Writer) -> array.Expression | None:
+def _fitting_on_return(pool: Pool, w: Writer) -> Expression | None:
     """Returns which cells fit each agent when it comes back, `[N, S]` bool.
 
     None if the same fit all.

@@ -2,10 +2,11 @@
 
 from dataclasses import field, replace
 
+from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, both
+from sjdsl.compiler.lower.axes import TRUE, Axes, Axis, Value
 from sjdsl.compiler.program.expressions import Literal
 
 
@@ -60,7 +61,7 @@ class CellVar(Record):
     kinds: tuple[str, ...]
     axis: Axis | None = None
     painted: tuple[tuple[str, Value], ...] | None = None
-    seen: tuple[Axis, ...] = ()
+    seen: Axes = ()
     beside: bool = False
 
     @property
@@ -76,6 +77,13 @@ class CellVar(Record):
 Variable = AgentVar | CellVar
 
 
+def numbered(var: ir.Member, number: Value) -> Variable:
+    """Returns the agents, movers or cells that a variable of a domain is, by their numbers."""
+    if var.sort.what == "cell":
+        return CellVar(number, var.kinds)
+    return AgentVar(number, sort=var.sort)
+
+
 class IterationScope(Record):
     """The instances of a statement.
 
@@ -83,7 +91,7 @@ class IterationScope(Record):
     of a member, and how many members there are.
     """
 
-    axes: tuple[Axis, ...] = ()
+    axes: Axes = ()
     mask: Value = TRUE
     digits: tuple[tuple[Value, Literal], ...] = ()
     variables: dict[str, Variable] = field(default_factory=dict)
@@ -91,12 +99,16 @@ class IterationScope(Record):
 
     def when(self, condition: Value) -> "IterationScope":
         """Returns this scope where the condition holds as well."""
-        return replace(self, mask=both(self.mask, condition))
+        return replace(self, mask=self.mask & condition)
 
     def always(self) -> "IterationScope":
         """Returns this scope without its mask: for values that are masked later."""
         return replace(self, mask=TRUE)
 
-    def binding(self, **variables: Variable) -> "IterationScope":
-        """Returns this scope with more variables."""
-        return replace(self, variables={**self.variables, **variables})
+    def binding(self, name: str, variable: Variable) -> "IterationScope":
+        """Returns this scope with one more variable."""
+        return replace(self, variables={**self.variables, name: variable})
+
+    def letting(self, name: str, value: Value) -> "IterationScope":
+        """Returns this scope with one more local value."""
+        return replace(self, locals={**self.locals, name: value})

@@ -1,25 +1,29 @@
 """Lowers quantifiers that choose members: `pick` at random, `first` along lanes of a shape."""
 
 from dataclasses import replace
+from functools import reduce
 from math import prod
+from operator import or_
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
     TRUE,
+    Axes,
     Axis,
     Value,
     aligned,
     as_dtype,
-    binary,
-    both,
-    either,
-    invert,
+    axes_of,
+    broadcast,
+    called,
     iota,
     literal,
+    looked_up,
     spread,
     union,
+    without,
 )
 from sjdsl.compiler.lower.domains import (
     enter,
@@ -32,16 +36,28 @@ from sjdsl.compiler.lower.domains import (
     whole_set,
 )
 from sjdsl.compiler.lower.draws import KEY, first_limit, need_no_state, random_bits
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, SetOfOne, Variable
+from sjdsl.compiler.lower.scope import (
+    AgentVar,
+    CellVar,
+    IterationScope,
+    SetOfOne,
+    Variable,
+    numbered,
+)
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    ALL,
+    Call,
+    Expression,
+    Lambda,
+    Literal,
+    Where,
+    call,
+    reduction,
+    scalar,
+)
 
 MANY_SETS = 64  # from so many sets on, bits are drawn only if some set has several members
-
-
-def mask_over(inner: IterationScope, axes: tuple[Axis, ...]) -> Value:
-    """Returns the mask of a scope with all the axes spelt out."""
-    return Value(spread(inner.mask, axes), "bool", axes)
 
 
 def pick(
@@ -54,35 +70,42 @@ def pick(
     if is_empty(s.domain, w):
         return scope.when(FALSE), TRUE, s.body
     inner = _candidates_of(s.domain, scope.always(), w)
-    number = as_dtype(w.value(s.number, scope.always()), "i32")
+    number = as_dtype(w.value(s.number, scope), "i32")
     if inner.axes == scope.axes:  # the member is determined: it is there or not
         there = inner.mask
-        return (
-            inner.when(scope.mask).when(
-                both(there, binary(">", number, literal(0, "i32"), "bool"))
-            ),
-            invert(there),
-            s.body,
-        )
-    axis = inner.axes[-1]
+        return inner.when(scope.mask).when(there & (number > 0)), ~there, s.body
     member = inner.variables[s.domain.var.name]
-    is_near = isinstance(s.domain.restriction, ir.Near) and isinstance(member, CellVar)
-    total = axis.extent if is_near else w.module.extent(member.sort)
+    total = w.module.extent(member.sort)
+    if isinstance(member, CellVar) and isinstance(s.domain.restriction, ir.Near):
+        total = inner.axes[-1].extent
     if number == literal(1, "i32"):
         return *_pick_one(s, scope, inner, total, w), s.body
+    return _pick_several(s, scope, inner, number, total, w)
+
+
+def _pick_several(
+    s: ir.Pick,
+    scope: IterationScope,
+    inner: IterationScope,
+    number: Value,
+    total: Literal,
+    w: Writer,
+) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
+    """Returns what `pick` does. total: how many candidates there are."""
+    axis = inner.axes[-1]
     turns = w.axis("turn", min(s.most, total.size))
-    word = random_bits(s.stream, scope, w, turns)
-    outer_axes = union(word.axes[:-1], tuple(a for a in inner.mask.axes if a != axis))
-    axes = (*outer_axes, axis)
-    mask = w.keep("member", mask_over(inner, axes))
-    found = w.keep(
-        "found", Value(array.reduction("any", mask.node, (len(axes) - 1,)), "bool", outer_axes)
-    )
-    wanted = Value(array.scalar(number.node, "i32"), "i32") if number.literal else number
+    bits = random_bits(s.stream, scope, w, turns)
+    outer = union(bits.axes[:-1], without(inner.mask.axes, (axis,)))
+    mask = w.keep("member", broadcast(inner.mask, (*outer, axis)))
+    exists = w.keep_node("found", reduction("any", mask.node, (len(outer),)), "bool")
+    nobody = ~Value(exists, "bool", outer)
     if not turns.size:
-        return inner.when(FALSE), invert(found), s.body
-    given = mask.node, spread(word, (*outer_axes, turns)), spread(wanted, outer_axes)
-    chosen, body = array.call("choose", *given), s.body
+        return inner.when(FALSE), nobody, s.body
+    if number.literal:
+        number = replace(number, node=scalar(number.node, "i32"))
+    arguments = [mask.node, spread(bits, (*outer, turns)), spread(number, outer)]
+    chosen = call("choose", *arguments)
+    body = s.body
     match s.body:
         case (ir.Chance(branches=(ir.Branch() as branch,), otherwise=()) as chance,) if (
             inner.digits == ((iota(axis), axis.extent),)
@@ -90,79 +113,76 @@ def pick(
             w.origin = chance.origin
             limit = first_limit(branch.test, inner, w)
             if not limit.axes:  # the same for all members
-                chosen = array.call(
-                    "choose_by_chance", *given, KEY, w.stream(chance.stream), limit.node
-                )
+                stream = w.stream(chance.stream)
+                chosen = call("choose_by_chance", *arguments, KEY, stream, limit.node)
                 body = branch.body
     w.origin = s.origin
-    return (
-        replace(inner, mask=both(scope.mask, w.keep("taken", Value(chosen, "bool", axes)))),
-        invert(found),
-        body,
-    )
+    taken = w.keep("taken", Value(chosen, "bool", mask.axes))
+    return replace(inner, mask=scope.mask & taken), nobody, body
 
 
 def _pick_one(
-    s: ir.Pick, scope: IterationScope, inner: IterationScope, total: array.Literal, w: Writer
+    s: ir.Pick, scope: IterationScope, inner: IterationScope, total: Literal, w: Writer
 ) -> tuple[IterationScope, Value]:
-    """A `pick 1`: the number of the member instead of a mask over all."""
-    axis, name = inner.axes[-1], s.domain.var.name
+    """Returns what `pick 1` does: the scope with the member's number, and where there is none."""
+    axis = inner.axes[-1]
+    name = s.domain.var.name
     member = inner.variables[name]
-    word = random_bits(
-        s.stream, scope, w
-    )  # no axis for the one turn: on a GPU, XLA would store the words before it drops the axis
+    # The bits have no axis for the one turn: on a GPU, XLA would store them before it drops it.
+    bits = random_bits(s.stream, scope, w)
     members = whole_set(s.domain, scope, w)
-    around = (members or inner.mask).axes
-    axes = union(word.axes, tuple(a for a in around if a != axis))
-    drawn = spread(word, axes)
-    source = aligned(members, axes) if members else mask_over(inner, (*axes, axis)).node
-    large = members is not None and members.levels > 0
-    many = (
-        members is not None
-        and not large
-        and members.axes == axes
-        and prod(a.size for a in axes) >= MANY_SETS
-    )
-    if many and need_no_state(scope.digits):  # most steps need none of the random bits
-        assert members is not None
-        if not _is_where_any(scope.mask, members, w):
-            source = array.Where(aligned(scope.mask, axes), source, array.Literal(0))
-        alone = array.call("pick_of_sets", source, KEY, array.Lambda(("key",), drawn))
-        picked = w.keep("picked", Value(alone, w.module.set_dtype, axes))
-        there = w.keep("found", binary("!=", picked, literal(0, picked.dtype), "bool"))
-        best_one = w.keep(name, Value(array.call("member_of", picked.node), "i32", axes))
-        chosen: Variable = AgentVar(best_one, alone=SetOfOne(picked, both(scope.mask, there)))
+    around = inner.mask if members is None else members
+    axes = union(bits.axes, without(around.axes, (axis,)))
+    drawn = spread(bits, axes)
+    if members is not None and _are_many_sets(members, axes) and need_no_state(scope.digits):
+        chosen, exists = _pick_of_sets(members, drawn, scope, name, w)
+        picked = chosen.number
     else:
-        best, found = array.Name(w.names.fresh(name)), array.Name(w.names.fresh("found"))
-        w.unpack(
-            (best, found),
-            array.call(
-                ("pick_of_large_set" if large else "pick_of_set") if members else "pick",
-                source,
-                drawn,
-            ),
-        )
-        there, best_one = Value(found, "bool", axes), Value(best, "i32", axes)
-        if isinstance(member, AgentVar):
-            chosen = AgentVar(best_one, sort=member.sort)
-        else:  # its number, or the number at its place in a shape
-            chosen = CellVar(
-                best_one if member.axis is not None else _take(member.site, axis, best_one),
-                member.kinds,
-            )
-    if isinstance(chosen, CellVar) and isinstance(chosen.site.node, array.Call):
-        chosen = replace(chosen, site=w.keep(name, chosen.site))
-    place = replace(
-        scope.binding(**{name: chosen}, **under(s.domain, chosen, w)),
-        digits=(*scope.digits, (best_one, total)),
-    )
-    return place.when(there), invert(there)
+        if members is None:
+            kernel = "pick"
+            source = spread(inner.mask, (*axes, axis))
+        else:
+            kernel = "pick_of_large_set" if members.levels else "pick_of_set"
+            source = aligned(members, axes)
+        results = (w.fresh(name), w.fresh("found"))
+        w.unpack(results, call(kernel, source, drawn))
+        picked = Value(results[0], "i32", axes)
+        exists = Value(results[1], "bool", axes)
+        number = picked
+        if member.axis is None:  # it is a cell's place in a shape
+            number = _take(member.number, axis, picked)
+            if isinstance(number.node, Call):
+                number = w.keep(name, number)
+        chosen = numbered(s.domain.var, number)
+    place = bound(s.domain, chosen, scope, w)
+    place = replace(place, digits=(*scope.digits, (picked, total)))
+    return place.when(exists), ~exists
 
 
-def _is_where_any(mask: Value, members: Value, w: Writer) -> bool:
-    """Returns whether a mask takes no member from any set: it holds for all, or for those with members."""
-    has_members = binary("!=", members, literal(0, members.dtype), "bool").node
-    return mask == TRUE or mask.node in (has_members, w.known.get((has_members, "bool")))
+def _are_many_sets(members: Value, axes: Axes) -> bool:
+    """Returns whether there are so many small sets that most steps need no random bits."""
+    is_many = prod(a.size for a in axes) >= MANY_SETS
+    return is_many and members.axes == axes and not members.levels
+
+
+def _pick_of_sets(
+    members: Value, drawn: Expression, scope: IterationScope, name: str, w: Writer
+) -> tuple[Variable, Value]:
+    """Returns an agent of each set, and where there is one.
+
+    drawn: computes random bits, which is done only if some set has several members.
+    """
+    has_members = members.ne(0).node
+    # A mask takes no member from any set if it holds for all sets, or for those with members.
+    takes_none = (has_members, w.known.get((has_members, "bool")))
+    source = members.node
+    if scope.mask != TRUE and scope.mask.node not in takes_none:
+        source = Where(aligned(scope.mask, members.axes), source, Literal(0))
+    alone = call("pick_of_sets", source, KEY, Lambda(("key",), drawn))
+    picked = w.keep("picked", replace(members, node=alone))
+    exists = w.keep("found", picked.ne(0))
+    index = w.keep(name, called("member_of", picked, dtype="i32"))
+    return AgentVar(index, alone=SetOfOne(picked, scope.mask & exists)), exists
 
 
 def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
@@ -175,98 +195,89 @@ def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationS
     inner = enter(d.model_copy(update={"restriction": None}), scope, w)
     candidate = inner.variables[d.var.name].number
     numbers = [number_in(d, scope.variables[member.name], w) for member in d.restriction.members]
-    return inner.when(either([binary("==", candidate, number, "bool") for number in numbers]))
+    return inner.when(reduce(or_, [candidate.eq(number) for number in numbers]))
 
 
 def _take(values: Value, axis: Axis, best: Value) -> Value:
     """Returns the entry of `values` along an axis that `best` names."""
     dtype = values.dtype
     if values.axes == (axis,):
-        return Value(array.Index(values.node, (best.node,)), dtype, best.axes)
+        return looked_up(values.node, best, dtype)
     is_row_each = values.axes == (*best.axes, axis) and len(best.axes) == 1
     if is_row_each and best.axes[0].size >= state_reads.MANY:
-        return Value(array.call("entries_at", values.node, best.node), dtype, best.axes)
+        return Value(call("entries_at", values.node, best.node), dtype, best.axes)
     # What is picked may differ along more axes than what it is picked from.
-    axes = union(values.axes, best.axes)
+    axes = axes_of(values, best)
     if best.axes:
         at = aligned(best, axes)
     else:
-        at = array.call("jnp.full", array.Sequence((array.Literal(1),) * len(axes)), best.node)
-    place = axes.index(axis)
-    aligned_values = aligned(values, axes)
-    entry = array.call("jnp.take_along_axis", aligned_values, at, axis=array.Literal(place))
-    keys: tuple[array.Expression | array.Slice, ...]
+        at = call("jnp.full", (1,) * len(axes), best.node)
+    entry: Expression = call(
+        "jnp.take_along_axis", aligned(values, axes), at, axis=axes.index(axis)
+    )
     if axes[-1] == axis:
-        keys = (array.REST, array.Literal(0))
+        entry = entry[..., 0]
     else:
-        keys = tuple(array.Literal(0) if a == axis else array.ALL for a in axes)
-    return Value(array.Index(entry, keys), dtype, tuple(a for a in axes if a != axis))
+        entry = entry[tuple(0 if a == axis else ALL for a in axes)]
+    return Value(entry, dtype, without(axes, (axis,)))
 
 
-def under(d: ir.Domain, agent: Variable, w: Writer) -> dict[str, Variable]:
-    """Returns the variable of the cell under an agent, if a domain binds one."""
-    if d.on is None or not isinstance(agent, AgentVar):
-        return {}
-    site, _ = state_reads.site_under(agent, d.on.kinds, w)
-    return {d.on.name: CellVar(site, d.on.kinds)}
+def bound(d: ir.Domain, member: Variable, scope: IterationScope, w: Writer) -> IterationScope:
+    """Returns the scope with a member of a domain, and the cell under it if the domain binds it."""
+    scope = scope.binding(d.var.name, member)
+    if d.on is None or not isinstance(member, AgentVar):
+        return scope
+    site, _ = state_reads.site_under(member, d.on.kinds, w)
+    return scope.binding(d.on.name, CellVar(site, d.on.kinds))
 
 
-def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Axis, Value]:
-    """Returns the scope of the nearest member in each lane, the lanes' axis, and its mask.
+def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value]:
+    """Returns the scope of the nearest member in each lane, and in which lanes there is one.
 
-    The mask says where there is a member; the scope is without a mask.
+    The scope has one more axis, of the lanes, and no mask.
     """
     assert isinstance(d.restriction, ir.Near)
     shape = w.module.shape(d.restriction.shape)
-    candidate, ok, axis = _candidates(d, scope, w)
-    place = replace(scope, axes=(*scope.axes, axis), mask=TRUE).binding(**{d.var.name: candidate})
+    candidate, eligible = _candidates(d, scope, w)
+    axis = candidate.number.axes[-1]
+    place = replace(scope, axes=(*scope.axes, axis), mask=TRUE)
+    place = bound(d, candidate, place, w)
     if d.on is not None:
         assert isinstance(candidate, AgentVar)
-        place = place.binding(**under(d, candidate, w))
         _, is_on = state_reads.site_under(candidate, d.on.kinds, w)
-        ok = both(ok, is_on)
+        eligible = eligible & is_on
     if d.where is not None:
-        ok = both(ok, w.value(d.where, place))
-    outer = tuple(a for a in union(ok.axes, candidate.number.axes) if a != axis)
+        eligible = eligible & w.value(d.where, place)
+    outer = without(axes_of(eligible, candidate.number), (axis,))
     axes = (*outer, axis)
-    ok = w.keep("eligible", Value(spread(ok, axes), "bool", axes))
-    lanes = w.axis("lane", len(shape.lanes))
+    eligible = w.keep("eligible", broadcast(eligible, axes))
     numbers = spread(candidate.number, axes)
-    if max(map(len, shape.lanes)) == 1:  # every cell is a lane
-        number = w.keep(d.var.name, Value(numbers, "i32")).node
-        exists = ok.node
+    lanes = w.axis("lane", len(shape.lanes))
+    lengths = tuple(map(len, shape.lanes))
+    if max(lengths) == 1:  # every cell is a lane
+        number = w.keep_node(d.var.name, numbers, "i32")
+        exists = eligible.node
     else:
-        sizes = array.constant(tuple(map(len, shape.lanes)))
-        call = array.call("nearest_in_lanes", ok.node, numbers, sizes)
-        number, exists = w.keep_parts((d.var.name, "found"), call)
-    chosen = Value(number, "i32", (*outer, lanes))
-    variable: Variable
-    if isinstance(candidate, AgentVar):
-        variable = AgentVar(chosen, sort=candidate.sort)
-    else:
-        variable = CellVar(chosen, candidate.kinds)
-    inner = replace(
-        scope,
-        axes=(*scope.axes, lanes),
-        digits=(*scope.digits, (iota(lanes), lanes.extent)),
-    )
-    inner = inner.always().binding(**{d.var.name: variable}, **under(d, variable, w))
-    return inner, lanes, Value(exists, "bool", (*outer, lanes))
+        pair = call("nearest_in_lanes", eligible.node, numbers, lengths)
+        number, exists = w.keep_parts((d.var.name, "found"), pair)
+    variable = numbered(d.var, Value(number, "i32", (*outer, lanes)))
+    digits = (*scope.digits, (iota(lanes), lanes.extent))
+    inner = replace(scope, axes=(*scope.axes, lanes), digits=digits, mask=TRUE)
+    return bound(d, variable, inner, w), Value(exists, "bool", (*outer, lanes))
 
 
-def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value, Axis]:
-    """Returns who is on each cell of the shape, whether somebody is, and the shape's axis."""
+def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value]:
+    """Returns who is on each cell of the shape, along its axis, and whether somebody is."""
     assert isinstance(d.restriction, ir.Near)
     if d.var.sort.what == "cell":
-        site, axis, ok = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
-        return CellVar(site, d.var.kinds), ok, axis
+        site, exists = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
+        return CellVar(site, d.var.kinds), exists
     swept = sweep(d.restriction, scope, w)
-    axes = swept.cells.axes
     on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.sort))
-    standing = w.keep("standing", Value(on_cells, "bool")).node
-    first_one = array.reduction("argmax", standing, (-1,))
-    who = w.keep(d.var.name, Value(first_one, "i32", axes))
-    anybody = w.keep("anybody", Value(array.reduction("any", standing, (-1,)), "bool", axes))
+    standing = w.keep_node("standing", on_cells, "bool")
+    axes = swept.cells.axes
+    who = w.keep(d.var.name, Value(reduction("argmax", standing, (-1,)), "i32", axes))
+    anybody = w.keep("anybody", Value(reduction("any", standing, (-1,)), "bool", axes))
     if has_inner_blocks(w.module.shape(d.restriction.shape), w):
-        anybody = both(anybody, swept.ok)
-    return AgentVar(who, sort=d.var.sort), anybody, swept.axis
+        anybody = anybody & swept.ok
+    return AgentVar(who, sort=d.var.sort), anybody

@@ -1,6 +1,8 @@
 """Lowers `send` and `remove`: collects who is sent in a phase, then places or removes them."""
 
+import functools
 from dataclasses import dataclass, field
+from operator import or_
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -11,21 +13,29 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     Value,
     as_dtype,
-    both,
     reduce,
     select,
     spread,
     union,
+    without,
 )
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.per_agent import any_of, of_each, per_agent, put, turn
+from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, turn
 from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Expression,
+    Literal,
+    Name,
+    call,
+    scalar,
+    written,
+    zeros,
+)
 from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 
 
@@ -36,8 +46,8 @@ class Sent(Record):
     """
 
     send: ir.Send
-    who: array.Expression
-    fitting: array.Expression | None
+    who: Expression
+    fitting: Expression | None
 
 
 class Leaving(Record):
@@ -45,8 +55,8 @@ class Leaving(Record):
 
     pool: Pool
     send: ir.Send
-    who: array.Expression
-    delays: array.Expression
+    who: Expression
+    delays: Expression
 
 
 @dataclass
@@ -56,12 +66,12 @@ class Sends:
     pools: tuple[Pool, ...]
     now: dict[int, list[Sent]] = field(default_factory=dict)
     away: list[Leaving] = field(default_factory=list)
-    removed: list[tuple[ir.Sort, array.Expression]] = field(default_factory=list)
+    removed: list[tuple[ir.Sort, Expression]] = field(default_factory=list)
     shifted: list[Shifted] = field(default_factory=list)
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
         """Notes whom a statement sends."""
-        sent = w.keep("sent", per_agent(s.who, scope, w)).node
+        sent = per_agent("sent", s.who, scope, w)
         pool = next(p for p in self.pools if p.send.pool == s.pool)
         at_once = self.now.setdefault(pool.number, [])
         if s.after is None:
@@ -69,13 +79,11 @@ class Sends:
             return
         can_be_at_once = s.after.type.low <= 0
         fitting = _fitting(s, scope, w) if can_be_at_once else None
-        delays = _delays(s, as_dtype(w.value(s.after, scope.always()), "i32"), scope, w)
+        delays = _delays(s, as_dtype(w.value(s.after, scope), "i32"), scope, w)
         if can_be_at_once:
-            zero = array.Literal(0)
-            stays = array.Binary("&", sent, array.Binary("==", delays, zero))
-            at_once.append(Sent(s, w.keep_node("at_once", stays, "bool"), fitting))
-            leaves = array.Binary("&", sent, array.Binary(">", delays, zero))
-            sent = w.keep_node("leaving", leaves, "bool")
+            stays = w.keep_node("at_once", sent & delays.eq(0), "bool")
+            at_once.append(Sent(s, stays, fitting))
+            sent = w.keep_node("leaving", sent & (delays > 0), "bool")
         self.away.append(Leaving(pool, s, sent, delays))
 
     def shift(self, s: ir.Shift, scope: IterationScope, w: Writer) -> None:
@@ -83,11 +91,11 @@ class Sends:
         self.shifted.append(shifted(s, scope, w))
 
     def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
-        removed = w.keep("removed", per_agent(s.who, scope, w)).node
+        removed = per_agent("removed", s.who, scope, w)
         self.removed.append((body_sort(s.who), removed))
 
 
-def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression | None:
+def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
     """Returns which cells of the destination fit each agent that is sent, `[N, S]` bool.
 
     None if the same fit all.
@@ -98,21 +106,20 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> array.Expression |
     fits = fitting_cells(s, axis, scope.always(), w)
     who = agent(s.who, scope, w)
     if who.axis is not None:
-        others = tuple(a for a in scope.axes if a != who.axis)
+        others = without(scope.axes, (who.axis,))
         if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
-            fits = reduce("any", both(scope.mask, fits), others)
+            fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
-    axes = union(who.index.axes, scope.mask.axes, tuple(a for a in fits.axes if a != axis))
+    axes = union(who.index.axes, scope.mask.axes, without(fits.axes, (axis,)))
     extent = w.module.extent(who.sort)
-    index = select(scope.mask, who.index, Value(extent, "i32"))
+    index = select(scope.mask, who.index, extent)
     places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
-    rows = spread(fits, (*axes, axis))
-    empty = array.call("jnp.zeros", array.Sequence((extent, axis.extent)), array.Name("bool"))
-    table = array.written("set_at", empty, (places,), rows)
+    none = zeros("bool", extent, axis.extent)
+    table = written("set_at", none, (places,), spread(fits, (*axes, axis)))
     return w.keep_node("fitting", table, "bool")
 
 
-def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array.Expression:
+def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expression:
     """Returns the ticks that each agent is away, `[N]` int32, or one number for all.
 
     All statements that send one agent agree.
@@ -121,13 +128,13 @@ def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> array
         return delay.node
     if delay.axes:
         return w.keep_node("delay", of_each(s.who, delay, scope, w), "i32")
-    number = array.scalar(delay.node, "i32") if delay.literal else delay.node
+    number = scalar(delay.node, "i32") if delay.literal else delay.node
     return w.keep_node("delay", number, "i32")
 
 
 def finish(sends: Sends, w: Writer) -> None:
     """Writes where all who are sent or removed in a phase come to be."""
-    entered: list[tuple[Pool, array.Name]] = []
+    entered: list[tuple[Pool, Name]] = []
     for pool in sends.pools:
         if sends.now.get(pool.number):
             placed = _place_pool(pool, sends, entered, w)
@@ -137,18 +144,18 @@ def finish(sends: Sends, w: Writer) -> None:
         sort = leaving.pool.sort
         put("position", sort, leaving.who, state_reads.nowhere(w).node, w)
         put("away", sort, leaving.who, leaving.delays, w)
-        put("away_pool", sort, leaving.who, array.Literal(leaving.pool.number), w)
+        put("away_pool", sort, leaving.who, leaving.pool.number, w)
         put("away_facing", sort, leaving.who, _facing(leaving.send, w), w)
     w.origin = None
     for sort, removed in sends.removed:
         put("position", sort, removed, state_reads.nowhere(w).node, w)
         if w.module.stores_away(sort):
-            put("away", sort, removed, array.Literal(0), w)
+            put("away", sort, removed, 0, w)
     if sends.shifted:
         settle(sends.shifted, w)
 
 
-def _facing(s: ir.Send, w: Writer) -> array.Literal:
+def _facing(s: ir.Send, w: Writer) -> Literal:
     """Returns the heading that an agent sent away will have."""
     match s.facing:
         case None:
@@ -159,46 +166,40 @@ def _facing(s: ir.Send, w: Writer) -> array.Literal:
             return w.module.number(heading, HEADINGS.index(heading))
 
 
-def _place_pool(
-    pool: Pool, sends: Sends, entered: list[tuple[Pool, array.Name]], w: Writer
-) -> array.Name:
+def _place_pool(pool: Pool, sends: Sends, entered: list[tuple[Pool, Name]], w: Writer) -> Name:
     """Writes the placing of those who are sent to a pool at once; returns who found a cell."""
     parts = sends.now[pool.number]
     w.origin = parts[0].send.origin
-    sent = w.keep_node("sent", any_of([part.who for part in parts]), "bool")
+    sent = w.keep_node("sent", functools.reduce(or_, [part.who for part in parts]), "bool")
     leaving = None
     if not any(s.stay for s in sends_of(pool, w.module)):  # who may stay keeps its cell
         away = [other.who for other in sends.away if other.pool is pool]
-        leaving = any_of([sent, *away])
+        leaving = functools.reduce(or_, [sent, *away])
     placed = place(pool, sent, leaving, _fitting_of_all(parts), w, entered)
     for part in parts:
-        who = placed if len(parts) == 1 else array.Binary("&", part.who, placed)
+        who = placed if len(parts) == 1 else part.who & placed
         turn(pool.sort, who, part.send.facing, pool.send.heading_stream, w)
     if w.module.stores_away(pool.sort):
-        put("away", pool.sort, placed, array.Literal(0), w)
+        put("away", pool.sort, placed, 0, w)
     return placed
 
 
-def _fitting_of_all(parts: list[Sent]) -> array.Expression | None:
+def _fitting_of_all(parts: list[Sent]) -> Expression | None:
     """Returns which cells fit each agent, for all statements that send to a pool."""
     if len(parts) == 1 or parts[0].fitting is None:
         return parts[0].fitting
-    fitting: list[array.Expression] = []
-    for part in parts:
-        if part.fitting is not None:
-            sent = array.Index(part.who, (array.ALL, array.NEW_AXIS))
-            fitting.append(array.Binary("&", sent, part.fitting))
-    return any_of(fitting)
+    fitting = [part.who[:, None] & part.fitting for part in parts if part.fitting is not None]
+    return functools.reduce(or_, fitting)
 
 
 def place(
     pool: Pool,
-    sent: array.Expression,
-    leaving: array.Expression | None,
-    fitting: array.Expression | None,
+    sent: Expression,
+    leaving: Expression | None,
+    fitting: Expression | None,
     w: Writer,
-    entered: list[tuple[Pool, array.Name]],
-) -> array.Name:
+    entered: list[tuple[Pool, Name]],
+) -> Name:
     """Writes the placing of one pool; returns who found a cell.
 
     sent: who is placed, `[N]` bool. leaving, entered: see `free_cells`. fitting: which cells fit
@@ -206,17 +207,16 @@ def place(
     """
     attribute = attribute_of("position", pool.sort)
     free = free_cells(pool, leaving, fitting is None, w, entered)
-    placed = array.Name(w.names.fresh("placed"))
+    placed = w.fresh("placed")
     before = w.current(attribute)
-    position = w.changed.get(attribute) or array.Name(w.names.fresh(attribute))
-    assert isinstance(position, array.Name)
+    position = w.changed.get(attribute) or w.fresh(attribute)
+    assert isinstance(position, Name)
     w.changed[attribute] = position
-    extent = w.module.extent(pool.sort)
-    bits = array.call("random_bits", KEY, w.stream(pool.send.cell_stream), extent)
+    bits = bits_of_each(pool.send.cell_stream, pool.sort, w)
     cells = state_reads.cells_of(pool.kinds, w)
     if fitting is None:
-        result = array.call("place", cells, free, bits, before, sent)
+        result = call("place", cells, free, bits, before, sent)
     else:
-        result = array.call("place_fitting", cells, free, fitting, bits, before, sent)
+        result = call("place_fitting", cells, free, fitting, bits, before, sent)
     w.unpack((position, placed), result)
     return placed

@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass, field, fields, replace
 from itertools import groupby
+from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -10,18 +11,26 @@ from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.names import RESERVED, Names, phase_function
 from sjdsl.compiler.lower.writer import replaced
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Assign,
+    Call,
+    Expression,
+    Literal,
+    Name,
+    Return,
+    Statement,
+)
 
 
 class Turn(Record):
     """A call of a function of a step.
 
-    given: its arguments beside those of every phase. marks: the attribute of State for the cells
-    that it returns.
+    arguments: beside those of every phase. marks: the attribute of State for the cells that the
+    function returns.
     """
 
     function: Function
-    given: tuple[array.Expression, ...] = ()
+    arguments: tuple[Expression, ...] = ()
     marks: str = ""
 
 
@@ -33,22 +42,23 @@ class CannotShare(Exception):
 class SharedBody:
     """The functions of several uses while they become one.
 
-    parameters: of the phase. given: what each use has for them, as written. own: the parameters of
-    the function beside those that every phase has, by what they stand for. arguments: what each
-    use has for them.
-    numbers: the first of these for each parameter of the phase that is a word, with the numbers
-    of the uses.
+    parameters: of the phase, with texts: what each use has for them.
+    variables: the shared name of a variable, by its names in the uses.
+    added: the parameters that the function has beside those of every phase, by what they stand
+      for; arguments: what the uses have for each of them.
+    numbers: for each parameter of the phase that is a word, the first of `added` that stands for
+      its number, with the numbers of the uses.
     """
 
     parameters: tuple[str, ...]
-    given: tuple[tuple[str, ...], ...]
+    texts: tuple[tuple[str, ...], ...]
     names: Names
     variables: dict[tuple[str, ...], str] = field(default_factory=dict)
-    own: dict[tuple[object, ...], array.Name] = field(default_factory=dict)
-    numbers: dict[str, tuple[array.Name, list[int]]] = field(default_factory=dict)
-    arguments: list[tuple[array.Expression, ...]] = field(default_factory=list)
+    added: dict[tuple[object, ...], Name] = field(default_factory=dict)
+    arguments: list[tuple[Expression, ...]] = field(default_factory=list)
+    numbers: dict[str, tuple[Name, list[int]]] = field(default_factory=dict)
 
-    def node(self, nodes: tuple[object, ...]) -> object:
+    def node(self, nodes: tuple[Any, ...]) -> Any:
         """Returns the nodes of all uses as one, with a parameter where they differ.
 
         Raises CannotShare.
@@ -57,78 +67,75 @@ class SharedBody:
         if any(type(node) is not type(first) for node in nodes):
             raise CannotShare
         match first:
-            case array.Assign():
-                value = self.node(tuple(node.value for node in nodes))  # type: ignore[attr-defined]
-                names_of_uses = (node.names for node in nodes)  # type: ignore[attr-defined]
-                targets = [self.variable(names) for names in zip(*names_of_uses, strict=True)]
-                return replace(first, names=tuple(targets), value=value)  # type: ignore[arg-type]
-            case array.Name():
-                identifiers = tuple(node.identifier for node in nodes)  # type: ignore[attr-defined]
+            case Assign():
+                value = self.node(tuple(node.value for node in nodes))
+                names_of_uses = zip(*(node.names for node in nodes), strict=True)
+                targets = tuple(self.variable(names) for names in names_of_uses)
+                return replace(first, names=targets, value=value)
+            case Name():
+                identifiers = tuple(node.identifier for node in nodes)
                 if identifiers in self.variables:
-                    return array.Name(self.variables[identifiers])
-                return (
-                    first
-                    if len(set(identifiers)) == 1
-                    else self.parameter(nodes, identifiers, tuple(map(str.isupper, identifiers)))
-                )
-            case array.Literal():
-                values = tuple((node.value, node.name) for node in nodes)  # type: ignore[attr-defined]
-                names = tuple(name for _, name in values)
-                if len(set(values)) == 1:
+                    return Name(self.variables[identifiers])
+                if len(set(identifiers)) == 1:
                     return first
-                return self.parameter(
-                    nodes, names, tuple(isinstance(value, int | float) for value, _ in values)
-                )
+                return self.parameter(nodes, identifiers, all(map(str.isupper, identifiers)))
+            case Literal():
+                if len({(node.value, node.name) for node in nodes}) == 1:
+                    return first
+                are_numbers = all(isinstance(node.value, int | float) for node in nodes)
+                return self.parameter(nodes, tuple(node.name for node in nodes), are_numbers)
             case tuple():
-                if len({len(node) for node in nodes}) > 1:  # type: ignore[arg-type]
+                if len({len(node) for node in nodes}) > 1:
                     raise CannotShare
                 return tuple(self.node(parts) for parts in zip(*nodes, strict=True))
             case Record():
-                parts = {
-                    f.name: tuple(getattr(node, f.name) for node in nodes)
-                    for f in fields(first)
-                    if f.name != "origin"
-                }
-                return replace(first, **{name: self.node(values) for name, values in parts.items()})
+                changes = {}
+                for part in fields(first):
+                    if part.name != "origin":
+                        parts = tuple(getattr(node, part.name) for node in nodes)
+                        changes[part.name] = self.node(parts)
+                return replace(first, **changes)
             case _ if len(set(nodes)) == 1:
                 return first
             case _:
                 raise CannotShare
 
     def parameter(
-        self, nodes: tuple[object, ...], names: tuple[str, ...], closed: tuple[bool, ...]
-    ) -> array.Expression:
-        """Returns what stands for different numbers or tables: a parameter, or one plus a number."""
-        if not all(closed):
+        self, nodes: tuple[Any, ...], names: tuple[str, ...], can_differ: bool
+    ) -> Expression:
+        """Returns what stands for different numbers or tables: a parameter, or one plus a number.
+
+        can_differ: whether the nodes are numbers or tables.
+        """
+        if not can_differ:
             raise CannotShare
-        key = tuple((node, name) for node, name in zip(nodes, names, strict=True))
-        if key in self.own:
-            return self.own[key]
+        key = tuple(zip(nodes, names, strict=True))
+        if key in self.added:
+            return self.added[key]
         word = self.parameter_in(names)
-        literals = [node.value for node in nodes if isinstance(node, array.Literal)]
+        literals = [node.value for node in nodes if isinstance(node, Literal)]
         numbers = [value for value in literals if isinstance(value, int)]
         are_numbers = len(numbers) == len(nodes)
         if are_numbers and word in self.numbers:
             parameter, others = self.numbers[word]
-            differences = {one - other for one, other in zip(numbers, others, strict=True)}
+            differences = {a - b for a, b in zip(numbers, others, strict=True)}
             if len(differences) == 1:
                 return _plus(parameter, differences.pop())
         is_stream = names[0].startswith("STREAM")
         name = "stream" if is_stream else self.common(names) or "number"
-        self.own[key] = array.Name(self.names.fresh(name))
-        self.arguments.append(nodes)  # type: ignore[arg-type]
+        self.added[key] = Name(self.names.fresh(name))
+        self.arguments.append(nodes)
         if word and are_numbers:
-            self.numbers.setdefault(word, (self.own[key], numbers))
-        return self.own[key]
+            self.numbers.setdefault(word, (self.added[key], numbers))
+        return self.added[key]
 
     def variable(self, names: tuple[str, ...]) -> str:
         """Returns the name of a variable that the uses may call differently, after their words."""
         if names not in self.variables:
-            self.variables[names] = (
-                names[0]
-                if len(set(names)) == 1
-                else self.names.fresh(self.common(names) or names[0])
-            )
+            name = names[0]
+            if len(set(names)) > 1:
+                name = self.names.fresh(self.common(names) or name)
+            self.variables[names] = name
         return self.variables[names]
 
     def common(self, names: tuple[str, ...]) -> str:
@@ -152,18 +159,18 @@ class SharedBody:
 
     def renamed(self, names: tuple[str, ...], parameter: str) -> list[str]:
         """Returns the names of all uses with the arguments replaced by the parameter."""
-        number = self.parameters.index(parameter)
+        place = self.parameters.index(parameter)
         return [
-            name.lower().replace(given[number], parameter, 1)
-            for name, given in zip(names, self.given, strict=True)
+            name.lower().replace(texts[place], parameter, 1)
+            for name, texts in zip(names, self.texts, strict=True)
         ]
 
 
-def _plus(parameter: array.Name, number: int) -> array.Expression:
+def _plus(parameter: Name, number: int) -> Expression:
     """Returns a parameter plus a number: an enum value has other numbers in other enums."""
     if number == 0:
         return parameter
-    return array.Binary("-" if number < 0 else "+", parameter, array.Literal(abs(number)))
+    return parameter - abs(number) if number < 0 else parameter + number
 
 
 def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
@@ -171,14 +178,16 @@ def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
 
     Uses of one phase call one function, if they differ by numbers and tables alone.
     """
-    found: dict[str, Turn] = {}
-    named = sorted(uses, key=lambda use: _declared(use[0]))
-    for name, group in groupby(named, key=lambda use: _declared(use[0])):
-        found |= _one_function(phase_function(name), list(group))
-    return [found[phase.name] for phase, _ in uses]
+    turns: dict[str, Turn] = {}
+    by_name = sorted(uses, key=_declared)
+    for name, group in groupby(by_name, key=_declared):
+        turns |= _one_function(phase_function(name), list(group))
+    return [turns[phase.name] for phase, _ in uses]
 
 
-def _declared(phase: ir.Phase) -> str:
+def _declared(use: tuple[ir.Phase, Function]) -> str:
+    """Returns the name that a phase is declared by."""
+    phase, _ = use
     return re.split(r"\W", phase.label)[0]
 
 
@@ -187,58 +196,63 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
     alone = {phase.name: Turn(function) for phase, function in uses}
     if len(uses) == 1:
         return alone
-    declared = re.match(r"phase\s+\w+\s*\(([^)]*)\)", uses[0][1].doc)
-    parameters = tuple(part.strip() for part in declared[1].split(",")) if declared else ()
-    given = tuple(tuple(re.sub(r"^\w+\(|\).*$", "", phase.label).split(", ")) for phase, _ in uses)
-    if any(len(one) != len(parameters) for one in given):
-        parameters = ()
     first = uses[0][1]
-    taken = {node.identifier for node in walk(first) if isinstance(node, array.Name)}
-    shared_body = SharedBody(parameters, given, Names(RESERVED | taken))
+    identifiers = {node.identifier for node in walk(first) if isinstance(node, Name)}
+    shared = SharedBody(*_parameters(uses), Names(RESERVED | identifiers))
     marks = [f"mark_{phase.name}" for phase, _ in uses]
+    functions = [function for _, function in uses]
+    bodies = [_marks_apart(f.body, mark) for f, mark in zip(functions, marks, strict=True)]
     try:
-        body = shared_body.node(
-            tuple(
-                _marks_apart(function.body, mark)
-                for (_, function), mark in zip(uses, marks, strict=True)
-            )
-        )
+        body = shared.node(tuple(bodies))
     except CannotShare:
         return alone
-    assert isinstance(body, tuple)
-    last = body[-1]
-    assert isinstance(last, array.Return)
-    marked = len(last.values) > 2
-    returns = "tuple[State, Outcome, Array]" if marked else first.returns
-    types = [_type_of(nodes[0]) for nodes in shared_body.arguments]
-    own = tuple(
-        (parameter.identifier, type_)
-        for parameter, type_ in zip(shared_body.own.values(), types, strict=True)
-    )
-    shared = Function(name, first.parameters + own, returns, first.doc, body)
-    given_of = (
-        tuple(nodes[number] for nodes in shared_body.arguments) for number in range(len(uses))
-    )
-    return {
-        phase.name: Turn(shared, own, mark if marked else "")
-        for (phase, _), own, mark in zip(uses, given_of, marks, strict=True)
-    }
+    is_marking = len(body[-1].values) > 2
+    returns = "tuple[State, Outcome, Array]" if is_marking else first.returns
+    added = [
+        (parameter.identifier, _type_of(arguments[0]))
+        for parameter, arguments in zip(shared.added.values(), shared.arguments, strict=True)
+    ]
+    function = Function(name, (*first.parameters, *added), returns, first.doc, body)
+    turns = {}
+    for number, (phase, _) in enumerate(uses):
+        arguments = tuple(of_uses[number] for of_uses in shared.arguments)
+        turns[phase.name] = Turn(function, arguments, marks[number] if is_marking else "")
+    return turns
 
 
-def _type_of(argument: array.Expression) -> str:
+def _parameters(
+    uses: list[tuple[ir.Phase, Function]],
+) -> tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]:
+    """Returns the parameters of a phase, and what each use has for them, as written.
+
+    There are none if the uses don't say what they have for each.
+    """
+    declaration = re.match(r"phase\s+\w+\s*\(([^)]*)\)", uses[0][1].doc)
+    if declaration is None:
+        return (), ((),) * len(uses)
+    parameters = tuple(part.strip() for part in declaration[1].split(","))
+    in_brackets = [re.sub(r"^\w+\(|\).*$", "", phase.label) for phase, _ in uses]
+    texts = tuple(tuple(text.split(", ")) for text in in_brackets)
+    if any(len(text) != len(parameters) for text in texts):
+        parameters = ()
+    return parameters, texts
+
+
+def _type_of(argument: Expression) -> str:
     """Returns the type of an argument: a table, or a number."""
-    if isinstance(argument, array.Literal):
+    if isinstance(argument, Literal):
         return type(argument.value).__name__
     return "Array"
 
 
-def _marks_apart(body: tuple[array.Statement, ...], mark: str) -> tuple[array.Statement, ...]:
+def _marks_apart(body: tuple[Statement, ...], mark: str) -> tuple[Statement, ...]:
     """Returns the body of a function that returns the cells it marks apart from the state."""
     last = body[-1]
-    assert isinstance(last, array.Return)
+    assert isinstance(last, Return)
     state, out = last.values
-    changes = dict(state.keywords) if isinstance(state, array.Call) else {}
+    changes = dict(state.keywords) if isinstance(state, Call) else {}
     if mark not in changes:
         return body
     marked = changes.pop(mark)
-    return (*body[:-1], replace(last, values=(replaced("state", changes), out, marked)))
+    values = (replaced("state", changes), out, marked)
+    return (*body[:-1], replace(last, values=values))

@@ -11,27 +11,38 @@ from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.ir.queries import body_sort, body_sorts
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
+    FALSE,
     TRUE,
     Value,
-    aligned,
     as_dtype,
-    binary,
-    both,
-    indexed,
-    invert,
+    called,
     iota,
     literal,
+    looked_up,
     reduce,
     select,
-    union,
 )
-from sjdsl.compiler.lower.domains import blocked_by, conditional_blocks, stand_on
-from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.domains import (
+    always_block,
+    blocked_by,
+    conditional_blocks,
+    is_inside,
+    stand_on,
+)
+from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent, owner
 from sjdsl.compiler.lower.per_agent import of_each, per_agent, turn
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Expression,
+    Name,
+    Where,
+    as_array,
+    call,
+    reduction,
+    zeros,
+)
 from sjdsl.runtime.actions import DIRECTIONS, HEADINGS
 
 
@@ -50,26 +61,24 @@ class Shifted(Record):
     """
 
     statement: ir.Shift
-    who: array.Expression
-    target: array.Expression
+    who: Expression
+    target: Expression
 
 
 def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
     """Returns whom a statement sends, and where."""
     who = agent(s.who, scope, w)
-    sent = w.keep("sent", per_agent(s.who, scope, w)).node
+    sent = per_agent("sent", s.who, scope, w)
     position = state_reads.position(who, w)
     if s.to is not None:
         goal = state_reads.frame_cell(state_reads.kept_cell(s.to, scope, w), w)
-        is_somewhere = binary("!=", goal, state_reads.nowhere(w), "bool")
-        goes = both(is_somewhere, state_reads.present(who, w))
+        goes = goal.ne(state_reads.nowhere(w)) & state_reads.present(who, w)
     else:
         assert s.steps is not None
-        steps = as_dtype(w.value(s.steps, scope.always()), "i32")
+        steps = as_dtype(w.value(s.steps, scope), "i32")
         heading, has_heading = _heading(s, who, position, scope, w)
         course = _Course(position, heading, _stride(heading, w))
-        moves = binary(">", steps, literal(0, "i32"), "bool")
-        goes = both(moves, has_heading, _is_free(s.steps.type, who, course, steps, w))
+        goes = (steps > 0) & has_heading & _is_free(s.steps.type, who, course, steps, w)
         goal = w.keep("goal", _cells_on(course, steps, w))
     target = w.keep("target", select(goes, goal, position))
     return Shifted(s, sent, w.keep_node("target", of_each(s.who, target, scope, w), "i32"))
@@ -77,23 +86,19 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
 
 def _stride(heading: Value, w: Writer) -> Value:
     cols = w.module.layout.cols
-    strides = array.constant([row * cols + col for row, col in DIRECTIONS])
+    strides = [row * cols + col for row, col in DIRECTIONS]
     table = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
-    return w.keep("stride", Value(array.Index(table, (heading.node,)), "i32", heading.axes))
+    return w.keep("stride", looked_up(table, heading, "i32"))
 
 
 def _cells_on(course: _Course, number: Value, w: Writer) -> Value:
     """Returns the cells so many cells on; they may lie beyond the map, unless it wraps."""
     layout = w.module.layout
     if not layout.wraps:
-        distance = binary("*", course.stride, number, "i32")
-        return binary("+", course.start, distance, "i32")
-    axes = union(course.start.axes, course.heading.axes, number.axes)
-    heading = replace(course.heading, node=array.as_array(course.heading.node, "i32"))
-    parts = [aligned(part, axes) for part in (course.start, heading, number)]
-    height = array.Literal(layout.height)
-    width = array.Literal(layout.width)
-    return Value(array.call("cells_on", *parts, height, width, array.Name("PAD")), "i32", axes)
+        return course.start + course.stride * number
+    heading = replace(course.heading, node=as_array(course.heading.node, "i32"))
+    size = (layout.height, layout.width, Name("PAD"))
+    return called("cells_on", course.start, heading, number, *size)
 
 
 def _heading(
@@ -103,11 +108,7 @@ def _heading(
     if s.heading is not None:
         return _written_heading(s.heading, s.quarters, scope, w), TRUE
     assert s.other is not None
-    other = owner(s.other, scope, w)
-    if isinstance(other, AgentVar):
-        goal = state_reads.position(other, w)
-    else:
-        goal = state_reads.cell(other, w)
+    goal = state_reads.location(owner(s.other, scope, w), w)
     heading, is_apart = _toward(goal, who, position, w)
     return _turned(heading, s.quarters), is_apart
 
@@ -115,13 +116,13 @@ def _heading(
 def _written_heading(heading: ir.Expr, quarters: int, scope: IterationScope, w: Writer) -> Value:
     """Returns a heading turned by so many quarters to the right, as a number from 0 to 3."""
     numbers = [HEADINGS.index(word) for word in heading.type.words]
-    value = w.value(heading, scope.always())
+    value = w.value(heading, scope)
     if value.literal:
         return literal((numbers[int(value.number)] + quarters) % 4, "i32")
     if numbers == list(range(len(HEADINGS))):
         return _turned(as_dtype(value, "i32"), quarters)
-    table = array.as_array(array.constant([(n + quarters) % 4 for n in numbers]), "i32")
-    return replace(value, node=array.Index(table, (value.node,)), dtype="i32")
+    table = as_array([(n + quarters) % 4 for n in numbers], "i32")
+    return looked_up(table, value, "i32")
 
 
 def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Value, Value]:
@@ -131,63 +132,37 @@ def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Val
     map are equally long, it takes the one in which the agent looks, if that is along the side.
     """
     layout = w.module.layout
-    rows = w.keep("rows", _difference(goal, position, "//", w))
-    cols = w.keep("columns", _difference(goal, position, "%", w))
+    frame_cols = w.module.frame_cols
+    rows = w.keep("rows", goal // frame_cols - position // frame_cols)
+    cols = w.keep("columns", goal % frame_cols - position % frame_cols)
     if layout.wraps:
-        rows = w.keep("shorter", _shorter_way(rows, layout.height))
-        cols = w.keep("shorter", _shorter_way(cols, layout.width))
-    down = replace(rows, node=array.call("jnp.abs", rows.node))
-    across = replace(cols, node=array.call("jnp.abs", cols.node))
-    looks_along_row = _bit(state_reads.heading(who, w))
-    zero = literal(0, "i32")
-    upright = select(
-        binary("==", down, across, "bool"),
-        binary("==", looks_along_row, zero, "bool"),
-        binary(">", down, across, "bool"),
-    )
-    vertical = select(binary("<", rows, zero, "bool"), literal(0, "i32"), literal(2, "i32"))
-    horizontal = select(binary("<", cols, zero, "bool"), literal(3, "i32"), literal(1, "i32"))
-    toward = select(upright, vertical, horizontal)
-    is_apart = binary("!=", goal, position, "bool")
+        rows = w.keep("shorter", called("shorter_way", rows, layout.height))
+        cols = w.keep("shorter", called("shorter_way", cols, layout.width))
+    down = called("jnp.abs", rows)
+    across = called("jnp.abs", cols)
+    looks = state_reads.heading(who, w)
+    is_upright = select(down.eq(across), (looks & 1).eq(0), down > across)
+    vertical = select(rows < 0, literal(0, "i32"), 2)
+    horizontal = select(cols < 0, literal(3, "i32"), 1)
+    toward = select(is_upright, vertical, horizontal)
+    is_apart = goal.ne(position)
     if layout.wraps:
         both_ways = [_is_half(rows, layout.height), _is_half(cols, layout.width)]
-        either_way = w.keep("either_way", select(upright, *both_ways))
-        looks = state_reads.heading(who, w)
-        is_across = binary("!=", _bit(looks), _bit(toward), "bool")
-        stuck = w.keep("stuck", binary("&", either_way, is_across, "bool"))
+        either_way = w.keep("either_way", select(is_upright, *both_ways))
+        is_across = (looks & 1).ne(toward & 1)
+        stuck = w.keep("stuck", either_way & is_across)
         toward = select(either_way, looks, toward)
-        is_apart = both(is_apart, invert(stuck))
+        is_apart = is_apart & ~stuck
     return toward, is_apart
-
-
-def _difference(goal: Value, position: Value, op: str, w: Writer) -> Value:
-    """Returns how many rows (`//`) or columns (`%`) lie from one cell to another."""
-    cols = w.module.number("frame_cols", w.module.layout.cols)
-    end = replace(goal, node=array.Binary(op, goal.node, cols))
-    start = replace(position, node=array.Binary(op, position.node, cols))
-    return binary("-", end, start, "i32")
-
-
-def _shorter_way(distance: Value, length: int) -> Value:
-    return replace(distance, node=array.call("shorter_way", distance.node, array.Literal(length)))
 
 
 def _is_half(distance: Value, length: int) -> Value:
     """Returns whether a distance is half of what goes round the map."""
-    twice = binary("*", literal(2, "i32"), distance, "i32")
-    return binary("==", twice, literal(length, "i32"), "bool")
-
-
-def _bit(heading: Value) -> Value:
-    """Returns 0 for north and south, 1 for east and west."""
-    return Value(array.Binary("&", heading.node, array.Literal(1)), "i32", heading.axes)
+    return (literal(2, "i32") * distance).eq(length)
 
 
 def _turned(heading: Value, quarters: int) -> Value:
-    if not quarters:
-        return heading
-    turned = binary("+", heading, literal(quarters, "i32"), "i32")
-    return replace(turned, node=array.Binary("&", turned.node, array.Literal(3)))
+    return (heading + quarters) & 3 if quarters else heading
 
 
 def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w: Writer) -> Value:
@@ -202,15 +177,14 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
         return _is_open(w.keep("ahead", _cells_on(course, literal(1, "i32"), w)), who, w)
     everybody = state_reads.all_positions(w)
     axis = w.axis("way", most)
-    number = binary("+", iota(axis), literal(1, "i32"), "i32")
+    number = iota(axis) + 1
     cells = w.keep("way", _cells_on(course, number, w))
     is_open = _is_open(cells, who, w)
-    standing = array.reduction("any", stand_on(cells, everybody), (len(cells.axes),))
-    last = binary(">=", number, steps, "bool")
-    taken = select(last, literal(False, "bool"), Value(standing, "bool", cells.axes))
-    free = both(is_open, invert(taken))
+    standing = reduction("any", stand_on(cells, everybody), (len(cells.axes),))
+    taken = select(number >= steps, FALSE, Value(standing, "bool", cells.axes))
+    free = is_open & ~taken
     if number_of.low < most:  # what lies beyond the last cell does not matter
-        free = select(binary(">", number, steps, "bool"), literal(True, "bool"), free)
+        free = select(number > steps, TRUE, free)
     return w.keep("clear", reduce("all", free, (axis,)))
 
 
@@ -218,15 +192,11 @@ def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
     """Returns which cells of the frame are on the map and do not block the agent or mover."""
     name = who.sort.plural
     layout = w.module.layout
-    inside = w.module.constant("inside", layout.inside_table, "cells of the map in the frame")
-    is_open = Value(indexed(inside, (cells.node,)), "bool", cells.axes)
+    is_open = is_inside(cells, w)
     if layout.count(layout.blocking_glyphs(name)):
-        comment = f"cells that always block {name}"
-        fixed = w.module.constant(f"blocks_{name}", layout.blocking_table(name), comment)
-        blocked = array.Index(fixed, (cells.node,))
-        is_open = both(is_open, Value(array.Unary("~", blocked), "bool", cells.axes))
+        is_open = is_open & ~always_block(cells, name, w)
     for block, kind in conditional_blocks(name, w):
-        is_open = both(is_open, invert(blocked_by(block, kind, cells, w, who)))
+        is_open = is_open & ~blocked_by(block, kind, cells, w, who)
     return is_open
 
 
@@ -248,20 +218,20 @@ def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
     position = attribute_of("position", sort)
     extent = w.module.extent(sort)
     before = w.bind("before", w.current(position))
-    targets: array.Expression = before
-    ranks: array.Expression = array.call("jnp.zeros", extent, array.path("jnp.uint32"))
+    targets: Expression = before
+    ranks: Expression = zeros("u32", extent)
     for move in moves:
         w.origin = move.statement.origin
-        bits = array.call("random_bits", KEY, w.stream(move.statement.stream), extent)
-        targets = array.Where(move.who, move.target, targets)
-        ranks = bits if len(moves) == 1 else array.Where(move.who, bits, ranks)
+        bits = bits_of_each(move.statement.stream, sort, w)
+        targets = Where(move.who, move.target, targets)
+        ranks = bits if len(moves) == 1 else Where(move.who, bits, ranks)
     for other in body_sorts(w.module.game):
         if other != sort:  # who stands on a cell keeps it
-            taken = array.call("is_one_of", targets, w.current(attribute_of("position", other)))
-            targets = array.Where(taken, before, targets)
-    resolved = array.call("resolve", before, targets, ranks, exchange=array.Literal(True))
+            taken = call("is_one_of", targets, w.current(attribute_of("position", other)))
+            targets = Where(taken, before, targets)
+    resolved = call("resolve", before, targets, ranks, exchange=True)
     w.assign(position, resolved)
-    has_moved = array.Binary("!=", w.current(position), before)
+    has_moved = w.current(position).ne(before)
     for move in moves:
         s = move.statement
-        turn(sort, array.Binary("&", move.who, has_moved), s.facing, s.heading_stream, w)
+        turn(sort, move.who & has_moved, s.facing, s.heading_stream, w)

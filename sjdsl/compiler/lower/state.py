@@ -17,16 +17,24 @@ from sjdsl.compiler.lower.expressions import nobody
 from sjdsl.compiler.lower.statements import mark_size
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import Field
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import (
+    Expression,
+    Literal,
+    call,
+    constant,
+    path,
+    shape_of,
+    zeros,
+)
 from sjdsl.runtime.fields import StateField
 
 STORED = {"u8": "uint8", "u32": "uint32", "i32": "int32", "f32": "float32", "bool": "bool_"}
-INT32 = array.path("jnp.int32")
+INT32 = path("jnp.int32")
 
 
 def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of State."""
-    zero = array.call("jnp.int32", array.Literal(0))
+    zero = call("jnp.int32", 0)
     fields = [Field("step", "[]", "int32", "finished steps of this episode", zero)]
     for sort in body_sorts(game):
         fields += _pose_fields(sort, w)
@@ -35,9 +43,9 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
         size = mark_size(phase, game)
         comment = f"cells that {phase.label} can mark"
         number = w.module.number(f"marks_of_{phase.name}", size, comment)
-        zeros = array.call("jnp.zeros", number, INT32)
+        none = zeros("i32", number)
         meaning = f"cells marked by {phase.label}; 0: none"
-        fields.append(Field(f"mark_{phase.name}", f"[{size}]", "int32", meaning, zeros))
+        fields.append(Field(f"mark_{phase.name}", f"[{size}]", "int32", meaning, none))
     return fields
 
 
@@ -51,14 +59,14 @@ def _pose_fields(sort: ir.Sort, w: Writer) -> list[Field]:
     shape = "[N]" if is_agent else f"[{extent.size}]"
 
     def of_each(name: str, meaning: str) -> Field:
-        zeros = array.call("jnp.zeros", extent, INT32)
-        return Field(attribute_of(name, sort), shape, "int32", meaning, zeros)
+        none = zeros("i32", extent)
+        return Field(attribute_of(name, sort), shape, "int32", meaning, none)
 
     fields = [of_each("position", f"cell of each {sort.name} in the padded frame; 0: nowhere")]
     if is_agent:
         fields.append(of_each("heading", "0 north, 1 east, 2 south, 3 west"))
     if w.module.stores_moved(sort):
-        no = array.call("jnp.zeros", extent, array.Name("bool"))
+        no = zeros("bool", extent)
         meaning = "did the last movement change the cell"
         fields.append(Field(attribute_of("moved", sort), shape, "bool_", meaning, no))
     if w.module.stores_away(sort):
@@ -80,8 +88,7 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     meaning = f"{field.name}: {_meaning(field)}"
     if field.type.by:
         meaning = f"{meaning}; by {_level(field.type.by[0])}"
-    if field.type.kind == "agents" and w.module.numbers_per_set:
-        dims.append(str(w.module.numbers_per_set))
+    dims += [str(extent.size) for extent in w.module.set_extents(field.type)]
     default = _default(field, game, dtype, w)
     return Field(attribute_name(field), f"[{', '.join(dims)}]", dtype, meaning, default)
 
@@ -109,7 +116,7 @@ def _meaning(field: ir.VarField) -> str:
             return f"{field.type.low:g} .. {field.type.high:g}"
 
 
-def _start(value: object, field: ir.VarField, w: Writer) -> array.Literal:
+def _start(value: object, field: ir.VarField, w: Writer) -> Literal:
     """Returns a starting value as the field keeps it."""
     match field.type.kind:
         case "word":
@@ -119,14 +126,14 @@ def _start(value: object, field: ir.VarField, w: Writer) -> array.Literal:
         case "cell":
             node = state_reads.no_cell(w).node
         case "agents":
-            node = array.Literal(0)
+            node = Literal(0)
         case _:
-            node = array.Literal(value)  # type: ignore[arg-type]
-    assert isinstance(node, array.Literal)
+            node = Literal(value)  # type: ignore[arg-type]
+    assert isinstance(node, Literal)
     return node
 
 
-def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> array.Expression:
+def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> Expression:
     """Returns the starting values of a field."""
     layout = w.module.layout
     kind = field.held_by.name
@@ -134,16 +141,13 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> array.
     if field.held_by.what == "cell":
         starts = layout.starts(kind, field)
     if len(starts) <= 1:
-        size: list[array.Expression] = []
+        size: list[Expression] = []
         if field.held_by.what != "world":
             size.append(w.module.extent(field.held_by))
         size += map(w.module.num_entries, field.type.by)
-        if field.type.kind == "agents" and w.module.numbers_per_set:
-            size.append(array.Literal(w.module.numbers_per_set))
+        size += w.module.set_extents(field.type)
         first = _start(next(iter(starts), field.start), field, w)
-        return array.call(
-            "jnp.full", array.shape_of(tuple(size)), first, array.path(f"jnp.{dtype}")
-        )
+        return call("jnp.full", shape_of(tuple(size)), first, path(f"jnp.{dtype}"))
     for glyph in game.glyphs:
         if glyph.kind == kind:
             starts |= {value for name, value in glyph.starts if name == field.name}
@@ -153,9 +157,9 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> array.
     vector = w.module.constant(f"{attribute_name(field)}_start", table, comment)
     if not field.type.by:
         return vector
-    column = array.Index(vector, (array.ALL, array.NEW_AXIS))
+    column = vector[:, None]
     num_entries = w.module.num_entries(field.type.by[0])
-    return array.call("jnp.repeat", column, num_entries, axis=array.Literal(1))
+    return call("jnp.repeat", column, num_entries, axis=1)
 
 
 def params_fields(game: ir.Game) -> list[Field]:
@@ -166,8 +170,8 @@ def params_fields(game: ir.Game) -> list[Field]:
         shape = ", ".join(str(len(level)) for level in param.type.by)
         unit = "word" if param.type.kind == "word" else param.type.unit
         meaning = " by ".join([str(unit), *map(str, param.type.by)])
-        value = array.constant(param_value(param.value, param.type))
-        default = array.call("jnp.asarray", value, array.path(f"jnp.{dtype}"))
+        value = constant(param_value(param.value, param.type))
+        default = call("jnp.asarray", value, path(f"jnp.{dtype}"))
         fields.append(Field(param_attribute(param.name), f"[{shape}]", dtype, meaning, default))
     return fields
 
@@ -181,14 +185,14 @@ def param_value(value: object, type_: ir.Type) -> object:
 
 def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of Outcome."""
-    no_reward = array.call("jnp.zeros", w.module.agents, array.DTYPES["f32"])
-    not_ended = array.call("jnp.zeros", array.Sequence(()), array.Name("bool"))
+    no_reward = zeros("f32", w.module.agents)
+    not_ended = zeros("bool")
     fields = [
         Field("reward", "[N]", "float32", "raw rewards of this step", no_reward),
         Field("ended", "[]", "bool_", "whether an `end` was performed", not_ended),
     ]
     for event in game.events:
-        size: list[array.Expression] = []
+        size: list[Expression] = []
         dims: list[str] = []
         meaning = "counts of this step"
         if event.per_agent:
@@ -198,9 +202,9 @@ def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
             size.append(w.module.num_entries(event.by))
             dims.append(str(len(event.by)))
             meaning = f"{meaning}, by {_level(event.by)}"
-        zeros = array.call("jnp.zeros", array.shape_of(tuple(size)), INT32)
+        none = zeros("i32", *size)
         name = f"event_{param_attribute(event.name)}"
-        fields.append(Field(name, f"[{', '.join(dims)}]", "int32", meaning, zeros))
+        fields.append(Field(name, f"[{', '.join(dims)}]", "int32", meaning, none))
     return fields
 
 

@@ -8,25 +8,23 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import body_sorts, can_be
 from sjdsl.compiler.ir.sorts import AGENTS
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, binary, literal, select
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, looked_up, select
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program import expressions as array
 from sjdsl.compiler.program.expressions import (
-    ALL,
     NEW_AXIS,
-    REST,
-    Binary,
     DType,
     Expression,
-    Index,
     Name,
-    Sequence,
     call,
     path,
     reduction,
 )
 
+POSITION = path("state.position")
+HEADING = path("state.heading")
+ROW = 8  # bits of a column: a map has at most 256
+NO_CELL = -1
 MANY = 64  # computed cells from which on what is looked up is worth computing in memory first
 
 
@@ -37,10 +35,9 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
         if value is None:
             owner = placed(owner, w)
         elif e.type.kind == "agent":  # painted one up: 0 is nobody
-            number = as_dtype(replace(value, dtype="u8"), "i32")
-            return binary("-", number, literal(1, "i32"), "i32")
+            return as_dtype(replace(value, dtype="u8"), "i32") - 1
         else:
-            return as_dtype(value, "i32") if e.type.kind == "int" else value
+            return _widened(value, e.type)
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
@@ -52,7 +49,7 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
         stored = replace(stored, node=w.beside(stored.node), axes=owner.site.axes)
     elif owner is not None:
         stored = _looked_up(owner, stored, w)
-    return _widened(stored, declared)
+    return _widened(stored, declared.type)
 
 
 def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
@@ -61,11 +58,10 @@ def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
     For many computed cells the field is computed in memory first.
     """
     if isinstance(owner, CellVar) and owner.axis is None:
-        site = owner.site
-        number = prod(a.size for a in site.axes)
+        number = prod(a.size for a in owner.site.axes)
         if number >= max(MANY, w.module.layout.num_cells(owner.kinds)):
-            node = call("looked_up", stored.node, site.node)
-            return replace(stored, node=node, axes=site.axes)
+            node = call("looked_up", stored.node, owner.site.node)
+            return replace(stored, node=node, axes=owner.site.axes)
     return _of(owner, stored)
 
 
@@ -73,27 +69,24 @@ def _of(owner: Variable, stored: Value) -> Value:
     """Returns what is kept of each agent or cell, for the one that a variable is."""
     if owner.axis is not None:
         return replace(stored, axes=(owner.axis,))
-    return replace(stored, node=Index(stored.node, (owner.number.node,)), axes=owner.number.axes)
+    return replace(stored, node=stored.node[owner.number.node], axes=owner.number.axes)
 
 
 def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     """Returns a group's field: the kinds' vectors one after another, put into reading order."""
     group = "_".join(owner.kinds)
     fields = [w.module.field(e, kind) for kind in owner.kinds]
-    order = w.module.constant(
-        f"order_{group}",
-        w.module.layout.order_table(owner.kinds),
-        "cells of a group in reading order",
-    )
-    vectors = Sequence(tuple(w.stored(attribute_name(f)) for f in fields), is_list=True)
-    concatenated = Index(call("jnp.concatenate", vectors), (order,))
-    whole = w.keep(f"{group}_{e.name}", Value(concatenated, storage(fields[0], w)))
+    table = w.module.layout.order_table(owner.kinds)
+    order = w.module.constant(f"order_{group}", table, "cells of a group in reading order")
+    vectors = [w.stored(attribute_name(f)) for f in fields]
+    concatenated = Value(call("jnp.concatenate", vectors)[order], storage(fields[0], w))
+    whole = w.keep(f"{group}_{e.name}", concatenated)
     whole = replace(whole, levels=w.module.levels(e.type))
-    return _widened(_looked_up(owner, whole, w), fields[0])
+    return _widened(_looked_up(owner, whole, w), fields[0].type)
 
 
-def _widened(value: Value, declared: ir.VarField) -> Value:
-    return as_dtype(value, "i32") if declared.type.kind == "int" else value
+def _widened(value: Value, type_: ir.Type) -> Value:
+    return as_dtype(value, "i32") if type_.kind == "int" else value
 
 
 def storage(declared: ir.VarField, w: Writer) -> DType:
@@ -140,6 +133,11 @@ def position(owner: AgentVar, w: Writer) -> Value:
     return at if owner.axis is not None else w.keep("position", at)
 
 
+def location(variable: Variable, w: Writer) -> Value:
+    """Returns the cells in the frame of agents, movers or cell variables."""
+    return position(variable, w) if isinstance(variable, AgentVar) else cell(variable, w)
+
+
 def heading(owner: AgentVar, w: Writer) -> Value:
     """Returns the headings of agents or movers, int32."""
     stored = w.stored(attribute_of("heading", owner.sort))
@@ -157,7 +155,7 @@ def present(owner: AgentVar, w: Writer) -> Value:
     """Returns who is on the map."""
     if not w.module.can_be_away(owner.sort) or w.starting:
         return TRUE
-    return w.keep("present", binary("!=", position(owner, w), nowhere(w), "bool"))
+    return w.keep("present", position(owner, w).ne(nowhere(w)))
 
 
 def nowhere(w: Writer) -> Value:
@@ -181,7 +179,7 @@ def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression:
     sorts = [sort for sort in body_sorts(w.module.game) if sort != but]
     if len(sorts) == 1:
         return positions(w, sorts[0])
-    parts = Sequence(tuple(positions(w, sort) for sort in sorts), is_list=True)
+    parts = [positions(w, sort) for sort in sorts]
     name = "bodies" if but is None else "others"
     return w.keep_node(name, call("jnp.concatenate", parts), "i32")
 
@@ -201,9 +199,9 @@ def _seen_cell(owner: CellVar, w: Writer) -> Value:
     observer, cells = owner.seen
     comment = "cells of a window from the observer's cell, for each heading"
     table = w.module.constant("view_offsets", w.module.layout.view_table, comment)
-    steps = Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
-    observers = Value(path("state.position"), "i32", (observer,))
-    return w.keep("seen_cells", on_map(binary("+", observers, steps, "i32"), w))
+    steps = Value(table[HEADING], "i32", (observer, cells))
+    observers = Value(POSITION, "i32", (observer,))
+    return w.keep("seen_cells", on_map(observers + steps, w))
 
 
 def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
@@ -211,7 +209,7 @@ def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
     comment = "steps from the observer to each cell of its window"
     table = w.module.constant("view_steps", w.module.layout.steps_table, comment)
     if w.module.layout.wraps:  # round a map that is not square the way depends on the heading
-        return Value(Index(table, (path("state.heading"),)), "i32", (observer, cells))
+        return Value(table[HEADING], "i32", (observer, cells))
     return Value(table, "i32", (cells,))
 
 
@@ -224,7 +222,7 @@ def on_map(cells: Value, w: Writer) -> Value:
         return cells
     comment = "the cell of the map that a cell of the frame is; 1: none"
     table = w.module.constant("around", w.module.layout.edges_table, comment)
-    return Value(Index(table, (cells.node,)), "i32", cells.axes)
+    return looked_up(table, cells, "i32")
 
 
 def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
@@ -247,15 +245,14 @@ def placed(owner: CellVar, w: Writer) -> CellVar:
 def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
     """Returns the numbers of cells of the frame among those of `kinds`; past the end: none."""
     comment = f"number of each cell among {', '.join(kinds)}; past the end: none"
-    table = w.module.constant(
-        f"site_of_{'_'.join(kinds)}", w.module.layout.site_table(kinds), comment
-    )
-    return Value(Index(table, (cells.node,)), "i32", cells.axes)
+    numbers = w.module.layout.site_table(kinds)
+    table = w.module.constant(f"site_of_{'_'.join(kinds)}", numbers, comment)
+    return looked_up(table, cells, "i32")
 
 
 def is_site(site: Value, kinds: tuple[str, ...], w: Writer) -> Value:
     """Returns whether numbers are those of cells of `kinds`, and not past the end."""
-    return binary("<", site, Value(w.module.num_cells(kinds), "i32"), "bool")
+    return site < w.module.num_cells(kinds)
 
 
 def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Value, Value]:
@@ -274,14 +271,10 @@ def occupied(owner: CellVar, w: Writer) -> Value:
         return replace(w.keep("covered", Value(covered, "bool")), axes=(owner.axis,))
     at = cell(owner, w)
     if not at.axes:
-        return Value(reduction("any", Binary("==", at.node, bodies)), "bool")
-    each_body = Index(bodies, (*[NEW_AXIS] * len(at.axes), ALL))
-    same = Binary("==", Index(at.node, (REST, NEW_AXIS)), each_body)
-    return Value(reduction("any", same, (-1,)), "bool", at.axes)
-
-
-ROW = 8  # bits of a column: a map has at most 256
-NO_CELL = -1
+        return Value(reduction("any", at.node.eq(bodies)), "bool")
+    each_body = bodies[*[NEW_AXIS] * len(at.axes), :]
+    is_under = at.node[..., None].eq(each_body)
+    return Value(reduction("any", is_under, (-1,)), "bool", at.axes)
 
 
 def no_cell(w: Writer) -> Value:
@@ -293,29 +286,24 @@ def no_cell(w: Writer) -> Value:
 def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns a cell as a field keeps it: 256 times its row, and its column."""
     if not isinstance(e, ir.Member):
-        return w.value(e, scope.always())
+        return w.value(e, scope)
     variable = scope.variables[e.name]
     assert isinstance(variable, CellVar)
     at = cell(variable, w)
-    cols = w.module.number("frame_cols", w.module.layout.cols)
-    pad = array.Literal(w.module.layout.pad, "PAD")
-    row = array.Binary("-", array.Binary("//", at.node, cols), pad)
-    col = array.Binary("-", array.Binary("%", at.node, cols), pad)
-    kept = array.Binary("+", array.Binary("<<", row, array.Literal(ROW)), col)
-    return w.keep("place", replace(at, node=kept))
+    row = at // w.module.frame_cols - w.module.pad
+    col = at % w.module.frame_cols - w.module.pad
+    return w.keep("place", (row << ROW) + col)
 
 
 def frame_cell(value: Value, w: Writer) -> Value:
     """Returns the cell of the frame that a kept one is; 0 for nowhere."""
-    cols = w.module.number("frame_cols", w.module.layout.cols)
-    pad = array.Literal(w.module.layout.pad, "PAD")
-    row = array.Binary("+", array.Binary(">>", value.node, array.Literal(ROW)), pad)
-    col = array.Binary("+", array.Binary("&", value.node, array.Literal((1 << ROW) - 1)), pad)
-    at = replace(value, node=array.Binary("+", array.Binary("*", row, cols), col))
-    return w.keep("at", select(binary(">=", value, literal(0, "i32"), "bool"), at, nowhere(w)))
+    row = (value >> ROW) + w.module.pad
+    col = (value & (2**ROW - 1)) + w.module.pad
+    at = row * w.module.frame_cols + col
+    return w.keep("at", select(value >= 0, at, nowhere(w)))
 
 
 def held_cell(e: ir.Expr, kinds: tuple[str, ...], scope: IterationScope, w: Writer) -> CellVar:
     """Returns the cell that a value is, by its number among some kinds; past the end: none."""
-    at = frame_cell(w.value(e, scope.always()), w)
+    at = frame_cell(w.value(e, scope), w)
     return CellVar(w.keep(f"{'_'.join(kinds)}_held", site_at(at, kinds, w)), kinds)

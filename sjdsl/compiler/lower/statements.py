@@ -6,7 +6,7 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import shape_named
 from sjdsl.compiler.lower.assignments import add, set_
-from sjdsl.compiler.lower.axes import FALSE, TRUE, both, invert, joined, reduce, select
+from sjdsl.compiler.lower.axes import FALSE, TRUE, joined, reduce, select, without
 from sjdsl.compiler.lower.condition_names import condition_name, domain_name
 from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
@@ -18,7 +18,7 @@ from sjdsl.compiler.lower.selection import nearest, pick
 from sjdsl.compiler.lower.sending import Sends
 from sjdsl.compiler.lower.state_reads import nowhere
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Attribute, Call, Literal, Name
+from sjdsl.compiler.program.expressions import Name, reshaped
 
 
 def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends) -> None:
@@ -29,11 +29,11 @@ def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Se
             case ir.Let():
                 before = len(w.body)
                 with w.deciding(s.name in w.module.deciding.variables):
-                    value = w.value(s.value, scope.always())
+                    value = w.value(s.value, scope)
                 value = w.keep(s.name, w.rename(s.name, value, before))
-                scope = replace(scope, locals={**scope.locals, s.name: value})
+                scope = scope.letting(s.name, value)
             case ir.Draw():
-                scope = replace(scope, locals={**scope.locals, s.name: draw(s, scope, w)})
+                scope = scope.letting(s.name, draw(s, scope, w))
             case _:
                 statement(s, scope, w, sends)
 
@@ -48,8 +48,8 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             _inside(body, inner, w, sends, f"{s.domain.var.name}_found")
             _inside(s.otherwise, scope.when(nobody), w, sends)
         case ir.First() if not is_empty(s.domain, w):
-            inner, _, found = nearest(s.domain, scope, w)
-            inner = inner.when(scope.mask).when(found)
+            inner, exists = nearest(s.domain, scope, w)
+            inner = inner.when(scope.mask).when(exists)
             _inside(s.body, inner, w, sends, f"{s.domain.var.name}_found")
         case ir.Match() if not is_empty(s.left, w) and not is_empty(s.right, w):
             _inside(s.body, match_(s, scope, w), w, sends)
@@ -86,8 +86,8 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             mark(s, scope, w)
         case ir.End():
             ended = w.total("ended")
-            happens_here = reduce("any", scope.mask, scope.mask.axes).node
-            w.accumulate("ended", joined("|", ended, happens_here))
+            ends = reduce("any", scope.mask, scope.mask.axes)
+            w.accumulate("ended", joined("|", ended, ends.node))
         case ir.Let() | ir.Draw():
             raise AssertionError(s)
         case _:
@@ -100,7 +100,8 @@ def _inside(
     """Writes a block. name: of its mask, which is kept if several statements read it."""
     if not body or scope.mask == FALSE:
         return
-    if len(body) + sum(len(getattr(s, "body", ())) for s in body) > 1:
+    num_statements = len(body) + sum(len(getattr(s, "body", ())) for s in body)
+    if num_statements > 1:
         scope = replace(scope, mask=w.keep(name or "active", scope.mask))
     block(body, scope, w, sends)
 
@@ -112,12 +113,12 @@ def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
         if number > 2:  # of many branches the conditions would pile up
             rest = replace(rest, mask=w.keep("rest", rest.mask))
         name = condition_name(branch.test, w.module.game)
-        test = w.value(branch.test, scope.always())
+        test = w.value(branch.test, scope)
         if len(s.branches) > 1 or s.otherwise:
             test = w.keep(name or "holds", test)
         mask_name = f"where_{name}" if name and rest.mask != TRUE else name
         _inside(branch.body, rest.when(test), w, sends, mask_name)
-        rest = rest.when(invert(test))
+        rest = rest.when(~test)
     _inside(s.otherwise, rest, w, sends)
 
 
@@ -128,10 +129,9 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
         instead = "mark around an agent that an `each` names"
         raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
     swept = sweep(ir.Near(shape=s.shape, anchor=s.anchor), scope, w)
-    happens = reduce("any", scope.mask, tuple(a for a in scope.axes if a not in swept.cells.axes))
-    cells = select(both(happens, swept.ok), swept.cells, nowhere(w))
-    flat = Call(Attribute(cells.node, "reshape"), (Literal(-1),))
-    marked = w.keep_node("marked", flat, "i32")
+    happens = reduce("any", scope.mask, without(scope.axes, swept.cells.axes))
+    cells = select(happens & swept.ok, swept.cells, nowhere(w))
+    marked = w.keep_node("marked", reshaped(cells.node, -1), "i32")
     assert isinstance(marked, Name)
     w.marked[marked] = mark_size(s, w.module.game)
 

@@ -5,31 +5,27 @@ from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, written_field
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program import expressions as array
+from sjdsl.compiler.program.expressions import Expression, Name, Where, call, live, path
 
 BEGINNING = (("state", "State"), ("is_last", "Array"), ("params", "Params"), ("key", "Array"))
 TRIAL = "world_trial"  # the attribute of State that counts the trials
 
 
-def next_trial(
-    game: ir.Game, trials: ir.Trials, start: array.Expression, module: Module
-) -> Function:
+def next_trial(game: ir.Game, trials: ir.Trials, start: Expression, module: Module) -> Function:
     """Returns the function `next_trial`.
 
     start: the state in which the phase `start` leaves the state `laid`.
     """
     w = Writer(module)
-    w.set(array.Name("laid"), array.call("initial_state"))
+    w.set(Name("laid"), call("initial_state"))
     attributes = _kept_attributes(game, trials)
-    kept = {attribute: array.path(f"state.{attribute}") for attribute in attributes}
-    counted = array.Binary("+", array.path(f"state.{TRIAL}"), array.Literal(1))
-    w.set(array.Name("laid"), replaced("laid", _unless_last("laid", {TRIAL: counted, **kept})))
-    w.set(array.Name("begun"), start)
+    kept = {attribute: path(f"state.{attribute}") for attribute in attributes}
+    counted = path(f"state.{TRIAL}") + 1
+    w.set(Name("laid"), replaced("laid", _unless_last("laid", {TRIAL: counted, **kept})))
+    w.set(Name("begun"), start)
     written = _attributes_written_by(game.start)
     lost = {
-        attribute: array.path(f"laid.{attribute}")
-        for attribute in attributes
-        if attribute in written
+        attribute: path(f"laid.{attribute}") for attribute in attributes if attribute in written
     }
     w.give_back(replaced("begun", _unless_last("begun", lost)))
     doc = (
@@ -37,25 +33,26 @@ def next_trial(
         "A trial begins as an episode does, but for the fields that are kept: "
         "what `start` writes to them is lost."
     )
-    return Function("next_trial", BEGINNING, "State", doc, array.live(w.body))
+    return Function("next_trial", BEGINNING, "State", doc, live(w.body))
 
 
-def _unless_last(state: str, changes: dict[str, array.Expression]) -> dict[str, array.Expression]:
+def _unless_last(state: str, changes: dict[str, Expression]) -> dict[str, Expression]:
     """Returns new values of attributes of a state, which stay as they are in the last trial."""
     return {
-        attribute: array.Where(array.Name("is_last"), array.path(f"{state}.{attribute}"), value)
+        attribute: Where(Name("is_last"), path(f"{state}.{attribute}"), value)
         for attribute, value in changes.items()
     }
 
 
 def _kept_attributes(game: ir.Game, trials: ir.Trials) -> list[str]:
+    """Returns the attributes of State that are kept, without that of `trial`."""
     kept = {(field.held_by, field.name) for field in trials.kept}
-    return [
-        attribute_name(field) for field in all_fields(game) if (field.held_by, field.name) in kept
-    ]
+    fields = [field for field in all_fields(game) if (field.held_by, field.name) in kept]
+    return [attribute_name(field) for field in fields]
 
 
 def _attributes_written_by(phase: ir.Phase) -> set[str]:
+    """Returns the attributes of State that a phase sets or adds to."""
     written = set()
     for node in ir.walk(phase):
         if isinstance(node, ir.Set | ir.Add):

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import ceil
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -30,7 +31,6 @@ from sjdsl.compiler.program import Constant, Group, Number
 from sjdsl.compiler.program.expressions import (
     Assign,
     Attribute,
-    Call,
     DType,
     Expression,
     Literal,
@@ -38,6 +38,7 @@ from sjdsl.compiler.program.expressions import (
     Return,
     Statement,
     as_array,
+    call,
     path,
 )
 from sjdsl.runtime.actions import HEADINGS
@@ -80,9 +81,7 @@ class Module:
     _by_value: dict[Expression, str] = field(default_factory=dict)
     _by_meaning: dict[tuple[str, int], str] = field(default_factory=dict)
 
-    def constant(
-        self, name: str, table: Expression, comment: str, dtype: DType | None = None
-    ) -> Name:
+    def constant(self, name: str, table: object, comment: str, dtype: DType | None = None) -> Name:
         """Returns the name of a module-level array; equal ones are kept once.
 
         dtype: of a table of written numbers.
@@ -146,6 +145,8 @@ class Module:
         """Returns how many entries a row has."""
         if level.sort == "agent":
             return self.agents
+        if level.names not in self._word_sets:  # of a draw alone
+            return Literal(len(level))
         declared = self._word_sets[level.names].declared
         return self.number(f"num_{declared}", len(level), ", ".join(level.names), "size")
 
@@ -155,16 +156,16 @@ class Module:
         game = self.game
         fields = all_fields(game)
         sets: dict[tuple[str, ...], WordSet] = {HEADINGS: WordSet("", "headings")}
-        for field_ in fields:
-            declared = WordSet(field_.held_by.name, attribute_name(field_))
-            sets.setdefault(field_.type.words, declared)
+        for declared in fields:
+            words = WordSet(declared.held_by.name, attribute_name(declared))
+            sets.setdefault(declared.type.words, words)
 
         def add(keys: tuple[str, ...], name: str) -> None:
             sets.setdefault(keys, WordSet(name, name))
 
-        for field_ in fields:
-            for level in field_.type.by:
-                add(level.names, attribute_name(field_))
+        for declared in fields:
+            for level in declared.type.by:
+                add(level.names, attribute_name(declared))
         for param in game.params:
             add(param.type.words, param.name)
             for level in param.type.by:
@@ -201,6 +202,15 @@ class Module:
                 raise AssertionError(sort)
 
     @property
+    def frame_cols(self) -> Literal:
+        """How many columns the padded map has."""
+        return self.number("frame_cols", self.layout.cols)
+
+    @property
+    def pad(self) -> Literal:
+        return Literal(self.layout.pad, "PAD")
+
+    @property
     def set_dtype(self) -> DType:
         """The dtype of a set of agents, which is kept as a bit for each agent."""
         return "u8" if self.num_agents <= 8 else "u32"
@@ -208,11 +218,17 @@ class Module:
     @property
     def numbers_per_set(self) -> int:
         """How many numbers of 32 bits a set of agents takes; 0 if one number holds it."""
-        return 0 if self.num_agents <= BITS_PER_NUMBER else -(-self.num_agents // BITS_PER_NUMBER)
+        return 0 if self.num_agents <= BITS_PER_NUMBER else ceil(self.num_agents / BITS_PER_NUMBER)
 
     def levels(self, type_: ir.Type) -> int:
         """Returns how many axes one value of a type has: see `Value.levels`."""
-        return len(type_.by) + (type_.kind == "agents" and self.numbers_per_set > 0)
+        return len(type_.by) + len(self.set_extents(type_))
+
+    def set_extents(self, type_: ir.Type) -> tuple[Literal, ...]:
+        """Returns how many numbers a large set of agents takes, for a type of such sets."""
+        if type_.kind == "agents" and self.numbers_per_set:
+            return (Literal(self.numbers_per_set),)
+        return ()
 
     def can_be_away(self, sort: ir.Sort = AGENTS) -> bool:
         """Returns whether agents, or movers of a name, can be off the map during a step."""
@@ -237,10 +253,8 @@ class Module:
             for observable in self.game.observables:
                 if shows_attribute(observable) and observable.field == "moved":
                     return True
-        return any(
-            isinstance(n, ir.Attribute) and n.name == "moved" and body_sort(n.owner) == sort
-            for n in self.nodes
-        )
+        reads = [n for n in self.nodes if isinstance(n, ir.Attribute) and n.name == "moved"]
+        return any(body_sort(read.owner) == sort for read in reads)
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:
@@ -333,9 +347,13 @@ class Writer:
             comment = f"{self.origin.file.rpartition('/')[2]}:{self.origin.line}"
         return self.module.number(f"stream_{self.purpose}", number, comment, "stream")
 
+    def fresh(self, name: str) -> Name:
+        """Returns a name that is free, close to the wanted one."""
+        return Name(self.names.fresh(name))
+
     def bind(self, name: str, node: Expression) -> Name:
         """Writes `name = node` under a name that is free."""
-        fresh = Name(self.names.fresh(identifier(name.lower())))
+        fresh = self.fresh(identifier(name.lower()))
         self.set(fresh, node)
         return fresh
 
@@ -371,9 +389,7 @@ class Writer:
     def keep_parts(self, names: tuple[str, ...], node: Expression) -> tuple[Name, ...]:
         """Names the parts of what a kernel returns; what computes the same is called once."""
         if node not in self.parts:
-            self.parts[node] = tuple(
-                Name(self.names.fresh(identifier(name.lower()))) for name in names
-            )
+            self.parts[node] = tuple(self.fresh(identifier(name.lower())) for name in names)
             self.unpack(self.parts[node], node)
         return self.parts[node]
 
@@ -384,14 +400,16 @@ class Writer:
         since: how many statements there were before it was lowered.
         """
         last = self.body[-1] if len(self.body) > since else None
-        if not isinstance(last, Assign) or value.node != Name(last.names[0]) or len(last.names) > 1:
+        if not isinstance(last, Assign) or len(last.names) > 1:
+            return value
+        if value.node != Name(last.names[0]):
             return value
         self.names.taken.discard(last.names[0])
-        fresh = Name(self.names.fresh(identifier(name.lower())))
+        fresh = self.fresh(identifier(name.lower()))
         self.body[-1] = replace(last, names=(fresh.identifier,))
-        self.known = {
-            key: fresh if kept == value.node else kept for key, kept in self.known.items()
-        }
+        for key, kept in self.known.items():
+            if kept == value.node:
+                self.known[key] = fresh
         return replace(value, node=fresh)
 
     def stored(self, attribute: str) -> Expression:
@@ -402,7 +420,7 @@ class Writer:
         """Returns the parameter that stands for a field of the cells around each cell."""
         assert isinstance(stored, Attribute)
         if stored not in self.parameters:
-            self.parameters[stored] = Name(self.names.fresh(stored.name))
+            self.parameters[stored] = self.fresh(stored.name)
         return self.parameters[stored]
 
     def forget(self) -> None:
@@ -429,7 +447,7 @@ class Writer:
 
     def _renew(self, values: dict[str, Expression], attribute: str, node: Expression) -> None:
         if attribute not in values:
-            values[attribute] = Name(self.names.fresh(attribute))
+            values[attribute] = self.fresh(attribute)
         name = values[attribute]
         assert isinstance(name, Name)
         self.set(name, node)
@@ -437,4 +455,4 @@ class Writer:
 
 def replaced(name: str, changes: dict[str, Expression]) -> Expression:
     """Returns a state or outcome with new values of some attributes."""
-    return Call(path(f"{name}.replace"), (), tuple(changes.items())) if changes else Name(name)
+    return call(f"{name}.replace", **changes) if changes else Name(name)

@@ -5,9 +5,10 @@ Two expressions are equal if they compute the same; the name that a literal is p
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import EllipsisType
+from typing import Any, TypeAlias
 from typing import Literal as OneOf
-from typing import TypeAlias
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
@@ -20,13 +21,60 @@ class Node(Record, TreeNode["Node"]):
     """A part of a program."""
 
 
-class Name(Node):
+def _operator(op: str) -> Callable[[Computed, Part], Binary]:
+    def binary(left: Any, right: Part) -> Binary:
+        return Binary(op, left, constant(right))
+
+    return binary
+
+
+class Computed(Node):
+    """A node that computes a value. Operators make nodes of it: `a + 1` is `Binary("+", a, Literal(1))`.
+
+    `==` tells whether two nodes are the same; `eq` and `ne` compare what they compute.
+    Keys in brackets are written as NumPy's: `a[:, None]`.
+    """
+
+    __add__ = _operator("+")
+    __sub__ = _operator("-")
+    __mul__ = _operator("*")
+    __floordiv__ = _operator("//")
+    __mod__ = _operator("%")
+    __and__ = _operator("&")
+    __or__ = _operator("|")
+    __lshift__ = _operator("<<")
+    __rshift__ = _operator(">>")
+    __lt__ = _operator("<")
+    __gt__ = _operator(">")
+    __ge__ = _operator(">=")
+    eq = _operator("==")
+    ne = _operator("!=")
+
+    def __invert__(self) -> Unary:
+        return Unary("~", self)  # type: ignore[arg-type]
+
+    def __getitem__(self, keys: Any) -> Index:
+        keys = keys if isinstance(keys, tuple) else (keys,)
+        return Index(self, tuple(map(_key, keys)))  # type: ignore[arg-type]
+
+    __iter__ = None  # otherwise Python would iterate by the keys 0, 1, ...
+
+
+def _key(key: Any) -> Expression | Slice:
+    if not isinstance(key, slice):
+        return constant(key)
+    start = None if key.start is None else constant(key.start)
+    stop = None if key.stop is None else constant(key.stop)
+    return Slice(start, stop)
+
+
+class Name(Computed):
     """A variable of a function, a constant of the module, a kernel, or what is imported."""
 
     identifier: str
 
 
-class Literal(Node):
+class Literal(Computed):
     """A number, truth, text, None (in an index: a new axis) or `...`. `name`: the module's constant that has this value."""
 
     value: bool | int | float | str | EllipsisType | None
@@ -49,14 +97,14 @@ class Literal(Node):
         return hash((type(self.value), self.value))
 
 
-class Attribute(Node):
+class Attribute(Computed):
     """`value.name`."""
 
     value: Expression
     name: str
 
 
-class Call(Node):
+class Call(Computed):
     """`function(arguments, keyword=argument, …)`."""
 
     function: Expression
@@ -71,21 +119,21 @@ class Slice(Node):
     stop: Expression | None = None
 
 
-class Index(Node):
+class Index(Computed):
     """`value[keys]`."""
 
     value: Expression
     keys: tuple[Expression | Slice, ...]
 
 
-class Unary(Node):
+class Unary(Computed):
     """`~operand` or `-operand`."""
 
     op: str
     operand: Expression
 
 
-class Binary(Node):
+class Binary(Computed):
     """An operation or comparison of two arrays, entry by entry."""
 
     op: str
@@ -93,7 +141,7 @@ class Binary(Node):
     right: Expression
 
 
-class Where(Node):
+class Where(Computed):
     """`then` where the condition holds, else `otherwise`."""
 
     condition: Expression
@@ -101,7 +149,7 @@ class Where(Node):
     otherwise: Expression
 
 
-class Cast(Node):
+class Cast(Computed):
     """An array in another dtype. `source`: what it was, if that is known."""
 
     value: Expression
@@ -109,34 +157,34 @@ class Cast(Node):
     source: DType | None = None
 
 
-class Broadcast(Node):
+class Broadcast(Computed):
     """An array spread out to a shape."""
 
     value: Expression
     shape: tuple[Expression, ...]
 
 
-class Arange(Node):
+class Arange(Computed):
     """0, 1, … along an axis."""
 
     size: Expression
     dtype: DType | None = None
 
 
-class Sequence(Node):
+class Sequence(Computed):
     """A tuple, or a list."""
 
     items: tuple[Expression, ...]
     is_list: bool = False
 
 
-class Mapping(Node):
+class Mapping(Computed):
     """A dictionary with texts for keys."""
 
     entries: tuple[tuple[str, Expression], ...]
 
 
-class Lambda(Node):
+class Lambda(Computed):
     """A function of its parameters."""
 
     parameters: tuple[str, ...]
@@ -147,6 +195,7 @@ OfArrays: TypeAlias = Unary | Binary | Where | Cast | Broadcast | Arange
 Expression: TypeAlias = (
     Name | Literal | Attribute | Call | Index | OfArrays | Sequence | Mapping | Lambda
 )
+Part: TypeAlias = Expression | bool | int | float
 
 
 class Assign(Node):
@@ -171,9 +220,13 @@ NEW_AXIS = Literal(None)
 REST = Literal(...)
 
 
-def call(function: str, *arguments: Expression, **keywords: Expression) -> Call:
-    """Returns a call of a kernel, or of a method or function with a path such as `jnp.concatenate`."""
-    return Call(path(function), arguments, tuple(keywords.items()))
+def call(function: str, *arguments: object, **keywords: object) -> Call:
+    """Returns a call of a kernel, or of a method or function with a path such as `jnp.concatenate`.
+
+    Arguments are nodes, or what `constant` makes nodes of.
+    """
+    named = tuple((name, constant(value)) for name, value in keywords.items())
+    return Call(path(function), tuple(map(constant, arguments)), named)
 
 
 def path(dotted: str) -> Expression:
@@ -219,9 +272,11 @@ def written(
     return call(kernel, target, places[0] if len(places) == 1 else Sequence(places), value)
 
 
-def as_array(value: Expression, dtype: DType | None = None) -> Call:
+def as_array(value: object, dtype: DType | None = None) -> Call:
     """Returns numbers as an array."""
-    return Call(path("jnp.asarray"), (value,) if dtype is None else (value, DTYPES[dtype]))
+    if dtype is None:
+        return call("jnp.asarray", value)
+    return call("jnp.asarray", value, DTYPES[dtype])
 
 
 def scalar(value: Expression, dtype: DType) -> Call:
@@ -230,18 +285,32 @@ def scalar(value: Expression, dtype: DType) -> Call:
 
 
 def constant(value: object) -> Expression:
-    """Returns numbers, texts, tuples, lists and dictionaries as they are written."""
-    if isinstance(value, tuple | list):
-        return Sequence(tuple(map(constant, value)), isinstance(value, list))
-    if isinstance(value, dict):
-        return Mapping(tuple((key, constant(entry)) for key, entry in value.items()))
-    assert value is None or isinstance(value, bool | int | float | str)
-    return Literal(value)
+    """Returns numbers, texts, tuples, lists and dictionaries as they are written; nodes stay."""
+    match value:
+        case Node():
+            return value  # type: ignore[return-value]
+        case tuple() | list():
+            return Sequence(tuple(map(constant, value)), isinstance(value, list))
+        case dict():
+            return Mapping(tuple((key, constant(entry)) for key, entry in value.items()))
+        case _:
+            assert value is None or isinstance(value, bool | int | float | str | EllipsisType)
+            return Literal(value)
 
 
 def shape_of(sizes: tuple[Expression, ...]) -> Expression:
     """Returns a shape as an argument: a number for one axis, else a tuple."""
     return sizes[0] if len(sizes) == 1 else Sequence(sizes)
+
+
+def zeros(dtype: DType, *sizes: Part) -> Call:
+    """Returns an array of zeros."""
+    return call("jnp.zeros", shape_of(tuple(map(constant, sizes))), DTYPES[dtype])
+
+
+def reshaped(value: Expression, *sizes: Part) -> Call:
+    """Returns an array in another shape; -1 stands for whatever size remains."""
+    return Call(Attribute(value, "reshape"), tuple(map(constant, sizes)))
 
 
 def live(body: list[Statement]) -> tuple[Statement, ...]:

@@ -16,7 +16,7 @@ AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE
 CLAUSES = {  # rules that fill a field of the rule around them
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing",
     "stay", "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none",
-    "by_lot", "wraps",
+    "by_lot", "wraps", "different",
 }  # fmt: skip
 
 
@@ -141,6 +141,12 @@ def aim(span: Span, *items: Any) -> ast.Aim:
     return ast.Aim(span, shape_ref(shape), domain, clauses.get("avoiding"), action)
 
 
+def draw(span: Span, name: ast.Name, *items: Any) -> ast.Draw:
+    (source, *high), clauses = split(items)
+    is_different = "different" in clauses
+    return ast.Draw(span, name, source, high[0] if high else None, clauses.get("by"), is_different)
+
+
 def match_(span: Span, left: ast.Domain, *items: Any) -> ast.Match:
     (right, block), clauses = split(items)
     return ast.Match(span, left, "nearest" in clauses, right, block)
@@ -201,7 +207,7 @@ def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
 PLAIN = (
     ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Kind, ast.Timer,
     ast.Numbers, ast.Words, ast.Group, ast.Movers, ast.Acts, ast.Action, ast.Moves, ast.Schedule,
-    ast.Turn, ast.Block, ast.Let, ast.Draw, ast.Each, ast.Pick, ast.First, ast.When, ast.Chance,
+    ast.Turn, ast.Block, ast.Let, ast.Each, ast.Pick, ast.First, ast.When, ast.Chance,
     ast.Add, ast.Give, ast.Remove, ast.Move, ast.Ahead, ast.Along, ast.End, ast.Members,
     ast.Observe, ast.Paint, ast.Metrics, ast.Require, ast.Always, ast.Once, ast.Conserved,
     ast.Monotone, ast.Act, ast.Slots, ast.Chose, ast.Standing, ast.Within, ast.Nobody, ast.Count,
@@ -243,6 +249,7 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "trials": lambda span, steps, *kept: ast.Trials(span, steps, kept[0] if kept else ()),
     "keep": lambda _, *paths: paths,
     "phase": node(ast.Phase, parameters="names"),
+    "draw": draw,
     "match": match_,
     "otherwise": lambda _, item: item,
     "set": node(ast.Set, lot="by_lot"),

@@ -26,6 +26,13 @@ class ProbabilityRange(Diagnostic, code="SJ202", title="Not a probability"):
         return "exceed 1" if self.high == inf else f"reach {self.high:g}"
 
 
+class TooFewToDeal(Diagnostic, code="SJ220", title="Too few different values"):
+    says = "the {entries} entries of this row cannot all be different: it draws from {values}"
+    hints = ("draw from more values, or leave out `different`",)
+    entries: int
+    values: int
+
+
 class TableGap(Diagnostic, code="SJ203", title="A table with a gap or an overlap"):
     says = "no set of words has just these words"
     hints = ("list every case exactly once",)
