@@ -41,7 +41,7 @@ def dump(
     built = build(source, variants)
     match stage:
         case "ir":
-            yield from ir_printer.game(built.game, positions).splitlines()
+            yield from ir_printer.game_text(built.game, positions).splitlines()
         case "program":
             yield from listing(lower_build(built, source))
         case "python":

@@ -40,7 +40,7 @@ from sjdsl.interpreter.threefry import Threefry
 from sjdsl.library.action_names import split_actions
 from sjdsl.render.letters import Letters, board_rows, make_letters
 from sjdsl.render.moment import Moment, moment_of
-from sjdsl.render.readings import agent_readings, said_together, world_readings
+from sjdsl.render.readings import agent_readings, join_readings, world_readings
 from sjdsl.replay import Recording, save_recording
 from sjdsl.trace.choices import Chosen, chooser
 from sjdsl.trace.jax_random import keys_of
@@ -165,7 +165,7 @@ def moment_lines(
     `player` is the agent that a person controls, if any.
     """
     snapshot = moment.snapshot
-    world = said_together(world_readings(board.game), snapshot)
+    world = join_readings(world_readings(board.game), snapshot)
     yield f"step {snapshot.step}" + (f"  {world}" if world else "")
     board_lines = board_rows(letters, board, snapshot)
     if player is not None and snapshot.row[player] >= 0:
@@ -192,7 +192,7 @@ def moment_lines(
             cells.append("away")
         elif snapshot.held[agent]:
             cells.append("can only stay")
-        text = said_together(readings, snapshot, agent)
+        text = join_readings(readings, snapshot, agent)
         if text:
             cells.append(text)
         yield "  " + "  ".join(cells)

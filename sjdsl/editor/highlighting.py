@@ -11,7 +11,7 @@ from sjdsl.runtime.actions import HEADINGS
 
 NAMED = (  # keywords before a new name
     "size", "param", "kind", "group", "define", "movers", "shape", "phase", "policy", "scenario",
-    "variant", "event", "mean", "final", "game",
+    "variant", "event", "mean", "final", "game", "task",
 )  # fmt: skip
 FIELDS = ("field", "timer")
 CONTROL = ("when", "chance", "otherwise", "each", "pick", "first", "match", "case")

@@ -19,6 +19,8 @@ SYMBOLS: dict[type[object], tuple[types.SymbolKind, str]] = {  # a symbol and it
     ast.Movers: (Kind.Class, "movers"),
     ast.Agents: (Kind.Class, "agents"),
     ast.Field: (Kind.Field, "field"),
+    ast.Task: (Kind.Object, "task"),
+    ast.TaskField: (Kind.Field, "field"),
     ast.Timer: (Kind.Field, "timer"),
     ast.Action: (Kind.EnumMember, "action"),
     ast.Shape: (Kind.Struct, "shape"),
@@ -37,7 +39,7 @@ SYMBOLS: dict[type[object], tuple[types.SymbolKind, str]] = {  # a symbol and it
     ast.About: (Kind.String, "about"),
 }
 # Attributes of nodes that hold the declarations in them.
-PARTS = ("sections", "attributes", "metrics", "changes")
+PARTS = ("sections", "attributes", "metrics", "changes", "fields")
 
 
 def document_symbols(analysis: Analysis | None, lines: Lines) -> list[types.DocumentSymbol]:

@@ -1,2 +1,4 @@
-"""Adapters: compiled games for other libraries, a file and an optional extra of the package for
-each library."""
+"""Adapters: compiled games for other libraries.
+
+Each library has a file here and an optional extra of the package.
+"""

@@ -75,8 +75,10 @@ def numbers_of_actions(
             value = array.ravel()[:1].tolist()[0]
             raise TypeError(f"the action{name(agent)} {requirement}, not {value!r}")
     numbers = np.concatenate([array.ravel() for array in arrays])
-    for wrong in np.nonzero((numbers < 0) | (numbers >= num_actions))[0]:
-        raise ValueError(f"the action{name(int(wrong))} {requirement}, not {numbers[wrong]}")
+    (wrong,) = np.nonzero((numbers < 0) | (numbers >= num_actions))
+    if len(wrong):
+        agent = int(wrong[0])
+        raise ValueError(f"the action{name(agent)} {requirement}, not {numbers[agent]}")
     return numbers.astype(np.int32)
 
 

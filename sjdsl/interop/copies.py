@@ -1,5 +1,6 @@
-"""Copies of adapters, by `copy` and by `pickle`: created with the same arguments, and with the same
-state.
+"""Copies of adapters, by `copy` and by `pickle`.
+
+Created with the same arguments, and with the same state.
 """
 
 from typing import Any, ClassVar, Self
@@ -22,6 +23,7 @@ class Copied:
         return adapter
 
     def __reduce__(self) -> tuple[Any, ...]:
+        """Returns how to create a copy: with the same arguments, then with the same state."""
         state = {name: vars(self)[name] for name in self.KEPT}
         return _create, (type(self), *self._init_arguments), state
 

@@ -34,8 +34,9 @@ TILE = 8  # pixels of a cell's side, as in Melting Pot
 
 
 class Substrate(Copied, dm_env.Environment):
-    """One environment of a game: actions, rewards and observations are lists, with an entry for
-    each player.
+    """One environment of a game.
+
+    Actions, rewards and observations are lists, with an entry for each player.
 
     Observations: `RGB`, the player's window, `[rows * 8, cols * 8, 3]` uint8; in a substrate of
     Melting Pot, the other observations of a player there, such as `READY_TO_SHOOT`, `INVENTORY` or
@@ -110,8 +111,10 @@ class Substrate(Copied, dm_env.Environment):
         return timestep
 
     def events(self) -> list[tuple[str, Any]]:
-        """Returns the events of the last step: names, each with the number of the player (None for
-        an event without one) and the count."""
+        """Returns the events of the last step.
+
+        Names, each with the number of the player (None for an event without one) and the count.
+        """
         return list(self._events)
 
     def observation_spec(self) -> list[Mapping[str, specs.Array]]:
@@ -149,6 +152,7 @@ class Substrate(Copied, dm_env.Environment):
         """Does nothing: there is nothing to release."""
 
     def _observe(self, rewards: np.ndarray) -> list[Observation]:
+        """Returns the observation of each player in the current state."""
         snapshot = take_snapshot(self.env, self._state, rewards)
         board = draw_board(self._look, snapshot)
         windows = self._windows(board, snapshot)
@@ -272,6 +276,7 @@ def _roles(game: str, number: int) -> tuple[str, ...]:
 
 
 def _events(counts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yields the events of a step that happened, as `Substrate.events` returns them."""
     for name, count in counts.items():
         values = np.asarray(count)
         if values.ndim == 0 and values:

@@ -14,8 +14,9 @@ RENDER_MODES = ("human", "ansi", "rgb_array")
 
 
 class Drawing:
-    """Draws states of one environment; the painter or the letters are created at the first
-    drawing.
+    """Draws states of one environment.
+
+    The painter or the letters are created at the first drawing.
     """
 
     def __init__(self, env: Environment, mode: str | None) -> None:
@@ -34,8 +35,9 @@ class Drawing:
         return make_letters(self._env.game)
 
     def draw(self, state: Any, returns: np.ndarray) -> np.ndarray | str | None:
-        """Returns a picture `[height, width, 3]` uint8 or a text; prints the text and returns None
-        in mode `human`.
+        """Returns a picture `[height, width, 3]` uint8 or a text.
+
+        Prints the text and returns None in mode `human`.
 
         Raises:
           RuntimeError: there is no state yet.

@@ -1,5 +1,7 @@
-"""Gymnasium adapter: a compiled game as a vector environment with a sub-environment for each agent,
-or as an environment of one agent."""
+"""Gymnasium adapter: a compiled game as a vector environment, or as one of one agent.
+
+A vector environment has a sub-environment for each agent.
+"""
 
 from typing import Any
 
@@ -27,8 +29,9 @@ __all__ = ["AgentGame", "VectorGame", "environment_id"]
 
 
 class VectorGame(Copied, VectorEnv):
-    """`num_envs` environments of a game; sub-environment (slot) `b * num_agents + i` is agent i of
-    environment b.
+    """`num_envs` environments of a game.
+
+    Sub-environment (slot) `b * num_agents + i` is agent i of environment b.
 
     Autoreset happens in the same step: `observations` are those of the new episode, the last ones
     of the old episode are in `infos["final_obs"]`. Rewards are raw, float64. Infos have the events
@@ -107,8 +110,7 @@ class VectorGame(Copied, VectorEnv):
         Raises:
           RuntimeError: before the first reset, or after `close`.
           TypeError: the actions aren't whole numbers. ValueError: they have another shape, or one
-            is
-            out of range.
+            is out of range.
         """
         if self.closed:
             raise RuntimeError("the environment is closed")
@@ -163,11 +165,15 @@ class VectorGame(Copied, VectorEnv):
         return infos
 
     def _reset(self, key: Any) -> tuple[Any, Any, Any]:
+        """Returns the next key, then observations and states of new episodes."""
         key, resets = jax.random.split(key)
         return key, *jax.vmap(self.env.reset)(jax.random.split(resets, self._shape[0]))
 
     def _step(self, key: Any, state: Any, actions: Any) -> tuple[Any, Any, Any, Any, Any]:
-        """Returns rewards and events with an entry for each agent, `[B, N]`."""
+        """Returns the next key, then observation, state, rewards and infos.
+
+        Rewards and events have an entry for each agent, `[B, N]`.
+        """
         key, step_key = jax.random.split(key)
         keys = jax.random.split(step_key, self._shape[0])
         observation, state, reward, _, info = jax.vmap(self.env.step)(keys, state, actions)

@@ -63,17 +63,14 @@ class AgentGame(Copied, gymnasium.Env):
           game, observation, arguments: of `sjdsl.make`.
           agent: the number of the controlled agent.
           others: the policy of the other agents: `random`, `stay`, the folder of a training run,
-            the
-            `.safetensors` file of a policy, or any other name of one
+            the `.safetensors` file of a policy, or any other name of one
             (`sjdsl.trainers.find_policy`); or a function `(key, observation) -> actions
             [num_agents]` that can be jitted, whose observations are tokens of all agents.
           render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as
-            a
-            text; `rgb_array`, a picture.
+            a text; `rgb_array`, a picture.
         Raises:
           ValueError: there is no such agent or mode. PolicyError: there is no policy `others`, or
-            it
-            is for another game.
+            it is for another game.
         """
         self.env = make(game, observation=observation, **arguments)
         if not 0 <= agent < self.env.num_agents:
@@ -145,18 +142,23 @@ class AgentGame(Copied, gymnasium.Env):
         return np.array(observation), float(rewards[self.agent]), terminated, truncated, infos
 
     def action_masks(self) -> np.ndarray:
-        """Returns the actions that are allowed next, `[num_actions]` bool, for `MaskablePPO` of
-        sb3-contrib."""
+        """Returns the actions that are allowed next, `[num_actions]` bool.
+
+        `MaskablePPO` of sb3-contrib calls it.
+        """
         if self._state is None:
             raise RuntimeError("call reset before action_masks")
         return np.asarray(self.env.allowed_actions(self._state)[self.agent])
 
     def render(self) -> np.ndarray | str | None:
-        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; prints the text
-        and returns None in mode `human`."""
+        """Returns the state as a picture `[height, width, 3]` uint8 or as a text.
+
+        Prints the text and returns None in mode `human`.
+        """
         return self._drawing.draw(self._state, self._returns)
 
     def _reset(self, key: Any) -> tuple[Any, Any, Any, Any]:
+        """Returns the next key, then observation, state and action mask of a new episode."""
         key, reset_key = jax.random.split(key)
         observation, state = self.env.reset(reset_key)
         return key, self._window(observation), state, self._mask(state)
@@ -164,6 +166,7 @@ class AgentGame(Copied, gymnasium.Env):
     def _step(
         self, key: Any, memory: Any, state: Any, action: Any
     ) -> tuple[Any, Any, Any, Any, Any, dict[str, Any]]:
+        """Returns the next key and memory, then observation, state, rewards and infos."""
         key, others_key, step_key = jax.random.split(key, 3)
         tokens = self._token_env.observe(state)
         memory, actions = take_actions(self.env, self._others, memory, others_key, tokens, state)
@@ -190,6 +193,7 @@ class AgentGame(Copied, gymnasium.Env):
 
 
 def _policy_of(policy: str | PathLike[str] | Policy, env: Environment) -> Policy:
+    """Returns the policy that the argument `others` means."""
     if isinstance(policy, str) and policy in UNTRAINED:
         return UNTRAINED[policy](env)
     from sjdsl.trainers import find_policy

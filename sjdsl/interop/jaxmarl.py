@@ -63,16 +63,14 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         Args:
           game, observation, arguments: of `sjdsl.make`.
           flat: whether observations are vectors, as scripts with dense or recurrent networks need,
-            or
-            `[rows, cols, channels]`; float32.
+            or `[rows, cols, channels]`; float32.
           world_state: adds `obs["world_state"]`, `[num_agents, size]`, for central critics: all
             observations, or the state's vector.
           common_reward: whether every agent gets the sum of all rewards.
           shaped_reward: adds `info["shaped_reward"]`, zeros by agent, which scripts written for
             Overcooked remove.
           terminal_observation: adds `info["terminal_observation"]`, `[num_agents, ...]`, which
-            `step`
-            would drop at an episode's end.
+            `step` would drop at an episode's end.
         Raises:
           ValueError: another `world_state`.
         """
@@ -133,7 +131,7 @@ class JaxMARLGame(Copied, MultiAgentEnv):
     def reset(self, key: Array) -> tuple[ByAgent, GameState]:
         """Returns the first observations and state of an episode."""
         observation, game = self.env.reset(key)
-        return self._observations(observation, game), _state(game, jnp.asarray(False))
+        return self._observations(observation, game), _make_state(game, jnp.asarray(False))
 
     @partial(jax.jit, static_argnums=(0,))
     def step(
@@ -143,8 +141,9 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         actions: Mapping[str, Array],
         reset_state: GameState | None = None,
     ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
-        """Plays one step; after a finished episode, returns the first state of the next, or
-        `reset_state`.
+        """Plays one step.
+
+        After a finished episode, returns the first state of the next, or `reset_state`.
         """
         if reset_state is not None:
             result: tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]] = super().step(
@@ -153,11 +152,11 @@ class JaxMARLGame(Copied, MultiAgentEnv):
             return result
         # The base class computes resets in every step, the game only if an environment is done.
         observation, game, reward, done, info = self.env.step(
-            key, _game(state), self._actions(actions)
+            key, _game_of(state), self._actions(actions)
         )
         return (
             self._observations(observation, game),
-            _state(game, jnp.asarray(False)),
+            _make_state(game, jnp.asarray(False)),
             *self._results(reward, done, info),
         )
 
@@ -167,11 +166,11 @@ class JaxMARLGame(Copied, MultiAgentEnv):
     ) -> tuple[ByAgent, GameState, ByAgent, ByAgent, dict[str, Any]]:
         """As `step`, but without a reset."""
         observation, game, reward, done, info = self.env.step_env(
-            key, _game(state), self._actions(actions)
+            key, _game_of(state), self._actions(actions)
         )
         return (
             self._observations(observation, game),
-            _state(game, done),
+            _make_state(game, done),
             *self._results(reward, done, info),
         )
 
@@ -186,6 +185,7 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         return self._by_agent(self.env.allowed_actions(state.game))
 
     def _actions(self, actions: Mapping[str, Array]) -> Array:
+        """Returns the actions in the order of the agents, `[N]`."""
         return jnp.stack([jnp.asarray(actions[agent]).reshape(()) for agent in self.agents])
 
     def _by_agent(self, values: Array) -> ByAgent:
@@ -197,6 +197,7 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         return windows.reshape(self.num_agents, -1) if self._flat else windows
 
     def _observations(self, observation: Array, game: Any) -> ByAgent:
+        """Returns the observations by agent, with the world state if it was asked for."""
         windows = self._windows(observation)
         observations = self._by_agent(windows)
         match self._world_state:
@@ -228,18 +229,19 @@ class JaxMARLGame(Copied, MultiAgentEnv):
         return self._by_agent(reward), dones, infos
 
 
-def _state(game: Any, done: Array) -> GameState:
+def _make_state(game: Any, done: Array) -> GameState:
     return GameState(done=done, step=jnp.asarray(game.step, jnp.int32), game=game)
 
 
-def _game(state: GameState) -> Any:
+def _game_of(state: GameState) -> Any:
     """Returns the game's state at the step of JaxMARL's state, which its users may set."""
     return state.game.replace(step=jnp.asarray(state.step).astype(state.game.step.dtype))
 
 
 def register() -> None:
-    """Makes `jaxmarl.make` accept `sjdsl_NAME`, with the arguments of `JaxMARLGame`; calling it
-    again changes nothing.
+    """Makes `jaxmarl.make` accept `sjdsl_NAME`, with the arguments of `JaxMARLGame`.
+
+    Calling it again changes nothing.
 
     NAME is a bundled game, as listed in `jaxmarl.registered_envs`, or the path of a `.sj` file.
     `sjdsl/NAME` is the same game, but JaxMARL's scripts put the name of the environment into file

@@ -1,5 +1,7 @@
-"""The observations of a player in Melting Pot beside its picture, computed from the state of our
-games by the rules in `games/meltingpot.toml`."""
+"""The observations of a player in Melting Pot beside its picture.
+
+They are computed from the state of our games by the rules in `games/meltingpot.toml`.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,8 +14,9 @@ Rule = Mapping[str, Any]
 
 
 def observe(env: Environment, state: Any, rule: Rule) -> np.ndarray:
-    """Returns one observation of all players, `[N, …]` float64 (int64 for counts that Melting Pot
-    gives as integers).
+    """Returns one observation of all players, `[N, …]` float64.
+
+    It is int64 for counts that Melting Pot gives as integers.
 
     A rule is one of these; fields are those of `agents`, and a number may be the name of a
     parameter or a size:
@@ -26,8 +29,7 @@ def observe(env: Environment, state: Any, rule: Rule) -> np.ndarray:
       `field / of`, 0 for an agent that is off the map;
     * `{ fields }`: several rows of counts, -1 in rows without any;
     * `{ ballots, state }`: a one-hot row for each player: the player it votes for; nobody; or that
-    it
-      has no vote, because its state isn't the first enum value.
+      it has no vote, because its state isn't the first enum value.
     """
     is_on_map = np.asarray(state.position) > 0
 

@@ -51,8 +51,7 @@ class ParallelGame(Copied, ParallelEnv):
         Args:
           game, observation, arguments: of `sjdsl.make`.
           render_mode: None; `human`, the board in the terminal after each step; `ansi`, the same as
-            a
-            text; `rgb_array`, a picture.
+            a text; `rgb_array`, a picture.
         """
         self.env = make(game, observation=observation, **arguments)
         self.metadata = {**type(self).metadata, "name": f"{self.env.name}_v0"}
@@ -154,8 +153,10 @@ class ParallelGame(Copied, ParallelEnv):
         return np.asarray(self._jitted_state_vector(self._state))
 
     def render(self) -> np.ndarray | str | None:
-        """Returns the state as a picture `[height, width, 3]` uint8 or as a text; prints the text
-        and returns None in mode `human`."""
+        """Returns the state as a picture `[height, width, 3]` uint8 or as a text.
+
+        Prints the text and returns None in mode `human`.
+        """
         return self._drawing.draw(self._state, self._returns)
 
     def close(self) -> None:

@@ -1,5 +1,6 @@
-"""SocialJax adapter: compiled games under the released suite's names, with its calls, scales and
-orders.
+"""SocialJax adapter: compiled games under the released suite's names.
+
+With its calls, scales and orders.
 """
 
 from collections.abc import Sequence
@@ -22,7 +23,8 @@ from sjdsl.render.look import make_look
 from sjdsl.render.moment import take_snapshot
 from sjdsl.runtime.arguments import checked_actions
 
-# The suite's compass is turned round: `left` increases the column, `up` the row.
+# Our number of each of the suite's moves. In some of its games the compass is turned round: `left`
+# increases the column, `up` the row.
 ACTIONS = {"turned round": (0, 1, 3, 2, 5, 4), "as ours": (0, 1, 2, 3, 4, 5)}
 COMMON = ("num_agents", "num_inner_steps", "num_outer_steps", "cnn", "jit")  # keywords of all games
 VARIANT = "socialjax"
@@ -53,8 +55,10 @@ class State:
 
 
 class SocialJaxGame(Copied):
-    """One environment: integer agents, `[N, rows, cols, channels]` float32 observations, rewards
-    `[N]`, dones by "0", "1", … and "__all__".
+    """One environment of a game, as in the suite.
+
+    Integer agents, `[N, rows, cols, channels]` float32 observations, rewards `[N]`, dones by "0",
+    "1", … and "__all__".
 
     Attributes:
       agents: 0, 1, …; num_agents; env: the `sjdsl.Environment`; name; observation_spaces,
@@ -104,8 +108,9 @@ class SocialJaxGame(Copied):
         return tuple(self.env.action_names[number] for number in self._actions.tolist())
 
     def observation_space(self, agent: int | str | None = None) -> tuple[Any, tuple[int, ...]]:
-        """Returns the space of an agent and its shape, a pair as in the suite; all agents have the
-        same.
+        """Returns the space of an agent and its shape, a pair as in the suite.
+
+        All agents have the same.
         """
         del agent
         return make_box(0.0, 255.0, self._shape), self._shape
@@ -130,8 +135,9 @@ class SocialJaxGame(Copied):
         timestep: Any = 0,
         reset_state: State | None = None,
     ) -> tuple[Array, State, Array, dict[str, Array], dict[str, Array]]:
-        """Plays one step; after the last episode, returns the first state of the next, or
-        `reset_state`.
+        """Plays one step.
+
+        After the last episode, returns the first state of the next, or `reset_state`.
 
         Args:
           actions: N numbers or arrays of shape `()` or `(1,)`, in the order of `agents`.
@@ -183,17 +189,21 @@ class SocialJaxGame(Copied):
         return draw_board(make_look(self.env.game), snapshot)
 
     def _our_actions(self, actions: Sequence[Array] | Array) -> Array:
-        """Returns the action numbers of our game; numbers out of range have no effect, as in the
-        suite."""
+        """Returns the action numbers of our game.
+
+        Numbers out of range have no effect, as in the suite.
+        """
         numbers = self._stacked(actions)
         in_range = (numbers >= 0) & (numbers < self.env.num_actions)
         return jnp.where(in_range, self._actions[jnp.where(in_range, numbers, 0)], -1)
 
     def _stacked(self, actions: Sequence[Array] | Array) -> Array:
+        """Returns the suite's action numbers as one array, `[N]`."""
         stacked = jnp.stack([jnp.reshape(action, ()) for action in actions])
         return checked_actions(stacked, self.num_agents)
 
     def _next_state(self, state: State, game: Any, episode_done: Array) -> State:
+        """Returns the state with the game's next one, and the suite's counters one step on."""
         return State(
             game,
             jnp.where(episode_done, 0, state.inner_t + 1),
@@ -202,12 +212,14 @@ class SocialJaxGame(Copied):
         )
 
     def _observation(self, observation: Array) -> Array:
+        """Returns the suite's channels of our observation."""
         channels = self._channels(observation)
         return channels.reshape(self.num_agents, -1) if self._flat else channels
 
     def _results(
         self, raw: Array, done: Array, info: dict[str, Any], actions: Any, timestep: Any
     ) -> tuple[Array, dict[str, Array], dict[str, Array]]:
+        """Returns rewards, dones and infos in the suite's form. `raw`: the game's rewards."""
         rewards, infos = self._rewards(raw, timestep)
         infos["original_rewards"] = self._scale * raw
         infos["shaped_rewards"] = rewards
@@ -217,6 +229,7 @@ class SocialJaxGame(Copied):
         return rewards, dones, infos
 
     def _figure(self, figure: Figure, info: dict[str, Any], actions: Any) -> Array:
+        """Returns one number of the infos for each agent, `[N]` float32."""
         if figure.action is not None:
             number = self.action_names.index(figure.action)
             return (self._stacked(actions) == number).astype(jnp.float32)
@@ -250,8 +263,7 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
         reward (`socialjax_rewards.Mode`), and the game's own.
     Raises:
       ValueError: an unknown id or value. TypeError: an unknown keyword. Both messages list the
-        known
-        ones.
+        known ones.
     """
     if env_id not in entries():
         raise ValueError(f"there is no id `{env_id}`; the ids are {', '.join(entries())}")
@@ -261,8 +273,11 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
     known = {*mode_names, *entry.kwargs, *COMMON, window}
     if entry.letters:
         known.add("map_ASCII")
-    for name in sorted(set(kwargs) - known):
-        raise TypeError(f"`{env_id}` has no keyword `{name}`; it has {', '.join(sorted(known))}")
+    unknown = sorted(set(kwargs) - known)
+    if unknown:
+        raise TypeError(
+            f"`{env_id}` has no keyword `{unknown[0]}`; it has {', '.join(sorted(known))}"
+        )
     if kwargs.get(window, side) != side:
         raise ValueError(
             f"{window} must be {side}; for another window, change the `observe` line of the game"
@@ -286,12 +301,14 @@ def make(env_id: str, **kwargs: Any) -> SocialJaxGame:
 
 
 def _our_map(rows: Sequence[str], letters: dict[str, str]) -> tuple[str, ...]:
-    """Returns a map of the suite in our glyphs; as in the suite, short rows are filled with
-    blanks.
+    """Returns a map of the suite in our glyphs.
+
+    As in the suite, short rows are filled with blanks.
     """
-    for letter in sorted(set("".join(rows)) - set(letters)):
+    unknown = sorted(set("".join(rows)) - set(letters))
+    if unknown:
         raise ValueError(
-            f"map_ASCII can't have the letter `{letter}`; "
+            f"map_ASCII can't have the letter `{unknown[0]}`; "
             f"its letters are {' '.join(map(repr, letters))}"
         )
     width = max(map(len, rows), default=0)

@@ -13,8 +13,9 @@ TURNED = ("same heading", "turned left", "opposite", "turned right")
 
 
 def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array], Array]]:
-    """Returns the number of channels, and the function
-    `(observation [N, C, rows, cols]) -> [N, rows, cols, C'] float32`.
+    """Returns the number of channels, and the function that makes them.
+
+    It is `(observation [N, C, rows, cols]) -> [N, rows, cols, C'] float32`.
 
     Args:
       env: with one-hot observations.
@@ -35,6 +36,7 @@ def make_channels(env: Environment, entry: Entry) -> tuple[int, Callable[[Array]
             sources.append(source)
 
     def plane_of(observation: Array, source: Source) -> Array:
+        """Returns the sum of the channels of a source, `[N, rows, cols]`."""
         planes = [observation[:, index[name]] for name in channels_of(source, env.num_agents)]
         return sum(planes[1:], planes[0]) if planes else jnp.zeros_like(observation[:, 0])
 

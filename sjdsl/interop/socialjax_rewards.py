@@ -1,5 +1,6 @@
-"""SocialJax's reward modes at its scale: all but the common reward are multiplied by the number of
-agents.
+"""SocialJax's reward modes at its scale.
+
+All but the common reward are multiplied by the number of agents.
 """
 
 import math
@@ -45,13 +46,13 @@ def make_rewards(
 ) -> Callable[[Array, Array], tuple[Array, dict[str, Array]]]:
     """Returns the function `(raw [N], timestep) -> rewards [N], further infos`.
 
-    Args:
-      scaled: which rewards are multiplied by the number of agents: `alone`: unshaped ones;
-        `shaped`:
-        those that are shaped, before shaping.
-      shared: whether agents share the sum of their rewards, or its mean.
     While nobody is rewarded, SVO deducts as in the suite, which sets the angle to 0; inequity
     aversion deducts nothing, by its formula.
+
+    Args:
+      scaled: which rewards are multiplied by the number of agents: `alone`: those that aren't
+        shaped; `shaped`: those that are, before shaping.
+      shared: whether agents share the sum of their rewards, or its mean.
     """
 
     def rewards(raw: Array, timestep: Array) -> tuple[Array, dict[str, Array]]:

@@ -19,8 +19,10 @@ class _Row(BaseModel):
 
 
 class Figure(_Row):
-    """One number of the infos: an event or a metric (`of`), or whether an action was chosen; `sum`:
-    over all agents."""
+    """One number of the infos: an event or a metric (`of`), or whether an action was chosen.
+
+    `sum`: over all agents.
+    """
 
     of: str | None = None
     action: str | None = None
@@ -54,7 +56,7 @@ class Entry(_Row):
 
 @cache
 def entries() -> dict[str, Entry]:
-    """Returns the ids."""
+    """Returns what the table says of each id of the suite."""
     table = tomllib.loads((games_folder() / FILE).read_text(encoding="utf-8"))
     return {name: Entry.model_validate(row) for name, row in table.items()}
 

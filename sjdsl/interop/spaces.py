@@ -1,5 +1,6 @@
-"""Bounds of observations; the spaces of the SocialJax adapter, whose library needn't be
-installed.
+"""Bounds of observations, and the spaces of the SocialJax adapter.
+
+Its library needn't be installed.
 """
 
 import importlib
@@ -68,17 +69,17 @@ def channel_bounds(env: Environment) -> np.ndarray:
 
 
 def window_high(env: Environment) -> np.ndarray:
-    """Returns the greatest value of each entry of an agent's window, `[rows, cols, channels]`
-    uint8.
-    """
+    """Returns the greatest values in an agent's window, `[rows, cols, channels]` uint8."""
     _, _, rows, cols = env.observation_shape
     highs = channel_bounds(env)
     return np.broadcast_to(highs, (rows, cols, len(highs))).copy()
 
 
 def make_box(low: float, high: float, shape: tuple[int, ...]) -> Any:
-    """Returns a float32 box of the class that SocialJax's own wrappers test for, or of ours if it
-    isn't installed."""
+    """Returns a float32 box of the class that SocialJax's own wrappers test for.
+
+    It is ours if SocialJax isn't installed.
+    """
     box, _ = space_classes()
     return box(low, high, shape)
 
@@ -94,8 +95,9 @@ def make_discrete(n: int) -> Any:
 
 @cache
 def space_classes() -> tuple[type, type]:
-    """Returns the classes of boxes and of discrete spaces: SocialJax's, or ours if it isn't
-    installed.
+    """Returns the classes of boxes and of discrete spaces.
+
+    SocialJax's, or ours if it isn't installed.
 
     Warns about a SocialJax that is installed but can't be imported, such as an old one with a new
     JAX, and returns ours.

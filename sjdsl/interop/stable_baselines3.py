@@ -1,5 +1,6 @@
-"""Stable-Baselines3 adapter: a compiled game as a `VecEnv` with one slot for each agent of each
-environment.
+"""Stable-Baselines3 adapter: a compiled game as a `VecEnv`.
+
+It has one slot for each agent of each environment.
 """
 
 from collections.abc import Sequence
@@ -42,8 +43,9 @@ class VecGame(VecEnv):
         common_reward: bool = False,
         **arguments: Any,
     ) -> None:
-        """Makes the environments. The arguments are those of
-        `sjdsl.interop.gymnasium.VectorGame`.
+        """Makes the environments.
+
+        The arguments are those of `sjdsl.interop.gymnasium.VectorGame`.
         """
         self._vector = VectorGame(game, num_envs, observation, common_reward, **arguments)
         self.env = self._vector.env
@@ -71,8 +73,8 @@ class VecGame(VecEnv):
         """Plays one step of every environment."""
         if self._actions is None:
             raise RuntimeError("call step_async before step_wait")
-        actions, self._actions = self._actions, None
-        observations, rewards, terminated, truncated, arrays = self._vector.step(actions)
+        observations, rewards, terminated, truncated, arrays = self._vector.step(self._actions)
+        self._actions = None
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for slot in np.nonzero(terminated | truncated)[0]:
             infos[slot]["terminal_observation"] = arrays["final_obs"][slot]
@@ -100,8 +102,9 @@ class VecGame(VecEnv):
         """Does nothing: there is nothing to release."""
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Returns an attribute of this object or of the game's environment, once for each requested
-        slot.
+        """Returns an attribute of this object or of the game's environment.
+
+        Once for each requested slot.
         """
         owner = self if attr_name in vars(self) or attr_name == MASKS else self.env
         return [getattr(owner, attr_name) for _ in self._get_indices(indices)]

@@ -1,2 +1,4 @@
-"""The reference interpreter: the semantics of a game in plain Python, slow and simple, written from
-the manual alone."""
+"""The reference interpreter: the semantics of a game in plain Python, slow and simple.
+
+It is written from the manual alone.
+"""

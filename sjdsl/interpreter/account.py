@@ -1,5 +1,6 @@
-"""Accounts of a step for traces: which statement wrote what, in which instance, after which random
-draws.
+"""Accounts of a step for traces.
+
+Which statement wrote what, in which instance, after which random draws.
 """
 
 from collections.abc import Callable, Mapping
@@ -35,8 +36,10 @@ class Done:
 
 @dataclass(frozen=True)
 class Account:
-    """One turn of the schedule (or the phase `start`): the states before and after it, and its
-    writes and draws, in order."""
+    """One turn of the schedule (or the phase `start`).
+
+    The states before and after it, and its writes and draws, in order.
+    """
 
     turn: "ir.Phase | ir.Tick"
     before: World

@@ -1,5 +1,6 @@
-"""The constant parts of a game: the kind of every cell, the cells of every kind, declarations by
-name.
+"""The constant parts of a game.
+
+The kind of every cell, the cells of every kind, declarations by name.
 """
 
 from dataclasses import dataclass, field
@@ -59,28 +60,32 @@ class Board:
         return marking_phases(self.game)
 
     def at(self, row: int, col: int) -> Cell | None:
-        """Returns the cell at a place, which may lie beyond the edges of the map; None if there is
-        none.
+        """Returns the cell at a place, which may lie beyond the edges of the map.
+
+        None if there is none.
         """
         if self.game.wraps:
-            row, col = row % len(self.game.rows), col % len(self.game.rows[0])
+            row %= len(self.game.rows)
+            col %= len(self.game.rows[0])
         cell = Cell(row, col)
         return cell if cell in self.kind_of else None
 
-    def apart(self, a: Cell, b: Cell) -> tuple[int, int]:
+    def offset(self, a: Cell, b: Cell) -> tuple[int, int]:
         """Returns how many rows down and columns to the right b is from a.
 
         On a map that wraps, that is the shorter way round; the positive one of two equal ways.
         """
-        rows, cols = b.row - a.row, b.col - a.col
+        rows = b.row - a.row
+        cols = b.col - a.col
         if not self.game.wraps:
             return rows, cols
-        height, width = len(self.game.rows), len(self.game.rows[0])
+        height = len(self.game.rows)
+        width = len(self.game.rows[0])
         return _shorter_way(rows, height), _shorter_way(cols, width)
 
     def steps(self, a: Cell, b: Cell) -> int:
         """Returns the steps between two cells along rows and columns."""
-        return sum(map(abs, self.apart(a, b)))
+        return sum(map(abs, self.offset(a, b)))
 
 
 def _shorter_way(distance: int, size: int) -> int:
@@ -109,6 +114,7 @@ def board_of(game: ir.Game) -> Board:
 
 
 def _build(game: ir.Game) -> Board:
+    """Returns a new board of a game."""
     kind_of_glyph = kinds_by_glyph(game)
     kind_of: dict[Cell, str] = {}
     number: dict[Cell, int] = {}
@@ -133,6 +139,7 @@ def _build(game: ir.Game) -> Board:
 
 
 def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
+    """Returns a `send` of each pool: the first one with `after`, or else the first."""
     pools: dict[Pool, ir.Send] = {}
     for phase in phases_of(game):
         for node in ir.walk(phase):
@@ -146,12 +153,15 @@ def _pools(game: ir.Game) -> dict[Pool, ir.Send]:
 
 
 def _destination(send: ir.Send) -> tuple[str, int, int]:
-    return printer.domain(send.domain), send.cell_stream, send.heading_stream
+    """Returns the destination as written and the streams of its draws, equal in a pool."""
+    return printer.domain_text(send.domain), send.cell_stream, send.heading_stream
 
 
 def declared_world(board: Board, params: dict[str, Value]) -> World:
-    """Returns the state before the phase `start`: fields as declared or as the map says, nobody
-    placed."""
+    """Returns the state before the phase `start`.
+
+    Fields as declared or as the map says, nobody placed.
+    """
     game = board.game
     starts = {glyph.glyph: dict(glyph.starts) for glyph in game.glyphs}
     cells: dict[tuple[str, str], list[Value]] = {}
@@ -178,5 +188,6 @@ def declared_world(board: Board, params: dict[str, Value]) -> World:
 
 
 def _declared_herd(sort: ir.Movers) -> Herd:
+    """Returns the movers of an entity type before the phase `start`."""
     fields = {f.name: [field_value(f, f.start)] * sort.number for f in sort.fields}
     return Herd([None] * sort.number, [False] * sort.number, [None] * sort.number, fields)

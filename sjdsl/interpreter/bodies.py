@@ -71,7 +71,7 @@ def occupied(world: World, without: Collection[Body] = ()) -> set[Cell]:
 
 
 def is_free(cell: Cell, world: World) -> bool:
-    """Whether no body stands on a cell."""
+    """Returns whether no body stands on a cell."""
     return cell not in world.position and all(
         cell not in herd.position for herd in world.movers.values()
     )

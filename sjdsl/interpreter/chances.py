@@ -13,7 +13,7 @@ from sjdsl.interpreter.state import Value
 HALF = 2**31
 
 
-def chance(statement: ir.Chance, instance: Instance) -> Drawn:
+def choose_branch(statement: ir.Chance, instance: Instance) -> Drawn:
     """Returns the branch that is performed: one draw for the whole chain.
 
     The test of a branch is its probability if no branch before it is performed.
@@ -29,14 +29,13 @@ def chance(statement: ir.Chance, instance: Instance) -> Drawn:
     return Drawn(statement, instance.number, bits, None, tuple(bounds), instance.names)
 
 
-def draw(statement: ir.Draw, instance: Instance) -> Drawn:
+def draw_value(statement: ir.Draw, instance: Instance) -> Drawn:
     """Returns the number or enum value drawn; of a row, those of its entries."""
     if statement.by is not None:
         return _draw_row(statement, len(statement.by), instance)
     bits = instance.bits(statement.stream, instance.number)
-    return Drawn(
-        statement, instance.number, bits, _value(statement, bits, instance), names=instance.names
-    )
+    value = _value_of_bits(statement, bits, instance)
+    return Drawn(statement, instance.number, bits, value, names=instance.names)
 
 
 def _draw_row(statement: ir.Draw, entries: int, instance: Instance) -> Drawn:
@@ -53,17 +52,19 @@ def _draw_row(statement: ir.Draw, entries: int, instance: Instance) -> Drawn:
             values[entry], values[place] = values[place], values[entry]
         row = tuple(values[:entries])
     else:
-        row = tuple(_value(statement, bits, instance) for bits in all_bits)
+        row = tuple(_value_of_bits(statement, bits, instance) for bits in all_bits)
     return Drawn(statement, first, all_bits[0], row, names=instance.names)
 
 
 def _values_to_deal(statement: ir.Draw) -> list[Value]:
+    """Returns all values that a row of different values can be dealt."""
     if statement.words:
         return list(statement.words)
     return list(range(int(statement.type.low), int(statement.type.high) + 1))
 
 
-def _value(statement: ir.Draw, bits: int, instance: Instance) -> Value:
+def _value_of_bits(statement: ir.Draw, bits: int, instance: Instance) -> Value:
+    """Returns the value that 32 random bits draw: from a range, or one of several by weights."""
     if statement.low is not None and statement.high is not None:
         low = evaluate(statement.low, instance)
         high = evaluate(statement.high, instance)
@@ -90,34 +91,35 @@ def _probability(e: ir.Expr, instance: Instance) -> np.float32:
     return max(np.float32(evaluate(e, instance)), np.float32(0))
 
 
-def picked(
+def pick_members(
     statement: ir.Pick, candidates: list[Bound], instance: Instance
 ) -> list[tuple[Bound, Drawn]]:
     """Returns as many members as the statement says; each turn draws one of those that are left."""
     turns = min(statement.most, members.radix(statement.domain, instance.board))
     left = sorted(candidates, key=lambda member: member.number)
     chosen: list[tuple[Bound, Drawn]] = []
-    for turn in range(min(max(0, evaluate(statement.number, instance)), len(left))):
-        number = instance.number * turns + turn
+    wanted = evaluate(statement.number, instance)
+    for turn in range(min(max(0, wanted), len(left))):
+        number = instance.number * turns + turn  # no other turn of any instance has it
         member, bits = instance.take(statement.stream, number, left)
         names = {**instance.names, **member.names}
         chosen.append((member, Drawn(statement, number, bits, True, names=names)))
     return chosen
 
 
-def matched(statement: ir.Match, instance: Instance) -> list[tuple[Bound, Bound, Drawn]]:
+def match_pairs(statement: ir.Match, instance: Instance) -> list[tuple[Bound, Bound, Drawn]]:
     """Returns all possible pairs in a random order; one is matched if both of its members are free.
 
     The pair with the largest upper 31 bits comes first.
     """
     board = instance.board
-    num_rights = members.everybody(statement.right, board)
-    num_pairs = members.everybody(statement.left, board) * num_rights
+    num_rights = members.population(statement.right, board)
+    num_pairs = members.population(statement.left, board) * num_rights
     ranked: list[tuple[int, int, int, Bound, Bound]] = []
     for left in members_of(statement.left, instance):
-        left_number = members.own_number(statement.left, left, board)
+        left_number = members.number_in_population(statement.left, left, board)
         for right in _partners(statement, left, instance):
-            right_number = members.own_number(statement.right, right, board)
+            right_number = members.number_in_population(statement.right, right, board)
             number = instance.number * num_pairs + left_number * num_rights + right_number
             bits = instance.bits(statement.stream, number)
             ranked.append((-(bits >> 1), number, bits, left, right))
@@ -135,9 +137,10 @@ def matched(statement: ir.Match, instance: Instance) -> list[tuple[Bound, Bound,
 
 def _partners(statement: ir.Match, left: Bound, instance: Instance) -> list[Bound]:
     """Returns the members that may be matched with `left`, each once."""
-    inside = instance.binding(left.names)
+    inner = instance.binding(left.names)
     if statement.first:
-        rights = [member for member in nearest_members(statement.right, inside) if member]
+        rights = [member for member in nearest_members(statement.right, inner) if member]
     else:
-        rights = members_of(statement.right, inside)
-    return list({m.member: m for m in rights if m.member != left.member}.values())
+        rights = members_of(statement.right, inner)
+    partners = {right.member: right for right in rights if right.member != left.member}
+    return list(partners.values())

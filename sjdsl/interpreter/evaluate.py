@@ -24,7 +24,7 @@ from sjdsl.interpreter.bodies import (
     where_is,
 )
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.members import Bound, agent_on, body_on, is_here
+from sjdsl.interpreter.members import Bound, agent_on, body_on, is_on_map
 from sjdsl.interpreter.shapes import Seen, lanes_from
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, Value
 
@@ -42,6 +42,7 @@ def evaluate(e: ir.Expr, instance: Instance) -> Value:
 
 
 def _checked(e: ir.Expr, instance: Instance) -> Value:
+    """Returns the value of an expression that isn't cached, within the range of its type."""
     value = VALUES[e.__class__](e, instance)
     type_ = e.type
     if type_.kind == "real":
@@ -54,10 +55,16 @@ def _checked(e: ir.Expr, instance: Instance) -> Value:
 
 
 def _is_closed(e: ir.Expr, board: Board) -> bool:
-    """Whether all variables of an expression are bound inside it. The board caches the answers."""
+    """Returns whether all variables of an expression are bound inside it.
+
+    The board caches the answers.
+    """
     if id(e) not in board.closed:
         board.closed[id(e)] = (e, not free_variables(e))
     return board.closed[id(e)][1]
+
+
+# Functions of (e, instance) evaluate the classes of expressions for which VALUES names them.
 
 
 def _name(e: "ir.Member | ir.Local", instance: Instance) -> Value:
@@ -66,6 +73,7 @@ def _name(e: "ir.Member | ir.Local", instance: Instance) -> Value:
 
 
 def _over_domain(e: ir.Sum | ir.Extreme, instance: Instance) -> Value:
+    """Returns the sum, minimum or maximum of a value over the members of a domain."""
     values = [evaluate(e.value, instance.binding(m.names)) for m in members_of(e.domain, instance)]
     if isinstance(e, ir.Sum):
         return numbers.total(values, e.type.kind == "real")
@@ -100,10 +108,13 @@ def _chosen_arguments(
 
 
 def _chose_with(e: ir.ChoseWith, instance: Instance) -> bool:
+    """Returns whether the agent chose this action, and with these arguments if it has some."""
     arguments = _chosen_arguments(e, instance)
-    return arguments is not None and all(
-        evaluate(condition.value, instance) == argument
-        for condition, argument in zip(e.given, arguments, strict=False)
+    if arguments is None or not e.given:
+        return arguments is not None
+    return all(
+        evaluate(given.value, instance) == argument
+        for given, argument in zip(e.given, arguments, strict=True)
     )
 
 
@@ -126,6 +137,7 @@ def _logic(e: ir.Logic, instance: Instance) -> bool:
 
 
 def _field(e: ir.FieldRead, instance: Instance) -> Value:
+    """Returns the value of a field of its owner, or of the world."""
     if e.owner is None:
         return instance.world.fields[e.name]
     owner = evaluate(e.owner, instance)
@@ -138,7 +150,9 @@ def _field(e: ir.FieldRead, instance: Instance) -> Value:
 
 
 def _distance(e: ir.Distance, instance: Instance) -> int:
-    a, b = cell_of(e.left, instance), cell_of(e.right, instance)
+    """Returns the steps between two agents, movers or cells."""
+    a = cell_of(e.left, instance)
+    b = cell_of(e.right, instance)
     assert a is not None and b is not None, f"the place of somebody who is away, or nowhere: {e}"
     return instance.board.steps(a, b)
 
@@ -150,6 +164,7 @@ def cell_of(e: ir.Expr, instance: Instance) -> Cell | None:
 
 
 def _attribute(e: ir.Attribute, instance: Instance) -> Value:
+    """Returns a fact about an agent, a mover or a cell that is no field."""
     owner = evaluate(e.owner, instance)
     assert owner is not None, f"`{e.name}` of nobody"
     match e.name:
@@ -160,7 +175,7 @@ def _attribute(e: ir.Attribute, instance: Instance) -> Value:
         case "moved":
             return herd_of(owner, instance.world).moved[number_of(owner)]
         case "away":
-            return not is_here(owner, instance.world)
+            return not is_on_map(owner, instance.world)
         case "row" | "col":
             cell = owner if isinstance(owner, Cell) else where_is(owner, instance.world)
             assert cell is not None, f"`{e.name}` of somebody who is away"
@@ -170,20 +185,22 @@ def _attribute(e: ir.Attribute, instance: Instance) -> Value:
 
 
 def _entry(e: ir.At, instance: Instance) -> Value:
+    """Returns the entry of a row at a key, or the mean of the entries weighted by a mix."""
     row = evaluate(e.row, instance)
     key = evaluate(e.key, instance)
     level = e.row.type.by[0]
     if e.key.type.kind != "mix":
         return row[entry_place(level, key)]
-    share = dict(zip(e.key.type.words, key, strict=True))
+    shares = dict(zip(e.key.type.words, key, strict=True))
     parts = [
-        numbers.arithmetic("*", [share[name], entry], is_real=True)
+        numbers.arithmetic("*", [shares[name], entry], is_real=True)
         for name, entry in zip(level.names, row, strict=True)
     ]
     return reduce(lambda total, part: numbers.arithmetic("+", [total, part], is_real=True), parts)
 
 
 def _case(e: ir.Case, instance: Instance) -> Value:
+    """Returns the value of the one arm that applies."""
     subject = evaluate(e.subject, instance)
     if isinstance(subject, bool):
         subject = "yes" if subject else "no"
@@ -193,6 +210,7 @@ def _case(e: ir.Case, instance: Instance) -> Value:
 
 
 def _of_all_entries(e: ir.SumRow, instance: Instance) -> Value:
+    """Returns the sum, the least or the greatest of a row."""
     entries = list(evaluate(e.row, instance))
     match e.fn:
         case "sum":
@@ -204,6 +222,7 @@ def _of_all_entries(e: ir.SumRow, instance: Instance) -> Value:
 
 
 def _shifted(e: ir.ShiftRow, instance: Instance) -> Value:
+    """Returns a row whose entries moved `by` places towards its end; a filler takes their place."""
     entries = evaluate(e.row, instance)
     filler = evaluate(e.filler, instance)
     if e.type.kind == "agents" and filler is None:
@@ -213,6 +232,10 @@ def _shifted(e: ir.ShiftRow, instance: Instance) -> Value:
 
 
 def _lowest(e: ir.Lowest, instance: Instance) -> str | int:
+    """Returns the first key whose entry is positive, or the first of all if none is.
+
+    With `last`, the last one.
+    """
     level = e.row.type.by[0]
     entries = zip(level.names, evaluate(e.row, instance), strict=True)
     names = [name for name, entry in entries if entry > 0] or level.names
@@ -222,17 +245,15 @@ def _lowest(e: ir.Lowest, instance: Instance) -> str | int:
 
 def members_of(domain: ir.Domain, instance: Instance) -> list[Bound]:
     """Returns the members of a domain in the order of their numbers."""
-    members = [
-        _restricted(domain, member, number, instance)
-        for member, number in _candidates(domain, instance)
-    ]
+    candidates = _candidates(domain, instance)
+    members = [_bind(domain, member, number, instance) for member, number in candidates]
     return [member for member in members if member is not None]
 
 
 def nearest_members(domain: ir.Domain, instance: Instance) -> list[Bound | None]:
     """Returns for each lane of the domain's shape its nearest member, None where there is none."""
     assert isinstance(domain.restriction, ir.Near), "only a shape has lanes"
-    return [_first(domain, lane, instance) for lane in lanes(domain.restriction, instance)]
+    return [_nearest_in(domain, lane, instance) for lane in lanes(domain.restriction, instance)]
 
 
 def lanes(near: ir.Near, instance: Instance) -> list[list[Seen]]:
@@ -250,8 +271,9 @@ def lanes(near: ir.Near, instance: Instance) -> list[list[Seen]]:
 
 
 def cells_in(near: ir.Near, instance: Instance) -> dict[Cell, int]:
-    """Returns the cells of the shape with their numbers; a cell of two lanes has that of the
-    first.
+    """Returns the cells of the shape with their numbers.
+
+    A cell of two lanes has that of the first.
     """
     numbers: dict[Cell, int] = {}
     for lane in lanes(near, instance):
@@ -261,7 +283,7 @@ def cells_in(near: ir.Near, instance: Instance) -> dict[Cell, int]:
 
 
 def is_blocked(cell: Cell, blocked: str, body: Body | None, instance: Instance) -> bool:
-    """Whether a cell, or an agent on it, blocks something.
+    """Returns whether a cell, or an agent on it, blocks something.
 
     Args:
       blocked: `agents`, an entity type of movers, or the name of a shape.
@@ -281,46 +303,48 @@ def is_blocked(cell: Cell, blocked: str, body: Body | None, instance: Instance) 
 
 
 def _agent_blocks(cell: Cell, blocked: str, instance: Instance) -> bool:
-    """Whether an agent that blocks movers or a shape stands on a cell."""
+    """Returns whether an agent that blocks movers or a shape stands on a cell."""
     blocks = [block for block in instance.board.game.agents.blocks if block.what == blocked]
     other = agent_on(cell, instance.world) if blocks else None
     if other is None:
         return False
-    inside = instance.only({"agent": other})
-    return any(block.condition is None or evaluate(block.condition, inside) for block in blocks)
+    inner = instance.only({"agent": other})
+    return any(block.condition is None or evaluate(block.condition, inner) for block in blocks)
 
 
-def _first(domain: ir.Domain, lane: list[Seen], instance: Instance) -> Bound | None:
+def _nearest_in(domain: ir.Domain, lane: list[Seen], instance: Instance) -> Bound | None:
     """Returns the nearest member in a lane, None if there is none."""
     for cell, number in lane:
         if domain.var.sort.what != "cell":
             body = body_on(cell, domain, instance.world)
-            member = None if body is None else _restricted(domain, body, number_of(body), instance)
+            member = None if body is None else _bind(domain, body, number_of(body), instance)
         else:
             is_of_kind = instance.board.kind_of[cell] in domain.var.kinds
-            member = _restricted(domain, cell, number, instance) if is_of_kind else None
+            member = _bind(domain, cell, number, instance) if is_of_kind else None
         if member is not None:
             return member
     return None
 
 
 def _candidates(domain: ir.Domain, instance: Instance) -> list[tuple[Body | Cell, int]]:
-    """Returns the bodies or cells that pass the restriction of a domain, in the order of their
-    numbers, which come with them."""
+    """Returns the bodies or cells that pass the restriction of a domain.
+
+    Each with its number, in the order of these.
+    """
     restriction = domain.restriction
     if domain.var.sort.what == "cell" and isinstance(restriction, ir.Near):
         cells = cells_in(restriction, instance)  # numbered as cells of the shape
         of_kinds = [cell for cell in cells if instance.board.kind_of[cell] in domain.var.kinds]
-        return [(cell, cells[cell]) for cell in sorted(of_kinds, key=lambda cell: cells[cell])]
-    everything = _everything(domain, instance)
+        return [(cell, cells[cell]) for cell in sorted(of_kinds, key=cells.__getitem__)]
+    population = _population(domain, instance)
     match restriction:
         case None:
-            return everything
+            return population
         case ir.Near():
             cells = cells_in(restriction, instance)
             return [
                 (body, number)
-                for body, number in everything
+                for body, number in population
                 if not isinstance(body, Cell) and where_is(body, instance.world) in cells
             ]
         case ir.InAgents():
@@ -331,12 +355,14 @@ def _candidates(domain: ir.Domain, instance: Instance) -> list[tuple[Body | Cell
             allowed = {instance.names[member.name] for member in restriction.members}
         case _:
             assert_never(restriction)
-    return [(member, number) for member, number in everything if member in allowed]
+    return [(member, number) for member, number in population if member in allowed]
 
 
-def _everything(domain: ir.Domain, instance: Instance) -> list[tuple[Body | Cell, int]]:
-    """Returns the bodies of the domain's entity type that aren't away, or the cells of its kinds,
-    with their numbers."""
+def _population(domain: ir.Domain, instance: Instance) -> list[tuple[Body | Cell, int]]:
+    """Returns the bodies of the domain's entity type that aren't away, or the cells of its kinds.
+
+    Each with its number.
+    """
     sort = domain.var.sort
     if sort.what == "cell":
         return [(cell, number) for number, cell in enumerate(cells_of(instance.board, sort.names))]
@@ -347,11 +373,10 @@ def _everything(domain: ir.Domain, instance: Instance) -> list[tuple[Body | Cell
     return [(number, number) for number in present]
 
 
-def _restricted(
-    domain: ir.Domain, member: Body | Cell, number: int, instance: Instance
-) -> Bound | None:
-    """Returns a member with the variables that it binds, None if it doesn't pass `on` and
-    `where`.
+def _bind(domain: ir.Domain, member: Body | Cell, number: int, instance: Instance) -> Bound | None:
+    """Returns a member with the variables that it binds.
+
+    None if it doesn't pass `on` and `where`.
     """
     names: dict[str, Value] = {domain.var.name: member}
     if domain.on is not None:
@@ -427,8 +452,9 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
 
 
 def arguments_of(action: ir.ActionWithArguments, number: int) -> tuple[Value, ...] | None:
-    """Returns the arguments of an action with this number; None if the number is another
-    action's.
+    """Returns the arguments of an action with this number.
+
+    None if the number is another action's.
     """
     if number not in action.numbers:
         return None
@@ -450,8 +476,9 @@ def agents_in(value: Value) -> Iterable[int]:
 
 
 def entry_place(level: ir.Level, key: Value) -> int:
-    """Returns the index of the entry of a key: an enum value, a number of the range, or an
-    agent.
+    """Returns the index of the entry of a key.
+
+    The key is an enum value, a number of the range, or an agent.
     """
     index = level.place_of(key)
     assert 0 <= index < len(level), f"no entry for {key} in {level}"
@@ -459,7 +486,7 @@ def entry_place(level: ir.Level, key: Value) -> int:
 
 
 def applies(arm: ir.Arm, subject: int | str) -> bool:
-    """Whether an arm of a `case` is for this enum value or number."""
+    """Returns whether an arm of a `case` is for this enum value or number."""
     if isinstance(subject, str):
         return subject in arm.words
     return (arm.low is None or arm.low <= subject) and (arm.high is None or subject <= arm.high)
@@ -469,7 +496,9 @@ def is_of_class(
     name: Literal["prisoners_dilemma", "stag_hunt", "chicken"],
     table: tuple[tuple[Value, Value], tuple[Value, Value]],
 ) -> bool:
-    """Whether a table of payoffs [own choice][other's choice], cooperation first, is such a game.
+    """Returns whether a table of payoffs is such a game.
+
+    Its entries are [own choice][other's choice], cooperation first.
 
     Source: Macy and Flache, "Learning dynamics in social dilemmas", PNAS 2002; a chicken game by
     its order alone.

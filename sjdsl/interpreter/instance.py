@@ -1,5 +1,7 @@
-"""One instance of a statement: the snapshot it reads, its variable bindings, and its number among
-all instances."""
+"""One instance of a statement.
+
+It has the snapshot it reads, its variable bindings, and its number among all instances.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -36,8 +38,13 @@ class Instance:
         """Returns this instance with more variables and the same number."""
         return self._with({**self.names, **names}, self.number)
 
-    def inside(self, names: Mapping[str, Value], digit: int, radix: int) -> "Instance":
-        """Returns the instance for one member of a quantifier written inside this one."""
+    def for_member(self, names: Mapping[str, Value], digit: int, radix: int) -> "Instance":
+        """Returns the instance for one member of a quantifier written inside this one.
+
+        Args:
+          names: the variables that the member binds.
+          digit: its number among the `radix` possible members.
+        """
         assert 0 <= digit < radix, (digit, radix)
         return self._with({**self.names, **names}, self.number * radix + digit)
 
@@ -52,18 +59,19 @@ class Instance:
     def _with(
         self, names: Mapping[str, Value], number: int, causes: tuple[Drawn, ...] | None = None
     ) -> "Instance":
+        """Returns an instance on the same state with other variables, number and causes."""
         causes = self.causes if causes is None else causes
         return Instance(
-            self.board,
-            self.world,
-            self.actions,
-            self.draws,
-            names,
-            number,
-            self.totals,
-            self.known,
-            causes,
-            self.earlier,
+            board=self.board,
+            world=self.world,
+            actions=self.actions,
+            draws=self.draws,
+            names=names,
+            number=number,
+            totals=self.totals,
+            known=self.known,
+            causes=causes,
+            earlier=self.earlier,
         )
 
     def bits(self, stream: int, number: int) -> int:

@@ -1,5 +1,6 @@
-"""Members of domains, agents, movers and cells, and the number of each among all possible
-members.
+"""Members of domains, and the number of each among all possible members.
+
+Members are agents, movers and cells.
 """
 
 from dataclasses import dataclass
@@ -24,14 +25,12 @@ class Bound:
 def radix(domain: ir.Domain, board: Board) -> int:
     """Returns how many members the domain could have."""
     if isinstance(domain.restriction, ir.Near) and domain.var.sort.what == "cell":
-        return shapes.size(board.shapes[domain.restriction.shape])
-    return everybody(domain, board)
+        return shapes.num_places(board.shapes[domain.restriction.shape])
+    return population(domain, board)
 
 
-def everybody(domain: ir.Domain, board: Board) -> int:
-    """Returns how many agents, movers of the domain's entity type, or cells of its kinds there
-    are.
-    """
+def population(domain: ir.Domain, board: Board) -> int:
+    """Returns how many agents, movers of the domain's entity type, or cells of its kinds exist."""
     match domain.var.sort.what:
         case "agent":
             return board.agents
@@ -43,17 +42,15 @@ def everybody(domain: ir.Domain, board: Board) -> int:
             raise AssertionError(domain)
 
 
-def own_number(domain: ir.Domain, member: Bound, board: Board) -> int:
-    """Returns the number of an agent or a mover, or of a cell among all cells of the domain's
-    kinds.
-    """
+def number_in_population(domain: ir.Domain, member: Bound, board: Board) -> int:
+    """Returns the number of an agent or a mover, or of a cell among all of the domain's kinds."""
     if isinstance(member.member, Cell):
         return cells_of(board, domain.var.kinds).index(member.member)
     return number_of(member.member)
 
 
-def is_here(body: Body, world: World) -> bool:
-    """Whether an agent or a mover is on the map."""
+def is_on_map(body: Body, world: World) -> bool:
+    """Returns whether an agent or a mover is on the map."""
     return away_of(body, world) is None
 
 

@@ -1,5 +1,7 @@
-"""Interprets `move`: all members step at once, a collision on a cell is settled at random, and
-swaps are blocked."""
+"""Interprets `move`.
+
+All members step at once, a collision on a cell is settled at random, and swaps are blocked.
+"""
 
 from collections.abc import Mapping
 
@@ -103,7 +105,7 @@ def _cells_of(domain: ir.Domain, instance: Instance) -> list[Cell | None]:
 
 
 def _is_open(mover: Mover, direction: int, course: ir.Wander, instance: Instance) -> bool:
-    """Whether a neighbouring cell lets the mover in, is free, and isn't one that it avoids."""
+    """Returns whether the next cell lets the mover in, is free, and isn't one that it avoids."""
     target = _target(mover, direction, instance)
     if target is None or not is_free(target, instance.world):
         return False
@@ -135,30 +137,30 @@ def _target(body: Body, direction: int | None, instance: Instance) -> Cell | Non
 
 
 def _stay_if_swapping(targets: dict[Body, Cell], world: World) -> None:
-    """Two bodies may not enter each other's cells."""
+    """Removes the targets of bodies that would enter each other's cells."""
     places = {body: where_is(body, world) for body in targets}
     swapping = [
         body
-        for body in targets
-        if any(targets[body] == places[b] and targets[b] == places[body] for b in targets)
+        for body, target in targets.items()
+        if any(target == places[other] and targets[other] == places[body] for other in targets)
     ]
     for body in swapping:
         del targets[body]
 
 
 def stay_if_outranked(targets: dict[Body, Cell], ranks: Mapping[Body, int]) -> None:
-    """Of several bodies with the same target, only the one with the largest rank may enter."""
+    """Removes the targets of all but the body with the largest rank, of several with one target."""
     outranked = [
         body
-        for body in targets
-        if any(targets[b] == targets[body] and ranks[b] > ranks[body] for b in targets)
+        for body, target in targets.items()
+        if any(targets[other] == target and ranks[other] > ranks[body] for other in targets)
     ]
     for body in outranked:
         del targets[body]
 
 
 def stay_if_taken(targets: dict[Body, Cell], world: World) -> None:
-    """Nobody may enter a cell on which a body stays, even if that body has just been stopped."""
+    """Removes targets on which a body stays, even if that body has just lost its own target."""
     while True:
         staying = occupied(world, without=targets)
         stopped = [body for body, target in targets.items() if target in staying]

@@ -1,5 +1,6 @@
-"""Arithmetic of the language: 32-bit integers, float32 reals, and tables computed entry by
-entry.
+"""Arithmetic of the language.
+
+32-bit integers, float32 reals, and tables computed entry by entry.
 """
 
 import math
@@ -33,8 +34,9 @@ def real(value: Any) -> Any:
 
 
 def entrywise(fn: Callable[..., Any], *values: Any) -> Any:
-    """Returns `fn` of the values, entry by entry if there are tuples; a number counts for every
-    entry.
+    """Returns `fn` of the values, entry by entry if there are tuples.
+
+    A number counts for every entry.
     """
     lengths = {len(value) for value in values if isinstance(value, tuple)}
     if not lengths:
@@ -58,7 +60,8 @@ def _quotient(dividend: np.float32, divisor: np.float32) -> np.float32:
 def compare(fn: str, left: Any, right: Any) -> bool:
     """Returns whether the comparison holds; an integer beside a real is a float32."""
     if isinstance(left, np.float32) or isinstance(right, np.float32):
-        left, right = np.float32(left), np.float32(right)
+        left = np.float32(left)
+        right = np.float32(right)
     return bool(_COMPARISONS[fn](left, right))
 
 
@@ -84,7 +87,7 @@ def added_up(values: Iterable[Any]) -> np.float32:
 
 
 def _is_odd(number: float) -> bool:
-    """Whether the last bit of a float64 is 1."""
+    """Returns whether the last bit of a float64 is 1."""
     (bits,) = struct.unpack("<Q", struct.pack("<d", number))
     return bool(bits & 1)
 
@@ -98,8 +101,9 @@ def shares(row: tuple[Any, ...]) -> tuple[np.float32, ...]:
 
 def ramp(value: Any, zero_at: Any, one_at: Any) -> np.float32:
     """Returns (value - zero_at) / (one_at - zero_at), clipped to 0 .. 1."""
-    x, zero, one = np.float32(value), np.float32(zero_at), np.float32(one_at)
-    return min(max(_quotient(x - zero, one - zero), np.float32(0)), np.float32(1))
+    zero = np.float32(zero_at)
+    height = _quotient(np.float32(value) - zero, np.float32(one_at) - zero)
+    return min(max(height, np.float32(0)), np.float32(1))
 
 
 # All return a real for reals, but `round` returns an int.
@@ -120,16 +124,18 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
 
 
 def check_int32(value: int, source: object) -> None:
-    """Asserts that a whole number fits into int32, as the compiler proved. `source`: for the
-    message.
+    """Asserts that a whole number fits into int32, as the compiler proved.
+
+    `source`: for the message.
     """
     assert isinstance(value, int), (value, source)
     assert -(2**31) <= value < 2**31, (value, source)
 
 
 def check_interval(value: Any, type_: ir.Type, source: object) -> None:
-    """Asserts that a number lies in the interval that the compiler proved for it; reals up to
-    rounding.
+    """Asserts that a number lies in the interval that the compiler proved for it.
+
+    Reals up to rounding.
     """
     if isinstance(value, tuple):
         for entry in value:

@@ -1,5 +1,6 @@
-"""Interprets `observe`: the egocentric window of each agent, rotated so that its heading points
-up.
+"""Interprets `observe`.
+
+The egocentric window of each agent, rotated so that its heading points up.
 """
 
 from typing import assert_never
@@ -13,7 +14,7 @@ from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import heading_of
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
-from sjdsl.interpreter.members import agent_on, is_here
+from sjdsl.interpreter.members import agent_on, is_on_map
 from sjdsl.interpreter.shapes import place_at
 from sjdsl.interpreter.state import Cell, Mover, World
 
@@ -22,7 +23,8 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
     """Returns uint8 `[agents, planes, rows, columns]`, zeros for an agent that is away."""
     board = board_of(game)
     window = game.window
-    rows, cols = window.ahead + 1 + window.behind, window.left + 1 + window.right
+    rows = window.ahead + 1 + window.behind
+    cols = window.left + 1 + window.right
     observation = np.zeros((board.agents, len(board.planes), rows, cols), np.uint8)
     for agent, place in enumerate(world.position):
         if place is None:
@@ -31,10 +33,10 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
         visible = _visible_cells(window, agent, place, instance)
         for index, plane in enumerate(board.planes):
             if plane.what in ("everyone", "own", "world"):  # the same in the whole window
-                inside = (
-                    instance if plane.agent is None else instance.binding({"everyone": plane.agent})
-                )
-                observation[agent, index] = _token(_observable(plane), inside, 0)
+                inner = instance
+                if plane.agent is not None:
+                    inner = instance.binding({"everyone": plane.agent})
+                observation[agent, index] = _token(_observable_of(plane), inner, 0)
                 continue
             for row, col, cell in visible:
                 observation[agent, index, row, col] = _token_at(plane, cell, agent, instance)
@@ -44,9 +46,7 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
 def _visible_cells(
     window: ir.Window, agent: int, place: Cell, instance: Instance
 ) -> list[tuple[int, int, Cell]]:
-    """Returns the cells of the map that an observer sees, with their rows and columns in the
-    window.
-    """
+    """Returns row and column in the window of each cell that an observer sees, and the cell."""
     views = (
         view
         for view in window.views
@@ -67,9 +67,9 @@ def _token_at(plane: planes.Plane, cell: Cell, agent: int, instance: Instance) -
     """Returns the token of one plane at one cell of the map."""
     match plane.what:
         case "content":
-            return _content(cell, instance)
+            return _content_token(cell, instance)
         case "agent":
-            return _agent(cell, agent, instance)
+            return _agent_token(cell, agent, instance)
         case "marks":
             if _hides_marks(cell, instance):
                 return 0
@@ -82,30 +82,31 @@ def _token_at(plane: planes.Plane, cell: Cell, agent: int, instance: Instance) -
             other = _visible_agent(cell, instance)
             if other in (None, agent):
                 return 0
-            inside = instance.binding({"other": other})
-            return _token(_observable(plane), inside, first=1 if plane.labels else 0)
+            inner = instance.binding({"other": other})
+            return _token(_observable_of(plane), inner, first=1 if plane.labels else 0)
         case "mover":
-            return _mover(_observable(plane), cell, agent, instance)
+            return _mover_token(_observable_of(plane), cell, agent, instance)
         case "everyone" | "own" | "world":
             raise AssertionError(plane)
         case _:
             assert_never(plane.what)
 
 
-def _content(cell: Cell, instance: Instance) -> int:
+def _content_token(cell: Cell, instance: Instance) -> int:
+    """Returns the token of what a cell is: its kind and visible fields, or its look."""
     game = instance.board.game
     kind = instance.board.kind_of[cell]
     covers_content = any(hidden.what == "content" for hidden in game.hidden)
     if covers_content and _visible_agent(cell, instance) is not None:
         return instance.board.content_codes[planes.COVERED]
-    inside = instance.binding({kind: cell})
+    inner = instance.binding({kind: cell})
     look = planes.look_of(game, kind)
     if look is not None:
-        return instance.board.content_codes[_label(look, inside)]
+        return instance.board.content_codes[_label(look, inner)]
     content = kind
     for observable in planes.content_observables(game, kind):
-        is_hidden = _is_hidden(observable, inside)
-        label = planes.HIDDEN if is_hidden else _label(observable, inside)
+        is_hidden = _is_hidden(observable, inner)
+        label = planes.HIDDEN if is_hidden else _label(observable, inner)
         content += f" {planes.field_name(observable)}={label}"
     return instance.board.content_codes[content]
 
@@ -113,11 +114,11 @@ def _content(cell: Cell, instance: Instance) -> int:
 def _visible_agent(cell: Cell, instance: Instance) -> int | None:
     """Returns the agent that is seen on a cell."""
     agent = agent_on(cell, instance.world)
-    return agent if agent is not None and is_here(agent, instance.world) else None
+    return agent if agent is not None and is_on_map(agent, instance.world) else None
 
 
 def _hides_marks(cell: Cell, instance: Instance) -> bool:
-    """Whether marks on a cell are invisible."""
+    """Returns whether marks on a cell are invisible."""
     for hidden in instance.board.game.hidden:
         if hidden.what == "marks" and hidden.on == "agents":
             if _visible_agent(cell, instance) is not None:
@@ -128,7 +129,8 @@ def _hides_marks(cell: Cell, instance: Instance) -> bool:
     return False
 
 
-def _agent(cell: Cell, agent: int, instance: Instance) -> int:
+def _agent_token(cell: Cell, agent: int, instance: Instance) -> int:
+    """Returns the token of who stands on a cell and how it faces: an index into AGENT_WORDS."""
     other = _visible_agent(cell, instance)
     if other is None:
         return 0
@@ -137,21 +139,21 @@ def _agent(cell: Cell, agent: int, instance: Instance) -> int:
     return 2 + (instance.world.heading[other] - instance.world.heading[agent]) % 4
 
 
-def _mover(observable: ir.Observable, cell: Cell, agent: int, instance: Instance) -> int:
+def _mover_token(observable: ir.Observable, cell: Cell, agent: int, instance: Instance) -> int:
     """Returns the token of a mover on a cell, 0 where there is none."""
     sort = observable.kind
     places = instance.world.movers[sort].position
     if cell not in places:
         return 0
     mover = Mover(sort, places.index(cell))
-    inside = instance.binding({sort: mover})
-    is_hidden = _is_hidden(observable, inside)
+    inner = instance.binding({sort: mover})
+    is_hidden = _is_hidden(observable, inner)
     if not observable.field:
         return int(not is_hidden)
     if observable.field == "heading" and not observable.labels and not is_hidden:
         return 1 + (heading_of(mover, instance.world) - instance.world.heading[agent]) % 4
     has_labels = bool(planes.observable_words(observable))
-    return _token(observable, inside, first=1 if has_labels else 0)
+    return _token(observable, inner, first=1 if has_labels else 0)
 
 
 def _token(observable: ir.Observable, instance: Instance, first: int) -> int:
@@ -166,12 +168,13 @@ def _token(observable: ir.Observable, instance: Instance, first: int) -> int:
     if labels:
         return first + labels.index(_label(observable, instance))
     is_place = observable.what == "everyone" and observable.field in ("row", "col")
-    if is_place and not is_here(instance.names["everyone"], instance.world):
+    if is_place and not is_on_map(instance.names["everyone"], instance.world):
         return 0
     return min(max(int(evaluate(_expression_of(observable, instance.board), instance)), 0), 255)
 
 
 def _label(observable: ir.Observable, instance: Instance) -> str:
+    """Returns the first label whose condition holds, or the value as text without one."""
     for label in observable.labels:
         if label.condition is None or evaluate(label.condition, instance):
             return label.name
@@ -182,6 +185,7 @@ def _label(observable: ir.Observable, instance: Instance) -> str:
 
 
 def _is_hidden(observable: ir.Observable, instance: Instance) -> bool:
+    """Returns whether an observer may not see an observable."""
     if observable.shown_when is not None and not evaluate(observable.shown_when, instance):
         return True
     return observable.hidden_when is not None and evaluate(observable.hidden_when, instance)
@@ -199,6 +203,7 @@ def _expression_of(observable: ir.Observable, board: Board) -> ir.Expr:
 
 
 def _build_expression(observable: ir.Observable, board: Board) -> ir.Expr:
+    """Returns the expression that an observable shows, built anew."""
     if observable.value is not None:
         return observable.value
     owner = observable.owner
@@ -218,6 +223,7 @@ def _build_expression(observable: ir.Observable, board: Board) -> ir.Expr:
     return ir.At(type=inner, row=field, key=key)
 
 
-def _observable(plane: planes.Plane) -> ir.Observable:
+def _observable_of(plane: planes.Plane) -> ir.Observable:
+    """Returns the observable of a plane that has one."""
     assert plane.observable is not None, plane
     return plane.observable

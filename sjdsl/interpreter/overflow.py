@@ -1,5 +1,7 @@
-"""The error that a real is out of the range of float32 (overflow), with the part of the rules that
-computed it."""
+"""The error that a real is out of the range of float32 (overflow).
+
+It has the part of the rules that computed it.
+"""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -26,8 +28,10 @@ class LeavesFloat32(ArithmeticError):
 
 @contextmanager
 def watched(node: Callable[[], ir.Node], before: int) -> Iterator[None]:
-    """Raises LeavesFloat32 if a real inside leaves float32; NumPy alone would warn and return
-    infinity."""
+    """Raises LeavesFloat32 if a real inside leaves float32.
+
+    NumPy alone would warn and return infinity.
+    """
     try:
         with np.errstate(over="raise", invalid="raise"):
             yield

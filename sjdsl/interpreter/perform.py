@@ -12,7 +12,7 @@ from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import course_of
 from sjdsl.interpreter.overflow import LeavesFloat32
-from sjdsl.interpreter.shifting import shifting
+from sjdsl.interpreter.shifting import make_shifting
 from sjdsl.interpreter.state import Cell, Mover
 from sjdsl.interpreter.writes import Counted, Lot, Sending, Shifting, Writes, slots
 
@@ -30,47 +30,51 @@ def perform(body: tuple[ir.Stmt, ...], instance: Instance, writes: Writes) -> No
                         {statement.name: evaluate(statement.value, instance)}
                     )
                 case ir.Draw():
-                    drawn = _recorded(chances.draw(statement, instance), writes)
+                    drawn = chances.draw_value(statement, instance)
+                    _record(drawn, writes)
                     instance = instance.binding({statement.name: drawn.result}).because(drawn)
                 case _:
                     sizes = writes.sizes()
-                    _statement(statement, instance, writes)
+                    _perform_statement(statement, instance, writes)
                     writes.record(statement, instance, sizes)
         except FloatingPointError:
             raise LeavesFloat32(statement, instance.world.step) from None
 
 
-def _statement(statement: ir.Stmt, instance: Instance, writes: Writes) -> None:
+def _perform_statement(statement: ir.Stmt, instance: Instance, writes: Writes) -> None:
+    """Collects the writes of one statement."""
     match statement:
         case ir.Each():
             for member in members_of(statement.domain, instance):
-                _inside(statement.body, statement.domain, member, instance, writes)
+                _perform_for(statement.body, statement.domain, member, instance, writes)
         case ir.Pick():
             candidates = members_of(statement.domain, instance)
             if not candidates:
                 perform(statement.otherwise, instance, writes)
-            for member, drawn in chances.picked(statement, candidates, instance):
-                outer = instance.because(_recorded(drawn, writes))
-                _inside(statement.body, statement.domain, member, outer, writes)
+            for member, drawn in chances.pick_members(statement, candidates, instance):
+                _record(drawn, writes)
+                outer = instance.because(drawn)
+                _perform_for(statement.body, statement.domain, member, outer, writes)
         case ir.First():
-            by_lane = nearest_members(statement.domain, instance)
-            for lane, nearest in enumerate(by_lane):
-                if nearest is not None:
-                    perform(
-                        statement.body, instance.inside(nearest.names, lane, len(by_lane)), writes
-                    )
+            nearest = nearest_members(statement.domain, instance)
+            for lane, first in enumerate(nearest):
+                if first is not None:
+                    inner = instance.for_member(first.names, lane, len(nearest))
+                    perform(statement.body, inner, writes)
         case ir.Match():
-            for left, right, drawn in chances.matched(statement, instance):
-                if _recorded(drawn, writes).result:
+            for left, right, drawn in chances.match_pairs(statement, instance):
+                _record(drawn, writes)
+                if drawn.result:
                     outer = instance.binding(right.names).because(drawn)
-                    _inside(statement.body, statement.left, left, outer, writes)
+                    _perform_for(statement.body, statement.left, left, outer, writes)
         case ir.When():
             bodies = (
                 branch.body for branch in statement.branches if evaluate(branch.test, instance)
             )
             perform(next(bodies, statement.otherwise), instance, writes)
         case ir.Chance():
-            drawn = _recorded(chances.chance(statement, instance), writes)
+            drawn = chances.choose_branch(statement, instance)
+            _record(drawn, writes)
             body = statement.otherwise
             if drawn.result is not None:
                 body = statement.branches[drawn.result].body
@@ -79,10 +83,9 @@ def _statement(statement: ir.Stmt, instance: Instance, writes: Writes) -> None:
             rank = instance.bits(stream, instance.number) >> 1
             source_position = statement.origin.start if statement.origin else 0
             place = (source_position, instance.number)
-            for slot, value in slots(
-                statement.target, evaluate(statement.value, instance), instance
-            ):
-                writes.lots.append(Lot(slot, value, rank, place))
+            value = evaluate(statement.value, instance)
+            for slot, entry in slots(statement.target, value, instance):
+                writes.lots.append(Lot(slot, entry, rank, place))
         case ir.Set():
             writes.sets += slots(statement.target, evaluate(statement.value, instance), instance)
         case ir.Add():
@@ -113,14 +116,13 @@ def _statement(statement: ir.Stmt, instance: Instance, writes: Writes) -> None:
             assert_never(statement)
 
 
-def _recorded(drawn: Drawn, writes: Writes) -> Drawn:
-    """Adds a draw to the account of the phase, if there is one, and returns it."""
+def _record(drawn: Drawn, writes: Writes) -> None:
+    """Adds a draw to the account of the phase, if there is one."""
     if writes.drawn is not None:
         writes.drawn.append(drawn)
-    return drawn
 
 
-def _inside(
+def _perform_for(
     body: tuple[ir.Stmt, ...],
     domain: ir.Domain,
     member: members.Bound,
@@ -129,10 +131,11 @@ def _inside(
 ) -> None:
     """Performs a block for one member of a domain."""
     radix = members.radix(domain, instance.board)
-    perform(body, instance.inside(member.names, member.number, radix), writes)
+    perform(body, instance.for_member(member.names, member.number, radix), writes)
 
 
 def _give(statement: ir.Give, instance: Instance, writes: Writes) -> None:
+    """Collects the rewards of a statement; without a receiver, all agents get it."""
     value = np.float32(evaluate(statement.value, instance))
     receivers = set(range(instance.board.agents))
     if statement.receiver is not None:
@@ -143,13 +146,14 @@ def _give(statement: ir.Give, instance: Instance, writes: Writes) -> None:
 
 
 def _send(statement: ir.Send | ir.Shift, instance: Instance, writes: Writes) -> None:
-    """Collects where agents or movers are sent; several statements may only send one to the same
-    place.
+    """Collects where agents or movers are sent.
+
+    Several statements may only send one of them to the same place.
     """
     agents = agents_in(evaluate(statement.who, instance))
     if isinstance(statement, ir.Shift):
         for agent in agents:
-            _add_sent(shifting(agent, statement, instance), writes.shifts)
+            _add_sent(make_shifting(agent, statement, instance), writes.shifts)
         return
     ticks = 0 if statement.after is None else evaluate(statement.after, instance)
     for agent in agents:
@@ -176,6 +180,7 @@ def _destination(sent: Sending | Shifting) -> tuple[object, ...]:
 
 
 def _move(statement: ir.Move, instance: Instance, writes: Writes) -> None:
+    """Collects who moves, with their ranks, and the courses of movers."""
     assert writes.movers is None, "two `move` in one phase"
     writes.movers = {}
     writes.sort = statement.domain.var.sort
@@ -184,7 +189,8 @@ def _move(statement: ir.Move, instance: Instance, writes: Writes) -> None:
         body = bound.member
         assert not isinstance(body, Cell)
         bits = instance.bits(statement.stream, instance.number * radix + bound.number)
+        # The number, which is below 256, decides between equal random bits.
         writes.movers[body] = (bits & ~0xFF) | bound.number
         if statement.course is not None and isinstance(body, Mover):
-            inside = instance.binding(bound.names)
-            writes.courses[body] = course_of(statement.course, body, inside)
+            inner = instance.binding(bound.names)
+            writes.courses[body] = course_of(statement.course, body, inner)

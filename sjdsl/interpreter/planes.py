@@ -107,6 +107,7 @@ def field_name(observable: ir.Observable) -> str:
 
 
 def _field_plane(observable: ir.Observable, agent: int | None) -> Plane:
+    """Returns the plane of an observable. `agent`: whose field it is, in planes of every agent."""
     what = observable.what
     assert what != "cell"
     assert what != "heading"

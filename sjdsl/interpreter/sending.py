@@ -1,5 +1,7 @@
-"""Interprets `send` and `remove`: a random free cell, a delay away from the map, and the respawn of
-agents at a `tick`."""
+"""Interprets `send` and `remove`.
+
+A random free cell, a delay away from the map, and the respawn of agents at a `tick`.
+"""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -25,8 +27,13 @@ from sjdsl.interpreter.writes import Sending
 
 
 def send(phase: str, sends: list[Sending], instance: Instance, world: World) -> None:
-    """Changes the places of `world`, which holds those of the snapshot: pool by pool, in each pool
-    in the order of numbers. `phase`: its name."""
+    """Changes the places of `world`, which holds those of the snapshot.
+
+    Pool by pool, in each pool in the order of numbers.
+
+    Args:
+      phase: its name.
+    """
     entered: set[Cell] = set()  # in this phase; pools may share cells
     for pool in sorted({sending.send.pool for sending in sends}):
         of_pool = [sending for sending in sends if sending.send.pool == pool]
@@ -39,15 +46,16 @@ def send(phase: str, sends: list[Sending], instance: Instance, world: World) -> 
         # Whether the cells that fit differ from agent to agent.
         is_individual = any(variables_around(s.domain) for s in _sends_to(stream, instance.board))
         if not is_individual:
-            free = _fitting(domain, free, {}, instance)
+            free = _cells_that_fit(domain, free, {}, instance)
         for agent, statement, ticks, names in of_pool:
-            fitting = _fitting(statement.domain, free, names, instance) if is_individual else free
+            fitting = list(free)
+            if is_individual:
+                fitting = _cells_that_fit(statement.domain, free, names, instance)
             if ticks > 0:
                 _leave(agent, Away(ticks, Pool(phase, pool), statement.facing), world)
             elif fitting:
                 cell, _ = instance.take(stream, number_of(agent), fitting)
-                if is_individual:
-                    free.remove(cell)
+                free.remove(cell)
                 entered.add(cell)
                 _enter(agent, cell, statement.facing, statement.heading_stream, instance, world)
             else:
@@ -65,13 +73,14 @@ def _sends_to(cell_stream: int, board: Board) -> tuple[ir.Send, ...]:
 
 
 def _may_stay(cell_stream: int, board: Board) -> bool:
-    """Whether any statement that sends to this pool says `otherwise stay`."""
+    """Returns whether any statement that sends to this pool says `otherwise stay`."""
     return any(send.stay for send in _sends_to(cell_stream, board))
 
 
 def _no_room(agent: Body, statement: ir.Send) -> str:
-    """Returns a message for maps without enough cells, which the compiler refuses; a scene may use
-    one.
+    """Returns a message for maps without enough cells, which the compiler refuses.
+
+    A scene may use one.
     """
     kinds = " or ".join(statement.domain.var.kinds)
     return (
@@ -85,8 +94,10 @@ def remove(agent: Body, world: World) -> None:
 
 
 def bring_back(instance: Instance, world: World) -> None:
-    """Counts down one tick for all who are away; at the last one they come back, or wait for a free
-    cell."""
+    """Counts down one tick for all who are away.
+
+    At the last one they come back, or wait for a free cell.
+    """
     due: dict[Pool, list[Body]] = {}
     for agent in bodies(instance.world):
         away = away_of(agent, instance.world)
@@ -106,7 +117,7 @@ def bring_back(instance: Instance, world: World) -> None:
             away = away_of(agent, instance.world)
             # The only variable that the destination may read is the agent that comes back.
             names = {variable.name: agent for variable in variables_around(statement.domain)}
-            fitting = _fitting(statement.domain, free, names, instance)
+            fitting = _cells_that_fit(statement.domain, free, names, instance)
             assert fitting or may_stay, _no_room(agent, statement)
             if fitting and away is not None:
                 cell, _ = instance.take(cell_stream, number_of(agent), fitting)
@@ -124,11 +135,10 @@ def free_cells(domain: ir.Domain, leaving: set[Body], instance: Instance) -> lis
     return [cell for cell in cells_of(instance.board, domain.var.kinds) if cell not in covered]
 
 
-def _fitting(
+def _cells_that_fit(
     domain: ir.Domain, free: list[Cell], names: Mapping[str, Value], instance: Instance
 ) -> list[Cell]:
-    """Returns the free cells that pass the `where` of a destination, which may read the variables
-    in `names`."""
+    """Returns the free cells that pass the `where` of a destination. It may read `names`."""
     if domain.where is None:
         return list(free)
     return [
@@ -141,6 +151,7 @@ def _fitting(
 def _enter(
     agent: Body, cell: Cell, facing: Facing | None, stream: int, instance: Instance, world: World
 ) -> None:
+    """Puts a body on a cell. `stream`: of its heading, if `facing` is None."""
     herd_of(agent, world).position[number_of(agent)] = cell
     herd_of(agent, world).away[number_of(agent)] = None
     enter_facing(agent, facing, stream, instance, world)
@@ -149,9 +160,7 @@ def _enter(
 def enter_facing(
     agent: Body, facing: Facing | None, stream: int | None, instance: Instance, world: World
 ) -> None:
-    """Turns a body that has been sent to the heading in the statement, or else to one that is
-    drawn.
-    """
+    """Turns a body that has been sent: as the statement says, or else at random."""
     if facing is None:
         assert stream is not None
         turn(agent, instance.bits(stream, number_of(agent)) >> 30, world)
@@ -160,5 +169,6 @@ def enter_facing(
 
 
 def _leave(agent: Body, away: Away, world: World) -> None:
+    """Takes a body off the map."""
     herd_of(agent, world).position[number_of(agent)] = None
     herd_of(agent, world).away[number_of(agent)] = away

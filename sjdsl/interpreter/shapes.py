@@ -1,5 +1,7 @@
-"""Cells of a shape around an anchor, such as a beam: each lane ends at the first cell that blocks
-its line of sight."""
+"""Cells of a shape around an anchor, such as a beam.
+
+Each lane ends at the first cell that blocks its line of sight.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -18,8 +20,10 @@ class Seen(NamedTuple):
 
 
 def place_at(anchor: Cell, heading: int, ahead: int, right: int) -> tuple[int, int]:
-    """Returns the row and column so many cells ahead and to the right of an anchor with this
-    heading; they may be off the map."""
+    """Returns the row and column so many cells ahead and to the right of an anchor.
+
+    They may be off the map.
+    """
     ahead_rows, ahead_cols = FORWARD[heading]
     right_rows, right_cols = FORWARD[(heading + 1) % 4]
     row = anchor.row + ahead * ahead_rows + right * right_rows
@@ -34,13 +38,11 @@ def lanes_from(
     at: Callable[[int, int], Cell | None],
     stops: Callable[[Cell], bool],
 ) -> list[list[Seen]]:
-    """Returns the lanes of a shape, nearest cell first; the first cell that `stops` a lane is its
-    last.
+    """Returns the lanes of a shape, nearest cell first.
 
-    Lanes of an anchor that is off the map are empty. On a map that wraps, several places of the
-    shape
-    may be one cell: the first of them counts. The anchor's own cell counts only in the middle of
-    the shape.
+    The first cell that `stops` a lane is its last. Lanes of an anchor that is off the map are
+    empty. On a map that wraps, several places of the shape may be one cell: the first of them
+    counts. The anchor's own cell counts only in the middle of the shape.
 
     Args:
       at: the cell of the map at a row and column, `Board.at`.
@@ -63,6 +65,6 @@ def lanes_from(
     return lanes
 
 
-def size(shape: ir.Shape) -> int:
+def num_places(shape: ir.Shape) -> int:
     """Returns the number of the shape's cells, on the map or not."""
     return sum(len(lane) for lane in shape.lanes)

@@ -1,5 +1,7 @@
-"""Interprets `send x by n DIRECTION` and `send x to CELL`: the target of each body, and the
-collisions of all who are sent in one phase."""
+"""Interprets `send x by n DIRECTION` and `send x to CELL`.
+
+The target of each body, and the collisions of all who are sent in one phase.
+"""
 
 from sjdsl.compiler import ir
 from sjdsl.interpreter.bodies import (
@@ -21,10 +23,8 @@ from sjdsl.interpreter.state import HEADINGS, Cell, World
 from sjdsl.interpreter.writes import Shifting
 
 
-def shifting(agent: Body, statement: ir.Shift, instance: Instance) -> Shifting:
-    """Returns where a statement sends an agent or a mover; to its own cell if the way is
-    blocked.
-    """
+def make_shifting(agent: Body, statement: ir.Shift, instance: Instance) -> Shifting:
+    """Returns where a statement sends a body: to its own cell if the way there is blocked."""
     place = where_is(agent, instance.world)
     if place is None:
         return Shifting(agent, statement, None)
@@ -33,18 +33,17 @@ def shifting(agent: Body, statement: ir.Shift, instance: Instance) -> Shifting:
     assert statement.steps is not None
     steps = evaluate(statement.steps, instance)
     heading = _heading(agent, statement, instance)
-    target: Cell | None = place
+    target = place
     if heading is not None and steps > 0:
         blocked = sort_of_body(agent).plural
-        path = [
-            instance.board.at(*place_at(place, heading, ahead, 0)) for ahead in range(1, steps + 1)
-        ]
-        is_open = all(
-            cell is not None and not is_blocked(cell, blocked, agent, instance) for cell in path
-        )
-        if is_open and all(
-            cell is not None and is_free(cell, instance.world) for cell in path[:-1]
-        ):
+        path: list[Cell] = []
+        for ahead in range(1, steps + 1):
+            cell = instance.board.at(*place_at(place, heading, ahead, 0))
+            if cell is None or is_blocked(cell, blocked, agent, instance):
+                return Shifting(agent, statement, place)
+            path.append(cell)
+        # Whether the last cell is free is seen once all are sent.
+        if all(is_free(cell, instance.world) for cell in path[:-1]):
             target = path[-1]
     return Shifting(agent, statement, target)
 
@@ -58,7 +57,7 @@ def _heading(agent: Body, statement: ir.Shift, instance: Instance) -> int | None
     other = cell_of(statement.other, instance)
     if place is None or other is None or place == other:
         return None
-    rows, cols = instance.board.apart(place, other)
+    rows, cols = instance.board.offset(place, other)
     heading = heading_of(agent, instance.world)
     is_vertical = abs(rows) > abs(cols)
     if abs(rows) == abs(cols):
@@ -91,6 +90,7 @@ def shift(shifts: list[Shifting], instance: Instance, world: World) -> None:
         of_sort = [sent for sent in shifts if sort_of_body(sent.agent) == sort]
         for sent in of_sort:
             number = number_of(sent.agent)
+            # The number, which is below 256, decides between equal random bits.
             ranks[sent.agent] = instance.bits(sent.statement.stream, number) & ~0xFF | number
             if sent.target is not None and sent.target != where_is(sent.agent, world):
                 targets[sent.agent] = sent.target

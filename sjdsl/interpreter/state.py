@@ -33,8 +33,10 @@ class Mover(NamedTuple):
 
 
 class Pool(NamedTuple):
-    """All `send` statements of one phase to one destination as written; `number` counts the
-    destinations of the phase."""
+    """All `send` statements of one phase to one destination as written.
+
+    `number` counts the destinations of the phase.
+    """
 
     phase: str
     number: int
@@ -60,8 +62,10 @@ class Herd:
 
 @dataclass
 class World:
-    """One state between two steps or two phases. Lists over agents are in the order of their
-    numbers, lists over cells in reading order."""
+    """One state between two steps or two phases.
+
+    Lists over agents are in the order of their numbers, lists over cells in reading order.
+    """
 
     step: int
     cells: dict[tuple[str, str], list[Value]]  # (kind, field) -> a value for each cell of the kind
@@ -114,11 +118,12 @@ def copied(world: World) -> World:
 
 
 def _copied(herd: Herd) -> Herd:
+    """Returns movers with lists of their own."""
     return Herd(
-        list(herd.position),
-        list(herd.moved),
-        list(herd.away),
-        {name: list(values) for name, values in herd.fields.items()},
+        position=list(herd.position),
+        moved=list(herd.moved),
+        away=list(herd.away),
+        fields={name: list(values) for name, values in herd.fields.items()},
     )
 
 
@@ -128,8 +133,9 @@ def default_params(game: ir.Game) -> dict[str, Value]:
 
 
 def field_value(declared: ir.VarField, value: int | float | str | None) -> Value:
-    """Returns a start value in the form of the state: for a `by` field, a tuple of it for all
-    keys.
+    """Returns a start value in the form of the state.
+
+    For a `by` field, a tuple of it for all keys.
     """
     result: Value
     match declared.type.kind:

@@ -2,16 +2,21 @@
 
 from typing import Any
 
+import numpy as np
+
 from sjdsl.compiler import ir
-from sjdsl.interpreter.state import World
+from sjdsl.compiler.ir.types import element
+from sjdsl.interpreter.state import Cell, World
 
 CELLS = 256  # a stored cell is row * CELLS + column
 BITS = 32  # agents that one number of a set holds
 
 
 def held_values(declared: ir.VarField, world: World) -> Any:
-    """Returns the values of a field in a state: a list over cells, agents or movers, or the world's
-    one value."""
+    """Returns the values of a field in a state.
+
+    They are a list over cells, agents or movers, or the world's one value.
+    """
     match declared.held_by.what:
         case "cell":
             return world.cells[declared.held_by.name, declared.name]
@@ -33,14 +38,13 @@ def stored_values(declared: ir.VarField, world: World) -> Any:
 
 
 def stored(value: Any, type_: ir.Type, agents: int) -> Any:
-    """Returns a value as the compiled state stores it: enum values and agents as numbers, sets of
-    agents as bits, tuples as lists.
+    """Returns a value as the compiled state stores it.
 
-    `agents` is their number. With more than 32, a set is a list of numbers of 32 bits.
+    Enum values and agents are numbers, sets of agents bits, tuples lists. `agents` is their number:
+    with more than 32, a set is a list of numbers of 32 bits.
     """
     if isinstance(value, tuple) and type_.by:
-        inner = type_.model_copy(update={"by": type_.by[1:]})
-        return [stored(entry, inner, agents) for entry in value]
+        return [stored(entry, element(type_), agents) for entry in value]
     match type_.kind:
         case "word":
             return type_.words.index(value)
@@ -55,3 +59,30 @@ def stored(value: Any, type_: ir.Type, agents: int) -> Any:
             return [bits >> first & 0xFFFF_FFFF for first in range(0, agents, BITS)]
         case _:
             return value
+
+
+def loaded(array: Any, type_: ir.Type) -> Any:
+    """Returns a value that the compiled state stores, or a parameter, in the interpreter's form.
+
+    The opposite of `stored`. Reals are the same bit for bit.
+    """
+    if type_.by:
+        return tuple(loaded(entry, element(type_)) for entry in array)
+    match type_.kind:
+        case "word":
+            return type_.words[int(array)]
+        case "agent":
+            return None if array < 0 else int(array)
+        case "cell":
+            return None if array < 0 else Cell(*divmod(int(array), CELLS))
+        case "agents":
+            return frozenset(
+                number * BITS + bit
+                for number, bits in enumerate(np.atleast_1d(array).tolist())
+                for bit in range(BITS)
+                if bits >> bit & 1
+            )
+        case "real":
+            return np.float32(array)
+        case _:
+            return int(array)

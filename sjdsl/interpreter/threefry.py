@@ -1,6 +1,4 @@
-"""The random number generator threefry-2x32 in plain integers, and a recorder of the numbers
-drawn.
-"""
+"""The random number generator threefry-2x32 in plain integers, and a recorder of what it drew."""
 
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol, TypeVar
@@ -8,8 +6,8 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 WORD = 0xFFFFFFFF
 _PARITY = 0x1BD11BDA
 _ROTATIONS = (13, 15, 26, 6, 17, 29, 16, 24)
-ROUNDS = 13
-_RETURN = 0x52455455
+ROUNDS = 13  # as in `runtime/random_bits.py`
+_RETURN = 0x52455455  # "RETU" in ASCII
 T = TypeVar("T")
 
 
@@ -96,7 +94,8 @@ def take(draws: Draws, stream: int, number: int, left: list[T]) -> tuple[T, int]
 
 
 def return_stream(stream: int) -> int:
-    """Returns the stream for agents that come back at a `tick`, in place of the statement's
-    stream.
+    """Returns the stream for agents that come back at a `tick`.
+
+    It takes the place of the statement's stream.
     """
     return (stream ^ _RETURN) & WORD

@@ -1,5 +1,7 @@
-"""The writes of a phase: collected while it runs, and applied together at its end, which asserts
-that there is no write conflict."""
+"""The writes of a phase, collected while it runs and applied together at its end.
+
+Applying them asserts that there is no write conflict.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -58,8 +60,11 @@ class Counted(NamedTuple):
 
 
 class Lot(NamedTuple):
-    """A write `by lot`. Of several to one entry, that with the largest rank is applied; of equal
-    ranks that of the first statement in the file, then of the smallest instance number."""
+    """A write `by lot`.
+
+    Of several to one entry, that with the largest rank is applied; of equal ranks that of the first
+    statement in the file, then of the smallest instance number.
+    """
 
     slot: Slot
     value: Value
@@ -137,11 +142,11 @@ def slots(target: ir.Expr, value: Value, instance: Instance) -> list[tuple[Slot,
     written = written_field(target)
     keys = written_keys(target)
     levels = written.type.by
-    entries = [
+    entries = tuple(
         entry_place(level, evaluate(key, instance))
-        for level, key in zip(levels, keys, strict=False)
-    ]
-    slot = Slot(written.name, _owner(written, instance), tuple(entries))
+        for level, key in zip(levels[: len(keys)], keys, strict=True)
+    )
+    slot = Slot(written.name, _owner(written, instance), entries)
     return _spread(slot, value, levels[len(keys) :])
 
 
@@ -151,6 +156,7 @@ def declaration(slot: Slot, board: Board) -> ir.VarField:
 
 
 def _owner(target: ir.FieldRead, instance: Instance) -> tuple[str, int] | None:
+    """Returns the owner of a field that is written, as in `Slot`."""
     if target.owner is None:
         return None
     owner = evaluate(target.owner, instance)
@@ -163,6 +169,7 @@ def _owner(target: ir.FieldRead, instance: Instance) -> tuple[str, int] | None:
 
 
 def _spread(slot: Slot, value: Value, levels: tuple[ir.Level, ...]) -> list[tuple[Slot, Value]]:
+    """Returns the entries of a slot over its further levels, each with its value."""
     if not levels:
         return [(slot, value)]
     first, *inner = levels
@@ -176,8 +183,9 @@ def _spread(slot: Slot, value: Value, levels: tuple[ir.Level, ...]) -> list[tupl
 
 
 def write_fields(writes: Writes, board: Board, world: World) -> None:
-    """Changes the fields of `world`, which holds the values of the snapshot: sets them, then
-    adds.
+    """Changes the fields of `world`, which holds the values of the snapshot.
+
+    Sets them, then adds.
     """
     by_lot = [(slot, lot.value) for slot, lot in winners(writes.lots).items()]
     sets: dict[Slot, Value] = {}
@@ -224,6 +232,7 @@ def _added(declared: ir.VarField, current: Value, values: list[Value]) -> Value:
 
 
 def _check(declared: ir.VarField, value: Value, board: Board) -> None:
+    """Asserts that a value is one of its field's type."""
     match declared.type.kind:
         case "int" | "real":
             check_interval(value, declared.type, declared.name)
@@ -244,28 +253,28 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
 
 
 def _get(slot: Slot, board: Board, world: World) -> Value:
+    """Returns the value of a slot."""
     values, key = _holder(slot, board, world)
     return reduce(getitem, slot.entries, values[key])
 
 
 def _put(slot: Slot, value: Value, board: Board, world: World) -> None:
+    """Sets the value of a slot."""
     values, key = _holder(slot, board, world)
-    values[key] = _replaced(values[key], slot.entries, value)
+    values[key] = with_entry(values[key], slot.entries, value)
 
 
 def _holder(slot: Slot, board: Board, world: World) -> tuple[Any, Any]:
-    """Returns the list or dictionary with the values of a field, and the index or key of the
-    slot's.
-    """
+    """Returns the list or dictionary with a field's values, and the index or key of the slot's."""
     if slot.owner is None:
         return world.fields, slot.name
     _, number = slot.owner
     return held_values(declaration(slot, board), world), number
 
 
-def _replaced(value: Value, entries: tuple[int, ...], entry: Value) -> Value:
+def with_entry(value: Value, entries: tuple[int, ...], entry: Value) -> Value:
     """Returns nested tuples with one entry replaced."""
     if not entries:
         return entry
     first, *rest = entries
-    return (*value[:first], _replaced(value[first], tuple(rest), entry), *value[first + 1 :])
+    return (*value[:first], with_entry(value[first], tuple(rest), entry), *value[first + 1 :])

@@ -10,7 +10,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.checks.whole_numbers import beyond_int32, boundary
 from sjdsl.compiler.diagnostics.limits import MAX_VALUE
 from sjdsl.compiler.ir.names import param_attribute
-from sjdsl.compiler.ir.printer import expression, number_text
+from sjdsl.compiler.ir.printer import expression_text, number_text
 from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.values import holds
 from sjdsl.compiler.lower.state import param_value
@@ -164,9 +164,8 @@ def _check_together(game: ir.Game, values: Values, changes: Values, check_requir
     """Raises ValueError if a `require` fails, or if a whole number could leave int32."""
     for check in game.checks:
         if check_requires and check.sort == "require" and not holds(check.values[0], values):
-            raise ValueError(
-                f"these parameters fail a check of the game: require {expression(check.values[0])}"
-            )
+            test = expression_text(check.values[0])
+            raise ValueError(f"these parameters fail a check of the game: require {test}")
     problems = beyond_int32(game, values) if changes else []
     if problems:
         place = f"{problems[0].span.file}:{problems[0].span.line}"

@@ -243,8 +243,8 @@ class Chooser:
         new_width = self._shape[1] + 2 * self._pad
         added = self._pad - module.PAD
         positions = {}
-        for name in body_sorts(self._game):
-            attribute = attribute_of("position", name)
+        for sort in body_sorts(self._game):
+            attribute = attribute_of("position", sort)
             old = getattr(state, attribute)
             row = old // old_width + added
             col = old % old_width + added

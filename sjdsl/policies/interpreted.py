@@ -25,19 +25,19 @@ class Pose(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
-    """Where agents can go on a map.
+class WalkMap:
+    """Where agents can go on a board.
 
     open: the cells that agents can ever enter; moves: number of an action -> name of its move;
-    before: a pose -> the poses from which a move leads there.
+    poses_before: a pose -> the poses from which one move leads there.
     """
 
     board: Board
     open: frozenset[Cell]
     moves: dict[int, str]
-    before: dict[Pose, list[Pose]] = field(default_factory=dict)
+    poses_before: dict[Pose, list[Pose]] = field(default_factory=dict)
 
-    def after(self, move: str, pose: Pose) -> Pose:
+    def pose_after(self, move: str, pose: Pose) -> Pose:
         """Returns where a move leads, whether or not the cell can be entered."""
         if move in TURNS:
             return Pose(pose.cell, (pose.heading + TURNS[move]) % 4)
@@ -48,17 +48,18 @@ class Ground:
 
 
 @lru_cache(maxsize=16)
-def _ground_of(board: Board) -> Ground:
+def _walk_map_of(board: Board) -> WalkMap:
+    """Returns where agents can go on a board, and the poses before each pose."""
     actions = board.game.agents.actions
     moves = {number: name for number, name in enumerate(actions) if name in TURNS or name in STEPS}
     open_cells = frozenset(
         cell for cell, kind in board.kind_of.items() if not blocks_always(board.kinds[kind])
     )
-    ground = Ground(board, open_cells, moves)
+    walk_map = WalkMap(board, open_cells, moves)
     for pose in _poses(board):
         for move in moves.values():
-            ground.before.setdefault(ground.after(move, pose), []).append(pose)
-    return ground
+            walk_map.poses_before.setdefault(walk_map.pose_after(move, pose), []).append(pose)
+    return walk_map
 
 
 def _poses(board: Board) -> Iterator[Pose]:
@@ -98,24 +99,24 @@ def _go_towards(
     rule: ir.Go | ir.Aim, instance: Instance, pose: Pose, bits: tuple[int, int], stay: int
 ) -> int | None:
     """Returns the action with which a rule is followed, None if no path leads to a goal."""
-    ground = _ground_of(instance.board)
+    walk_map = _walk_map_of(instance.board)
     members = set(_cells_of(rule.domain, instance))
     avoided = set() if rule.avoided is None else set(_cells_of(rule.avoided, instance))
     if isinstance(rule, ir.Go):
-        enterable = ground.open - (avoided - members)
+        enterable = walk_map.open - (avoided - members)
         goals = {Pose(cell, heading) for cell in members for heading in range(4)}
         at_goal = stay
     else:
-        enterable = ground.open - avoided
-        reached = _reached_cells(ground.board, rule.shape)
+        enterable = walk_map.open - avoided
+        reached = _reached_cells(walk_map.board, rule.shape)
         goals = {aiming for aiming, cells in reached.items() if not cells.isdisjoint(members)}
         at_goal = _final_action(rule, instance)
     if pose in goals:
         return at_goal
-    distance = _distances(ground, goals, enterable)
+    distance = _distances(walk_map, goals, enterable)
     if pose not in distance:
         return None
-    return _move(ground, pose, distance, enterable, instance, bits)
+    return _choose_move(walk_map, pose, distance, enterable, instance, bits)
 
 
 def _final_action(rule: ir.Act | ir.Aim, instance: Instance) -> int:
@@ -155,22 +156,22 @@ def _reached_cells(board: Board, name: str) -> dict[Pose, frozenset[Cell]]:
 
 
 def _distances(
-    ground: Ground, goals: Collection[Pose], enterable: Collection[Cell]
+    walk_map: WalkMap, goals: Collection[Pose], enterable: Collection[Cell]
 ) -> dict[Pose, int]:
     """Returns the number of moves to a goal from each pose from which there is a path."""
     distance = dict.fromkeys(goals, 0)
     waiting = deque(goals)
     while waiting:
         pose = waiting.popleft()
-        for earlier in ground.before.get(pose, ()):
+        for earlier in walk_map.poses_before.get(pose, ()):
             if earlier not in distance and (earlier.cell == pose.cell or pose.cell in enterable):
                 distance[earlier] = distance[pose] + 1
                 waiting.append(earlier)
     return distance
 
 
-def _move(
-    ground: Ground,
+def _choose_move(
+    walk_map: WalkMap,
     pose: Pose,
     distance: dict[Pose, int],
     enterable: Collection[Cell],
@@ -182,8 +183,8 @@ def _move(
     If an agent or a mover is in the way, half of the time it is one of all allowed moves.
     """
     allowed: dict[int, Pose] = {}
-    for number, name in ground.moves.items():
-        after = ground.after(name, pose)
+    for number, name in walk_map.moves.items():
+        after = walk_map.pose_after(name, pose)
         if after.cell == pose.cell or after.cell in enterable:
             allowed[number] = after
     best = min(

@@ -68,7 +68,8 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
     module = new_module(game.rules.model_copy(update={"shapes": shapes}))
     names: dict[str, Any] = {}
 
-    def function(w: Writer) -> Read:
+    def make_function(w: Writer) -> Read:
+        """Returns what `w` has written, as a function; it is one of `names`."""
         name = f"read_{len(names)}"
         arguments = (("state", "object"), ("params", "object"))
         lines = function_lines(Function(name, arguments, "object", "", tuple(w.body)))
@@ -76,32 +77,41 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
         read: Read = names[name]
         return read
 
-    def cells(domain: ir.Domain | None) -> Cells | None:
+    def lower_cells(domain: ir.Domain | None) -> Cells | None:
+        """Returns the cells of a domain; None if it can't have any."""
         w = Writer(module)
         if domain is None or is_empty(domain, w):
             return None
         numbers = _write_members(domain, module, w)
-        return Cells(function(w), numbers)
+        return Cells(make_function(w), numbers)
 
-    def by_agent(value: Callable[[IterationScope, Writer], Value]) -> Read:
+    def lower_for_agents(value: Callable[[IterationScope, Writer], Value]) -> Read:
+        """Returns a function that gives a value for each agent, `[N]`."""
         w = Writer(module)
         scope = _agents_scope(w)
         w.give_back(spread(value(scope, w), scope.axes))
-        return function(w)
+        return make_function(w)
 
-    def final_action(rule: ir.PolicyRule) -> Read | None:
+    def lower_action(rule: ir.PolicyRule) -> Read | None:
+        """Returns `LoweredRule.action`."""
         if isinstance(rule, ir.Go) or not rule.chosen:
             return None
         action = action_named(game, rule.chosen)
-        return by_agent(lambda scope, w: action_number(action, rule.given, scope, w)[0])
+        return lower_for_agents(lambda scope, w: action_number(action, rule.given, scope, w)[0])
 
-    def lowered(rule: ir.PolicyRule) -> LoweredRule:
+    def lower_rule(rule: ir.PolicyRule) -> LoweredRule:
+        """Returns a rule with its functions."""
         if isinstance(rule, ir.Act):
-            condition = by_agent(lambda scope, w: w.value(rule.condition, scope))
-            return LoweredRule(rule, condition, action=final_action(rule))
-        return LoweredRule(rule, None, cells(rule.domain), cells(rule.avoided), final_action(rule))
+            condition = lower_for_agents(lambda scope, w: w.value(rule.condition, scope))
+            return LoweredRule(rule, condition, action=lower_action(rule))
+        return LoweredRule(
+            rule,
+            sought=lower_cells(rule.domain),
+            avoided=lower_cells(rule.avoided),
+            action=lower_action(rule),
+        )
 
-    rules = [lowered(rule) for rule in policy.rules]
+    rules = [lower_rule(rule) for rule in policy.rules]
     # What the functions use is known when all of them have been written.
     names.update(namespace(module))
     return rules, module.layout.pad

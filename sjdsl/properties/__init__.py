@@ -1,4 +1,4 @@
-"""Tests the checks of a game: proves them, searches for counterexamples by play, and plays whole episodes."""
+"""Tests the checks of a game: proves them, or plays to find counterexamples."""
 
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.verdict import Effort, Verdict

@@ -1,4 +1,4 @@
-"""Random bits for test play: keys of every step of an episode, and draws biased so that rare events happen often.
+"""Random bits for test play: the keys of an episode's steps, and draws biased towards rare events.
 
 Both engines take the same draws, so a seed and an episode number stand for the same play on both.
 """
@@ -12,13 +12,16 @@ from sjdsl.interpreter.threefry import WORD, Draws, Threefry
 if TYPE_CHECKING:
     from jax import Array
 
-RESET, STEP, POLICY = 0x52535400, 0x53544500, 0x504F4C00  # streams of an episode's own key
+# Streams of an episode's key: "RST", "STE" and "POL" in ASCII.
+RESET = 0x52535400
+STEP = 0x53544500
+POLICY = 0x504F4C00
 Bias = Literal["fair", "mixed", "good", "bad"]
 BIASES: tuple[Bias, ...] = ("fair", "mixed", "good", "bad")
 
 
 def episode_key(seed: int, episode: int) -> Threefry:
-    """Returns the source of all keys of an episode."""
+    """Returns the key from which all keys of an episode are derived."""
     return Threefry(seed & WORD, episode & WORD)
 
 
@@ -34,16 +37,19 @@ def step_key(key: Threefry, step: int) -> Threefry:
 
 def policy_bits(key: Threefry, step: int, agents: int) -> list[tuple[int, int]]:
     """Returns the two 32-bit random numbers that each agent's policy gets in a step."""
-    own = Threefry(key.bits(POLICY, 2 * step), key.bits(POLICY, 2 * step + 1))
-    return [(own.bits(0, 2 * agent), own.bits(0, 2 * agent + 1)) for agent in range(agents)]
+    draws = Threefry(key.bits(POLICY, 2 * step), key.bits(POLICY, 2 * step + 1))
+    return [(draws.bits(0, 2 * agent), draws.bits(0, 2 * agent + 1)) for agent in range(agents)]
 
 
 @dataclass(frozen=True)
 class BiasedDraws:
-    """Random draws with a bias: small numbers make every possible chance happen, large ones only certain ones.
+    """Draws with a bias.
 
-    `fair`: as drawn; `good`: all small; `mixed`: half of them of any size, so that each branch of a chain happens at times; `bad`: large.
-    Any number can be drawn in a game. So a violation under a bias is a real one, and only its probability is not told.
+    Small numbers make every possible chance happen, large ones only certain ones.
+    `fair`: as drawn; `good`: all small; `bad`: all large; `mixed`: half of them of any size, so
+    that each branch of a chain happens at times.
+    A game can draw any number. So a violation under a bias is a real one; only its probability
+    isn't known.
     """
 
     source: Draws
@@ -63,18 +69,21 @@ class BiasedDraws:
 
 
 def biased(draw: "Callable[..., Array]") -> "Callable[..., Array]":
-    """Returns a function of `runtime.random_bits` whose key has a third word: the bias of what it draws, by its place in BIASES."""
+    """Returns a function of `runtime.random_bits` that draws as `BiasedDraws` does.
 
-    def drawn(key: "Array", *more: Any) -> "Array":
+    Its key has a third number, the index of the bias in BIASES.
+    """
+
+    def draw_biased(key: "Array", *arguments: Any) -> "Array":
         import jax.numpy as jnp
 
-        word = draw(key[:2], *more)
-        mixed = jnp.where((word & 32) != 0, word >> (word & 31), word)
-        found: Array = jnp.select(
+        bits = draw(key[:2], *arguments)
+        mixed = jnp.where((bits & 32) != 0, bits >> (bits & 31), bits)
+        biased_bits: Array = jnp.select(
             [key[2] == 1, key[2] == 2, key[2] == 3],
-            [mixed, word >> 24, word | jnp.uint32(0xFF000000)],
-            word,
+            [mixed, bits >> 24, bits | jnp.uint32(0xFF000000)],
+            bits,
         )
-        return found
+        return biased_bits
 
-    return drawn
+    return draw_biased

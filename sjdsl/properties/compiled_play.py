@@ -1,6 +1,6 @@
-"""Plays the compiled game step by step with its draws biased and its statements counted, and whole episodes under scripted policies.
+"""Plays the compiled game, and reads the values of checks after each step.
 
-After each step it reads the values of checks.
+It plays single steps with biased draws and counted statements, or whole episodes under policies.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,18 +12,20 @@ import numpy as np
 from jax import Array
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import counts_of
+from sjdsl.compiler.ir.queries import counts_of, event_named
 from sjdsl.library.factory import load_module
 from sjdsl.policies.compiled import Chooser
 from sjdsl.properties.biased_draws import POLICY, RESET, STEP
-from sjdsl.properties.compiled_values import Total, lower_checks, with_totals
+from sjdsl.properties.compiled_values import lower_checks, with_totals
 from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.monitors import Total
 from sjdsl.properties.trajectory import allowed_by, script_of
 from sjdsl.runtime.random_bits import below, random_bits_at
 from sjdsl.runtime.trials import begin_trial_where, has_trials, is_last_trial, steps_of_trial
 
 BATCH = 10  # episodes played side by side
-FAIR = 0  # no bias of the draws
+FAIR = 0  # index of the bias `fair` in BIASES
+# Appended to a generated module: its draws take a key with a bias.
 BIASED = """
 from sjdsl.properties.biased_draws import biased
 {names} = {biased}
@@ -31,18 +33,26 @@ from sjdsl.properties.biased_draws import biased
 
 
 class Stepped(NamedTuple):
-    """What a step leads to. values: what the checks read then, float32 `[K]`; finite: whether all reals are numbers; events: counts by name."""
+    """What a step leads to.
+
+    totals, events: counts by name, of the episode and of the step; values: what the checks read,
+    `[K]` float32; is_finite: whether all reals are numbers.
+    """
 
     state: Any
     totals: dict[str, Array]
-    over: Array
+    is_over: Array
     values: Array
-    finite: Array
+    is_finite: Array
     events: dict[str, Array]
 
 
 class CompiledPlay:
-    """A compiled game, and the expressions of checks. counted: the statement that each of its additional events counts, by name."""
+    """A compiled game, and the expressions of checks.
+
+    counted: event -> the statement that it counts, for the events that the game got for that.
+    totals: event, enum value or None, and the name of its count.
+    """
 
     def __init__(self, family: GameFamily, checks: Sequence[ir.Check]):
         """Raises CompileError for what cannot be compiled exactly, and NotSupported for checks."""
@@ -55,23 +65,26 @@ class CompiledPlay:
         self._lowered = lower_checks(self._game, [e for check in checks for e in check.values])
 
     def begin(self, params: Any, key: Array) -> tuple[Any, dict[str, Array], Array]:
-        """Returns the first state of an episode with its own key, the totals of events, and the values of checks."""
-        state = self.module.reset(
-            params, jnp.append(derived_key(key, RESET, jnp.int32(0)), jnp.uint32(FAIR))
-        )
+        """Returns the first state of an episode, the totals of events, and the values of checks.
+
+        Args:
+          key: of the episode.
+        """
+        reset_key = jnp.append(derived_key(key, RESET, jnp.int32(0)), jnp.uint32(FAIR))
+        state = self.module.reset(params, reset_key)
         totals = {name: jnp.int32(0) for *_, name in self.totals}
         return state, totals, self._values(state, totals, state, totals, params)
 
     def step(
         self,
         before: Any,
-        earlier: dict[str, Array],
+        totals_before: dict[str, Array],
         params: Any,
         key: Array,
         bias: Array,
         actions: Array,
     ) -> Stepped:
-        """Takes a step of an episode. bias: its place in BIASES, uint32.
+        """Takes a step of an episode with this key. bias: its index in BIASES, uint32.
 
         After the last step of a trial, the state is the first of the next; the values are those
         before.
@@ -80,53 +93,61 @@ class CompiledPlay:
         number = before.step
         if has_trials(self.module):
             number = number + before.world_trial * length
-        words = jnp.append(derived_key(key, STEP, number), bias)
-        state, out = self.module.step(before, actions, params, words)
+        step_key = jnp.append(derived_key(key, STEP, number), bias)
+        state, out = self.module.step(before, actions, params, step_key)
         state = state.replace(step=state.step + 1)
-        counts = (
-            (name, getattr(out, attribute), entry) for name, attribute, entry in self.module.EVENTS
-        )
-        events = {
-            name: jnp.sum(count if entry is None else count[..., entry])
-            for name, count, entry in counts
-        }
-        totals = {name: earlier[name] + events[name] for *_, name in self.totals}
-        values = self._values(state, totals, before, earlier, params)
-        finite = _is_finite((state, out.reward, values))
-        over = out.ended | (state.step >= length)
+        events = {}
+        for name, attribute, entry in self.module.EVENTS:
+            count = getattr(out, attribute)
+            events[name] = jnp.sum(count if entry is None else count[..., entry])
+        totals = {name: totals_before[name] + events[name] for *_, name in self.totals}
+        values = self._values(state, totals, before, totals_before, params)
+        is_finite = _is_finite((state, out.reward, values))
+        is_over = out.ended | (state.step >= length)
         if has_trials(self.module):
             is_last = is_last_trial(self.module, state)
-            state = begin_trial_where(self.module, over & ~is_last, is_last, words, params, state)
-            over &= is_last
-        return Stepped(state, totals, over, values, finite, events)
+            begins_trial = is_over & ~is_last
+            state = begin_trial_where(self.module, begins_trial, is_last, step_key, params, state)
+            is_over &= is_last
+        return Stepped(state, totals, is_over, values, is_finite, events)
 
-    def _values(self, state: Any, totals: Any, before: Any, earlier: Any, params: Any) -> Array:
+    def _values(
+        self,
+        state: Any,
+        totals: dict[str, Array],
+        before: Any,
+        totals_before: dict[str, Array],
+        params: Any,
+    ) -> Array:
+        """Returns what the checks read in a state, `[K]` float32."""
         lowered = self._lowered
-        known = _read_totals(lowered.totals, totals, self._game) | _read_totals(
-            lowered.earlier, earlier, self._game
-        )
-        found: Array = lowered.values(state, with_totals(params, known), before)
-        return found
+        known = _read_totals(lowered.totals, totals, self._game)
+        known |= _read_totals(lowered.totals_before, totals_before, self._game)
+        values: Array = lowered.values(state, with_totals(params, known), before)
+        return values
 
 
 class Episodes(NamedTuple):
-    """B episodes.
+    """B episodes of at most T steps.
 
-    values: `[B, T + 1, K]`, of each expression in the first state and after each step; actions `[B, T, N]`; length `[B]`, steps until the end
-    of each; left `[B]`: the first step in which a real was infinite or no number, T if none was. totals: the final ones, by event and word.
+    values: `[B, T + 1, K]`, of each expression in the first state and after each step; actions
+    `[B, T, N]`; length `[B]`: steps until the end of each.
+    overflow `[B]`: the first step in which a real was infinite or NaN, T without one.
+    totals: the final ones, `[B]` each.
     """
 
     values: np.ndarray
     actions: np.ndarray
     length: np.ndarray
-    left: np.ndarray
+    overflow: np.ndarray
     totals: dict[Total, np.ndarray]
 
 
 class Script(NamedTuple):
     """Policies of all agents as arrays.
 
-    table: the actions that each draws from; entries: how many. follows: which of the scripts it follows; -1: none.
+    table `[N, A]`: the actions among which each chooses, padded with zeros; entries `[N]`: how
+    many. follows `[N]`: the index of the scripted policy that it follows instead, -1 for none.
     """
 
     table: Array
@@ -149,34 +170,35 @@ class EpisodePlayer:
         self._step = jax.jit(self._play.step)
 
     def play(self, policies: Sequence[ir.Policy], seed: int, first: int, number: int) -> Episodes:
-        """Plays episodes `first`, `first + 1`, … of a seed; at least `number` of them, in whole batches."""
-        game = self.env.game
-        mine = [policies[agent % len(policies)] for agent in range(self.env.num_agents)]
-        allowed = [allowed_by(policy, game) for policy in mine]
-        table = [[*actions, *[0] * (self.env.num_actions - len(actions))] for actions in allowed]
-        follows = [
-            -1 if (one := script_of(policy, game)) is None else self._scripts.index(one)
-            for policy in mine
-        ]
-        script = Script(
-            *(
-                jnp.asarray(x, jnp.int32)
-                for x in (table, [len(actions) for actions in allowed], follows)
-            )
+        """Plays episodes `first`, `first + 1`, … of a seed: whole batches, at least `number`."""
+        script = self._script(policies)
+        batches = []
+        for start in range(first, first + number, BATCH):
+            keys = episode_keys(seed, start + np.arange(BATCH))
+            batches.append(jax.tree.map(np.asarray, self._run(keys, script)))
+        values, actions, length, overflow, totals = jax.tree.map(
+            lambda *parts: np.concatenate(parts), *batches
         )
-        parts = [
-            jax.tree.map(
-                np.asarray, self._run(episode_keys(seed, start + np.arange(BATCH)), script)
-            )
-            for start in range(first, first + number, BATCH)
-        ]
-        values, actions, length, left, totals = jax.tree.map(lambda *x: np.concatenate(x), *parts)
-        return Episodes(
-            values,
-            actions,
-            length,
-            left,
-            {(event, word): totals[name] for event, word, name in self._play.totals},
+        totals = {(event, word): totals[name] for event, word, name in self._play.totals}
+        return Episodes(values, actions, length, overflow, totals)
+
+    def _script(self, policies: Sequence[ir.Policy]) -> Script:
+        """Returns the policies as arrays; agents beyond them begin again with the first."""
+        game = self.env.game
+        table: list[list[int]] = []
+        entries: list[int] = []
+        follows: list[int] = []
+        for agent in range(self.env.num_agents):
+            policy = policies[agent % len(policies)]
+            allowed = allowed_by(policy, game)
+            table.append([*allowed, *[0] * (self.env.num_actions - len(allowed))])
+            entries.append(len(allowed))
+            script = script_of(policy, game)
+            follows.append(-1 if script is None else self._scripts.index(script))
+        return Script(
+            jnp.asarray(table, jnp.int32),
+            jnp.asarray(entries, jnp.int32),
+            jnp.asarray(follows, jnp.int32),
         )
 
     def state_before(
@@ -184,57 +206,51 @@ class EpisodePlayer:
     ) -> Any:
         """Returns the state before a step of an episode whose actions are known."""
         (key,) = episode_keys(seed, np.array([episode]))
-        state, totals, _ = self._play.begin(self.env.params, key)
-        for t in range(step):
+        params = self.env.params
+        state, totals, _ = self._play.begin(params, key)
+        for chosen in actions[:step]:
             state, totals, *_ = self._step(
-                state,
-                totals,
-                self.env.params,
-                key,
-                jnp.uint32(FAIR),
-                jnp.asarray(actions[t], jnp.int32),
+                state, totals, params, key, jnp.uint32(FAIR), jnp.asarray(chosen, jnp.int32)
             )
         return state
 
     def _episode(
         self, key: Array, script: Script
     ) -> tuple[Array, Array, Array, Array, dict[str, Array]]:
-        params, steps = self.env.params, self.env.episode_length
+        """Returns the values, actions, length, overflow and totals of one episode."""
+        params = self.env.params
+        steps = self.env.episode_length
 
         def advance(carry: Any, t: Array) -> Any:
-            before, earlier, over = carry
+            """Takes a step; an episode that is over stays as it is."""
+            before, totals_before, was_over = carry
             actions = self._choose(before, derived_key(key, POLICY, t), script)
-            after = self._play.step(before, earlier, params, key, jnp.uint32(FAIR), actions)
+            after = self._play.step(before, totals_before, params, key, jnp.uint32(FAIR), actions)
             state, totals = jax.tree.map(
-                lambda old, new: jnp.where(over, old, new),
-                (before, earlier),
+                lambda old, new: jnp.where(was_over, old, new),
+                (before, totals_before),
                 (after.state, after.totals),
             )
-            return (state, totals, over | after.over), (
-                after.values,
-                actions,
-                over,
-                over | after.finite,
-            )
+            carry = (state, totals, was_over | after.is_over)
+            return carry, (after.values, actions, was_over, was_over | after.is_finite)
 
-        state, totals, first = self._play.begin(params, key)
-        carry, (values, actions, over, finite) = jax.lax.scan(
+        state, totals, first_values = self._play.begin(params, key)
+        (_, totals, _), (values, actions, was_over, is_finite) = jax.lax.scan(
             advance, (state, totals, jnp.bool_(False)), jnp.arange(steps)
         )
-        left = jnp.where(finite, steps, jnp.arange(steps)).min()
-        return jnp.concatenate([first[None], values]), actions, jnp.sum(~over), left, carry[1]
+        values = jnp.concatenate([first_values[None], values])
+        overflow = jnp.where(is_finite, steps, jnp.arange(steps)).min()
+        return values, actions, jnp.sum(~was_over), overflow, totals
 
     def _choose(self, state: Any, key: Array, script: Script) -> Array:
         """Returns an action for each agent, as `trajectory.choose` does on the interpreter."""
         agents = self.env.num_agents
         bits = random_bits_at(key, 0, jnp.arange(2 * agents, dtype=jnp.uint32)).reshape(agents, 2)
-        actions = jnp.take_along_axis(
-            script.table, below(bits[:, 0], script.entries)[:, None], axis=1
-        )[:, 0]
-        for i, chooser in enumerate(
-            self._choosers
-        ):  # the script is the same in all episodes: those that nobody follows cost nothing
-            follows = script.follows == i
+        entry = below(bits[:, 0], script.entries)
+        actions = jnp.take_along_axis(script.table, entry[:, None], axis=1)[:, 0]
+        for number, chooser in enumerate(self._choosers):
+            follows = script.follows == number
+            # The script is the same in all episodes, so `cond` skips policies nobody follows.
             chosen = jax.lax.cond(
                 jnp.any(follows), chooser, lambda *_: jnp.zeros(agents, jnp.int32), state, bits
             )
@@ -243,50 +259,51 @@ class EpisodePlayer:
 
 
 def episode_keys(seed: int, episode: np.ndarray) -> Array:
-    """Returns the keys of episodes, from which all their draws come, uint32 `[B, 2]`."""
-    return jnp.asarray(
-        np.stack([np.full(len(episode), seed & 0xFFFFFFFF), episode], 1).astype(np.uint32)
-    )
+    """Returns the keys of episodes, from which all their draws come, `[B, 2]` uint32."""
+    seeds = np.full(len(episode), seed & 0xFFFFFFFF)
+    return jnp.asarray(np.stack([seeds, episode], axis=1).astype(np.uint32))
 
 
 def derived_key(key: Array, stream: int, number: Array) -> Array:
-    """Returns the two numbers of a key made from another."""
-    return random_bits_at(
-        key, stream, 2 * number.astype(jnp.uint32) + jnp.arange(2, dtype=jnp.uint32)
-    )
+    """Returns the key that another gives for a number of one of its streams, `[2]` uint32."""
+    first = 2 * number.astype(jnp.uint32)
+    return random_bits_at(key, stream, first + jnp.arange(2, dtype=jnp.uint32))
 
 
 def _with_bias(module: Any) -> Any:
-    """Returns a generated module in which a key has a third word, the bias of the draws, by its place in BIASES."""
-    _, (text, file, name) = module.__reduce__()
-    names = [n for n in ("random_bits", "random_bits_at") if hasattr(module, n)]
-    more = (
-        BIASED.format(names=", ".join(names), biased=", ".join(f"biased({n})" for n in names))
-        if names
-        else ""
-    )
-    return load_module(text + more, f"{file}, with biased draws", name)
+    """Returns a generated module whose keys have a third number, an index of BIASES."""
+    _, (text, file, name) = module.__reduce__()  # a generated module is copied by its text
+    draws = [draw for draw in ("random_bits", "random_bits_at") if hasattr(module, draw)]
+    if draws:
+        text += BIASED.format(
+            names=", ".join(draws), biased=", ".join(f"biased({draw})" for draw in draws)
+        )
+    return load_module(text, f"{file}, with biased draws", name)
 
 
 def _is_finite(tree: Any) -> Array:
-    """Returns whether all reals of a tree are numbers inside float32."""
-    reals = [leaf for leaf in jax.tree.leaves(tree) if jnp.issubdtype(leaf.dtype, jnp.floating)]
-    return (
-        jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in reals]))
-        if reals
-        else jnp.bool_(True)
-    )
+    """Returns whether no real of a tree is infinite or NaN."""
+    are_finite = [
+        jnp.all(jnp.isfinite(leaf))
+        for leaf in jax.tree.leaves(tree)
+        if jnp.issubdtype(leaf.dtype, jnp.floating)
+    ]
+    return jnp.all(jnp.stack(are_finite)) if are_finite else jnp.bool_(True)
 
 
 def _read_totals(
-    names: Mapping[Total, str], totals: dict[str, Array], game: ir.Game
+    attributes: Mapping[Total, str], totals: Mapping[str, Array], game: ir.Game
 ) -> dict[str, Array]:
-    """Returns what the expressions call the totals; the total of an event by words, if no word is given, is the sum over its words."""
-    words = {e.name: () if e.by is None else e.by.keys for e in game.events}
-    found = {}
-    for (event, word), attribute in names.items():
-        every = (word,) if word else words[event] or (None,)
-        found[attribute] = sum(
-            (totals[f"{event}[{w}]" if w else event] for w in every), jnp.int32(0)
-        )
-    return found
+    """Returns totals by the attributes under which the expressions read them.
+
+    The total of an event that is read without one of its enum values is the sum over all of them.
+    """
+    values = {}
+    for (name, word), attribute in attributes.items():
+        counts = [
+            totals[count]
+            for counted, count in counts_of(event_named(game, name))
+            if word in (None, counted)
+        ]
+        values[attribute] = sum(counts, jnp.int32(0))
+    return values

@@ -1,6 +1,6 @@
 """Compiles the expressions of checks to a function of the compiled state."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
@@ -14,46 +14,45 @@ from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import DTYPES, Literal, Sequence, as_array, call
+from sjdsl.compiler.program.expressions import DTYPES, Literal, as_array, call
+from sjdsl.compiler.program.expressions import Sequence as ListOf
 from sjdsl.policies.lowering import namespace
-
-Total = tuple[str, str | None]  # an event, and its word or None
+from sjdsl.properties.monitors import Total
 
 
 @dataclass(frozen=True)
 class Lowered:
-    """values: (state, params, before: the state before the step) -> float32 `[expressions]`.
+    """The expressions of checks as one function.
 
-    totals: the attributes of `params` that hold totals, by event and word; earlier: those that hold the totals before the step.
+    values: (state, params, state before the step) -> `[K]` float32, one for each expression.
+    totals: event and enum value -> the attribute of `params` that holds its total; totals_before:
+    the same for the totals before the step.
     """
 
     values: Callable[[Any, Any, Any], Any]
     totals: dict[Total, str]
-    earlier: dict[Total, str]
+    totals_before: dict[Total, str]
 
 
-def lower_checks(game: ir.Game, expressions: list[ir.Expr]) -> Lowered:
+def lower_checks(game: ir.Game, expressions: Sequence[ir.Expr]) -> Lowered:
     """Returns the function. Raises NotSupported for what the compiler cannot say exactly."""
     module = new_module(game)
-    totals, earlier = dict[Total, str](), dict[Total, str]()
+    totals: dict[Total, str] = {}
+    totals_before: dict[Total, str] = {}
     w = Writer(module)
-    numbers = [
-        as_dtype(w.value(_with_totals(e, totals, earlier), IterationScope()), "f32")
-        for e in expressions
-    ]
-    parts = tuple(as_array(number.node, "f32") for number in numbers)
-    w.give_back(
-        call("jnp.stack", Sequence(parts, is_list=True))
-        if parts
-        else call("jnp.zeros", Literal(0), DTYPES["f32"])
-    )
+    parts = []
+    for e in expressions:
+        value = w.value(_with_params(e, totals, totals_before), IterationScope())
+        parts.append(as_array(as_dtype(value, "f32").node, "f32"))
+    if parts:
+        w.give_back(call("jnp.stack", ListOf(tuple(parts), is_list=True)))
+    else:
+        w.give_back(call("jnp.zeros", Literal(0), DTYPES["f32"]))
     parameters = tuple((parameter, "object") for parameter in ("state", "params", "before"))
+    function = Function("values", parameters, "object", "", tuple(w.body))
     names = namespace(module)
-    exec(
-        "\n".join(function_lines(Function("values", parameters, "object", "", tuple(w.body)))),
-        names,
-    )
-    return Lowered(names["values"], totals, earlier)
+    exec("\n".join(function_lines(function)), names)
+    return Lowered(names["values"], totals, totals_before)
 
 
 def with_totals(params: Any, totals: dict[str, Any]) -> Any:
@@ -63,25 +62,26 @@ def with_totals(params: Any, totals: dict[str, Any]) -> Any:
     )
 
 
-def _with_totals(e: ir.Expr, totals: dict[Total, str], earlier: dict[Total, str]) -> ir.Expr:
-    """Replaces the totals of events by parameters of the game, others for those before the step."""
+def _with_params(e: ir.Expr, totals: dict[Total, str], totals_before: dict[Total, str]) -> ir.Expr:
+    """Returns an expression that reads parameters in place of totals of events.
 
-    def then(node: Any) -> Any:
-        return (
-            rewrite(node, lambda inner: _total(inner, earlier, "_earlier"))
-            if isinstance(node, ir.Before)
-            else node
-        )
+    Adds the names of these parameters to `totals`, and inside `before(...)` to `totals_before`.
+    """
 
-    return rewrite(rewrite(e, then), lambda node: _total(node, totals, "_total"))
+    def read_before(node: Any) -> Any:
+        if not isinstance(node, ir.Before):
+            return node
+        return rewrite(node, lambda inner: _as_param(inner, totals_before, "_earlier"))
+
+    return rewrite(rewrite(e, read_before), lambda node: _as_param(node, totals, "_total"))
 
 
-def _total(node: Any, totals: dict[Total, str], prefix: str) -> Any:
+def _as_param(node: Any, names: dict[Total, str], prefix: str) -> Any:
+    """Returns the parameter in place of a total, whose name is added to `names`; others as is."""
     if not isinstance(node, ir.EventTotal):
         return node
-    name = identifier(
-        f"{prefix}_{node.name}"
-        + (f"_of_{node.word.replace(' ', '_').replace('-', 'minus_')}" if node.word else "")
-    )
-    totals[node.name, node.word] = name
-    return ir.ParamRef(type=node.type, name=name, origin=node.origin)
+    name = f"{prefix}_{node.name}"
+    if node.word:
+        name += f"_of_{node.word.replace(' ', '_').replace('-', 'minus_')}"
+    names[node.name, node.word] = identifier(name)
+    return ir.ParamRef(type=node.type, name=names[node.name, node.word], origin=node.origin)

@@ -1,4 +1,7 @@
-"""Plays episodes on the game's own map, compiled or, where there is little to play, on the interpreter; both play the same."""
+"""Plays episodes on the game's own map.
+
+Compiled or, where there is little to play, on the interpreter; both play the same.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,34 +16,37 @@ from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import World, default_params
 from sjdsl.interpreter.step import step
 from sjdsl.properties.instances import GameFamily
+from sjdsl.properties.monitors import Total
 from sjdsl.properties.trajectory import Scenario, Trajectory, draws_of, params_of, play
 
 if TYPE_CHECKING:
-    from sjdsl.properties.compiled_play import EpisodePlayer
+    from sjdsl.properties.compiled_play import EpisodePlayer, Episodes
 
 LITTLE = 60_000  # up to so many cells times steps, interpreting takes less time than compiling
-Total = tuple[str, str | None]  # an event, and its word or None
 
 
 @dataclass(frozen=True)
 class Episode:
-    """One episode: the values each `expect` reads in the first state and after each step, the actions, the final totals of events.
+    """One episode.
 
-    left: the step in which a real left float32; None if none did. `values` end before it.
+    values: number of an `expect` -> what it reads in the first state and after each step.
+    totals: the final ones. overflow: the step in which a real left float32, None if none did;
+    `values` end before it.
     """
 
     number: int
     values: dict[int, list[tuple[Any, ...]]]
     actions: list[tuple[int, ...]]
     totals: dict[Total, int]
-    left: int | None = None
+    overflow: int | None = None
 
 
 class EpisodeRunner:
-    """Plays episodes of a game under the policies of its `expect`s."""
+    """Plays episodes of a game under the policies of its `expect`s. checks: those, by number."""
 
     def __init__(self, family: GameFamily, seed: int):
-        self.family, self.seed = family, seed
+        self.family = family
+        self.seed = seed
         self.checks = {
             number: check
             for number, check in enumerate(family.own.checks)
@@ -54,18 +60,27 @@ class EpisodeRunner:
         return EpisodePlayer(self.family, list(self.checks.values()))
 
     @property
+    def _has_compiled(self) -> bool:
+        return "_player" in vars(self)
+
+    @property
     def length(self) -> int:
         """Steps of an episode."""
         game = self.family.own
-        world = declared_world(board_of(game), default_params(game))
-        steps = int(evaluate(game.episode, Instance(board_of(game), world)))
+        board = board_of(game)
+        world = declared_world(board, default_params(game))
+        steps = int(evaluate(game.episode, Instance(board, world)))
         return steps if game.trials is None else steps * game.trials.number
 
     def play(self, policies: Sequence[ir.Policy], first: int, number: int) -> list[Episode]:
-        """Returns episodes `first`, `first + 1`, …; raises NotSupported for what the compiled game cannot do."""
+        """Returns episodes `first`, `first + 1`, …
+
+        Raises:
+          NotSupported: the compiled game can't play them.
+        """
         if self.compiles(number):
-            return self.compiled(policies, first, number)
-        return [self.interpreted(policies, first + i) for i in range(number)]
+            return self.play_compiled(policies, first, number)
+        return [self.play_interpreted(policies, first + i) for i in range(number)]
 
     def compiles(self, number: int) -> bool:
         """Returns whether so many episodes are played by the compiled game, which needs JAX."""
@@ -74,94 +89,92 @@ class EpisodeRunner:
 
     def scenario(self, policies: Sequence[ir.Policy], episode: int) -> Scenario:
         """Returns an episode as a scenario for the interpreter."""
-        own = tuple(
+        of_agents = tuple(
             policies[agent % len(policies)] for agent in range(self.family.own.agents.number)
         )
-        return Scenario(self.seed, episode, policies=own)
+        return Scenario(self.seed, episode, policies=of_agents)
 
     def written_out(self, episode: Episode, steps: int) -> Scenario:
-        """Returns the first steps of an episode as a scenario in which every action is written out."""
+        """Returns the first steps of an episode as a scenario with every action written out."""
         return Scenario(self.seed, episode.number, actions=tuple(episode.actions[:steps]))
 
     def world_before(self, episode: Episode, step: int) -> World:
         """Returns the state before a step of an episode."""
-        if "_player" not in vars(self):
+        if not self._has_compiled:
             return play(self.family.own, self.written_out(episode, step)).worlds[step]
         from sjdsl.properties.state_conversion import world_of
 
-        return world_of(
-            self._player.env,
-            self._player.state_before(episode.actions, self.seed, episode.number, step),
-        )
+        state = self._player.state_before(episode.actions, self.seed, episode.number, step)
+        return world_of(self._player.env, state)
 
-    def interpreted(self, policies: Sequence[ir.Policy], number: int) -> Episode:
+    def play_interpreted(self, policies: Sequence[ir.Policy], number: int) -> Episode:
         """Plays one episode on the interpreter."""
-        trajectory = play(
-            self.family.own,
-            self.scenario(policies, number),
-            self.length,
-            list(self.checks.values()),
-        )
-        left = None if trajectory.left is None else len(trajectory.outcomes)
-        values = {number: trajectory.values(check) for number, check in self.checks.items()}
+        scenario = self.scenario(policies, number)
+        checks = list(self.checks.values())
+        trajectory = play(self.family.own, scenario, self.length, checks)
         return Episode(
-            number, values, trajectory.actions, dict((trajectory.totals or [{}])[-1]), left
+            number=number,
+            values={i: trajectory.values(check) for i, check in self.checks.items()},
+            actions=trajectory.actions,
+            totals=dict(trajectory.totals[-1]) if trajectory.totals else {},
+            overflow=None if trajectory.overflow is None else len(trajectory.outcomes),
         )
 
-    def overflow(self, episode: Episode) -> Trajectory:
-        """Returns the end of an episode in which a real leaves float32: the state before, and the step."""
-        assert episode.left is not None
-        scenario, game = self.written_out(episode, episode.left + 1), self.family.own
-        if "_player" not in vars(self):
+    def play_overflow(self, episode: Episode) -> Trajectory:
+        """Returns the step of an episode in which a real leaves float32, and the state before."""
+        assert episode.overflow is not None
+        game = self.family.own
+        scenario = self.written_out(episode, episode.overflow + 1)
+        if not self._has_compiled:
             return play(game, scenario, checks=list(self.checks.values()))
-        trajectory = Trajectory(
-            game,
-            params_of(game, ()),
-            [self.world_before(episode, episode.left)],
-            [dict(episode.totals)],
-        )
-        trajectory.actions.append(episode.actions[episode.left])
+        world = self.world_before(episode, episode.overflow)
+        params = params_of(game, ())
+        trajectory = Trajectory(game, params, [world], [dict(episode.totals)])
+        actions = episode.actions[episode.overflow]
+        trajectory.actions.append(actions)
         try:
-            _, outcome = step(
-                game,
-                trajectory.worlds[-1],
-                trajectory.actions[-1],
-                trajectory.params,
-                draws_of(scenario, episode.left, game, trajectory.worlds[-1]),
-            )
+            draws = draws_of(scenario, episode.overflow, game, world)
+            _, outcome = step(game, world, actions, params, draws)
             trajectory.outcomes.append(outcome)
-        except LeavesFloat32 as left:
-            trajectory.left = left
-        trajectory.left = trajectory.left or LeavesFloat32(
-            next((c for c in game.checks if c.origin is not None), game), episode.left
-        )
+            # No rule computed the real, so an expression of a check did.
+            node = next((check for check in game.checks if check.origin is not None), game)
+            trajectory.overflow = LeavesFloat32(node, episode.overflow)
+        except LeavesFloat32 as overflow:
+            trajectory.overflow = overflow
         return trajectory
 
-    def compiled(self, policies: Sequence[ir.Policy], first: int, number: int) -> list[Episode]:
+    def play_compiled(
+        self, policies: Sequence[ir.Policy], first: int, number: int
+    ) -> list[Episode]:
         """Plays episodes of the compiled game, side by side."""
-        played, found, own = (
-            self._player.play(policies, self.seed, first, number),
-            [],
-            {event.name for event in self.family.own.events},
-        )
-        for i in range(number):
-            left = int(played.left[i]) if played.left[i] < played.length[i] else None
-            steps, values, at = int(played.length[i]) if left is None else left, {}, 0
-            for check_number, check in self.checks.items():
-                columns = played.values[i, : steps + 1, at : at + len(check.values)]
-                values[check_number] = [
-                    tuple(
-                        bool(x) if e.type.kind == "condition" else x
-                        for x, e in zip(row, check.values, strict=True)
-                    )
-                    for row in columns.tolist()
-                ]
-                at += len(check.values)
-            totals = {
-                total: int(counted[i])
-                for total, counted in played.totals.items()
-                if total[0] in own
-            }
-            actions = [tuple(a) for a in played.actions[i, : steps + (left is not None)].tolist()]
-            found.append(Episode(first + i, values, actions, totals, left))
-        return found
+        played = self._player.play(policies, self.seed, first, number)
+        return [self._episode(played, i, first + i) for i in range(number)]
+
+    def _episode(self, played: "Episodes", row: int, number: int) -> Episode:
+        """Returns one of the episodes that the compiled game has played."""
+        length = int(played.length[row])
+        overflow = int(played.overflow[row]) if played.overflow[row] < length else None
+        steps = length if overflow is None else overflow
+        values: dict[int, list[tuple[Any, ...]]] = {}
+        first = 0
+        for check_number, check in self.checks.items():
+            after = first + len(check.values)
+            are_conditions = [e.type.kind == "condition" for e in check.values]
+            values[check_number] = [
+                tuple(
+                    bool(value) if is_condition else value
+                    for value, is_condition in zip(entries, are_conditions, strict=True)
+                )
+                for entries in played.values[row, : steps + 1, first:after].tolist()
+            ]
+            first = after
+        # The compiled game has further events, which count its statements.
+        names = {event.name for event in self.family.own.events}
+        totals = {
+            (name, word): int(counts[row])
+            for (name, word), counts in played.totals.items()
+            if name in names
+        }
+        num_actions = steps if overflow is None else steps + 1
+        actions = [tuple(chosen) for chosen in played.actions[row, :num_actions].tolist()]
+        return Episode(number, values, actions, totals, overflow)

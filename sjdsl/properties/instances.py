@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class GameFamily:
-    """A composed game and its instances. `own`: the one that the file describes.
+    """A composed game and its instances. own: the one that the file describes.
 
     Raises CompileError with every problem of the file.
     """
@@ -29,8 +29,9 @@ class GameFamily:
         self, source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
     ):
         self.composition = compose(source, variants)
-        made = build_composition(self.composition, overrides)
-        self.own, self.warnings = made.game, made.warnings
+        build = build_composition(self.composition, overrides)
+        self.own = build.game
+        self.warnings = build.warnings
         self._sizes = (overrides or Overrides()).sizes or {}
         self._built: dict[tuple[tuple[str, Any], ...], ir.Game | None] = {}
 
@@ -47,19 +48,19 @@ class GameFamily:
         agents: int | None = None,
         sizes: Mapping[str, Any] | None = None,
     ) -> ir.Game | None:
+        """Returns the game on another map; None where the compiler refuses it."""
+        sizes = {**self._sizes, **(sizes or {})}
         try:
-            overrides = Overrides(
-                {**self._sizes, **(sizes or {})}, agents, rows, row_spans(rows, "map")
-            )
+            overrides = Overrides(sizes, agents, rows, row_spans(rows, "map"))
             return build_composition(self.composition, overrides).game
         except CompileError:
             return None
 
     @cached_property
     def doubled(self) -> ir.Game:
-        """The game on its own map twice, one copy below the other: a check that holds only for the number of cells fails here.
+        """The game on two copies of its map, one below the other; itself if that is refused.
 
-        The game itself if the compiler does not take such a map.
+        A check that holds only for the number of cells fails here.
         """
         return self._build(self.own.rows * 2) or self.own
 
@@ -86,27 +87,29 @@ class GameFamily:
         )
 
     def in_all_numbers(self) -> Iterator[ir.Game]:
-        """Yields the game on its own map with each number of agents that the file allows there; if that is neither fixed nor a size, as it is."""
+        """Yields the game on its own map with each number of agents that the file allows there.
+
+        Only as it is, if that number is fixed or computed.
+        """
         yield self.own
-        others = (
-            [n for n in range(1, MAX_AGENTS + 1) if n != self.own.agents.number]
-            if self.number_is_a_size
-            else []
-        )
-        for game in (self._build(self.own.rows, agents) for agents in others):
-            if game is not None:
-                yield game
+        if not self.number_is_a_size:
+            return
+        for agents in range(1, MAX_AGENTS + 1):
+            if agents != self.own.agents.number:
+                game = self._build(self.own.rows, agents)
+                if game is not None:
+                    yield game
 
     @cached_property
     def compiled(self) -> "tuple[Environment, Mapping[str, StatementId]]":
-        """The compiled game with an event for each statement, and the statement that each of these events counts, by its name.
+        """The compiled game with events that count its statements: name -> statement.
 
         Raises CompileError for what cannot be compiled exactly.
         """
         from sjdsl.library.factory import environment_of
 
-        counted, events = count_statements(self.own)
-        return environment_of(Build(counted, self.warnings, self.composition.sources), {}), events
+        game, events = count_statements(self.own)
+        return environment_of(Build(game, self.warnings, self.composition.sources), {}), events
 
     def text_of(self, node: ir.Node) -> str:
         """Returns how a node is written, on one line and without comments."""

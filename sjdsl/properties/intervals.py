@@ -1,4 +1,4 @@
-"""Interval analysis: decides conditions from the ranges of the numbers in them, whatever the state."""
+"""Decides conditions from the ranges of the numbers in them, whatever the state."""
 
 from typing import ClassVar
 
@@ -14,31 +14,29 @@ INSTANCES = 2.0**22  # of a statement, at most: a cell of the largest map and an
 
 
 def may_leave_float32(game: ir.Game) -> bool:
-    """Returns whether the ranges don't exclude that a real of the rules, metrics or checks leaves float32, also where all instances add it."""
-    parts = (*phases_of(game), *game.measures, *game.checks)
-    reals = (
-        node
-        for part in parts
-        for node in ir.walk(part)
-        if ir.is_expression(node) and node.type.kind == "real"
-    )
-    return not all(stays_in_float32(e, INSTANCES) for e in reals)
+    """Returns whether a real of the rules, metrics or checks may leave float32, by its range.
+
+    Also where all instances of a statement add it.
+    """
+    for part in (*phases_of(game), *game.measures, *game.checks):
+        for node in ir.walk(part):
+            if ir.is_expression(node) and node.type.kind == "real":
+                if not stays_in_float32(node, INSTANCES):
+                    return True
+    return False
 
 
 def rounds_only_numbers(game: ir.Game) -> bool:
-    """Returns whether no rule makes a whole number of infinity or NaN, which could be outside the range of a field."""
-    nodes = (
-        node
-        for phase in phases_of(game)
-        for node in ir.walk(phase)
-        if isinstance(node, ir.Arithmetic)
-    )
-    return all(
-        stays_in_float32(arg)
-        for node in nodes
-        if CALCULATIONS[node.fn].kind == "whole"
-        for arg in node.args
-    )
+    """Returns whether no rule makes a whole number of infinity or NaN.
+
+    Such a number could be outside the range of its field.
+    """
+    for phase in phases_of(game):
+        for node in ir.walk(phase):
+            if isinstance(node, ir.Arithmetic) and CALCULATIONS[node.fn].kind == "whole":
+                if not all(map(stays_in_float32, node.args)):
+                    return False
+    return True
 
 
 class Decisions(Analysis[bool]):
@@ -68,20 +66,26 @@ def decide(e: ir.Expr) -> bool | None:
 
 
 def _compare(fn: str, a: Range, b: Range) -> bool | None:
+    """Returns whether a comparison holds for all numbers of two ranges; None: for some only."""
     if not (a.sound and b.sound):
         return None
     match fn:
         case "<":
-            return True if a.high < b.low else False if a.low >= b.high else None
+            holds = a.high < b.low
+            fails = a.low >= b.high
         case "<=":
-            return True if a.high <= b.low else False if a.low > b.high else None
+            holds = a.high <= b.low
+            fails = a.low > b.high
         case ">":
             return _compare("<", b, a)
         case ">=":
             return _compare("<=", b, a)
         case "==":
-            equal = a.low == a.high == b.low == b.high
-            return True if equal else False if a.high < b.low or b.high < a.low else None
+            holds = a.low == a.high == b.low == b.high
+            fails = a.high < b.low or b.high < a.low
         case _:
-            same = _compare("==", a, b)
-            return None if same is None else not same
+            are_equal = _compare("==", a, b)
+            return None if are_equal is None else not are_equal
+    if holds:
+        return True
+    return False if fails else None

@@ -1,4 +1,7 @@
-"""Monitors: find the first violation of a check in the values it reads along a trajectory; the same for both engines."""
+"""Finds the first violation of a check in the values that it reads along a trajectory.
+
+These may come from either engine.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,6 +11,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.step import Totals
 
+Total = tuple[str, str | None]  # an event, and one of its enum values or None
 REAL = 1e-6  # reals closer than this, relative, are equal
 DRIFT = 1e-4  # rounding error allowed in sums of reals over an episode, relative
 CONFIDENCE = 0.95
@@ -17,7 +21,11 @@ STATES = ("always", "once", "conserved", "monotone")  # checks about the states 
 
 @dataclass(frozen=True)
 class Violation:
-    """Where a check is violated: the state `at` (0: the one an episode starts from), compared with an earlier state, `since`."""
+    """Where a check is violated.
+
+    at: the state, 0 for the one that an episode starts from; since: the earlier state with which
+    it is compared, if it is.
+    """
 
     at: int
     since: int | None = None
@@ -32,31 +40,32 @@ def find_violation(check: ir.Check, values: Sequence[Sequence[Any]]) -> Violatio
     """
     match check.sort:
         case "always":
-            return next(
-                (Violation(t) for t, (holds,) in enumerate(values) if t and not holds), None
-            )
+            for t, (holds,) in enumerate(values):
+                if t > 0 and not holds:
+                    return Violation(t)
+            return None
         case "once":
-            since = next((t for t, (trigger, _) in enumerate(values) if t and trigger), len(values))
-            return next(
-                (Violation(t, since) for t in range(since, len(values)) if not values[t][1]), None
-            )
+            since = None
+            for t, (trigger, holds) in enumerate(values):
+                if since is None and t > 0 and trigger:
+                    since = t
+                if since is not None and not holds:
+                    return Violation(t, since)
+            return None
         case "conserved":
             first = values[0][0]
-            return next(
-                (
-                    Violation(t, 0)
-                    for t, (value,) in enumerate(values)
-                    if not _same(value, first, DRIFT)
-                ),
-                None,
-            )
+            for t, (value,) in enumerate(values):
+                if not _same(value, first, DRIFT):
+                    return Violation(t, 0)
+            return None
         case "monotone":
-            return _turn(values, rising=check.words[0] == "rising")
+            return _find_turn(values, rising=check.words[0] == "rising")
         case _:
             raise AssertionError(check.sort)
 
 
 def _same(a: Any, b: Any, tolerance: float = REAL) -> bool:
+    """Returns whether two values are equal, reals up to a relative tolerance."""
     if isinstance(a, tuple):
         return all(_same(x, y, tolerance) for x, y in zip(a, b, strict=True))
     if isinstance(a, str | bool | int | frozenset) or a is None:
@@ -64,44 +73,48 @@ def _same(a: Any, b: Any, tolerance: float = REAL) -> bool:
     return abs(float(a) - float(b)) <= tolerance * max(1.0, abs(float(a)), abs(float(b)))
 
 
-def _turn(values: Sequence[Sequence[Any]], rising: bool) -> Violation | None:
-    """Returns the first state that, compared with an earlier one, changes the first value the wrong way for the second."""
+def _find_turn(values: Sequence[Sequence[Any]], rising: bool) -> Violation | None:
+    """Returns the first state whose value has changed the wrong way since an earlier state.
+
+    Args:
+      values: (value, argument) in each state.
+      rising: whether the value must grow where the argument does, or else shrink.
+    """
     sign = 1 if rising else -1
     seen: dict[tuple[float, float], int] = {}
-    for t, (value, argument) in enumerate(values):
-        here = (float(value), float(argument))
-        if here in seen:
+    for t, (new_value, new_argument) in enumerate(values):
+        value = float(new_value)
+        argument = float(new_argument)
+        if (value, argument) in seen:
             continue
-        for (other_value, other_argument), since in seen.items():
-            change = sign * (here[0] - other_value) * (1 if here[1] > other_argument else -1)
-            if (
-                change < 0
-                and not _same(here[0], other_value)
-                and not _same(here[1], other_argument)
-            ):
+        for (old_value, old_argument), since in seen.items():
+            wanted_sign = sign if argument > old_argument else -sign
+            is_wrong = wanted_sign * (value - old_value) < 0
+            if is_wrong and not (_same(value, old_value) or _same(argument, old_argument)):
                 return Violation(t, since)
-        seen[here] = t
+        seen[value, argument] = t
     return None
 
 
-def add_totals(
-    before: Totals, events: Mapping[str, Any], game: ir.Game
-) -> dict[tuple[str, str | None], int]:
-    """Returns the totals after a step that counted `events`, as the interpreter's outcome has them."""
+def add_totals(before: Totals, events: Mapping[str, Any], game: ir.Game) -> dict[Total, int]:
+    """Returns the totals after a step.
+
+    Args:
+      events: the counts of the step, from the interpreter's `Outcome`.
+    """
     totals = dict(before)
     for event in game.events:
         counts = events[event.name]
         rows = counts if event.per_agent else [counts]
         for i, (word, _) in enumerate(counts_of(event)):
-            totals[event.name, word] = totals.get((event.name, word), 0) + sum(
-                row[i] if event.by else row for row in rows
-            )
+            count = sum(row[i] if event.by else row for row in rows)
+            totals[event.name, word] = totals.get((event.name, word), 0) + count
     return totals
 
 
 def least_share(trials: int) -> float:
-    """Returns the 95% lower confidence bound of a probability of success after so many trials, all of them successes; exact.
+    """Returns the 95% lower confidence bound of a probability after trials that all succeeded.
 
-    Source: Clopper and Pearson 1934, one-sided, all trials successes: share^n = 5%.
+    Source: Clopper and Pearson 1934, one-sided, exact: share^trials = 5%.
     """
     return float((1 - CONFIDENCE) ** (1 / trials))

@@ -1,6 +1,7 @@
-"""Monotonicity analysis: whether an expression rises or falls when another grows. This decides `monotone` statically.
+"""Decides `monotone`: whether an expression rises or falls when another grows.
 
-Every operation is followed with the ranges of its parts; parameters of the game may have any value they can take.
+Every operation is followed with the ranges of its parts; parameters of the game may have any value
+that they can take.
 """
 
 from collections.abc import Sequence
@@ -11,19 +12,20 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.fold import BOUNDS, Analysis, fold, is_computed
 from sjdsl.compiler.ir.implications import Fact, compares, facts
 from sjdsl.compiler.ir.operations import CALCULATIONS, OPPOSITE, Moving, Slope
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import is_number_of_cells
 from sjdsl.compiler.ir.range_arithmetic import INT32, Range
 from sjdsl.compiler.ir.ranges import range_of
 
 
 def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
-    """Returns whether a `monotone` is proved; False: it is not known."""
+    """Returns whether a `monotone` is proved; False if it isn't known."""
     value, argument = check.values
     wanted: Slope = "rising" if check.words[0] == "rising" else "falling"
-    known = tuple(
-        fact for test in game.checks if test.sort == "require" for fact in facts(test.values[0])
-    )
+    known: list[Fact] = []
+    for test in game.checks:
+        if test.sort == "require":
+            known += facts(test.values[0])
     if fold(value, Slopes(text(argument), known)) in ("level", wanted):
         return True
     atoms = _atoms(value) | _atoms(argument)
@@ -31,15 +33,13 @@ def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
         return False
     (atom,) = atoms
     slopes = Slopes(atom, known)
-    own = fold(value, slopes)
-    other = fold(argument, slopes)
-    if own is None or other is None:
+    slope = fold(value, slopes)
+    argument_slope = fold(argument, slopes)
+    if slope is None or argument_slope is None:
         return False
-    return (
-        own == "level"
-        or other == "level"
-        or (own if other == "rising" else OPPOSITE[own]) == wanted
-    )
+    if "level" in (slope, argument_slope):
+        return True
+    return (slope if argument_slope == "rising" else OPPOSITE[slope]) == wanted
 
 
 def _is_fixed(e: ir.Node) -> bool:
@@ -80,7 +80,8 @@ class Slopes(Analysis[Slope | None]):
         return "level" if _is_fixed(e) else result
 
     def calculated(self, e: ir.Arithmetic, slopes: list[Slope | None]) -> Slope | None:
-        if not _stays(range_of(e)):
+        """Returns the direction of a calculation, from those of its arguments."""
+        if not _is_as_computed(range_of(e)):
             return None
         parts = []
         for slope, part in zip(slopes, e.args, strict=True):
@@ -94,6 +95,6 @@ class Slopes(Analysis[Slope | None]):
         return CALCULATIONS[e.fn].slope(parts, is_less)
 
 
-def _stays(r: Range) -> bool:
-    """Returns whether a result is what was computed: a whole number that does not wrap, a real that is one."""
+def _is_as_computed(r: Range) -> bool:
+    """Returns whether a result is what was computed: it doesn't wrap, and isn't infinite or NaN."""
     return (r.low, r.high) != INT32 if r.whole else r.sound

@@ -13,69 +13,76 @@ from sjdsl.runtime.actions import STEPS, TURNS
 
 MOVES = {*STEPS, *TURNS, "stay"}
 SEGMENT = 5  # steps with the same bias of the draws and the same habits
-FAIR = 0.5  # how often the draws of a segment have no bias
-HABIT = 0.5  # how often an agent takes its habitual action, and how often that is no move
-CHANGED = 0.3  # how often a trajectory has other parameters than the file
-OTHERS = 0.7  # how often each of these is not the file's
-WORTHS = (0.0, 1.0, -1.0, 2.5)  # of a real number without limits, beside the file's
-COUNTS = (0, 1, 2, 5)  # of a whole number without limits
+# Probabilities.
+FAIR = 0.5  # that the draws of a segment have no bias
+HABIT = 0.5  # that an agent takes its habitual action, and that this is no move
+CHANGED = 0.3  # that a trajectory has other parameters than the file
+OTHERS = 0.7  # that each of these differs from the file's
+# Values that are tried of a number without limits, beside the file's.
+REALS = (0.0, 1.0, -1.0, 2.5)
+COUNTS = (0, 1, 2, 5)
 
 
 def random_params(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ...]:
-    """Returns parameters that differ from the file's and keep every `require`; the length of an episode stays."""
+    """Returns parameters that differ from the file's and keep every `require`.
+
+    The length of an episode stays.
+    """
     fixed = {n.name for n in ir.walk(game.episode) if isinstance(n, ir.ParamRef)}
     different = [p for p in game.params if p.name not in fixed and random.random() < OTHERS]
-    changed = tuple((p.name, _value(p.value, p.type, random)) for p in different)
-    own = {p.name: p.value for p in game.params}
-    requires = [c for c in game.checks if c.sort == "require"]
+    changed = tuple((p.name, _random_value(p.value, p.type, random)) for p in different)
+    of_file = {p.name: p.value for p in game.params}
+    requires = [check for check in game.checks if check.sort == "require"]
     for check in requires:
-        if not holds(check.values[0], own | dict(changed)):
-            named = {n.name for n in ir.walk(check) if isinstance(n, ir.ParamRef)}
-            changed = tuple((name, value) for name, value in changed if name not in named)
-    values = own | dict(changed)
-    fitting = all(holds(c.values[0], values) for c in requires) and not (
-        changed and beyond_int32(game, values)
-    )
-    return changed if fitting else ()
+        if not holds(check.values[0], of_file | dict(changed)):
+            names = {n.name for n in ir.walk(check) if isinstance(n, ir.ParamRef)}
+            changed = tuple((name, value) for name, value in changed if name not in names)
+    values = of_file | dict(changed)
+    if not all(holds(check.values[0], values) for check in requires):
+        return ()
+    return () if changed and beyond_int32(game, values) else changed
 
 
-def _value(own: Any, type_: ir.Type, random: Random) -> Value:
+def _random_value(of_file: Any, type_: ir.Type, random: Random) -> Value:
+    """Returns a value of a parameter: the file's, an end of its range, or one inside."""
     if type_.by:
         inner = type_.model_copy(update={"by": type_.by[1:]})
-        return tuple(_value(entry, inner, random) for entry in own)
+        return tuple(_random_value(entry, inner, random) for entry in of_file)
     if type_.kind == "word":
         return random.choice(type_.words)
-    ends = [x for x in (type_.low, type_.high) if abs(x) < 2**31]
-    inside = [
-        x for x in (COUNTS if type_.kind == "int" else WORTHS) if type_.low <= x <= type_.high
-    ]
+    low = type_.low
+    high = type_.high
+    is_int = type_.kind == "int"
+    ends = [end for end in (low, high) if abs(end) < 2**31]
+    inside = [value for value in (COUNTS if is_int else REALS) if low <= value <= high]
     if len(ends) == 2:
-        inside.append(
-            (type_.low + type_.high) // 2
-            if type_.kind == "int"
-            else random.uniform(type_.low, type_.high)
-        )
-    value = random.choice([own, *ends, *inside])
-    return int(value) if type_.kind == "int" else float(value)
+        inside.append((low + high) // 2 if is_int else random.uniform(low, high))
+    value = random.choice([of_file, *ends, *inside])
+    return int(value) if is_int else float(value)
 
 
 def random_scenario(game: ir.Game, steps: int, random: Random) -> Scenario:
-    """Returns a scenario of random actions: each agent often repeats one of them, more often one that is no move; sometimes all chances come true."""
-    names, agents = game.agents.actions, range(game.agents.number)
+    """Returns a scenario of random actions.
+
+    Each agent often repeats an action, more often one that is no move; at times all chances come
+    true.
+    """
+    names = game.agents.actions
     special = [action for action, name in enumerate(names) if name not in MOVES]
-    bias, actions = list[Bias](), list[tuple[int, ...]]()
+    bias: list[Bias] = []
+    actions: list[tuple[int, ...]] = []
     while len(actions) < steps:
         bias += ["fair" if random.random() < FAIR else random.choice(BIASES)] * SEGMENT
-        habits = [
-            random.choice(special)
-            if special and random.random() < HABIT
-            else random.randrange(len(names))
-            for _ in agents
-        ]
-        actions += [
-            tuple(h if random.random() < HABIT else random.randrange(len(names)) for h in habits)
-            for _ in range(SEGMENT)
-        ]
+        habits = []
+        for _ in range(game.agents.number):
+            is_special = bool(special) and random.random() < HABIT
+            habits.append(random.choice(special) if is_special else random.randrange(len(names)))
+        for _ in range(SEGMENT):
+            chosen = (
+                habit if random.random() < HABIT else random.randrange(len(names))
+                for habit in habits
+            )
+            actions.append(tuple(chosen))
     params = random_params(game, random) if random.random() < CHANGED else ()
     return Scenario(
         random.randrange(2**16),

@@ -1,4 +1,4 @@
-"""The sizes of a game that a check may depend on, and the game in each of these sizes that its file allows."""
+"""The game in all sizes that a check may depend on and that its file allows."""
 
 from itertools import product
 from math import prod
@@ -14,32 +14,36 @@ MOST = 64  # games that are built for one check
 
 
 def in_all_sizes(family: GameFamily, check: ir.Check) -> list[ir.Game] | None:
-    """Returns the game in every combination of the sizes that a check may depend on; None if there are too many, or no end to them.
+    """Returns the game in every combination of the sizes that a check may depend on.
 
-    What the compiler refuses, as a `require` does, is left out; but not if it might take that in yet other sizes.
+    Games that the compiler refuses are left out. None if there are too many combinations or no end
+    to them, or if a refused game may be allowed when other sizes change, too.
     """
-    names = _read(family.composition, check)
-    sizes = {
-        name: _values(declared)
-        for name, declared in family.composition.constants.items()
-        if declared.is_size and name in names
-    }
-    known = [found for found in sizes.values() if found is not None]
-    if len(known) < len(sizes) or prod(map(len, known)) > MOST:
+    names = _names_read(family.composition, check)
+    has_others = False
+    sizes: dict[str, range] = {}
+    for name, declared in family.composition.constants.items():
+        if declared.is_size and name not in names:
+            has_others = True
+        elif declared.is_size:
+            values = _values(declared)
+            if values is None:
+                return None
+            sizes[name] = values
+    if prod(map(len, sizes.values())) > MOST:
         return None
-    built = [
-        family.in_sizes(dict(zip(sizes, chosen, strict=True)))
-        for chosen in (product(*known) if sizes else ())
-    ]
-    others = any(
-        declared.is_size and name not in names
-        for name, declared in family.composition.constants.items()
-    )
-    return None if None in built and others else [game for game in built if game is not None]
+    games = []
+    for chosen in product(*sizes.values()) if sizes else ():
+        game = family.in_sizes(dict(zip(sizes, chosen, strict=True)))
+        if game is not None:
+            games.append(game)
+        elif has_others:
+            return None
+    return games
 
 
 def _values(size: ast.Constant) -> range | None:
-    """Returns the numbers that a size may be set to."""
+    """Returns the numbers that a size may be set to; None if it has no limits."""
     match size:
         case ast.Constant(
             unit=ast.Name(text=unit), low=ast.Int(value=low), high=ast.Int(value=high)
@@ -49,18 +53,15 @@ def _values(size: ast.Constant) -> range | None:
             return None
 
 
-def _read(composition: Composition, check: ir.Check) -> set[str]:
+def _names_read(composition: Composition, check: ir.Check) -> set[str]:
     """Returns the names in a check and, further, in the declarations of these names."""
     declared: dict[str, list[Node]] = {}
-    tables = (
+    for table in (
         composition.constants,
         composition.defines,
         composition.fields,
         composition.kinds,
         composition.groups,
-    )
-    for table in (
-        *tables,
         composition.shapes,
         composition.movers,
         composition.metrics,
@@ -68,21 +69,19 @@ def _read(composition: Composition, check: ir.Check) -> set[str]:
     ):
         for name, node in table.items():
             declared.setdefault(name, []).append(node)
-    declared["agent"] = declared["index"] = [
-        node for node in (composition.number,) if node is not None
-    ]
-    written = [
-        c for checks in composition.checks.values() for c in checks if c.span == check.origin
-    ]
-    found, waiting = set[str](), list[Node](written)
+    if composition.number is not None:
+        # Whatever reads these depends on the number of agents.
+        declared["agent"] = declared["index"] = [composition.number]
+    waiting: list[Node] = []
+    for checks in composition.checks.values():
+        waiting += [tree for tree in checks if tree.span == check.origin]
+    names: set[str] = set()
     while waiting:
         nodes = list(walk(waiting.pop()))
-        types = {
-            id(node.name) for node in nodes if isinstance(node, ast.NamedType)
-        }  # that a field holds an agent says no number
-        new = {
-            node.text for node in nodes if isinstance(node, ast.Name) and id(node) not in types
-        } - found
-        found |= new
-        waiting += [node for name in new for node in declared.get(name, ())]
-    return found
+        # That a field holds an agent says nothing about their number.
+        types = {id(node.name) for node in nodes if isinstance(node, ast.NamedType)}
+        read = {node.text for node in nodes if isinstance(node, ast.Name) and id(node) not in types}
+        for name in read - names:
+            waiting += declared.get(name, ())
+        names |= read
+    return names

@@ -1,7 +1,11 @@
-"""The statements of a game that change something: on which of them a check depends, which ran, and how often in the compiled game."""
+"""The statements of a game that change something.
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+On which of them a check depends, which of them ran, and events that count them.
+"""
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import count
 from typing import Any
 
 from sjdsl.compiler import ir
@@ -9,9 +13,8 @@ from sjdsl.compiler.ir.queries import contains
 from sjdsl.interpreter.account import Account
 from sjdsl.properties.effects import Part, reads, reads_and_blocks, written_by
 
-StatementId = tuple[
-    str, str, int
-]  # (use of a phase in the schedule, file, offset): one statement in one use of a phase
+# One statement in one use of a phase: the label of that, then file and offset of the statement.
+StatementId = tuple[str, str, int]
 STARTING = "start"
 
 
@@ -19,7 +22,8 @@ STARTING = "start"
 class LeafStatement:
     """A statement without others in it, in one use of its phase.
 
-    around: the domains, guards, chances and values that decide whether, and on whom, the statement works; outermost first.
+    around: the domains, guards, chances and values that decide whether, and on whom, the statement
+    works; outermost first.
     """
 
     statement_id: StatementId
@@ -34,17 +38,21 @@ def statement_id(label: str, statement: ir.Node) -> StatementId:
 
 
 def leaf_statements(game: ir.Game) -> tuple[LeafStatement, ...]:
-    """Returns the statements of the phase `start` and of the schedule that change the state, pay, count or end, in that order."""
-    found = list(_leaves(game.start.body, STARTING, ()))
+    """Returns the statements that change the state, pay, count or end.
+
+    First those of the phase `start`, then those of the schedule.
+    """
+    leaves = list(_leaves(game.start.body, STARTING, ()))
     for turn in game.schedule:
         if isinstance(turn, ir.Phase):
-            found += _leaves(turn.body, turn.label, ())
-    return tuple(found)
+            leaves += _leaves(turn.body, turn.label, ())
+    return tuple(leaves)
 
 
 def _leaves(
     body: Iterable[ir.Stmt], label: str, around: tuple[ir.Node, ...]
 ) -> Iterator[LeafStatement]:
+    """Yields the leaves in a body. `around`: what decides whether the body works."""
     for statement in body:
         match statement:
             case ir.Let():
@@ -54,15 +62,11 @@ def _leaves(
             case ir.Each() | ir.First():
                 yield from _leaves(statement.body, label, (*around, statement.domain))
             case ir.Pick():
-                yield from _leaves(
-                    (*statement.body, *statement.otherwise),
-                    label,
-                    (*around, statement.number, statement.domain),
-                )
+                inner = (*statement.body, *statement.otherwise)
+                yield from _leaves(inner, label, (*around, statement.number, statement.domain))
             case ir.Match():
-                yield from _leaves(
-                    statement.body, label, (*around, statement.left, statement.right)
-                )
+                pair = (statement.left, statement.right)
+                yield from _leaves(statement.body, label, (*around, *pair))
             case ir.When() | ir.Chance():
                 tests: tuple[ir.Node, ...] = ()
                 for branch in statement.branches:
@@ -78,79 +82,107 @@ def _leaves(
 def statements_needed_by(
     check: ir.Check, game: ir.Game, leaves: Iterable[LeafStatement]
 ) -> frozenset[StatementId]:
-    """Returns the statements on which a check depends: those that write what it reads, those that write what these read, and so on."""
-    wanted: set[Part] = {part for e in check.values for part in reads_and_blocks(e, game)}
-    waiting, found = list(leaves), set[StatementId]()
-    while now := [leaf for leaf in waiting if wanted.intersection(written_by(leaf.statement))]:
-        waiting = [leaf for leaf in waiting if leaf not in now]
-        found |= {leaf.statement_id for leaf in now}
-        wanted |= {part for leaf in now for part in _read_by(leaf, game)}
-    return frozenset(found)
+    """Returns the statements on which a check depends.
+
+    Those that write what it reads, those that write what these read, and so on.
+    """
+    wanted: set[Part] = set()
+    for e in check.values:
+        wanted |= reads_and_blocks(e, game)
+    waiting = list(leaves)
+    needed: set[StatementId] = set()
+    while True:
+        writers = [leaf for leaf in waiting if wanted.intersection(written_by(leaf.statement))]
+        if not writers:
+            return frozenset(needed)
+        waiting = [leaf for leaf in waiting if leaf not in writers]
+        for leaf in writers:
+            needed.add(leaf.statement_id)
+            wanted |= set(_read_by(leaf, game))
 
 
 def _read_by(leaf: LeafStatement, game: ir.Game) -> Iterator[Part]:
     """Yields what decides whether, where and with which value a statement works."""
-    nodes = [n for node in (*leaf.around, leaf.statement) for n in ir.walk(node)]
+    reads_action = False
+    moves = False
     for node in (*leaf.around, leaf.statement):
         yield from reads_and_blocks(node, game)
-    if any(isinstance(n, ir.Chose | ir.ChoseWith | ir.Move) for n in nodes):
+        reads_action = reads_action or contains(node, ir.Chose, ir.ChoseWith)
+        moves = moves or contains(node, ir.Move)
+    if reads_action or moves:
         for forbid in game.agents.forbids:
             yield from reads(forbid.condition)
-    if any(isinstance(n, ir.Move) for n in nodes):
-        for block in (b for kind in game.kinds for b in kind.blocks if b.condition is not None):
-            yield from reads_and_blocks(block, game)
+    if moves:
+        for kind in game.kinds:
+            for block in kind.blocks:
+                if block.condition is not None:
+                    yield from reads_and_blocks(block, game)
 
 
 def statements_run(accounts: Iterable[Account]) -> set[StatementId]:
     """Returns the statements that ran in a step, or in the phase `start`."""
-    found = set[StatementId]()
+    statements: set[StatementId] = set()
     for account in accounts:
         if isinstance(account.turn, ir.Phase):
             label = STARTING if account.turn.name == STARTING else account.turn.label
-            found |= {statement_id(label, done.statement) for done in account.done}
-    return found
+            statements |= {statement_id(label, done.statement) for done in account.done}
+    return statements
 
 
 def count_statements(game: ir.Game) -> tuple[ir.Game, dict[str, StatementId]]:
-    """Returns the game with an event beside each of its statements, and the statement that each event counts, by its name.
+    """Returns the game with events that count its statements, and these: name -> statement.
 
-    Nothing is counted in `start`, and where agents move.
+    Nothing is counted in `start`, and in phases in which agents move.
     """
-    statements = {leaf.statement_id for leaf in leaf_statements(game)}
-    taken, events = {event.name for event in game.events}, dict[str, StatementId]()
-
-    def counted(body: tuple[ir.Stmt, ...], label: str) -> tuple[ir.Stmt, ...]:
-        found: list[ir.Stmt] = []
-        for statement in body:
-            name = statement_id(label, statement)
-            if name in statements and name not in events.values():
-                event = next(
-                    f"ran_{i}"
-                    for i in range(len(events), len(events) + len(taken) + 1)
-                    if f"ran_{i}" not in taken
-                )
-                events[event] = name
-                taken.add(event)
-                found.append(ir.Tally(event=event, origin=statement.origin))
-            found.append(inside(statement, label))
-        return tuple(found)
-
-    def inside(node: Any, label: str) -> Any:
-        """Returns a statement, or a branch of one, with counts in it."""
-        bodies = {
-            part: counted(getattr(node, part), label)
-            for part in ("body", "otherwise")
-            if getattr(node, part, ())
-        }
-        if branches := getattr(node, "branches", ()):
-            bodies["branches"] = tuple(inside(branch, label) for branch in branches)
-        return node.model_copy(update=bodies) if bodies else node
-
+    counter = _Counter(
+        {leaf.statement_id for leaf in leaf_statements(game)}, {event.name for event in game.events}
+    )
     schedule = tuple(
-        turn.model_copy(update={"body": counted(turn.body, turn.label)})
+        turn.model_copy(update={"body": counter.with_counts(turn.body, turn.label)})
         if isinstance(turn, ir.Phase) and not contains(turn, ir.Move)
         else turn
         for turn in game.schedule
     )
-    more = tuple(ir.Event(name=name, per_agent=False) for name in events)
-    return game.model_copy(update={"schedule": schedule, "events": (*game.events, *more)}), events
+    events = tuple(ir.Event(name=name, per_agent=False) for name in counter.events)
+    changed = game.model_copy(update={"schedule": schedule, "events": (*game.events, *events)})
+    return changed, counter.events
+
+
+@dataclass
+class _Counter:
+    """Adds a `tally` before each statement. events: name -> the statement that it counts."""
+
+    statements: Collection[StatementId]
+    taken: set[str]  # names of events
+    events: dict[str, StatementId] = field(default_factory=dict)
+
+    def with_counts(self, body: Iterable[ir.Stmt], label: str) -> tuple[ir.Stmt, ...]:
+        """Returns the statements of a phase with that label, each with its `tally` before it."""
+        result: list[ir.Stmt] = []
+        for statement in body:
+            name = statement_id(label, statement)
+            if name in self.statements and name not in self.events.values():
+                event = self._unused_name()
+                self.events[event] = name
+                result.append(ir.Tally(event=event, origin=statement.origin))
+            result.append(self._with_inner_counts(statement, label))
+        return tuple(result)
+
+    def _with_inner_counts(self, node: Any, label: str) -> Any:
+        """Returns a statement, or a branch of one, with counts in its bodies."""
+        changes: dict[str, Any] = {}
+        for part in ("body", "otherwise"):
+            if body := getattr(node, part, ()):
+                changes[part] = self.with_counts(body, label)
+        if branches := getattr(node, "branches", ()):
+            changes["branches"] = tuple(
+                self._with_inner_counts(branch, label) for branch in branches
+            )
+        return node.model_copy(update=changes) if changes else node
+
+    def _unused_name(self) -> str:
+        for number in count(len(self.events)):
+            name = f"ran_{number}"
+            if name not in self.taken and name not in self.events:
+                return name
+        raise AssertionError

@@ -1,7 +1,8 @@
-"""Symmetry of the rules of a step under renumbered agents or movers, decided by reading them: a rule that reads a number breaks it.
+"""Symmetry of the rules of a step under renumbered agents or movers, decided by reading them.
 
-Everything but `agent.index`, a table by agent, and a number for an argument of an action (`vote(3)`) refers to agents and cells, never to
-numbers. So a game whose rules read none of these goes on alike when agents swap numbers.
+A rule that reads a number breaks it. Everything but `agent.index`, a table by agent, and a number
+for an argument of an action (`vote(3)`) refers to agents and cells, never to numbers. So a game
+whose rules read none of these goes on alike when agents swap numbers.
 """
 
 from collections.abc import Iterator
@@ -15,71 +16,87 @@ from sjdsl.properties.instances import GameFamily
 
 
 def why_asymmetric(check: ir.Check, family: GameFamily) -> str:
-    """Returns which line of a step tells agents (or movers of a sort) apart, and how; nothing if none does.
+    """Returns which line of a step tells agents, or movers, apart, and how; "" if none does.
 
-    With every number of agents that the file allows: a rule that names all by their numbers names only some of more agents.
+    That is so for every number of agents that the file allows: a rule that names all of them by
+    their numbers doesn't name all if there are more.
     """
     sort = _sort_of(check)
-    numbered = _forbidden_by_number(family) if sort == AGENTS else None
-    if numbered is None:
+    forbid = _forbidden_by_number(family) if sort == AGENTS else None
+    if forbid is None:
         return _why_asymmetric(sort, family.own)
     if family.number_varies and not family.number_is_a_size:
-        return f"line {numbered.span.line} names agents by their numbers, and the file allows several numbers of agents"
-    return next(filter(None, (_why_asymmetric(sort, game) for game in family.in_all_numbers())), "")
+        return (
+            f"line {forbid.span.line} names agents by their numbers, and the file allows several "
+            "numbers of agents"
+        )
+    reasons = (_why_asymmetric(sort, game) for game in family.in_all_numbers())
+    return next(filter(None, reasons), "")
 
 
 def _forbidden_by_number(family: GameFamily) -> ast.Forbid | None:
-    """Returns a `forbid` that names agents by numbers, as `forbid vote(0)` does; not `forbid vote(x)`, where x is any of them."""
+    """Returns a `forbid` that names an agent by its number; None if none does.
+
+    `forbid vote(0)` does, `forbid vote(x)`, where x is any of them, doesn't.
+    """
     composition = family.composition
+    constants = {*composition.constants, *composition.defines}
     declared = {action.name: action.arguments for action in family.own.agents.with_arguments}
     for forbid in composition.forbids.values():
         for chosen in forbid.actions:
-            for tree, argument in zip(
-                chosen.arguments or (), declared.get(chosen.name.text, ()), strict=False
-            ):
-                is_name = isinstance(tree, ast.Path) and tree.name.text not in {
-                    *composition.constants,
-                    *composition.defines,
-                }
-                if argument.type.kind == "agent" and not is_name:
+            arguments = declared.get(chosen.name.text, ())
+            # An action that is written without arguments stands for all of them.
+            for tree, argument in zip(chosen.arguments or (), arguments, strict=False):
+                is_variable = isinstance(tree, ast.Path) and tree.name.text not in constants
+                if argument.type.kind == "agent" and not is_variable:
                     return forbid
     return None
 
 
 def _why_asymmetric(sort: ir.Sort, game: ir.Game) -> str:
+    """Returns which line of a game tells agents or movers apart, and how; "" if none does."""
     for rule in (*game.schedule, game.agents, *game.kinds):
         for node in ir.walk(rule):
-            if told := _reads_number(node, sort) or (
-                _names_agents(node, game) if sort == AGENTS else ""
-            ):
-                return f"line {_line(node, rule)} {told}"
+            reason = _reads_number(node, sort)
+            if not reason and sort == AGENTS:
+                reason = _names_agents(node, game)
+            if reason:
+                return f"line {_line(node, rule)} {reason}"
     return ""
 
 
 def why_symmetric(check: ir.Check, game: ir.Game) -> str:
-    """Returns why a game is symmetric in which no rule of a step tells anything apart, and what that leaves out."""
+    """Returns why a game is symmetric in which no rule of a step tells anything apart.
+
+    And what that leaves out.
+    """
     sort = _sort_of(check)
     whose = "an agent's number" if sort == AGENTS else f"the number of a `{sort.name}`"
-    told = [node for node in ir.walk(game.start) if _reads_number(node, sort)]
-    start = (
-        f"; `phase start` does, in line {_line(told[0], game.start)}, and is not part of this"
-        if told
-        else ""
-    )
-    return f"no rule of a step reads {whose}{start}"
+    reason = f"no rule of a step reads {whose}"
+    for node in ir.walk(game.start):
+        if _reads_number(node, sort):
+            line = _line(node, game.start)
+            return f"{reason}; `phase start` does, in line {line}, and is not part of this"
+    return reason
 
 
 def order_of_sending(check: ir.Check, game: ir.Game) -> tuple[list[ir.Send], list[ir.Send]]:
-    """Returns where it matters that lower numbers are sent first: where the cells that fit differ from one to another, and if cells run out."""
-    nodes = (node for rule in (*game.schedule, game.agents, *game.kinds) for node in ir.walk(rule))
-    sends = [
-        node
-        for node in nodes
-        if isinstance(node, ir.Send) and body_sort(node.who) == _sort_of(check)
-    ]
-    return [send for send in sends if variables_around(send.domain)], [
-        send for send in sends if send.stay
-    ]
+    """Returns the `send`s in which it matters that lower numbers are sent first.
+
+    First those whose fitting cells differ from one agent (or mover) to another, then those for
+    which cells may run out.
+    """
+    sort = _sort_of(check)
+    choosy: list[ir.Send] = []
+    crowded: list[ir.Send] = []
+    for rule in (*game.schedule, game.agents, *game.kinds):
+        for node in ir.walk(rule):
+            if isinstance(node, ir.Send) and body_sort(node.who) == sort:
+                if variables_around(node.domain):
+                    choosy.append(node)
+                if node.stay:
+                    crowded.append(node)
+    return choosy, crowded
 
 
 def _sort_of(check: ir.Check) -> ir.Sort:
@@ -89,11 +106,12 @@ def _sort_of(check: ir.Check) -> ir.Sort:
 
 
 def _line(node: ir.Node, around: ir.Node) -> int:
+    """Returns the line of a node, or of a rule around it if the node is written nowhere."""
     return (node.origin or around.span).line
 
 
 def _reads_number(node: ir.Node, sort: ir.Sort) -> str:
-    """Returns how a value depends on the number of an agent, or of a mover of a sort; nothing if it does not."""
+    """Returns how a node reads the number of an agent or mover; "" if it doesn't."""
     match node:
         case ir.Attribute(name="index", owner=owner) if body_sort(owner) == sort:
             return f"reads `{'agent' if sort == AGENTS else sort.name}.index`"
@@ -106,26 +124,34 @@ def _reads_number(node: ir.Node, sort: ir.Sort) -> str:
 
 
 def _names_agents(node: ir.Node, game: ir.Game) -> str:
-    """Returns how a node names an agent by a number that is written, as `chose vote(0)` and `forbid vote(0)` do; nothing if it names none."""
+    """Returns how a node names an agent by its number; "" if it names none.
+
+    `chose vote(0)` and `forbid vote(0)` do.
+    """
     match node:
         case ir.Given(type=ir.Type(kind="agent"), value=ir.Number(value=number)):
             return f"names agent {number:g} by its number"
-        case ir.Forbid() if any(
-            0 < len(group & set(node.actions)) < len(group) for group in _alike_but_for_agents(game)
-        ):
-            return "forbids an action on some agents, which it names by their numbers"
+        case ir.Forbid(actions=actions):
+            forbidden = set(actions)
+            for group in _alike_but_for_agents(game):
+                if group & forbidden and not group <= forbidden:
+                    return "forbids an action on some agents, which it names by their numbers"
+            return ""
         case _:
             return ""
 
 
 def _alike_but_for_agents(game: ir.Game) -> Iterator[set[int]]:
-    """Yields the numbers of actions that differ only in which agents their arguments are: `vote(0)`, `vote(1)`, …"""
+    """Yields the actions that differ only in agents, together: `vote(0)`, `vote(1)`, …"""
     for action in game.agents.with_arguments:
         groups: dict[tuple[object, ...], set[int]] = {}
         for number in action.numbers:
             values = arguments_of(action, number)
             assert values is not None
-            pairs = zip(values, action.arguments, strict=True)
-            rest = tuple(value for value, argument in pairs if argument.type.kind != "agent")
-            groups.setdefault((action.name, *rest), set()).add(number)
+            others = tuple(
+                value
+                for value, argument in zip(values, action.arguments, strict=True)
+                if argument.type.kind != "agent"
+            )
+            groups.setdefault(others, set()).add(number)
         yield from groups.values()

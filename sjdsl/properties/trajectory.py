@@ -1,10 +1,11 @@
-"""Trajectories on the interpreter: a scenario (parameters, seed, actions) and every state and outcome it leads to."""
+"""Plays scenarios (parameters, seed, actions) on the interpreter, and keeps all states."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.account import Account
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.evaluate import evaluate
@@ -12,7 +13,8 @@ from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Outcome, Value, World, default_params
-from sjdsl.interpreter.step import Totals, read, reset, step
+from sjdsl.interpreter.step import Totals, reset, step
+from sjdsl.interpreter.step import read as read_check
 from sjdsl.interpreter.threefry import Draws
 from sjdsl.policies import interpreted
 from sjdsl.properties.biased_draws import (
@@ -23,7 +25,7 @@ from sjdsl.properties.biased_draws import (
     reset_key,
     step_key,
 )
-from sjdsl.properties.monitors import add_totals
+from sjdsl.properties.monitors import Total, add_totals
 from sjdsl.properties.statements import StatementId, statements_run
 
 
@@ -31,8 +33,9 @@ from sjdsl.properties.statements import StatementId, statements_run
 class Scenario:
     """Everything that determines a trajectory of a game.
 
-    seed, episode: of the random draws; bias: of the draws of each step, empty: all are fair. params: those that differ from the file's.
-    actions: of each agent in each step; policies: one for each agent, who then takes no `actions`.
+    seed, episode: of the random draws; bias: of the draws of each step, all fair if empty.
+    params: those that differ from the file's.
+    actions: of each agent in each step; policies: one for each agent, in place of actions.
     """
 
     seed: int
@@ -45,10 +48,13 @@ class Scenario:
 
 @dataclass
 class Trajectory:
-    """The states and outcomes of a scenario. `worlds`, `totals`: of the first state and after each step; actions, outcomes: of each step.
+    """The states and outcomes of a scenario.
 
-    ran: the statements that ran in it. left: the real that left float32 in the step after the last state, whose actions are the last of
-    `actions`; None if none did. known: values that checks read in the states, by the identity of the check.
+    worlds, totals: of the first state and after each step; actions, outcomes: of each step.
+    ran: the statements that ran in it.
+    overflow: the real that left float32 in the step after the last state, None if none did. The
+    actions of that step are the last ones.
+    known: identity of a check -> the values that it reads in each state, as far as they are known.
     """
 
     game: ir.Game
@@ -58,7 +64,7 @@ class Trajectory:
     actions: list[tuple[int, ...]] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
     ran: set[StatementId] = field(default_factory=set)
-    left: LeavesFloat32 | None = None
+    overflow: LeavesFloat32 | None = None
     known: dict[int, list[tuple[Any, ...]]] = field(default_factory=dict)
     # By its number, each state that a trial ended in; in `worlds` stands the first of the next one.
     ends_of_trials: dict[int, World] = field(default_factory=dict)
@@ -66,8 +72,9 @@ class Trajectory:
     @property
     def is_over(self) -> bool:
         """Whether the episode has ended, or cannot go on."""
-        last = self.outcomes[-1:] and (self.outcomes[-1].terminated or self.outcomes[-1].truncated)
-        return bool(last) or self.left is not None
+        if self.overflow is not None:
+            return True
+        return bool(self.outcomes) and (self.outcomes[-1].terminated or self.outcomes[-1].truncated)
 
     def values(self, check: ir.Check) -> list[tuple[Any, ...]]:
         """Returns the values that a check of the game reads in each state."""
@@ -87,19 +94,17 @@ class Trajectory:
 
         Raises LeavesFloat32, and adds nothing, if a check cannot be read in it.
         """
+        at = len(self.worlds)
         checked = last_of_trial or world
-        read_now = [
-            tuple(self._read(e, checked, totals, len(self.worlds)) for e in check.values)
-            for check in checks
-        ]
+        read = [tuple(self._read(e, checked, totals, at) for e in check.values) for check in checks]
         if last_of_trial is not None:
-            self.ends_of_trials[len(self.worlds)] = last_of_trial
-        for check, values in zip(checks, read_now, strict=True):
+            self.ends_of_trials[at] = last_of_trial
+        for check, values in zip(checks, read, strict=True):
             self.known.setdefault(id(check), []).append(values)
         self.worlds.append(world)
         self.totals.append(totals)
 
-    def take_over(self, begun: "Trajectory", steps: int, checks: Sequence[ir.Check]) -> None:
+    def copy_steps(self, begun: "Trajectory", steps: int, checks: Sequence[ir.Check]) -> None:
         """Adds the first state of another trajectory and so many of its steps."""
         self.worlds += begun.worlds[: steps + 1]
         self.totals += begun.totals[: steps + 1]
@@ -120,17 +125,18 @@ class Trajectory:
         return self._read(e, checked, self.totals[at], at)
 
     def _read(self, e: ir.Expr, world: World, totals: Totals, at: int) -> Value:
-        return read(
-            self.game, world, e, totals, (self.worlds[at - 1], self.totals[at - 1]) if at else None
-        )
+        """Returns the value of an expression of a check in a state that may not be added yet."""
+        before = (self.worlds[at - 1], self.totals[at - 1]) if at else None
+        return read_check(self.game, world, e, totals, before)
 
 
-def params_of(game: ir.Game, given: Sequence[tuple[str, Value]]) -> dict[str, Value]:
-    """Returns the parameters of a scenario as the interpreter has them."""
+def params_of(game: ir.Game, changed: Sequence[tuple[str, Value]]) -> dict[str, Value]:
+    """Returns all parameters as the interpreter has them. changed: those unlike the file's."""
     types = {p.name: p.type for p in game.params}
-    return default_params(game) | {
-        name: real(value) if types[name].kind == "real" else value for name, value in given
-    }
+    params = default_params(game)
+    for name, value in changed:
+        params[name] = real(value) if types[name].kind == "real" else value
+    return params
 
 
 def draws_of_start(scenario: Scenario) -> Draws:
@@ -148,8 +154,8 @@ def draws_of(scenario: Scenario, at: int, game: ir.Game, world: World) -> Draws:
     if game.trials is not None:
         length = evaluate(game.episode, Instance(board_of(game), world))
         number += world.fields["trial"] * length
-    key = step_key(episode_key(scenario.seed, scenario.episode), number)
-    return BiasedDraws(key, scenario.bias[at]) if scenario.bias else key
+    draws = step_key(episode_key(scenario.seed, scenario.episode), number)
+    return BiasedDraws(draws, scenario.bias[at]) if scenario.bias else draws
 
 
 def up_to(scenario: Scenario, steps: int) -> Scenario:
@@ -172,53 +178,53 @@ def play(
       steps: at most so many; None: as many as the scenario has actions.
       checks: those whose values are read in every state.
       is_enough: whether to stop before the next step, as these statements have run.
-      begun: a trajectory with the same parameters and draws, whose first `since` steps are taken over; `ran` leaves them out.
+      begun: a trajectory with the same parameters and draws, whose first `since` steps are copied;
+        `ran` leaves them out.
     """
-    trajectory, accounts = Trajectory(game, params_of(game, scenario.params)), list[Account]()
+    params = params_of(game, scenario.params)
+    trajectory = Trajectory(game, params)
+    accounts: list[Account] = []
     try:
         if begun is None:
-            zeros = add_totals({}, _nothing(game), game)
-            trajectory.add(
-                reset(game, trajectory.params, draws_of_start(scenario), accounts.append),
-                zeros,
-                checks,
-            )
+            world = reset(game, params, draws_of_start(scenario), accounts.append)
+            trajectory.add(world, _no_totals(game), checks)
         else:
-            trajectory.take_over(begun, since, checks)
-        for number in range(
-            len(trajectory.outcomes), len(scenario.actions) if steps is None else steps
-        ):
+            trajectory.copy_steps(begun, since, checks)
+        end = len(scenario.actions) if steps is None else steps
+        for number in range(len(trajectory.outcomes), end):
             if trajectory.is_over or is_enough(trajectory.ran):
                 break
-            world = trajectory.worlds[-1]
-            trajectory.actions.append(_actions(game, scenario, world, number))
-            after, outcome = step(
-                game,
-                world,
-                trajectory.actions[-1],
-                trajectory.params,
-                draws_of(scenario, number, game, world),
-                accounts.append,
-            )
+            before = trajectory.worlds[-1]
+            actions = _actions(game, scenario, before, number)
+            trajectory.actions.append(actions)
+            draws = draws_of(scenario, number, game, before)
+            world, outcome = step(game, before, actions, params, draws, accounts.append)
             totals = add_totals(trajectory.totals[-1], outcome.events, game)
-            trajectory.add(after, totals, checks, outcome.last_of_trial)
+            trajectory.add(world, totals, checks, outcome.last_of_trial)
             trajectory.outcomes.append(outcome)
             trajectory.ran |= statements_run(accounts)
             accounts.clear()
-    except LeavesFloat32 as left:
-        trajectory.left = left
+    except LeavesFloat32 as overflow:
+        trajectory.overflow = overflow
     trajectory.ran |= statements_run(accounts)
     return trajectory
 
 
 def allowed_by(policy: ir.Policy, game: ir.Game) -> tuple[int, ...]:
-    """Returns the actions among which `random` and `never` choose, all equally likely; `stay` if none is left."""
-    left = tuple(a for a in range(len(game.agents.actions)) if a not in policy.actions)
-    return left or (game.agents.actions.index("stay"),)
+    """Returns the actions among which `random` and `never` choose, all equally likely.
+
+    `stay` if none is left.
+    """
+    names = game.agents.actions
+    allowed = tuple(action for action in range(len(names)) if action not in policy.actions)
+    return allowed or (names.index("stay"),)
 
 
 def script_of(policy: ir.Policy, game: ir.Game) -> ir.ScriptedPolicy | None:
-    """Returns the rules that an agent with this policy follows: those in the file, or the one of `seek D`; None if it acts at random."""
+    """Returns the rules that an agent with this policy follows; None if it acts at random.
+
+    They are written in the file, or `seek D` stands for one.
+    """
     if policy.domain is not None:
         return ir.ScriptedPolicy(name="seek", rules=(ir.Go(domain=policy.domain),))
     return next((script for script in game.policies if script.name == policy.scripted), None)
@@ -236,6 +242,7 @@ def choose(
 
 
 def _actions(game: ir.Game, scenario: Scenario, world: World, number: int) -> tuple[int, ...]:
+    """Returns the actions of a step: those of the scenario, or of its policies."""
     if not scenario.policies:
         return scenario.actions[number]
     bits = policy_bits(episode_key(scenario.seed, scenario.episode), number, game.agents.number)
@@ -245,10 +252,6 @@ def _actions(game: ir.Game, scenario: Scenario, world: World, number: int) -> tu
     )
 
 
-def _nothing(game: ir.Game) -> dict[str, Any]:
-    agents = range(game.agents.number)
-    zeros = {e.name: [0] * len(e.by) if e.by else 0 for e in game.events}
-    return {
-        e.name: [zeros[e.name] for _ in agents] if e.per_agent else zeros[e.name]
-        for e in game.events
-    }
+def _no_totals(game: ir.Game) -> dict[Total, int]:
+    """Returns the totals at the start of an episode: all 0."""
+    return {(event.name, word): 0 for event in game.events for word, _ in counts_of(event)}

@@ -1,4 +1,4 @@
-"""The verdict on a check: passed, untested, failed or not decided, how that is known, and the trace that shows it."""
+"""The verdict on a check, how it is known, and the trace that shows it."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from sjdsl.compiler import ir
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.trajectory import Scenario
 
-Progress = Callable[[str], None]  # is told now and then how far a test is
+Progress = Callable[[str], None]  # called now and then with how far a test is
 How = Literal["decided", "proved", "examples", "episodes", "not decided"]
 
 
@@ -16,11 +16,15 @@ How = Literal["decided", "proved", "examples", "episodes", "not decided"]
 class Verdict:
     """The verdict on one check of a game.
 
-    text: as written, on one line; file, line: where. passed: None if it could not be tested.
-    untested: lines that a passed check depends on and that never ran in random play. Then a fault in them would not have been seen.
-    how: `decided` when compiled; `proved` without playing; `examples` in random play; `episodes` of the policies that an `expect` names.
-    reason: the same in words, with confidence bounds. trace: the counterexample.
-    scenario: what leads to the counterexample when it is played on the interpreter, every action written out; None where nothing is played.
+    text: the check as written, on one line; file, line: where.
+    passed: None if it could not be tested.
+    how: `decided` when compiled; `proved` without playing; `examples` in random play; `episodes`
+    under the policies that an `expect` names. reason: the same in words, with confidence bounds.
+    trace: the counterexample.
+    untested: lines that a passed check depends on and that never ran in random play. A fault in
+    them would not have been seen.
+    scenario: leads to the counterexample on the interpreter, with every action written out; None
+    where nothing is played.
     """
 
     text: str
@@ -43,10 +47,13 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Effort:
-    """The effort of a test: how much random play, in units of 10 steps on the interpreter and 655,360 cell updates of the compiled game, and its seed.
+    """The effort of a test.
 
-    compiled: whether the compiled game is played; it is not where JAX is not installed. full: whether a counterexample tells every change
-    of its last step, not only a few of those that are alike.
+    examples: how much random play, in units of 10 steps on the interpreter and 655,360 cell updates
+    of the compiled game.
+    compiled: whether the compiled game is played, if JAX is installed.
+    full: whether a counterexample tells every change of its last step, not only a few of those that
+    are alike.
     """
 
     examples: int = 200
@@ -62,11 +69,16 @@ def make_verdict(
     how: How,
     reason: str,
     trace: Sequence[str] = (),
-    untested: tuple[str, ...] = (),
     scenario: Scenario | None = None,
 ) -> Verdict:
-    """Returns a verdict on a check, or on a statement, with the file and line where it is written."""
-    file, line = ("", 0) if node.origin is None else (node.origin.file, node.origin.line)
+    """Returns a verdict on a check or a statement, with the file and line where it is."""
     return Verdict(
-        family.text_of(node), file, line, passed, how, reason, tuple(trace), untested, scenario
+        text=family.text_of(node),
+        file="" if node.origin is None else node.origin.file,
+        line=0 if node.origin is None else node.origin.line,
+        passed=passed,
+        how=how,
+        reason=reason,
+        trace=tuple(trace),
+        scenario=scenario,
     )

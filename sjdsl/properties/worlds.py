@@ -1,13 +1,14 @@
-"""Plays thousands of worlds of the compiled game side by side on its own map, and continues those in which something new happened.
+"""Plays thousands of worlds of the compiled game side by side on its own map.
 
-An archive keeps a world for each summary of a state. Some of the worlds play whole episodes; the others continue from the archive, more
-often where a summary was seldom seen. Source of that: Ecoffet et al., "First return, then explore", Nature 590, 2021.
+An archive keeps a world for each summary of a state. Some worlds play whole episodes; the others
+continue from the archive, more often where a summary was seldom seen. Source of that: Ecoffet et
+al., "First return, then explore", Nature 590, 2021.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,7 +19,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import body_sorts, kinds_by_glyph
 from sjdsl.properties.biased_draws import BIASES, Bias
-from sjdsl.properties.compiled_play import CompiledPlay, episode_keys
+from sjdsl.properties.compiled_play import FAIR, CompiledPlay, episode_keys
 from sjdsl.properties.instances import GameFamily
 from sjdsl.properties.monitors import DRIFT, FLOATS, REAL
 from sjdsl.properties.random_play import MOVES, random_params
@@ -26,43 +27,52 @@ from sjdsl.properties.statements import StatementId
 from sjdsl.properties.trajectory import Scenario
 from sjdsl.properties.verdict import Effort, Progress
 
-WORK = (
-    2**19 + 2**17
-)  # cells of the map times steps, of all worlds together, for each trajectory that is asked for
+# Cells of the map times steps, of all worlds together, for each example of the effort.
+WORK = 2**19 + 2**17
 SMALL = 32  # cells; a smaller map takes as long
 AT_ONCE = 2**17  # cells of all worlds together
-MOST, LEAST = 2048, 64  # worlds
+MOST = 2048  # worlds
+LEAST = 64
 WHOLE = 4  # one in so many worlds plays whole episodes
+STEPS = 4  # of a segment, after which all worlds are looked at
 UNFAIR = 0.5  # how often the draws of a segment may be biased
-QUIET = 0.2  # how often all agents of a world only move for STEPS steps; in half of the whole episodes they always do
-STEPS = 4  # of every world between two looks at what happened
+# How often all agents of a world only move in a segment; in half of the whole episodes they always
+# do.
+QUIET = 0.2
+HABITS = (0.0, 0.5, 0.9)  # how often an agent repeats its habitual action in a segment
+ALIKE = 0.1  # how often all agents of a world do the same
+SETS = 32  # of parameters for the worlds that begin together; the first half are the file's
 KEPT = 4  # times as many worlds in the archive as are played at once
 AGES = 8  # parts of an episode that a summary tells apart
-SETS = 32  # of parameters for the worlds that begin together; the first half are the file's
-HABITS = (0.0, 0.5, 0.9)  # how often an agent repeats its habitual action for STEPS steps
-ALIKE = 0.1  # how often all agents of a world do the same
 COUNTED = 8  # values of a small field, or entries of a small table, that a summary tells apart
+Params = tuple[tuple[str, Any], ...]  # that differ from the file's
 
 
 class Worlds(NamedTuple):
     """Worlds side by side, each array with an axis of them in front.
 
-    first: the values of all checks in the first state `[K]`; triggered: of each check, whether the first condition of a `once` has held.
-    given: which set of parameters; episode: the number that its random draws come from. node: the last segment of its past; -1: none.
+    first_values: `[B, K]`, of the checks in the first state; triggered: `[B, C]`, whether the first
+    condition of a `once` has held, for each check.
+    params_set `[B]`: index of its parameters in WorldSearch; episode `[B]`: number from which its
+    random draws come.
+    node `[B]`: the last segment of its past, -1 for none: segment * B + its place among the worlds.
     """
 
     state: Any
     totals: dict[str, np.ndarray]
     params: Any
-    first: np.ndarray
+    first_values: np.ndarray
     triggered: np.ndarray
-    given: np.ndarray
+    params_set: np.ndarray
     episode: np.ndarray
     node: np.ndarray
 
 
 class Segment(NamedTuple):
-    """STEPS steps of all worlds: the node before each, the bias of its draws, the actions `[B, STEPS, N]`."""
+    """STEPS steps of all worlds: the node before each and the bias of its draws, `[B]`.
+
+    Actions `[B, STEPS, N]`.
+    """
 
     before: np.ndarray
     bias: np.ndarray
@@ -71,10 +81,10 @@ class Segment(NamedTuple):
 
 @dataclass
 class WorldSearch:
-    """Looks for violations of checks about states, by their index among the game's checks, and of the range of float32.
+    """Looks for violations of checks about states, and for reals that leave float32.
 
-    steps: taken so far, by all worlds; ran: the statements that ran, of those that can be counted; triggered: each `once` whose first
-    condition has held.
+    numbers: of the checks. steps: taken so far, by all worlds; ran: the statements that ran, of
+    those that can be counted; triggered: each `once` whose first condition has held.
     """
 
     family: GameFamily
@@ -91,52 +101,59 @@ class WorldSearch:
         self._left = {FLOATS, *self.numbers}
         self._program = Program(self.family, self._checks)
         cells = max(SMALL, len(game.rows) * len(game.rows[0]))
-        self.worlds = max(LEAST, min(MOST, 2 ** ((AT_ONCE // cells).bit_length() - 1)))
-        self._segments = (
-            max(self.effort.examples * WORK // (cells * self.worlds), self._program.length) // STEPS
-            + 1
-        )
-        self._random, self._rng = Random(self.effort.seed), np.random.default_rng(self.effort.seed)
-        self._sets: list[tuple[tuple[str, Any], ...]] = []
+        power_of_two = 2 ** ((AT_ONCE // cells).bit_length() - 1)
+        self.worlds = max(LEAST, min(MOST, power_of_two))
+        self._whole = self.worlds // WHOLE  # so many, the first ones, play whole episodes
+        self._plays_whole: np.ndarray = np.arange(self.worlds) < self._whole
+        steps = max(self.effort.examples * WORK // (cells * self.worlds), self._program.length)
+        self._segments = steps // STEPS + 1
+        self._random = Random(self.effort.seed)
+        self._rng = np.random.default_rng(self.effort.seed)
+        self._params_sets: list[Params] = []
         self._past: list[Segment] = []
-        self._begun = 0
+        self._num_begun = 0
 
     def run(self, is_enough: Callable[[set[StatementId]], bool]) -> Iterator[tuple[int, Scenario]]:
         """Yields each check that is violated with what leads to that.
 
-        It ends when all work is done, or all checks are violated and it `is_enough` that these statements have run.
+        It ends when all work is done, or all checks are violated and it `is_enough` that these
+        statements have run.
         """
-        rng, whole = self._rng, self.worlds // WHOLE
-        worlds, spare, archive = self._begin(), np.arange(0), Archive(KEPT * self.worlds)
+        rng = self._rng
+        whole = self._whole
+        worlds = self._begin()
+        fresh = worlds
+        spare = np.arange(0)  # places of `fresh` worlds that aren't played yet
+        archive = Archive(KEPT * self.worlds)
         for number in range(self._segments):
             self.progress(f"{self.steps} steps of random play")
-            bias = self._bias(worlds.episode, whole)
-            actions = self._actions(
-                (rng.random(self.worlds) < QUIET)
-                | (np.arange(self.worlds) < whole) & (worlds.episode // 8 % 2 == 1)
-            )
+            bias = self._choose_bias(worlds.episode)
+            actions = self._choose_actions(self._are_quiet(worlds.episode))
             played = self._program.play(worlds, bias, self.effort.seed, actions)
-            self._past.append(
-                Segment(worlds.node, bias.astype(np.uint8), actions.astype(np.uint16))
-            )
+            segment = Segment(worlds.node, bias.astype(np.uint8), actions.astype(np.uint16))
+            self._past.append(segment)
             self.steps += self.worlds * STEPS
-            self.ran |= {self._program.statements[i] for i in np.flatnonzero(played.ran.any(0))}
-            wrong, triggered = self._wrong(worlds, played)
-            for check, bad in wrong:
-                if check in self._left and bad.any():
-                    world = int(np.where(bad.any(1), bad.argmax(1), STEPS).argmin())
+            for i in np.flatnonzero(played.ran.any(axis=0)):
+                self.ran.add(self._program.statements[i])
+            violations, triggered = self._violations(worlds, played)
+            for check, is_violated in violations:
+                if check in self._left and is_violated.any():
+                    in_world = is_violated.any(axis=1)
+                    first_step = is_violated.argmax(axis=1)
+                    world = int(np.where(in_world, first_step, STEPS).argmin())
                     self._left.remove(check)
-                    yield check, self._scenario(worlds, number, world, int(bad[world].argmax()) + 1)
+                    yield check, self._scenario(worlds, number, world, int(first_step[world]) + 1)
             if self._left <= {FLOATS} and is_enough(self.ran):
                 return
             node = number * self.worlds + np.arange(self.worlds)
             worlds = worlds._replace(
                 state=played.state, totals=played.totals, triggered=triggered, node=node
             )
-            archive.add(worlds, np.flatnonzero(~played.over), played.summary)
-            ended = np.flatnonzero(played.over[:whole])
+            archive.add(worlds, np.flatnonzero(~played.is_over), played.summary)
+            ended = np.flatnonzero(played.is_over[:whole])
             if len(ended) > len(spare):
-                fresh, spare = self._begin(), np.arange(self.worlds)
+                fresh = self._begin()
+                spare = np.arange(self.worlds)
             if len(ended):
                 _put(worlds, ended, fresh, spare[: len(ended)])
                 spare = spare[len(ended) :]
@@ -146,149 +163,193 @@ class WorldSearch:
 
     def _begin(self) -> Worlds:
         """Returns worlds at the start of episodes."""
-        sets = [
-            () if i < SETS // 2 else random_params(self.family.own, self._random)
-            for i in range(SETS)
-        ]
-        given = len(self._sets) + np.arange(self.worlds) % SETS
-        self._sets += sets
-        episode = self._begun + np.arange(self.worlds)
-        self._begun += self.worlds
-        return self._program.begin(
-            [sets[i % SETS] for i in range(self.worlds)], given, episode, self.effort.seed
-        )
+        params_sets: list[Params] = [()] * (SETS // 2)
+        for _ in range(SETS - len(params_sets)):
+            params_sets.append(random_params(self.family.own, self._random))
+        places = np.arange(self.worlds)
+        params_set = len(self._params_sets) + places % SETS
+        self._params_sets += params_sets
+        episode = self._num_begun + places
+        self._num_begun += self.worlds
+        params = [self._params_sets[i] for i in params_set]
+        return self._program.begin(params, params_set, episode, self.effort.seed)
 
-    def _bias(self, episode: np.ndarray, whole: int) -> np.ndarray:
-        """Returns the bias of the draws of each world; half of the whole episodes have one bias throughout."""
-        changing = self._rng.integers(0, len(BIASES), self.worlds) * (
-            self._rng.random(self.worlds) < UNFAIR
-        )
-        steady = (np.arange(self.worlds) < whole) & (episode % 2 == 1)
-        return np.where(steady, episode // 2 % len(BIASES), changing).astype(np.uint32)
+    def _choose_bias(self, episode: np.ndarray) -> np.ndarray:
+        """Returns the bias of the draws of each world in a segment, `[B]` uint32.
 
-    def _actions(self, quiet: np.ndarray) -> np.ndarray:
-        """Returns random actions, `[B, STEPS, N]` int32: some worlds have agents with habits, in some all do the same. quiet: only moves."""
-        rng, shape, names = (
-            self._rng,
-            (self.worlds, STEPS, self._program.agents),
-            self.family.own.agents.actions,
-        )
+        Half of the whole episodes have one bias throughout.
+        """
+        any_bias = self._rng.integers(0, len(BIASES), self.worlds)
+        changing = np.where(self._rng.random(self.worlds) < UNFAIR, any_bias, FAIR)
+        is_steady = self._plays_whole & (episode % 2 == 1)
+        bias: np.ndarray = np.where(is_steady, episode // 2 % len(BIASES), changing)
+        return bias.astype(np.uint32)
+
+    def _are_quiet(self, episode: np.ndarray) -> np.ndarray:
+        """Returns in which worlds all agents only move in a segment, `[B]` bool.
+
+        Of whole episodes, every other eight do so throughout.
+        """
+        at_random = self._rng.random(self.worlds) < QUIET
+        is_steady = self._plays_whole & (episode // 8 % 2 == 1)
+        are_quiet: np.ndarray = at_random | is_steady
+        return are_quiet
+
+    def _choose_actions(self, are_quiet: np.ndarray) -> np.ndarray:
+        """Returns random actions, `[B, STEPS, N]` int32.
+
+        In some worlds the agents have habits, in some all do the same, in `are_quiet` all move.
+        """
+        rng = self._rng
+        names = self.family.own.agents.actions
         moves = np.array([action for action, name in enumerate(names) if name in MOVES])
-        any_action, habit = (
-            np.where(
-                quiet[:, None, None], rng.choice(moves, size), rng.integers(0, len(names), size)
-            )
-            for size in (shape, (self.worlds, 1, shape[2]))
-        )
-        actions = np.where(
-            rng.random(shape) < rng.choice(HABITS, (self.worlds, 1, 1)), habit, any_action
-        )
-        return np.where(rng.random((self.worlds, 1, 1)) < ALIKE, actions[:, :, :1], actions).astype(
-            np.int32
-        )
 
-    def _wrong(
+        def choose(steps: int) -> np.ndarray:
+            """Returns random actions, `[B, steps, N]`."""
+            shape = (self.worlds, steps, self._program.agents)
+            any_move = rng.choice(moves, shape)
+            any_action = rng.integers(0, len(names), shape)
+            chosen: np.ndarray = np.where(are_quiet[:, None, None], any_move, any_action)
+            return chosen
+
+        changing = choose(STEPS)
+        habit = choose(1)
+        follows_habit = rng.random(changing.shape) < rng.choice(HABITS, (self.worlds, 1, 1))
+        actions = np.where(follows_habit, habit, changing)
+        are_alike = rng.random((self.worlds, 1, 1)) < ALIKE
+        chosen: np.ndarray = np.where(are_alike, actions[:, :, :1], actions).astype(np.int32)
+        return chosen
+
+    def _violations(
         self, worlds: Worlds, played: "Played"
     ) -> tuple[list[tuple[int, np.ndarray]], np.ndarray]:
-        """Returns the steps `[B, STEPS]` in which each check is violated, and the worlds `[B, K]` in which a `once` applies from now on."""
-        live, triggered = ~played.was_over, worlds.triggered.copy()
-        wrong, at = [(FLOATS, live & ~played.finite)], 0
+        """Returns the steps `[B, STEPS]` in which each check is violated, and `triggered`.
+
+        Also those in which a real leaves float32.
+        """
+        live = ~played.was_over
+        live_and_finite = live & played.is_finite.cumprod(axis=1, dtype=bool)
+        triggered = worlds.triggered.copy()
+        violations = [(FLOATS, live & ~played.is_finite)]
+        first = 0
         for i, (number, check) in enumerate(zip(self.numbers, self._checks, strict=True)):
-            values = played.values[:, :, at : at + len(check.values)]
-            first = worlds.first[:, None, at : at + len(check.values)]
-            at += len(check.values)
+            after = first + len(check.values)
+            values = played.values[:, :, first:after]
+            first_values = worlds.first_values[:, None, first:after]
+            first = after
             match check.sort:
                 case "always":
-                    bad = values[:, :, 0] == 0
+                    is_violated = values[:, :, 0] == 0
                 case "conserved":
-                    bad = ~np.isclose(values, first, DRIFT, DRIFT)[:, :, 0]
+                    is_violated = ~np.isclose(values, first_values, DRIFT, DRIFT)[:, :, 0]
                 case "once":
-                    holds = (
-                        np.logical_or.accumulate(live & (values[:, :, 0] != 0), 1)
-                        | triggered[:, i, None]
-                    )
-                    self.triggered |= {number} if holds.any() else set()
-                    triggered[:, i], bad = holds[:, -1], holds & (values[:, :, 1] == 0)
+                    holds = np.logical_or.accumulate(live & (values[:, :, 0] != 0), axis=1)
+                    holds |= triggered[:, i, None]
+                    if holds.any():
+                        self.triggered.add(number)
+                    triggered[:, i] = holds[:, -1]
+                    is_violated = holds & (values[:, :, 1] == 0)
                 case _:
-                    bad = _wrong_ways(
-                        np.concatenate([first, values], 1), check.words[0] == "rising"
-                    )
-            wrong.append((number, live & bad & played.finite.cumprod(1, dtype=bool)))
-        return wrong, triggered
+                    states = np.concatenate([first_values, values], axis=1)
+                    is_violated = _find_turns(states, rising=check.words[0] == "rising")
+            violations.append((number, live_and_finite & is_violated))
+        return violations, triggered
 
     def _scenario(self, worlds: Worlds, segment: int, world: int, steps: int) -> Scenario:
-        """Returns what the interpreter has to play to come to the state of a world after so many steps of the latest segment."""
+        """Returns what leads the interpreter to a state of a world.
+
+        Args:
+          steps: of the latest segment, after which this state comes.
+        """
         node = segment * self.worlds + world
-        past = list[tuple[Bias, tuple[int, ...]]]()
+        bias: list[Bias] = []  # of each step, the last one first
+        actions: list[tuple[int, ...]] = []
         while node >= 0:
-            one, i = self._past[node // self.worlds], node % self.worlds
-            past = [
-                (BIASES[one.bias[i]], tuple(actions)) for actions in one.actions[i].tolist()
-            ] + past
-            node = int(one.before[i])
-        past = past[: len(past) - STEPS + steps]
-        bias, actions = tuple(bias for bias, _ in past), tuple(actions for _, actions in past)
+            past = self._past[node // self.worlds]
+            i = node % self.worlds
+            bias += [BIASES[past.bias[i]]] * STEPS
+            actions += map(tuple, reversed(past.actions[i].tolist()))
+            node = int(past.before[i])
+        not_played = STEPS - steps
         return Scenario(
             self.effort.seed,
             int(worlds.episode[world]),
-            self._sets[worlds.given[world]],
-            bias,
-            actions,
+            self._params_sets[worlds.params_set[world]],
+            tuple(reversed(bias[not_played:])),
+            tuple(reversed(actions[not_played:])),
         )
 
 
 class Archive:
-    """The latest world of each summary, in the row of that; how often the summary was seen, and how often its world was continued."""
+    """The latest world of each summary, with how often the summary was seen and continued from.
+
+    rows: summary -> the row of its world in `worlds`.
+    """
 
     def __init__(self, most: int) -> None:
-        self.rows, self.worlds, self._most = dict[int, int](), cast(Any, None), most
-        self._seen, self._continued = np.zeros(most), np.zeros(most)
+        self.rows: dict[int, int] = {}
+        self.worlds: Any = None  # Worlds, once some are added
+        self._most = most
+        self._seen = np.zeros(most)
+        self._continued = np.zeros(most)
 
-    def add(self, worlds: Worlds, which: np.ndarray, summary: np.ndarray) -> None:
-        """Keeps a world of each summary; where there is no more room, in place of those that were seen most often."""
-        summaries, at, times = np.unique(summary[which], return_index=True, return_counts=True)
+    def add(self, worlds: Worlds, places: np.ndarray, summary: np.ndarray) -> None:
+        """Keeps a world of each summary, of the worlds at these places.
+
+        If there is no room left, they replace those of the summaries that were seen most often.
+        """
+        summaries, indices, times = np.unique(
+            summary[places], return_index=True, return_counts=True
+        )
         if self.worlds is None:
             self.worlds = jax.tree.map(
-                lambda x: np.zeros((self._most, *x.shape[1:]), x.dtype), worlds
+                lambda array: np.zeros((self._most, *array.shape[1:]), array.dtype), worlds
             )
-        new = [s for s in summaries.tolist() if s not in self.rows]
-        if more := max(0, len(self.rows) + len(new) - self._most):
-            names = list(self.rows)
-            order = np.argsort([-self._seen[row] for row in self.rows.values()], kind="stable")
-            free = [self.rows.pop(names[i]) for i in order[:more]]
-        else:
-            free = []
-        free += range(len(self.rows) + len(free), len(self.rows) + len(new))
-        self.rows |= dict(zip(new, free, strict=True))
-        self._seen[free] = self._continued[free] = 0
+        self._make_rows([s for s in summaries.tolist() if s not in self.rows])
+        # A summary of these worlds can be among those that made room.
         rows = np.array([self.rows.get(s, -1) for s in summaries.tolist()], int)
-        kept = rows >= 0  # a summary of these worlds can be among those that made room
-        self._seen[rows[kept]] += times[kept]
-        _put(self.worlds, rows[kept], worlds, which[at[kept]])
+        is_kept = rows >= 0
+        self._seen[rows[is_kept]] += times[is_kept]
+        _put(self.worlds, rows[is_kept], worlds, places[indices[is_kept]])
 
-    def choose(self, many: int, rng: np.random.Generator) -> np.ndarray:
-        """Returns the rows of worlds to continue, more often those seldom seen and seldom continued."""
-        number = len(self.rows)
-        weights = 1 / np.sqrt((1 + self._seen[:number]) * (1 + self._continued[:number]))
-        rows = rng.choice(number, many, p=weights / weights.sum())
-        np.add.at(self._continued, rows, 1)
-        return rows
+    def _make_rows(self, summaries: Sequence[int]) -> None:
+        """Gives new summaries a row each."""
+        free: list[int] = []
+        too_many = len(self.rows) + len(summaries) - self._most
+        if too_many > 0:
+            often_seen_first = sorted(self.rows, key=lambda s: -self._seen[self.rows[s]])
+            free = [self.rows.pop(summary) for summary in often_seen_first[:too_many]]
+        used = len(self.rows) + len(free)
+        free += range(used, len(self.rows) + len(summaries))
+        self.rows |= dict(zip(summaries, free, strict=True))
+        self._seen[free] = 0
+        self._continued[free] = 0
+
+    def choose(self, number: int, rng: np.random.Generator) -> np.ndarray:
+        """Returns the rows of worlds to continue, more often those seldom seen and continued."""
+        rows = len(self.rows)
+        weights = 1 / np.sqrt((1 + self._seen[:rows]) * (1 + self._continued[:rows]))
+        chosen = rng.choice(rows, number, p=weights / weights.sum())
+        np.add.at(self._continued, chosen, 1)
+        return chosen
 
 
 class Played(NamedTuple):
     """What a segment leads to.
 
-    state, totals: the last ones; over `[B]`: whether the episode has ended. values `[B, STEPS, K]`, was_over and finite `[B, STEPS]`: of
-    each step, whether the episode had ended before, and whether all its numbers are finite. ran `[B, S]`: whether each statement ran.
-    summary `[B]` uint32: of the last state and of what ran.
+    state, totals: the last ones; is_over `[B]`: whether the episode has ended.
+    Of each step: values `[B, STEPS, K]`; was_over `[B, STEPS]`: whether the episode had ended
+    before; is_finite `[B, STEPS]`: whether no real is infinite or NaN.
+    ran `[B, S]`: whether each statement ran. summary `[B]` uint32: of the last state and of what
+    ran.
     """
 
     state: Any
     totals: dict[str, np.ndarray]
-    over: np.ndarray
+    is_over: np.ndarray
     values: np.ndarray
     was_over: np.ndarray
-    finite: np.ndarray
+    is_finite: np.ndarray
     ran: np.ndarray
     summary: np.ndarray
 
@@ -297,40 +358,45 @@ class Program:
     """The compiled game, for worlds side by side."""
 
     def __init__(self, family: GameFamily, checks: Sequence[ir.Check]):
-        self._play, self._game, self._checks = CompiledPlay(family, checks), family.own, len(checks)
-        env = self._play.env
-        self.statements, self._module = list(self._play.counted.values()), self._play.module
-        self.agents, self.length = env.num_agents, env.episode_length
-        self._kinds = self._kind_of_place()
-        self._segment = jax.jit(jax.vmap(self._played))
+        self._play = CompiledPlay(family, checks)
+        self._game = family.own
+        self._num_checks = len(checks)
+        self._module = self._play.module
+        self.statements = list(self._play.counted.values())
+        self.agents = self._play.env.num_agents
+        self.length = self._play.env.episode_length
+        self._kind_of_place = self._kinds_of_places()
+        self._segment = jax.jit(jax.vmap(self._play_segment))
         self._start = jax.jit(jax.vmap(self._play.begin))
 
     def begin(
-        self,
-        sets: Sequence[tuple[tuple[str, Any], ...]],
-        given: np.ndarray,
-        episode: np.ndarray,
-        seed: int,
+        self, params: Sequence[Params], params_set: np.ndarray, episode: np.ndarray, seed: int
     ) -> Worlds:
-        """Returns the first states of some episodes, with these parameters."""
-        own = self._play.env.params
-        names = {p.name: param_attribute(p.name) for p in self._game.params}
-        types = {p.name: p.type for p in self._game.params}
-        different = [{names[n]: _stored(value, types[n]) for n, value in one} for one in sets]
-        values = {
-            name: [
-                np.asarray(one.get(name, getattr(own, name)), getattr(own, name).dtype)
-                for one in different
+        """Returns the first states of some episodes, each with its parameters."""
+        of_file = self._play.env.params
+        changes = [dict(one) for one in params]
+        columns = {}
+        for param in self._game.params:
+            name = param_attribute(param.name)
+            default = getattr(of_file, name)
+            values = [
+                _stored(one[param.name], param.type) if param.name in one else default
+                for one in changes
             ]
-            for name in names.values()
-        }
-        params = replace(own, **{name: np.stack(value) for name, value in values.items()})
-        state, totals, first = jax.tree.map(
-            np.array, self._start(params, episode_keys(seed, episode))
+            columns[name] = np.stack([np.asarray(value, default.dtype) for value in values])
+        of_worlds = replace(of_file, **columns)
+        state, totals, first_values = jax.tree.map(
+            np.array, self._start(of_worlds, episode_keys(seed, episode))
         )
-        triggered = np.zeros((len(episode), self._checks), np.bool_)
         return Worlds(
-            state, totals, params, first, triggered, given, episode, np.full(len(episode), -1)
+            state=state,
+            totals=totals,
+            params=of_worlds,
+            first_values=first_values,
+            triggered=np.zeros((len(episode), self._num_checks), np.bool_),
+            params_set=params_set,
+            episode=episode,
+            node=np.full(len(episode), -1),
         )
 
     def play(self, worlds: Worlds, bias: np.ndarray, seed: int, actions: np.ndarray) -> Played:
@@ -345,7 +411,7 @@ class Program:
         )
         return Played(*jax.tree.map(np.array, played))
 
-    def _played(
+    def _play_segment(
         self,
         state: Any,
         totals: dict[str, Array],
@@ -354,64 +420,64 @@ class Program:
         bias: Array,
         actions: Array,
     ) -> tuple[Any, ...]:
+        """Returns the parts of `Played` for one world."""
+
         def advance(carry: Any, chosen: Array) -> Any:
-            before, earlier, over = carry
-            after = self._play.step(before, earlier, params, key, bias, chosen)
-            ran = jnp.array([after.events[name] > 0 for name in self._play.counted], bool) & ~over
+            """Takes a step; an episode that is over stays as it is."""
+            before, totals_before, was_over = carry
+            after = self._play.step(before, totals_before, params, key, bias, chosen)
+            events = [after.events[name] > 0 for name in self._play.counted]
+            ran = jnp.array(events, bool) & ~was_over
             state, totals = jax.tree.map(
-                lambda old, new: jnp.where(over, old, new),
-                (before, earlier),
+                lambda old, new: jnp.where(was_over, old, new),
+                (before, totals_before),
                 (after.state, after.totals),
             )
-            return (state, totals, over | after.over), (after.values, over, after.finite, ran)
+            carry = (state, totals, was_over | after.is_over)
+            return carry, (after.values, was_over, after.is_finite, ran)
 
-        (state, totals, over), (values, was_over, finite, ran) = jax.lax.scan(
+        (state, totals, is_over), (values, was_over, is_finite, ran) = jax.lax.scan(
             advance, (state, totals, jnp.bool_(False)), actions
         )
-        return (
-            state,
-            totals,
-            over,
-            values,
-            was_over,
-            finite,
-            ran.any(0),
-            self._summary(state, values[-1], ran.any(0), params),
-        )
+        ran = ran.any(axis=0)
+        summary = self._summary(state, values[-1], ran, params)
+        return state, totals, is_over, values, was_over, is_finite, ran, summary
 
     def _summary(self, state: Any, values: Array, ran: Array, params: Any) -> Array:
-        """Returns a hash of a state: its fields, the kinds on which agents and movers are, what checks read, the part of the episode; and of what ran."""
+        """Returns a hash of a state and of the statements that ran, uint32.
+
+        Of the state: its fields, the kinds on which agents and movers stand, what checks read, and
+        the part of the episode.
+        """
         sorts = body_sorts(self._game)
         places = {attribute_of("position", sort) for sort in sorts}
-        left_out = {
-            attribute_of(name, sort)
-            for name in ("heading", "moved", "away", "away_pool", "away_facing")
-            for sort in sorts
-        } | {"step"}
+        left_out = {"step"}
+        for name in ("heading", "moved", "away", "away_pool", "away_facing"):
+            left_out |= {attribute_of(name, sort) for sort in sorts}
         age = state.step * AGES // jnp.maximum(1, self._module.episode_length(params))
-        parts = [age, _some(jnp.where(jnp.isfinite(values), values, 0)), ran]
+        parts = [age, _clipped(jnp.where(jnp.isfinite(values), values, 0)), ran]
         for name in state.__dataclass_fields__:
             if name not in left_out and not name.startswith("mark_"):
-                held = getattr(state, name)
-                parts.append(_counts(_some(self._kinds[held] if name in places else held)))
-        numbers = jnp.concatenate([part.reshape(-1).astype(jnp.int32) for part in parts]).astype(
-            jnp.uint32
-        )
-        factors = np.random.default_rng(0).integers(0, 2**32, numbers.size, np.uint32) | np.uint32(
-            1
-        )
-        mixed = (numbers + np.uint32(COUNTED)) * factors
+                numbers = getattr(state, name)
+                if name in places:
+                    numbers = self._kind_of_place[numbers]
+                parts.append(_counts(_clipped(numbers)))
+        parts = [part.reshape(-1).astype(jnp.int32) for part in parts]
+        numbers = jnp.concatenate(parts).astype(jnp.uint32)
+        factors = np.random.default_rng(0).integers(0, 2**32, numbers.size, np.uint32)
+        mixed = (numbers + np.uint32(COUNTED)) * (factors | np.uint32(1))  # odd, to lose no bits
         return jnp.sum((mixed ^ (mixed >> 15)) * np.uint32(0x9E3779B1))
 
-    def _kind_of_place(self) -> Array:
-        """Returns a number for the kind of each cell of the map with its frame; 0: none, where those are who are away."""
-        game, module = self._game, self._play.env.module
-        of_glyph, names = kinds_by_glyph(game), [kind.name for kind in game.kinds]
-        framed = np.zeros(module.FRAME, np.int32)
-        for r, row in enumerate(game.rows):
+    def _kinds_of_places(self) -> Array:
+        """Returns a number for the kind of each cell of the padded map, 0 off the map."""
+        module = self._play.env.module
+        of_glyph = kinds_by_glyph(self._game)
+        names = [kind.name for kind in self._game.kinds]
+        numbers = np.zeros(module.FRAME, np.int32)
+        for r, row in enumerate(self._game.rows):
             for c, glyph in enumerate(row):
-                framed[r + module.PAD, c + module.PAD] = 1 + names.index(of_glyph[glyph])
-        return jnp.asarray(framed.reshape(-1))
+                numbers[r + module.PAD, c + module.PAD] = 1 + names.index(of_glyph[glyph])
+        return jnp.asarray(numbers.reshape(-1))
 
 
 def _stored(value: Any, type_: ir.Type) -> Any:
@@ -421,14 +487,17 @@ def _stored(value: Any, type_: ir.Type) -> Any:
     return type_.words.index(value) if type_.kind == "word" else value
 
 
-def _some(numbers: Array) -> Array:
-    """Returns whole numbers, those of large size alike; of reals the whole part."""
+def _clipped(numbers: Array) -> Array:
+    """Returns the whole part of numbers; beyond COUNTED they are all the same, int32."""
     whole = jnp.floor(numbers) if jnp.issubdtype(numbers.dtype, jnp.floating) else numbers
     return jnp.clip(whole.astype(jnp.int32), -COUNTED, COUNTED)
 
 
 def _counts(numbers: Array) -> Array:
-    """Returns the numbers, sorted; of many, how often each is there, in steps that grow with the number."""
+    """Returns a few numbers in order; of more than COUNTED, about how often each occurs.
+
+    That is counted in steps that grow with the count.
+    """
     flat = numbers.reshape(-1)
     if flat.size <= COUNTED:
         return jnp.sort(flat)
@@ -436,20 +505,25 @@ def _counts(numbers: Array) -> Array:
     return jnp.floor(2 * jnp.log2(1 + times.astype(jnp.float32))).astype(jnp.int32)
 
 
-def _put(into: Worlds, places: np.ndarray, worlds: Worlds, which: np.ndarray) -> None:
-    """Replaces some worlds by others."""
-    for old, new in zip(jax.tree.leaves(into), jax.tree.leaves(worlds), strict=True):
-        old[places] = new[which]
+def _put(target: Worlds, places: np.ndarray, source: Worlds, source_places: np.ndarray) -> None:
+    """Replaces worlds by others, in place."""
+    for old, new in zip(jax.tree.leaves(target), jax.tree.leaves(source), strict=True):
+        old[places] = new[source_places]
 
 
-def _wrong_ways(pairs: np.ndarray, rising: bool) -> np.ndarray:
-    """Returns the steps `[B, STEPS]` in which the value went the wrong way since an earlier state of the segment.
+def _find_turns(pairs: np.ndarray, rising: bool) -> np.ndarray:
+    """Returns the steps `[B, STEPS]` whose value went the wrong way since an earlier state.
 
-    pairs: `[B, STEPS + 1, 2]`, value and argument. rising: whether it is wrong that the value moves against the argument, or with it.
+    Args:
+      pairs: `[B, STEPS + 1, 2]`, value and argument of each state of a segment.
+      rising: whether the value must grow where the argument does, or else shrink.
     """
-    value, argument = (pairs[:, :, i] for i in (0, 1))
-    more, less = ((x[:, 1:, None] - x[:, None]) for x in (value, argument))
-    apart = [~np.isclose(x[:, 1:, None], x[:, None], REAL, REAL) for x in (value, argument)]
-    earlier = np.arange(pairs.shape[1] - 1)[:, None] >= np.arange(pairs.shape[1])[None]
-    wrong = (more * less < 0) if rising else (more * less > 0)
-    return np.asarray((wrong & apart[0] & apart[1] & earlier).any(2))
+    after = pairs[:, 1:, None]
+    before = pairs[:, None]
+    change = after - before  # [B, STEPS, STEPS + 1, 2]
+    product = change[..., 0] * change[..., 1]
+    is_wrong = product < 0 if rising else product > 0
+    differs = ~np.isclose(after, before, REAL, REAL)
+    states = np.arange(pairs.shape[1])
+    is_earlier = states[:-1, None] >= states[None]
+    return np.asarray((is_wrong & differs.all(axis=-1) & is_earlier).any(axis=2))

@@ -10,14 +10,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from sjdsl.render.colours import COVERING, FILLING, SPRITES, Colour, mixed
+from sjdsl.render.colours import COVERING, FILLING, Colour, mixed
 from sjdsl.render.look import BADGES, FieldLook, KindLook, Look, Rule, Values
 from sjdsl.render.moment import Snapshot
 from sjdsl.render.usual import Picture
 from sjdsl.runtime.actions import DIRECTIONS
 
 BAR_STEPS = 8
-TINTED = 0.45
+TINTED = 0.45  # share of the tint in a colour
 BADGES_OF_CELL = 8  # as many as have room: in the corners, then between them
 FLASH: Colour = (255, 236, 110)
 Cell = tuple[int, int]  # row, column
@@ -101,7 +101,7 @@ def appearance_of(
       before: the moment before. What was taken, cleaned or hit since then flashes; nothing flashes
         without it, or if it isn't the moment one step before.
     """
-    ground = _ground(look, snapshot)
+    ground = _draw_cells(look, snapshot)
     figures = draw_figures(look, snapshot)
     flashes: list[Cell] = []
     if before is not None and before.step + 1 == snapshot.step:
@@ -118,8 +118,8 @@ def appearance_of(
     )
 
 
-def _ground(look: Look, snapshot: Snapshot) -> Appearance:
-    """Returns the cells alone."""
+def _draw_cells(look: Look, snapshot: Snapshot) -> Appearance:
+    """Returns the board without figures."""
     drawings: list[Drawing] = []
     cells = np.zeros((look.height, look.width), int)
     for kind in look.kinds:
@@ -138,7 +138,7 @@ def _beams(
     action marks in this phase.
     """
     for label, edge in look.marks:
-        marking = look.acting[label]
+        marking = look.marking_actions[label]
         agents = [
             agent
             for agent in range(look.num_agents)
@@ -178,13 +178,13 @@ def _flashing_cells(
     """
     positions = _positions(snapshot)
     earlier_positions = _positions(before)
-    earlier_ground = _ground(look, before)
+    earlier_ground = _draw_cells(look, before)
     reached = {cell for cell in positions["agent"] if cell is not None}
     for label, _ in look.marks:
         reached |= {*marked_cells(snapshot, label)}
     flashing: set[Cell] = set()
     for cell in reached:
-        gone = _things(earlier_ground, cell) - _things(ground, cell)
+        gone = _pictures_in(earlier_ground, cell) - _pictures_in(ground, cell)
         if any(picture.sprite != "floor" for picture in gone):
             flashing.add(cell)
     for agent, position in enumerate(positions["agent"]):
@@ -197,7 +197,7 @@ def _flashing_cells(
     return flashing
 
 
-def _things(ground: Appearance, cell: Cell) -> set[Picture]:
+def _pictures_in(ground: Appearance, cell: Cell) -> set[Picture]:
     """Returns the sprites in a cell."""
     drawing = ground.drawings[int(ground.cells[cell])]
     body = set() if drawing.body is None else {drawing.body}
@@ -263,15 +263,15 @@ def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=4096)
 def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
     """Returns how a cell of a kind is drawn. `begun`: marks of starting places are left out."""
-    applied = [
-        rule for rule, applies in zip(kind.rules, key[len(kind.fields) :], strict=True) if applies
-    ]
+    values = key[: len(kind.fields)]
+    applies = key[len(kind.fields) :]
+    applied = [rule for rule, is_applied in zip(kind.rules, applies, strict=True) if is_applied]
     ground = kind.ground
     body = None if begun and kind.starting else kind.body
     standing: Picture | None = None  # on a body that fills the cell
     for rule in applied:  # the last one with a sprite or a colour counts, and every badge
-        if rule.sprite is not None:
-            picture = Picture(rule.sprite, rule.colour or SPRITES[rule.sprite])
+        picture = rule.picture
+        if picture is not None:
             if _fills_cell(body) and not _fills_cell(picture):
                 standing = picture
             else:
@@ -282,12 +282,12 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
             body = _tint_body(body, rule.colour)
     if body == Picture("floor", ground):  # a mark in the colour of its ground can't be seen
         body = None
-    read = frozenset().union(*(rule.reads for rule in applied))
+    read = {name for rule in applied for name in rule.reads}
     objects: list[Picture] = []
     edges: list[Colour | None] = []
     bars: list[tuple[int, int]] = []
     side = 0
-    for field, value in zip(kind.fields, key, strict=False):
+    for field, value in zip(kind.fields, values, strict=True):
         is_read = field.name in read
         match field.sort:
             case "edge":
@@ -310,13 +310,13 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
         objects = [] if standing is None else [standing]
     edge, *inner = edges or [None]
     return Drawing(
-        ground,
-        body,
-        tuple(objects),
-        tuple(badges[:BADGES_OF_CELL]),
-        edge,
-        tuple(bars),
-        tuple(inner) if any(inner) else (),
+        ground=ground,
+        body=body,
+        objects=tuple(objects),
+        badges=tuple(badges[:BADGES_OF_CELL]),
+        edge=edge,
+        bars=tuple(bars),
+        inner=tuple(inner) if any(inner) else (),
     )
 
 
@@ -350,10 +350,10 @@ def draw_figures(look: Look, snapshot: Snapshot) -> dict[str, list[Figure]]:
     return figures
 
 
-def held_entries(look: Look, snapshot: Snapshot, agent: int) -> list[tuple[Picture, float]]:
-    """Returns the amounts that an agent has of each thing, from all its indexed fields."""
+def possessions_of(look: Look, snapshot: Snapshot, agent: int) -> list[tuple[Picture, float]]:
+    """Returns the things that an agent can have, each with the amount that it has."""
     entries: list[tuple[Picture, float]] = []
-    for field in look.held:
+    for field in look.possessions:
         amounts = snapshot.values[field.attribute][agent].tolist()
         entries += zip(field.pictures, amounts, strict=True)
     return entries
@@ -379,7 +379,7 @@ def _apply_looks(
         ]
         for rule in applied:
             figure = apply_rule(figure, rule)
-        read = frozenset().union(*(rule.reads for rule in applied))
+        read = {name for rule in applied for name in rule.reads}
         badges = list(figure.badges)
         for field in carried:
             value = int(values[field.attribute][number])

@@ -94,7 +94,8 @@ def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile:
       board: from `draw_board`, `[H * tile, W * tile, 3]` uint8.
       tile: pixels of a cell's side.
     """
-    height, width = board.shape[0] // tile, board.shape[1] // tile
+    height = board.shape[0] // tile
+    width = board.shape[1] // tile
     # The last row and column are off the map.
     tiles = np.zeros((height + 1, width + 1, tile, tile, 3), np.uint8)
     tiles[:height, :width] = board.reshape(height, tile, width, tile, 3).swapaxes(1, 2)
@@ -118,6 +119,7 @@ def where_seen(seen: np.ndarray, windows: np.ndarray) -> np.ndarray:
       windows: `[N, rows * tile, cols * tile, 3]` uint8.
     """
     num_agents, rows, cols = seen.shape
-    height, width = windows.shape[1] // rows, windows.shape[2] // cols
+    height = windows.shape[1] // rows
+    width = windows.shape[2] // cols
     tiles = windows.reshape(num_agents, rows, height, cols, width, 3)
     return np.where(seen[:, :, None, :, None, None], tiles, 0).reshape(windows.shape)

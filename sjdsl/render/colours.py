@@ -37,10 +37,12 @@ _LOOKS = tomllib.loads(files("sjdsl.render").joinpath("looks.toml").read_text(en
 
 
 def _colour_table(table: str) -> dict[str, Colour]:
+    """Returns the colours of a table of `looks.toml` by name."""
     return {name: read_colour(colour) for name, colour in _LOOKS[table].items()}
 
 
 def _palette(name: str) -> tuple[Colour, ...]:
+    """Returns a list of colours of `looks.toml`."""
     return tuple(map(read_colour, _LOOKS[name]))
 
 

@@ -17,7 +17,7 @@ from markupsafe import Markup
 
 from sjdsl.compiler import ir
 from sjdsl.files import write_whole
-from sjdsl.render.appearance import Drawing, Figure, appearance_of, draw_figures, held_entries
+from sjdsl.render.appearance import Drawing, Figure, appearance_of, draw_figures, possessions_of
 from sjdsl.render.colours import PAPER, hexadecimal
 from sjdsl.render.legend import legend_entries
 from sjdsl.render.look import Look, make_look
@@ -77,6 +77,7 @@ def make_page(game: ir.Game, moments: Iterable[Moment], speed: float = SPEED) ->
 
 
 def _asset(name: str) -> str:
+    """Returns a file of the page: its template, its style or a script."""
     return files("sjdsl.render").joinpath(f"page/{name}").read_text(encoding="utf-8")
 
 
@@ -102,7 +103,7 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
         "size": SIZE,
         "actions": list(game.agents.actions),
         "agents": artist.colours,
-        "has": bool(look.held or look.own),
+        "has": bool(look.possessions or look.own),
         "legend": artist.legend([moment.snapshot for moment in moments]),
         "moments": drawn,
         "pictures": artist.pictures,
@@ -113,14 +114,15 @@ def episode_data(game: ir.Game, moments: Iterable[Moment]) -> dict[str, Any]:
 class Artist:
     """Draws moments with as few pictures as possible.
 
-    pictures: data URLs; colours: of the agents in the moment drawn last.
+    pictures: data URLs; colours: of the agents in the moment drawn last, as are _cells, each cell's
+    picture, and _before, its state.
     """
 
     look: Look
     pictures: list[str] = field(default_factory=list)
     colours: list[str] = field(default_factory=list)
     _numbers: dict[str, int] = field(default_factory=dict)
-    _last: np.ndarray | None = None
+    _cells: np.ndarray | None = None
     _before: Snapshot | None = None
 
     def moment(self, moment: Moment) -> dict[str, Any]:
@@ -143,10 +145,10 @@ class Artist:
         pictures = [self.picture_of(vector_tile(drawing)) for drawing in appearance.drawings]
         cells = np.array(pictures)[appearance.cells].reshape(-1)
         changed = np.arange(cells.size)
-        if self._last is not None:
-            changed = np.flatnonzero(cells != self._last)
+        if self._cells is not None:
+            changed = np.flatnonzero(cells != self._cells)
         self._before = snapshot
-        self._last = cells
+        self._cells = cells
         self.colours = [
             hexadecimal(figure.colour) for figure in draw_figures(look, snapshot)["agent"]
         ]
@@ -161,7 +163,7 @@ class Artist:
             "actions": list(moment.actions),
             "rewards": _rounded(moment.reward),
             "returns": _rounded(snapshot.returns),
-            "held": [self._held(snapshot, agent) for agent in agents],
+            "held": [self._possessions(snapshot, agent) for agent in agents],
             "own": [
                 [[reading.name, reading.text(snapshot, agent)] for reading in look.own]
                 for agent in agents
@@ -171,10 +173,11 @@ class Artist:
             "done": moment.done,
         }
 
-    def _held(self, snapshot: Snapshot, agent: int) -> list[list[Any]]:
-        names = [field.name for field in self.look.held for _ in field.words]
+    def _possessions(self, snapshot: Snapshot, agent: int) -> list[list[Any]]:
+        """Returns [field, picture, amount] of each thing that an agent has."""
+        names = [field.name for field in self.look.possessions for _ in field.words]
         entries: list[list[Any]] = []
-        things = held_entries(self.look, snapshot, agent)
+        things = possessions_of(self.look, snapshot, agent)
         for name, (thing, amount) in zip(names, things, strict=True):
             if amount:
                 figure = Figure(None, thing.colour, thing.sprite)

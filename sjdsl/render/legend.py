@@ -8,7 +8,7 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
-from sjdsl.compiler.ir.printer import expression
+from sjdsl.compiler.ir.printer import expression_text
 from sjdsl.render.appearance import (
     BAR_STEPS,
     Beam,
@@ -32,9 +32,8 @@ LEGEND_BAR = 5 * BAR_STEPS // 8  # length of a bar in a legend
 ALL_SIDES = (True, True, True, True)
 
 Entry = tuple[Drawing | Figure | Beam, str]
-Occurs = Callable[
-    [Key, bool], bool
-]  # whether a cell with a key shows it, after the first step or not
+# Whether a cell with a key looks so; the bool: after the first step.
+Occurs = Callable[[Key, bool], bool]
 
 
 def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[Entry]:
@@ -54,7 +53,9 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
                 entries.setdefault(unique, (drawing, unique))
     for label, colour in look.marks:
         if shown is None or any(marked_cells(snapshot, label) for snapshot in shown):
-            text = " or ".join(look.actions[number] for number in look.acting[label]) or label
+            text = (
+                " or ".join(look.actions[number] for number in look.marking_actions[label]) or label
+            )
             entries.setdefault(text, (Beam(PALE, colour, ALL_SIDES), text))
     on_ground: set[Picture] = set()
     for symbol, _ in entries.values():
@@ -65,7 +66,7 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
         is_explained = value in entries and figure.badges and figure.badges[-1] in on_ground
         if not is_explained:
             entries.setdefault(text, (figure, text))
-    for row in look.held:
+    for row in look.possessions:
         for word, picture in zip(row.words, row.pictures, strict=True):
             figure = Figure(None, picture.colour, picture.sprite)
             if all(figure != other for other, _ in entries.values()):
@@ -153,6 +154,7 @@ def _plain_text(kind: KindLook) -> str:
 def _combined_text(kind: KindLook, state: Key) -> str:
     """Returns the enum values of a state that are drawn beside each other; "" if fewer than two."""
     texts: list[str] = []
+    # After the fields, a state has a number for each look.
     for field, number in zip(kind.fields, state, strict=False):
         if field.holds == "word" and number != field.plain:
             texts += [text for value, text in _values(field, kind.fields) if value == number]
@@ -184,13 +186,13 @@ def _word_states(kind: KindLook) -> Iterator[Key]:
 
 
 def _implies(rule: Rule, other: Rule) -> bool:
-    """Returns whether another look surely applies wherever one does."""
+    """Returns whether `other` surely applies wherever `rule` does."""
     return _parts(other.condition) <= _parts(rule.condition)
 
 
 def _parts(condition: ir.Expr | None) -> set[str]:
     """Returns the conditions that `and` joins, as texts."""
-    return set() if condition is None else set(map(expression, conjuncts(condition)))
+    return set() if condition is None else set(map(expression_text, conjuncts(condition)))
 
 
 def figure_entries(

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count, pairwise
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,7 +60,7 @@ class Panel:
 
 def split_lines(lines: Sequence[Line], y_title: str) -> list[Panel]:
     """Returns the fewest plots with at most five lines each, filled as evenly as possible."""
-    plots = -(-len(lines) // MOST)
+    plots = ceil(len(lines) / MOST)
     bounds = [round(number * len(lines) / plots) for number in range(plots + 1)]
     return [Panel("", y_title, tuple(lines[first:last])) for first, last in pairwise(bounds)]
 
@@ -75,8 +76,12 @@ def draw_panels(panels: Sequence[Panel], title: str = "", note: str = "") -> "Fi
         from matplotlib.ticker import EngFormatter
 
     columns = min(COLUMNS, len(panels))
-    rows = -(-len(panels) // columns)
-    height = HEIGHT * rows + 0.4 * bool(title) + 0.3 * bool(note)
+    rows = ceil(len(panels) / columns)
+    height = HEIGHT * rows
+    if title:
+        height += 0.4
+    if note:
+        height += 0.3
     like: dict[str, Axes] = {}  # y title -> the first plot that has it
     first: Axes | None = None
     labels: list[list[Label]] = []

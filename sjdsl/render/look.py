@@ -1,6 +1,6 @@
-"""The appearance of a game: everything about its pictures that does not change from step to step."""
+"""The appearance of a game: all about its pictures that doesn't change from step to step."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, assert_never
 
@@ -8,9 +8,9 @@ import numpy as np
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.implications import conjuncts
+from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.queries import (
-    blocks_always,
     kinds_by_glyph,
     marking_phases,
     title_of,
@@ -46,21 +46,23 @@ from sjdsl.render.usual import (
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
 MIN_TILE, MAX_TILE = 2, 40
 BADGES = 2  # of an agent: its other corners are in front of its eyes
-NOTHING = ("none", "nothing", "empty", "bare")  # words that say that nothing is there
+NOTHING = ("none", "nothing", "empty", "bare")  # enum values: nothing is there
 Sort = Literal["shape", "tint", "edge", "bar"]
 Values = Mapping[str, np.ndarray]  # attribute of the state -> array
 
 
 @dataclass(frozen=True)
 class FieldLook:
-    """A field of a kind, or of the agents, as it is drawn where no `look` reads it.
+    """A field of a kind, of agents or of movers, as it is drawn where no `look` reads it.
 
-    sort: a word is a `shape` if rules change it, else a `tint`; an agent is an `edge` of its colour; all that can be counted is a
-    `bar`, and `full` fills it.
-    holds: `word`, `number`, `agent` (an id, -1 for nobody) or `agents` (bits).
-    pictures: of its words, or of each entry of a row of numbers.
-    plain: the number of the word that is not drawn. left_out: words that it doesn't draw, because a look does or because agents can't tell them
-    apart.
+    sort: an enum value is a `shape` if rules change it, else a `tint`; an agent is an `edge` in its
+    colour; all that can be counted is a `bar`, and `full` fills it.
+    holds: `word` (an enum value), `number`, `agent` (an id, -1 for nobody) or `agents` (bits).
+    words: its enum values, or those that index a field of numbers; pictures: one for each.
+    colours: one for each enum value of a tint, or for each agent of an edge.
+    start: the number of the enum value that it starts with; plain: of the one that isn't drawn.
+    left_out: enum values that it doesn't draw, because a look does or because agents can't tell
+    them apart.
     """
 
     name: str
@@ -76,20 +78,26 @@ class FieldLook:
     left_out: frozenset[str] = frozenset()
 
     def is_carried(self, word: int) -> bool:
-        """Returns whether an agent or a mover shows this word as a badge: if it is not the one that it starts with."""
+        """Returns whether a badge shows an enum value: not the one that the field starts with."""
         return word != self.start and self.words[word] not in self.left_out
 
     def is_drawn(self, word: int) -> bool:
-        """Returns whether a shape or a tint shows this word: all but the plain one, and that, too, if it is a colour like all others."""
-        shown = word != self.plain or (
-            self.words[word] in WORDS if self.sort == "tint" else set(self.words) <= COLOURS
-        )
-        return shown and self.words[word] not in self.left_out
+        """Returns whether a shape or a tint shows an enum value.
+
+        All but the plain one are shown, and that, too, if it is a colour like all others.
+        """
+        if self.words[word] in self.left_out:
+            return False
+        if word != self.plain:
+            return True
+        if self.sort == "tint":
+            return self.words[word] in WORDS
+        return set(self.words) <= COLOURS
 
 
 @dataclass(frozen=True)
 class Rule:
-    """A `look` of the file. `label`: what its condition says, in short; `reads`: names of fields."""
+    """A `look` of the file. label: its condition in short; reads: names of the fields in it."""
 
     condition: ir.Expr | None
     reads: frozenset[str]
@@ -98,22 +106,32 @@ class Rule:
     colour: Colour | None
     badge: Picture | None
 
+    @property
+    def picture(self) -> Picture | None:
+        """The sprite that it draws, in its colour or the usual one."""
+        if self.sprite is None:
+            return None
+        return Picture(self.sprite, self.colour or SPRITES[self.sprite])
+
     def applies(self, prefix: str, values: Values, count: int) -> np.ndarray:
-        """Returns for which cells or agents it is, `[count]` bool; `prefix`: of the attributes of their fields."""
+        """Returns to which of `count` cells, agents or movers it applies, `[count]` bool.
+
+        Args:
+          prefix: what the names of their attributes in `values` begin with.
+        """
         if self.condition is None:
             return np.ones(count, bool)
         fields = {name: values[f"{prefix}_{name}"] for name in self.reads}
-        return np.broadcast_to(_value(self.condition, fields), (count,)).astype(bool)
+        return np.broadcast_to(_evaluate(self.condition, fields), (count,)).astype(bool)
 
 
 @dataclass(frozen=True, eq=False)
 class KindLook:
-    """A kind that is on the map: its ground, what all its cells show, its fields, its looks, and where it is."""
+    """A kind that is on the map, and where its cells are. body: what all of them show."""
 
     name: str
     ground: Colour
     body: Picture | None
-    solid: bool
     fields: tuple[FieldLook, ...]
     rules: tuple[Rule, ...]
     rows: np.ndarray  # [S] int, in reading order
@@ -123,7 +141,7 @@ class KindLook:
 
 @dataclass(frozen=True)
 class HerdLook:
-    """A sort of movers: its body, its looks, and the fields that are drawn as badges."""
+    """A type of mover: its body, its looks, and the fields that are drawn as badges."""
 
     name: str
     sprite: str
@@ -134,12 +152,15 @@ class HerdLook:
 
 @dataclass(frozen=True)
 class Look:
-    """How a game looks. `tile`: pixels of a cell's side. `colour_field`: the agents' field that colours them, if any.
+    """How a game looks. tile: pixels of a cell's side.
 
-    marks: label and colour of each phase that marks; acting: its label -> the numbers of the actions with which an agent marks in it.
-    roles: the words of the field that colours agents; roles_in_looks: those that a look reads.
-    carried: fields of the agents that are drawn as badges; held: their rows of numbers by words, which stand beside an agent's return as
-    pictures; world, own: what stands there as text, of the world and of each agent; rules: looks of the agents.
+    marks: label and colour of each phase that marks; marking_actions: its label -> the numbers of
+    the actions with which an agent marks in it.
+    colour_field: attribute and colours of the field that colours agents, if one does; roles: its
+    enum values; roles_in_looks: those that a look reads.
+    carried: fields of the agents that are drawn as badges; possessions: their indexed fields of
+    numbers, drawn as pictures beside their returns; world, own: what stands below the board as
+    text, of the world and of each agent; rules: looks of the agents.
     """
 
     title: str
@@ -148,13 +169,13 @@ class Look:
     tile: int
     kinds: tuple[KindLook, ...]
     marks: tuple[tuple[str, Colour], ...]
-    acting: Mapping[str, tuple[int, ...]]
+    marking_actions: Mapping[str, tuple[int, ...]]
     actions: tuple[str, ...]
     colour_field: tuple[str, tuple[Colour, ...]] | None
     roles: tuple[str, ...]
     roles_in_looks: frozenset[str]
     carried: tuple[FieldLook, ...]
-    held: tuple[FieldLook, ...]
+    possessions: tuple[FieldLook, ...]
     world: tuple[Reading, ...]
     own: tuple[Reading, ...]
     rules: tuple[Rule, ...]
@@ -172,20 +193,26 @@ class Look:
 
 def make_look(game: ir.Game) -> Look:
     """Returns how a game looks."""
-    height, width = len(game.rows), len(game.rows[0])
-    labels = tuple(phase.label for phase in marking_phases(game))
-    colour_field, seen = _colour_field(game), seen_fields(game)
-    words = () if colour_field is None else colour_field.type.words
-    rules = tuple(_rule(look) for look in game.looks if look.what == "agent")
-    fields = [
-        field
-        for field in game.agents.fields
-        if field is not colour_field and ("agent", field.name) in seen
-    ]
-    carried = tuple(_apart(_carried(fields, "agent", rules, game), carried=True))
-    held = tuple(_held(fields, game))
-    coloured = () if colour_field is None else (colour_field,)
-    drawn = {field.name for field in (*coloured, *carried[:BADGES], *held)}
+    height = len(game.rows)
+    width = len(game.rows[0])
+    marking = marking_phases(game)
+    labels = tuple(phase.label for phase in marking)
+    rules = tuple(_make_rule(look) for look in game.looks if look.what == "agent")
+    fields = _seen_fields_of("agent", game.agents.fields, game)
+    field = _colour_field(game)
+    colour_field = None
+    roles: tuple[str, ...] = ()
+    roles_in_looks: frozenset[str] = frozenset()
+    drawn: set[str] = set()
+    if field is not None:
+        roles = field.type.words
+        colour_field = (attribute_name(field), colours_of(roles))
+        roles_in_looks = words_in_looks(field, rules)
+        fields = [other for other in fields if other is not field]
+        drawn.add(field.name)
+    carried = tuple(_carried_fields("agent", fields, rules, game))
+    possessions = tuple(_possessions(fields, game))
+    drawn |= {field.name for field in (*carried[:BADGES], *possessions)}
     return Look(
         title=title_of(game),
         height=height,
@@ -193,199 +220,221 @@ def make_look(game: ir.Game) -> Look:
         tile=max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE)),
         kinds=tuple(_kind_looks(game)),
         marks=tuple(zip(labels, mark_colours(labels), strict=True)),
-        acting={
-            phase.label: tuple(sorted(_marking_actions(phase, game)))
-            for phase in marking_phases(game)
+        marking_actions={
+            phase.label: tuple(sorted(_marking_actions(phase, game))) for phase in marking
         },
-        actions=tuple(game.agents.actions),
-        colour_field=None
-        if colour_field is None
-        else (f"agent_{colour_field.name}", colours_of(words)),
-        roles=words,
-        roles_in_looks=frozenset() if colour_field is None else words_in_looks(colour_field, rules),
+        actions=game.agents.actions,
+        colour_field=colour_field,
+        roles=roles,
+        roles_in_looks=roles_in_looks,
         carried=carried,
-        held=held,
+        possessions=possessions,
         world=world_readings(game),
         own=tuple(reading for reading in agent_readings(game) if reading.name not in drawn),
         rules=rules,
         num_agents=game.agents.number,
         can_be_held=bool(game.agents.forbids),
-        herds=tuple(
-            HerdLook(
-                name=sort.name,
-                sprite=body.sprite,
-                colour=body.colour,
-                rules=(
-                    own := tuple(
-                        _rule(look)
-                        for look in game.looks
-                        if look.what == "mover" and look.name == sort.name
-                    )
-                ),
-                carried=tuple(_apart(_carried_by(sort, seen, own, game), carried=True)),
-            )
-            for sort, body in zip(game.movers, usual_movers(game), strict=True)
-        ),
+        herds=tuple(_herd_looks(game)),
     )
 
 
-def seen_fields(game: ir.Game) -> frozenset[tuple[str, str]]:
-    """Returns the fields that agents see, as pairs: a kind, a sort of movers or `agent`, and the field's name.
+def _herd_looks(game: ir.Game) -> Iterator[HerdLook]:
+    """Yields the types of mover in the order of the file."""
+    for mover, body in zip(game.movers, usual_movers(game), strict=True):
+        rules = tuple(
+            _make_rule(look)
+            for look in game.looks
+            if look.what == "mover" and look.name == mover.name
+        )
+        fields = [
+            field
+            for field in _seen_fields_of(mover.name, mover.fields, game)
+            if field.name != "heading"  # seen by where its body faces
+        ]
+        carried = tuple(_carried_fields(mover.name, fields, rules, game))
+        yield HerdLook(mover.name, body.sprite, body.colour, rules, carried)
 
-    Fields of cells that decide which label is seen are among them. All others are the rules' own bookkeeping, and aren't drawn.
+
+def _seen_fields_of(owner: str, fields: Iterable[ir.VarField], game: ir.Game) -> list[ir.VarField]:
+    """Returns the fields of a kind, of a type of mover or of `agent` that agents see."""
+    seen = seen_fields(game)
+    return [field for field in fields if (owner, field.name) in seen]
+
+
+def seen_fields(game: ir.Game) -> frozenset[tuple[str, str]]:
+    """Returns the fields that agents see: (kind, type of mover or `agent`, name of the field).
+
+    Fields of cells that decide which label is seen are among them. All others are the rules' own
+    bookkeeping, and aren't drawn.
     """
-    found: set[tuple[str, str]] = set()
+    seen: set[tuple[str, str]] = set()
     for observable in game.observables:
         if observable.what in ("cell", "mover"):
-            read = (
-                node
-                for label in observable.labels
-                for node in ir.walk(label)
-                if isinstance(node, ir.FieldRead)
-            )
-            found |= {
-                (observable.kind, observable.field),
-                *((kind, node.name) for node in read for kind in _kinds_of(node.owner)),
-            }
+            seen.add((observable.kind, observable.field))
+            for label in observable.labels:
+                seen |= _cell_fields_in(label)
         elif observable.what in ("own", "other", "everyone"):
-            found.add(("agent", observable.field))
-    return frozenset(found)
+            seen.add(("agent", observable.field))
+    return frozenset(seen)
+
+
+def _cell_fields_in(label: ir.Node) -> set[tuple[str, str]]:
+    """Returns kind and name of the fields of cells that the condition of a label reads."""
+    fields: set[tuple[str, str]] = set()
+    for node in ir.walk(label):
+        if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member):
+            if node.owner.sort.what == "cell":
+                fields |= {(kind, node.name) for kind in node.owner.sort.names}
+    return fields
 
 
 def merged_words(kind: str, field: ir.VarField, game: ir.Game) -> frozenset[str]:
-    """Returns the words of a field of cells that agents can't tell apart: they see only labels, and no label reads these words."""
+    """Returns the enum values of a field of cells that agents can't tell apart.
+
+    Agents see only labels instead of the field, and no label reads these values.
+    """
     seen = [
         observable
         for observable in game.observables
         if observable.what == "cell" and observable.kind == kind
     ]
-    if field.type.kind != "word" or any(
-        observable.field == field.name and not observable.labels for observable in seen
-    ):
+    is_seen = any(observable.field == field.name and not observable.labels for observable in seen)
+    if field.type.kind != "word" or is_seen:
         return frozenset()
-    conditions = [
-        label.condition
-        for observable in seen
-        for label in observable.labels
-        if label.condition is not None
-    ]
-    nodes = [node for condition in conditions for node in ir.walk(condition)]
-    asking = [node for node in nodes if isinstance(node, ir.Same | ir.InWords) and _words(node)]
-    reads, worded = (
-        sum(isinstance(n, ir.FieldRead) and n.name == field.name for n in some)
-        for some in (nodes, map(_compared_value, asking))
-    )
-    rest = {*field.type.words} - {word for node in asking for word in _words(node)}
-    return frozenset(rest) if len(rest) > 1 and reads == worded else frozenset()
+    nodes: list[ir.Node] = []
+    for observable in seen:
+        for label in observable.labels:
+            nodes += ir.walk(label)
+    reads = 0
+    reads_compared = 0  # with enum values
+    unread = {*field.type.words}
+    for node in nodes:
+        reads += _is_read_of(field, node)
+        if isinstance(node, ir.Same | ir.InWords):
+            words = _words(node)
+            unread -= words
+            reads_compared += bool(words) and _is_read_of(field, _compared_value(node))
+    # A read that is compared with something else may tell all values apart.
+    if reads != reads_compared or len(unread) == 1:
+        return frozenset()
+    return frozenset(unread)
 
 
-def _compared_value(node: ir.Expr) -> ir.Expr:
-    """Returns the side of a comparison with words that isn't a word."""
-    if isinstance(node, ir.Same):
-        return node.right if isinstance(node.left, ir.Word) else node.left
-    return node.value if isinstance(node, ir.InWords) else node
+def _is_read_of(field: ir.VarField, node: ir.Node) -> bool:
+    return isinstance(node, ir.FieldRead) and node.name == field.name
 
 
-def _kinds_of(owner: ir.Expr | None) -> tuple[str, ...]:
-    """Returns the kinds of the cell whose field is read; none if it is a field of an agent or a mover."""
-    return owner.sort.names if isinstance(owner, ir.Member) and owner.sort.what == "cell" else ()
+def _compared_value(node: ir.Same | ir.InWords) -> ir.Expr:
+    """Returns the side of a comparison with enum values that isn't one itself."""
+    if isinstance(node, ir.InWords):
+        return node.value
+    return node.right if isinstance(node.left, ir.Word) else node.left
 
 
 def _marking_actions(
     node: ir.Node, game: ir.Game, chosen: frozenset[int] = frozenset()
 ) -> Iterator[int]:
-    """Yields the numbers of the actions with which agents mark in a part of the rules. chosen: those that the conditions around it require."""
+    """Yields the numbers of the actions with which agents mark in a part of the rules.
+
+    Args:
+      chosen: those that the conditions around this part ask for.
+    """
     if isinstance(node, ir.Mark):
         yield from chosen
-    parts = [part for part in ir.children(node) if not isinstance(part, ir.Statement | ir.Branch)]
-    for read in (inner for part in parts for inner in ir.walk(part)):
-        if isinstance(read, ir.Chose):
-            chosen |= {read.action}
-        elif isinstance(read, ir.ChoseWith):
-            chosen |= {
-                number
-                for number, name in enumerate(game.agents.actions)
-                if name.split("(")[0] == read.action
-            }
+    inner_rules: list[ir.Node] = []
     for part in ir.children(node):
         if isinstance(part, ir.Statement | ir.Branch):
-            yield from _marking_actions(part, game, chosen)
+            inner_rules.append(part)
+            continue
+        for read in ir.walk(part):
+            if isinstance(read, ir.Chose):
+                chosen |= {read.action}
+            elif isinstance(read, ir.ChoseWith):
+                chosen |= {
+                    number
+                    for number, name in enumerate(game.agents.actions)
+                    if name.split("(")[0] == read.action
+                }
+    for part in inner_rules:
+        yield from _marking_actions(part, game, chosen)
 
 
 def _kind_looks(game: ir.Game) -> Iterator[KindLook]:
     """Yields the kinds on the map in the order of the file."""
-    spawns, seen = spawn_kinds(game), seen_fields(game)
+    spawns = spawn_kinds(game)
     grounds = kind_colours(game, spawns, main_kind(game))
     kind_of = kinds_by_glyph(game)
     grid = np.array([[kind_of[glyph] for glyph in row] for row in game.rows])
     for kind in game.kinds:
         rows, cols = np.nonzero(grid == kind.name)
         if len(rows):
-            rules = tuple(_rule(look) for look in game.looks if kind.name in look.kinds)
-            fields: list[FieldLook] = []
-            shapes = 0
-            for field in kind.fields:
-                is_row = bool(field.type.by) and field.type.kind not in ("int", "real")
-                is_read = field.type.kind != "word" and any(
-                    field.name in rule.reads for rule in rules
-                )
-                if (kind.name, field.name) in seen and not (field.timer or is_row or is_read):
-                    tinted = any(other.sort == "tint" for other in fields)
-                    left_out = words_in_looks(field, rules) | merged_words(kind.name, field, game)
-                    fields.append(_field(field, kind.name, game, shapes, tinted, left_out))
-                    shapes += max(0, len(field.type.words) - 1)
-            fields = list(_apart(fields))
-            ground, starting = grounds[kind.name], kind.name in spawns
-            body = usual_body(kind, ground, spawns)
+            ground = grounds[kind.name]
+            looks = tuple(_make_rule(look) for look in game.looks if kind.name in look.kinds)
             yield KindLook(
-                kind.name,
-                ground,
-                body,
-                blocks_always(kind),
-                tuple(fields),
-                rules,
-                rows,
-                cols,
-                starting,
+                name=kind.name,
+                ground=ground,
+                body=usual_body(kind, ground, spawns),
+                fields=tuple(_tell_apart(_cell_fields(kind, looks, game), FieldLook.is_drawn)),
+                rules=looks,
+                rows=rows,
+                cols=cols,
+                starting=kind.name in spawns,
             )
 
 
-def _rule(look: ir.Look) -> Rule:
-    body, badge = look.body or ir.Paint(), look.badge
-    shown = None
-    if badge is not None:
-        sprite = badge.sprite or "disc"
-        shown = Picture(sprite, read_colour(badge.colour) if badge.colour else SPRITES[sprite])
-    read = (
-        ()
-        if look.condition is None
-        else [node.name for node in ir.walk(look.condition) if isinstance(node, ir.FieldRead)]
-    )
+def _cell_fields(kind: ir.Kind, rules: tuple[Rule, ...], game: ir.Game) -> list[FieldLook]:
+    """Returns the fields of a kind that are drawn where no `look` reads them."""
+    looks: list[FieldLook] = []
+    shapes = 0
+    for field in _seen_fields_of(kind.name, kind.fields, game):
+        is_indexed = bool(field.type.by) and field.type.kind not in ("int", "real")
+        is_read = field.type.kind != "word" and any(field.name in rule.reads for rule in rules)
+        if field.timer or is_indexed or is_read:
+            continue
+        tinted = any(look.sort == "tint" for look in looks)
+        left_out = words_in_looks(field, rules) | merged_words(kind.name, field, game)
+        looks.append(_make_field_look(field, kind.name, game, shapes, tinted, left_out))
+        shapes += max(0, len(field.type.words) - 1)
+    return looks
+
+
+def _make_rule(look: ir.Look) -> Rule:
+    """Returns a `look` of the file with its colours and names of fields resolved."""
+    body = look.body or ir.Paint()
+    badge: Picture | None = None
+    if look.badge is not None:
+        sprite = look.badge.sprite or "disc"
+        colour = read_colour(look.badge.colour) if look.badge.colour else SPRITES[sprite]
+        badge = Picture(sprite, colour)
+    reads: frozenset[str] = frozenset()
+    label = ""
+    if look.condition is not None:
+        nodes = ir.walk(look.condition)
+        reads = frozenset(node.name for node in nodes if isinstance(node, ir.FieldRead))
+        label = in_words(look.condition)
     return Rule(
         condition=look.condition,
-        reads=frozenset(read),
-        label="" if look.condition is None else in_words(look.condition),
+        reads=reads,
+        label=label,
         sprite=body.sprite or None,
         colour=read_colour(body.colour) if body.colour else None,
-        badge=shown,
+        badge=badge,
     )
 
 
 def words_in_looks(field: ir.VarField, rules: tuple[Rule, ...]) -> frozenset[str]:
-    """Returns the words of a field that some look reads."""
-    parts = [
-        part
-        for rule in rules
-        if rule.condition is not None and field.name in rule.reads
-        for part in conjuncts(rule.condition)
-    ]
-    return frozenset(
-        word for part in parts if not isinstance(part, ir.Not) for word in _words(part)
-    ) & {*field.type.words}
+    """Returns the enum values of a field that some look asks for."""
+    words: set[str] = set()
+    for rule in rules:
+        if rule.condition is not None and field.name in rule.reads:
+            for part in conjuncts(rule.condition):
+                if not isinstance(part, ir.Not):
+                    words |= _words(part)
+    return frozenset(words & {*field.type.words})
 
 
 def _words(part: ir.Expr) -> frozenset[str]:
-    """Returns the words with which a condition holds, or the entries of a row that it reads."""
+    """Returns the enum values with which a condition holds, or the entries of a row it reads."""
     match part:
         case ir.InWords():
             return frozenset(part.words)
@@ -397,7 +446,7 @@ def _words(part: ir.Expr) -> frozenset[str]:
             return frozenset(node.value for node in ir.walk(part) if isinstance(node, ir.Word))
 
 
-def _field(
+def _make_field_look(
     field: ir.VarField,
     kind: str,
     game: ir.Game,
@@ -405,26 +454,29 @@ def _field(
     tinted: bool,
     left_out: frozenset[str],
 ) -> FieldLook:
-    """Returns how a field of cells is drawn. `tinted`: the ground shows another field already; two colours in one would be a third."""
-    attribute = f"{kind}_{field.name}"
+    """Returns how a field of cells is drawn.
+
+    Args:
+      shapes: how many shapes other fields of the kind have taken.
+      tinted: whether another field tints the ground; two tints would mix to a third colour.
+    """
+    attribute = attribute_name(field)
     match field.type.kind:
         case "word":
-            few_colours = len({*tint_colours(field.type.words)[1:]}) < len(field.type.words) - 1
-            is_shape = tinted or few_colours or _sets(game, ir.Sort("cell", (kind,)), field.name)
-            sort: Sort = "shape" if is_shape else "tint"
-            pictures = usual_words(field, is_taken(field.name, kind, game), shapes)
             words = field.type.words
-            colours = tint_colours(words) if sort == "tint" else colours_of(words)
-            plain = next((number for number, word in enumerate(words) if word in NOTHING), 0)
+            tints = tint_colours(words)
+            has_few_tints = len({*tints[1:]}) < len(words) - 1
+            is_set = _is_set(game, ir.Sort("cell", (kind,)), field.name)
+            is_shape = tinted or has_few_tints or is_set
             return FieldLook(
                 field.name,
                 attribute,
-                sort,
+                "shape" if is_shape else "tint",
                 "word",
                 words,
-                colours,
-                pictures,
-                plain=plain,
+                colours=colours_of(words) if is_shape else tints,
+                pictures=usual_words(field, is_taken(field.name, kind, game), shapes),
+                plain=next((number for number, word in enumerate(words) if word in NOTHING), 0),
                 left_out=left_out,
             )
         case "agents":
@@ -432,23 +484,20 @@ def _field(
         case "cell":
             return FieldLook(field.name, attribute, "bar", "number", full=float(1 << 16))
         case "agent":
-            return FieldLook(
-                field.name,
-                attribute,
-                "edge",
-                "agent",
-                colours=tuple(map(agent_colour, range(game.agents.number))),
-            )
+            colours = tuple(map(agent_colour, range(game.agents.number)))
+            return FieldLook(field.name, attribute, "edge", "agent", colours=colours)
         case _:
             most = field.type.high if np.isfinite(field.type.high) else 10.0
             return FieldLook(field.name, attribute, "bar", "number", full=max(1.0, most))
 
 
-def _apart(fields: Iterable[FieldLook], carried: bool = False) -> Iterator[FieldLook]:
-    """Yields the fields of one kind, of the agents or of a sort of movers; no two pictures that are drawn are alike.
+def _tell_apart(
+    fields: Iterable[FieldLook], is_visible: Callable[[FieldLook, int], bool]
+) -> Iterator[FieldLook]:
+    """Yields fields of one owner with other pictures where two would be drawn alike.
 
     Args:
-      carried: they are drawn as badges.
+      is_visible: whether a field draws its enum value with a number.
     """
     used: set[Picture] = set()
     for field in fields:
@@ -456,129 +505,125 @@ def _apart(fields: Iterable[FieldLook], carried: bool = False) -> Iterator[Field
             yield field
             continue
         pictures = list(field.pictures)
-        for word in filter(field.is_carried if carried else field.is_drawn, range(len(pictures))):
-            picture = pictures[word]
+        for word, picture in enumerate(field.pictures):
+            if not is_visible(field, word):
+                continue
             if picture in used:
-                others = (
-                    Picture(sprite, colour)
-                    for colour in (picture.colour, *INKS)
-                    for sprite in SHAPES
-                )
+                inks = (picture.colour, *INKS)
+                others = (Picture(shape, ink) for ink in inks for shape in SHAPES)
                 pictures[word] = next((other for other in others if other not in used), picture)
             used.add(pictures[word])
         yield replace(field, pictures=tuple(pictures))
 
 
-def _carried(
-    fields: Sequence[ir.VarField], prefix: str, rules: tuple[Rule, ...], game: ir.Game
+def _carried_fields(
+    owner: str, fields: Sequence[ir.VarField], rules: tuple[Rule, ...], game: ir.Game
 ) -> Iterator[FieldLook]:
-    """Yields the words that an agent or a mover shows as badges. `prefix`: of their attributes."""
+    """Yields the fields whose enum values agents, or a type of mover, show as badges."""
+    carried: list[FieldLook] = []
     shapes = 0
     for field in fields:
         if field.type.kind == "word" and not field.type.by:
-            words, attribute = field.type.words, f"{prefix}_{field.name}"
-            pictures = _as_looked(words, usual_words(field, False, shapes), game)
-            start, asked = words.index(str(field.start)), words_in_looks(field, rules)
-            yield FieldLook(
-                field.name,
-                attribute,
-                "shape",
-                "word",
-                words,
-                pictures=pictures,
-                start=start,
-                left_out=asked,
+            words = field.type.words
+            pictures = _as_in_looks(words, usual_words(field, False, shapes), game)
+            carried.append(
+                FieldLook(
+                    field.name,
+                    f"{owner}_{field.name}",
+                    "shape",
+                    "word",
+                    words,
+                    pictures=pictures,
+                    start=words.index(str(field.start)),
+                    left_out=words_in_looks(field, rules),
+                )
             )
             shapes += len(pictures) - 1
+    return _tell_apart(carried, FieldLook.is_carried)
 
 
-def _carried_by(
-    sort: ir.Movers, seen: frozenset[tuple[str, str]], rules: tuple[Rule, ...], game: ir.Game
-) -> Iterator[FieldLook]:
-    """Yields the words that a mover shows as badges; its heading is seen by the way it looks."""
-    fields = [
-        field
-        for field in sort.fields
-        if field.name != "heading" and (sort.name, field.name) in seen
-    ]
-    yield from _carried(fields, sort.name, rules, game)
-
-
-def _held(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[FieldLook]:
-    """Yields what the agents have of each of several words."""
+def _possessions(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[FieldLook]:
+    """Yields the fields that count what an agent has of each of several enum values."""
     for field in fields:
-        if field.type.kind in ("int", "real") and [level.sort for level in field.type.by] == [
-            "word"
-        ]:
+        levels = [level.sort for level in field.type.by]
+        if field.type.kind in ("int", "real") and levels == ["word"]:
             words = field.type.by[0].names
-            row = ir.Type(kind="word", words=("nothing", *words))
-            usual = usual_words(
-                ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=row), False
-            )[1:]
+            as_words = ir.Type(kind="word", words=("nothing", *words))
+            things = ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=as_words)
+            _, *pictures = usual_words(things, False)
             yield FieldLook(
                 field.name,
-                f"agent_{field.name}",
+                attribute_name(field),
                 "shape",
                 "number",
                 words,
-                pictures=_as_looked(words, usual, game),
+                pictures=_as_in_looks(words, pictures, game),
             )
 
 
-def _as_looked(
+def _as_in_looks(
     words: Sequence[str], usual: Sequence[Picture], game: ir.Game
 ) -> tuple[Picture, ...]:
-    """Returns for each word the sprite that a look shows where it asks for the word, so that what is carried looks as what lies about.
+    """Returns a picture for each enum value: the one that a look shows where it asks for it.
 
-    Other words, and those that are named after a sprite, keep their usual one.
+    So what is carried looks like what lies about. Other enum values, and those that are named
+    after a sprite, keep their usual picture.
     """
-    found = dict(zip(words, usual, strict=True))
-    for rule in map(_rule, game.looks):
-        shown = rule.badge or (
-            Picture(rule.sprite, rule.colour or SPRITES[rule.sprite]) if rule.sprite else None
-        )
-        if shown is not None and rule.condition is not None:
-            asked = [
-                word
-                for part in map(_words, conjuncts(rule.condition))
-                if len(part) == 1
-                for word in part
-            ]
-            found |= {word: shown for word in asked if word in found and named_sprite(word) is None}
-    return tuple(found[word] for word in words)
+    pictures = dict(zip(words, usual, strict=True))
+    for rule in map(_make_rule, game.looks):
+        picture = rule.badge or rule.picture
+        if picture is None or rule.condition is None:
+            continue
+        for part in conjuncts(rule.condition):
+            part_words = _words(part)
+            for word in part_words:
+                if len(part_words) == 1 and word in pictures and named_sprite(word) is None:
+                    pictures[word] = picture
+    return tuple(pictures[word] for word in words)
 
 
 def _colour_field(game: ir.Game) -> ir.VarField | None:
-    """Returns the field that colours the agents: one that no phase changes, whose words are colours if there is such, else a role."""
-    fields = [
-        f
-        for f in game.agents.fields
-        if f.type.kind == "word" and not f.type.by and len(f.type.words) > 1
-    ]
-    fields = [
-        f for f in fields if len({*colours_of(f.type.words)}) == len(f.type.words)
-    ]  # or roles would look alike
+    """Returns the field whose enum values colour the agents, None without one.
+
+    The first of: one of colours that no phase changes; another that no phase changes; one of
+    colours.
+    """
+    fields = []
+    for field in game.agents.fields:
+        words = field.type.words
+        is_word = field.type.kind == "word" and not field.type.by and len(words) > 1
+        if is_word and len({*colours_of(words)}) == len(words):  # else roles would look alike
+            fields.append(field)
+    agent = ir.Sort("agent")
     lasting = [
-        f
-        for f in fields
-        if not any(_sets(turn, ir.Sort("agent"), f.name) for turn in game.schedule)
+        field
+        for field in fields
+        if not any(_is_set(turn, agent, field.name) for turn in game.schedule)
     ]
-    coloured = [f for f in fields if set(f.type.words) <= COLOURS]
-    return next(iter([f for f in coloured if f in lasting] + lasting + coloured), None)
+    coloured = [field for field in fields if set(field.type.words) <= COLOURS]
+    lasting_coloured = [field for field in coloured if field in lasting]
+    return next(iter((*lasting_coloured, *lasting, *coloured)), None)
 
 
-def _sets(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
-    """Returns whether some of the rules set a field; one of a kind that no rule sets is part of the landscape."""
+def _is_set(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
+    """Returns whether some of the rules set a field.
+
+    A field of a kind that no rule sets is part of the landscape.
+    """
     written = (
         written_field(node.target) for node in ir.walk(rules) if isinstance(node, ir.Set | ir.Add)
     )
     return any(field.name == name and field.held_by.overlaps(owner) for field in written)
 
 
-def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
-    """Returns an expression of a `look` for each cell or agent: words as texts, agents as numbers with -1 for nobody, sets of agents as bits.
+def _evaluate(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
+    """Returns an expression of a `look` for each cell, agent or mover.
 
-    fields: name of a field -> its values, `[count, ...]`; the compiler lets a `look` read these, words and numbers alone.
+    Enum values are texts, agents numbers with -1 for nobody, sets of agents bits.
+
+    Args:
+      fields: name of a field -> its values, `[count, ...]`; the compiler lets a `look` read
+        nothing but these, enum values and numbers.
     """
     match e:
         case ir.Number() | ir.Word() | ir.Truth():
@@ -586,32 +631,29 @@ def _value(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
         case ir.Nobody():
             return -1
         case ir.FieldRead():
-            return (
-                np.asarray(e.type.words)[fields[e.name]]
-                if e.type.kind == "word"
-                else fields[e.name]
-            )
+            values = fields[e.name]
+            return np.asarray(e.type.words)[values] if e.type.kind == "word" else values
         case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
-            return _value(e.row, fields)[:, e.row.type.by[0].place_of(key)]  # type: ignore[arg-type]
+            return _evaluate(e.row, fields)[:, e.row.type.by[0].place_of(key)]  # type: ignore[arg-type]
         case ir.SumRow():
-            return getattr(np, REDUCTIONS[e.fn].array)(_value(e.row, fields), axis=1)
+            return getattr(np, REDUCTIONS[e.fn].array)(_evaluate(e.row, fields), axis=1)
         case ir.Compare():
-            return COMPARISONS[e.fn].holds(_value(e.left, fields), _value(e.right, fields))
+            return COMPARISONS[e.fn].holds(_evaluate(e.left, fields), _evaluate(e.right, fields))
         case ir.Same():
-            return np.equal(_value(e.left, fields), _value(e.right, fields))
+            return np.equal(_evaluate(e.left, fields), _evaluate(e.right, fields))
         case ir.InRange():
-            value = _value(e.value, fields)
-            return (value >= _value(e.low, fields)) & (value <= _value(e.high, fields))
+            value = _evaluate(e.value, fields)
+            return (value >= _evaluate(e.low, fields)) & (value <= _evaluate(e.high, fields))
         case ir.InWords():
-            return np.isin(_value(e.value, fields), e.words)
+            return np.isin(_evaluate(e.value, fields), e.words)
         case ir.IsEmpty():
-            return _value(e.container, fields) == 0
+            return _evaluate(e.container, fields) == 0
         case ir.Not():
-            return np.logical_not(_value(e.value, fields))
+            return np.logical_not(_evaluate(e.value, fields))
         case ir.Logic():
             join = np.logical_and if e.fn == "and" else np.logical_or
-            return join.reduce(np.broadcast_arrays(*(_value(a, fields) for a in e.args)))
+            return join.reduce(np.broadcast_arrays(*(_evaluate(a, fields) for a in e.args)))
         case ir.Named() | ir.Narrowed():
-            return _value(e.value, fields)
+            return _evaluate(e.value, fields)
         case _:
             assert_never(e)  # type: ignore[arg-type]  # the compiler refuses all others in a `look`

@@ -188,6 +188,7 @@ def _rows_and_columns(
 
 
 def _define_text(value: Any) -> str:
+    """Returns the value of a define in words."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return str(value)
@@ -196,8 +197,8 @@ def _define_text(value: Any) -> str:
 def _mask(game: ir.Game, row: np.ndarray, col: np.ndarray) -> np.ndarray:
     """Returns a mask of the cells that lie on the map, `[H, W]` bool."""
     mask = np.zeros((len(game.rows), len(game.rows[0])), bool)
-    inside = (row >= 0) & (row < mask.shape[0]) & (col >= 0) & (col < mask.shape[1])
-    mask[row[inside], col[inside]] = True
+    on_map = (row >= 0) & (row < mask.shape[0]) & (col >= 0) & (col < mask.shape[1])
+    mask[row[on_map], col[on_map]] = True
     return mask
 
 

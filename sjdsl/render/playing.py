@@ -29,7 +29,7 @@ def play(env: Environment, policy: Policy, num_steps: int, seed: int = 0) -> Ite
 def play_moments(
     env: Environment, policy: Policy, num_steps: int, seed: int = 0
 ) -> Iterator[Moment]:
-    """Yields the same states with the actions and rewards; the arguments are those of `play`."""
+    """Yields the states of `play`, of the same arguments, with the actions and rewards before."""
     policy_with_memory = with_memory(policy)
     act = jax.jit(partial(take_actions, env, policy_with_memory))
     after_step = jax.jit(policy_with_memory.after_step)

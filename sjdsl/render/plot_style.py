@@ -30,12 +30,13 @@ DEFECT = hexadecimal(WORDS["defect"])
 PUBLISHED: dict[str, Any] = {"color": BLACK, "linestyle": "--", "marker": "x", "linewidth": 1}
 LABEL = 22  # letters in a line of a label
 _LINE = 0.052  # height of a line of text, as a share of the plot's height
-_LUMINANCE = (0.2126, 0.7152, 0.0722)
+_LUMINANCE = (0.2126, 0.7152, 0.0722)  # of red, green and blue (ITU-R BT.709)
+_BRIGHT = 175  # of 255: from here on a colour is too pale on white
 
 
 def _is_visible(colour: Colour) -> bool:
     """Returns whether a colour can be seen on white."""
-    return float(np.dot(colour, _LUMINANCE)) < 175
+    return float(np.dot(colour, _LUMINANCE)) < _BRIGHT
 
 
 # Colours of lines: those of agents, the first two exchanged.
@@ -114,11 +115,11 @@ def name_lines(axes: "Axes", labels: Sequence[Label]) -> None:
         "linespacing": 1.0,
         "annotation_clip": False,
     }
-    for label, text, y in zip(labels, texts, apart(list(ends), heights), strict=True):
+    for label, text, y in zip(labels, texts, spread(list(ends), heights), strict=True):
         axes.annotate(text, (1.02, y), color=label.colour, **style)
 
 
-def apart(wanted: Sequence[float], heights: Sequence[float]) -> list[float]:
+def spread(wanted: Sequence[float], heights: Sequence[float]) -> list[float]:
     """Returns the middles of labels near where they are wanted, such that none overlap.
 
     Labels that would overlap share a stack around the mean of their wanted middles; no label

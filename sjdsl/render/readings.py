@@ -44,7 +44,7 @@ def agent_readings(game: ir.Game) -> tuple[Reading, ...]:
     return tuple(_reading(field) for field in game.agents.fields if field.name in seen)
 
 
-def said_together(readings: Sequence[Reading], snapshot: Snapshot, agent: int | None = None) -> str:
+def join_readings(readings: Sequence[Reading], snapshot: Snapshot, agent: int | None = None) -> str:
     """Returns values with their names, on one line."""
     return ", ".join(f"{reading.name} {reading.text(snapshot, agent)}" for reading in readings)
 
@@ -82,4 +82,5 @@ def _value_text(value: np.ndarray, type_: ir.Type) -> str:
 
 
 def _set_bits(bits: int) -> list[int]:
+    """Returns the numbers of the bits that are 1."""
     return [bit for bit in range(BITS) if bits >> bit & 1]

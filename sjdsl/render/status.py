@@ -6,6 +6,7 @@ that will be drawn; a text that is wider still is drawn smaller.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 
 from sjdsl.extras import needs
 from sjdsl.render.appearance import Figure, draw_figures
@@ -89,7 +90,7 @@ class Status:
     @property
     def height(self) -> int:
         """Pixels of the picture."""
-        rows = -(-self.look.num_agents // self.per_line)
+        rows = ceil(self.look.num_agents / self.per_line)
         return LINE * (1 + _count_lines(self.world) + rows * _count_lines(self.agent)) + 4
 
     def draw(self, snapshot: Snapshot) -> Image.Image:
@@ -138,7 +139,7 @@ def make_status(look: Look, width: int, shown: Sequence[Snapshot] | None = None)
         item = Item(label=reading.name, reading=reading)
         world.append(replace(item, room=widest(item, [None], UNKNOWN_WIDTH)))
     of_agent = [Item(room=max(NUMBER_WIDTH, widest(Item(), agents, 0)))]
-    for field in look.held:
+    for field in look.possessions:
         for entry in range(len(field.words)):
             item = Item(label="" if entry else field.name, field=field, entry=entry)
             room = max(NUMBER_WIDTH - BETWEEN, widest(item, agents, 0))

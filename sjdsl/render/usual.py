@@ -136,8 +136,8 @@ def is_taken(name: str, kind: str, game: ir.Game) -> bool:
             continue
         for inner in ir.walk(node):
             match inner:
-                case ir.Set(target=ir.FieldRead(name=target, owner=owner)):
-                    if target == name and getattr(owner, "name", "") == cell.name:
+                case ir.Set(target=ir.FieldRead(name=target, owner=ir.Member(name=owner))):
+                    if target == name and owner == cell.name:
                         return True
     return False
 

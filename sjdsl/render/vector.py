@@ -62,6 +62,7 @@ def vector_tile(drawing: Drawing, size: int = SIZE) -> str:
         if colour is not None:
             parts += _frame(depth, colour, size)
     share, centres = _slots(len(drawing.objects))
+    # A grid can have more places than there are objects.
     for picture, centre in zip(drawing.objects, centres, strict=False):
         parts.append(_centred(picture, share, centre, size))
     parts += [_bar(place, eighths, size) for place, eighths in drawing.bars]
@@ -174,6 +175,7 @@ def svg_url(svg: str) -> str:
 
 
 def _svg(parts: list[str], size: int) -> str:
+    """Returns a square picture of elements."""
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size}" height="{size}" '
         f'viewBox="0 0 {size} {size}">{"".join(parts)}</svg>'
@@ -181,6 +183,7 @@ def _svg(parts: list[str], size: int) -> str:
 
 
 def _sprite(name: str, colour: Colour, left: int, top: int, side: int) -> str:
+    """Returns a sprite as an element; left, top, side in pixels."""
     return (
         f'<svg x="{left}" y="{top}" width="{side}" height="{side}" '
         f'viewBox="0 0 100 100">{_sprite_elements(name, hexadecimal(colour))}</svg>'
@@ -235,7 +238,7 @@ def _badges(
     inner = max(2, round(side * BADGE_INSIDE))
     edge = (side - inner) // 2
     parts = []
-    for picture, (row, col) in zip(badges, corners, strict=False):
+    for picture, (row, col) in zip(badges, corners, strict=False):  # some corners stay empty
         left = round(col * (size - side))
         top = round(row * (size - side))
         parts.append(_sprite("disc", PAPER, left, top, side))
@@ -244,6 +247,7 @@ def _badges(
 
 
 def _box(left: int, top: int, width: int, height: int, colour: Colour) -> str:
+    """Returns a filled rectangle as an element, in pixels."""
     return (
         f'<rect x="{left}" y="{top}" width="{width}" height="{height}" '
         f'fill="{hexadecimal(colour)}"/>'

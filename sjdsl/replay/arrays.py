@@ -51,7 +51,7 @@ def read_arrays(file: zipfile.ZipFile, names: Iterable[str], limit: int) -> dict
     size = sum(member.file_size for member in members.values())
     if size > limit:
         raise TooLarge(f"its arrays take {size:,} bytes, and {limit:,} are allowed")
-    return {name: _array(_content(file, member)) for name, member in members.items()}
+    return {name: _read_array(_read_member(file, member)) for name, member in members.items()}
 
 
 def array_digest(array: np.ndarray) -> bytes:
@@ -59,7 +59,7 @@ def array_digest(array: np.ndarray) -> bytes:
     return hashlib.sha256(f"{array.dtype.str} {array.shape} ".encode() + array.tobytes()).digest()
 
 
-def _content(file: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
+def _read_member(file: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
     """Returns the content of a member, as long as it states; `ZipFile.read` would unpack more."""
     if member.compress_type not in METHODS:
         raise ValueError(f"{member.filename} is compressed in a way that is not read")
@@ -70,7 +70,7 @@ def _content(file: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
     return content
 
 
-def _array(content: bytes) -> np.ndarray:
+def _read_array(content: bytes) -> np.ndarray:
     """Returns the array of a `.npy` file.
 
     NumPy allocates as much as the header states, so this has to be what follows the header.

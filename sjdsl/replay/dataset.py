@@ -73,7 +73,7 @@ class DatasetWriter:
         self.returns: list[np.ndarray] = []
         self.steps = 0
         self._names: list[str] = []
-        self._digests: list[list[bytes]] = []
+        self._digests: list[bytes] = []  # of each episode: those of its arrays
 
     def add(self, episode: Episode) -> None:
         """Appends an episode.
@@ -105,7 +105,7 @@ class DatasetWriter:
         folder = _folder_of(len(self.returns))
         for name, array in arrays.items():
             self._write(f"{folder}/{name}", array)
-        self._digests.append([array_digest(array) for array in arrays.values()])
+        self._digests.append(b"".join(map(array_digest, arrays.values())))
         self.returns.append(episode.returns)
         self.steps += len(episode.actions)
 
@@ -126,22 +126,24 @@ class DatasetWriter:
             self._open.__exit__(kind, error, trace)
             return
         with self._open:
-            digests = np.frombuffer(b"".join(map(b"".join, self._digests)), np.uint8)
-            shape = (len(self.returns), len(self._names), DIGEST_SIZE)
-            summaries = {"returns": np.array(self.returns), "digests": digests.reshape(shape)}
-            for name, array in summaries.items():
-                self._write(name, array)
-            header = self._header.model_copy(
-                update={
-                    "episodes": len(self.returns),
-                    "arrays": self._names,
-                    "digests": {
-                        name: array_digest(array).hex() for name, array in summaries.items()
-                    },
-                }
-            )
-            self._write(HEADER, np.array(header.model_dump_json()))
+            self._write_summaries()
             self._zip.close()
+
+    def _write_summaries(self) -> None:
+        """Writes the arrays about all episodes, and the header with their digests."""
+        shape = (len(self.returns), len(self._names), DIGEST_SIZE)
+        digests = np.frombuffer(b"".join(self._digests), np.uint8).reshape(shape)
+        summaries = {"returns": np.array(self.returns), "digests": digests}
+        for name, array in summaries.items():
+            self._write(name, array)
+        header = self._header.model_copy(
+            update={
+                "episodes": len(self.returns),
+                "arrays": self._names,
+                "digests": {name: array_digest(array).hex() for name, array in summaries.items()},
+            }
+        )
+        self._write(HEADER, np.array(header.model_dump_json()))
 
     def _write(self, name: str, array: np.ndarray) -> None:
         member = zipfile.ZipInfo(f"{name}.npy")  # without the time of day

@@ -4,7 +4,7 @@ Each is the episode that `sjdsl play --watch` shows for its seed.
 """
 
 from collections.abc import Callable, Iterator
-from functools import partial
+from operator import itemgetter
 from typing import Any
 
 import jax
@@ -42,11 +42,7 @@ def play_episodes(
         steps = jax.device_get(play(jnp.stack([jax.random.key(s) for s in seeds])))
         for index, episode_seed in enumerate(seeds):
             if episode_seed < seed + episodes:
-                yield _cut(episode_seed, jax.tree.map(partial(_entry, index), steps))
-
-
-def _entry(index: int, array: Any) -> Any:
-    return array[index]
+                yield _without_rest(episode_seed, jax.tree.map(itemgetter(index), steps))
 
 
 def episodes_at_once(env: Environment, observation: Observation = "tokens") -> int:
@@ -100,7 +96,7 @@ def _make_play(
     return play
 
 
-def _cut(seed: int, steps: dict[str, Any]) -> Episode:
+def _without_rest(seed: int, steps: dict[str, Any]) -> Episode:
     """Returns an episode without the steps after its end."""
     is_over = steps["terminated"] | steps["truncated"]
     length = int(is_over.argmax()) + 1

@@ -51,8 +51,8 @@ def replay(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
     scenario = Scenario(request.seed, request.episode, params, request.bias, request.actions)
     trajectory = play(game, scenario)
     if not trajectory.worlds:
-        assert trajectory.left is not None
-        raise trajectory.left
+        assert trajectory.overflow is not None
+        raise trajectory.overflow
     draws = draws_of_start(scenario)
     key = (getattr(draws, "k0", 0), getattr(draws, "k1", 0))
     moments = [Moment(None, key, trajectory.worlds[0], ())]

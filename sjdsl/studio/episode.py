@@ -8,11 +8,10 @@ from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.properties.counterexample import take_step
 from sjdsl.properties.trajectory import Scenario, draws_of
 from sjdsl.render.moment import Moment as Drawn
 from sjdsl.render.moment import moment_of
-from sjdsl.trace.episode import Moment, begin, follow, trial_of
+from sjdsl.trace.episode import Moment, begin, follow, take_step, trial_of
 from sjdsl.trace.jax_random import keys_of
 
 LONGEST = 5_000  # moments that are kept
@@ -83,8 +82,8 @@ class Episode:
             before = self.moments[self.at - 1].world
             if self.scenario is not None and self.at <= self.written:
                 draws = draws_of(self.scenario, self.at - 1, self.game, before)
-                return take_step(self.game, before, moment.actions, params, draws)
-            return follow(self.game, before, params, moment.key, list(moment.actions))
+                return take_step(self.game, before, params, draws, moment.actions)
+            return follow(self.game, before, params, moment.key, moment.actions)
         if moment.world.step == 0 and not self.is_put:
             return begin(self.game, params, moment.key)
         return moment

@@ -1,5 +1,8 @@
-"""Scenes for tests of games: a state is set up as a picture, both engines take a step, and the
-result is compared with a second picture."""
+"""Scenes for tests of games.
+
+A state is set up as a picture, both engines take a step, and the result is compared with a second
+picture.
+"""
 
 from sjdsl.testing.scene import Scene
 from sjdsl.testing.stage import Stage

@@ -1,5 +1,7 @@
-"""Compares the compiled game with the reference interpreter after the same step: every field and
-every result."""
+"""Compares the compiled game with the reference interpreter after the same step.
+
+Every field and every result.
+"""
 
 from typing import Any
 
@@ -55,7 +57,7 @@ def state_differences(
         marks = sorted({(row, col) for name, row, col in world.marks if name == phase.name})
         pairs.append((f"marks of {phase.label}", compiled_marks, marks))
     differences = [
-        shown(name, compiled, interpreted)
+        difference_text(name, compiled, interpreted)
         for name, compiled, interpreted in [*places, *pairs]
         if compiled != interpreted
     ]
@@ -69,7 +71,9 @@ def state_differences(
         else:
             is_same = stored.tolist() == expected.tolist()
         if not is_same:
-            differences.append(shown(attribute_name(declared), stored.tolist(), expected.tolist()))
+            differences.append(
+                difference_text(attribute_name(declared), stored.tolist(), expected.tolist())
+            )
     seen = np.asarray(seen)
     expected = interpreter_view.observe(game, world)
     if seen.shape != expected.shape:
@@ -88,7 +92,7 @@ def _row_and_col(env: Environment, cell: int) -> tuple[int, int]:
     return row - env.module.PAD, col - env.module.PAD
 
 
-def shown(name: str, compiled: Any, interpreted: Any) -> str:
+def difference_text(name: str, compiled: Any, interpreted: Any) -> str:
     """Returns both values; of long lists the first entries that differ."""
     are_lists = isinstance(compiled, list) and isinstance(interpreted, list)
     if are_lists and len(compiled) == len(interpreted) > LONG:
@@ -122,9 +126,7 @@ def outcome_differences(
 
 
 def named_counts(event: ir.Event, outcome: Outcome) -> dict[str, np.ndarray]:
-    """Returns the counts of an event as `info["events"]` has them: one, or one for each enum
-    value.
-    """
+    """Returns the counts of an event as `info["events"]` has them: one, or one by enum value."""
     counts = np.asarray(outcome.events[event.name])
     return {
         name: counts if enum_value is None else counts[..., index]

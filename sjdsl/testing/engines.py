@@ -12,10 +12,10 @@ from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome, World
 from sjdsl.interpreter.step import action_mask, step
+from sjdsl.interpreter.stored import loaded
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.differences import named_counts, outcome_differences, state_differences
-from sjdsl.testing.values import loaded
 
 # XLA spends less on optimising: it would cost more than it saves in a few steps.
 QUICK = {
@@ -101,8 +101,9 @@ def take_step(
     numbers: Numbers,
     seed: int,
 ) -> Stepped:
-    """Takes a step on both engines with the same draws. Raises AssertionError if the results
-    differ.
+    """Takes a step on both engines with the same draws.
+
+    Raises AssertionError if the results differ.
     """
     env = compiled.env
     world, outcome = step(env.game, world, actions, numbers.interpreted, Threefry(*key_bits(seed)))
@@ -155,6 +156,7 @@ def _stepped(
     seen: tuple[np.ndarray, np.ndarray],
     outcome: Outcome,
 ) -> Stepped:
+    """Returns the result of a step with the interpreter's outcome as plain numbers."""
     events: dict[str, Any] = {}
     for event in env.game.events:
         for name, counts in named_counts(event, outcome).items():

@@ -9,8 +9,9 @@ from sjdsl.compiler import ir
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.state import World
 from sjdsl.interpreter.stored import held_values
+from sjdsl.interpreter.writes import with_entry
 from sjdsl.near_names import meant
-from sjdsl.testing.values import held, written
+from sjdsl.testing.values import from_author, to_author
 
 _PATH = re.compile(r"(?:(\w+)\.)?(\w+)((?:\[-?\w+\])*)")
 
@@ -25,14 +26,19 @@ class FieldPath:
 
     @property
     def entry_type(self) -> ir.Type:
+        """The type of the field's values, or of that entry of them."""
         return self.declared.type.model_copy(update={"by": self.declared.type.by[len(self.keys) :]})
 
 
 def find_field(game: ir.Game, text: str) -> FieldPath:
-    """Returns the field of a path `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of
-    the world), perhaps with `[KEY]`.
+    """Returns the field of a path.
 
-    Raises ValueError naming the nearest field.
+    Args:
+      text: `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of the world), perhaps
+        with `[KEY]`.
+
+    Raises:
+      ValueError: there is no such field; the message has the nearest name.
     """
     match = _PATH.fullmatch(text.strip())
     owner, name, brackets = match.groups() if match else (None, text, "")
@@ -51,7 +57,7 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
         indices = f"has {len(levels)} indices" if levels else "is one value, without an index"
         raise ValueError(f"`{text}`: `{name}` {indices}")
     indices_of_keys = []
-    for key, level in zip(keys, levels, strict=False):
+    for key, level in zip(keys, levels[: len(keys)], strict=True):
         if key not in level.keys:
             raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, level.keys)}")
         indices_of_keys.append(level.keys.index(key))
@@ -64,6 +70,7 @@ def _no_field(
     owners: dict[str, tuple[ir.VarField, ...]],
     world: tuple[ir.VarField, ...],
 ) -> str:
+    """Returns a message about a field that doesn't exist."""
     if owner:
         names = [field.name for field in owners[owner]]
         return f"`{owner}` has no field `{name}`{meant(name, names)}"
@@ -74,22 +81,17 @@ def _no_field(
 
 
 def _entry(value: Any, keys: tuple[int, ...]) -> Any:
+    """Returns an entry of nested tuples."""
     for key in keys:
         value = value[key]
     return value
 
 
-def _replaced(value: Any, keys: tuple[int, ...], entry: Any) -> Any:
-    """Returns nested tuples with one entry replaced."""
-    if not keys:
-        return entry
-    first, *rest = keys
-    return (*value[:first], _replaced(value[first], tuple(rest), entry), *value[first + 1 :])
-
-
 def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
-    """Returns the owners of the values of a field: numbers of agents or movers, (row, column) of
-    cells; None for the world."""
+    """Returns the owners of the values of a field; None for the world.
+
+    They are numbers of agents or movers, or (row, column) of cells.
+    """
     owner = path.declared.held_by
     match owner.what:
         case "agent":
@@ -104,12 +106,14 @@ def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
 
 
 def read_field(path: FieldPath, world: World) -> Any:
-    """Returns the values of a field as authors write them: a list over agents, movers or cells, or
-    the world's one value."""
+    """Returns the values of a field as authors write them.
+
+    They are a list over agents, movers or cells, or the world's one value.
+    """
     values = held_values(path.declared, world)
     if path.declared.held_by.what == "world":
-        return written(_entry(values, path.keys), path.entry_type)
-    return [written(_entry(value, path.keys), path.entry_type) for value in values]
+        return to_author(_entry(values, path.keys), path.entry_type)
+    return [to_author(_entry(value, path.keys), path.entry_type) for value in values]
 
 
 def write_field(path: FieldPath, values: Any, board: Board, world: World) -> None:
@@ -117,8 +121,7 @@ def write_field(path: FieldPath, values: Any, board: Board, world: World) -> Non
 
     Args:
       values: the world's value; else a list over agents, movers or cells, a mapping of some of
-        them,
-        or one value for all.
+        them, or one value for all.
     Raises:
       ValueError: an agent, mover or cell that doesn't exist, or a value that doesn't fit.
     """
@@ -135,13 +138,16 @@ def write_field(path: FieldPath, values: Any, board: Board, world: World) -> Non
 
 def _updated(path: FieldPath, name: str, value: Any, current: Any, board: Board) -> Any:
     """Returns the current value of a field with the entry of `path` set to a written value."""
-    entry = held(name, value, path.entry_type, board.agents, _entry(current, path.keys))
-    return _replaced(current, path.keys, entry)
+    entry = from_author(name, value, path.entry_type, board.agents, _entry(current, path.keys))
+    return with_entry(current, path.keys, entry)
 
 
 def by_owner(name: str, values: Any, owners: list[Any]) -> dict[Any, Any]:
-    """Returns the value for each owner: those of a list in order, those of a mapping by owner, or
-    one value for all."""
+    """Returns owner -> value, for those of a mapping or for all.
+
+    Args:
+      values: a list in the order of the owners, a mapping by owner, or one value for all.
+    """
     if isinstance(values, list | tuple):
         if len(values) != len(owners):
             raise ValueError(
@@ -154,7 +160,7 @@ def by_owner(name: str, values: Any, owners: list[Any]) -> dict[Any, Any]:
         for owner in values:
             if owner not in owners:
                 listed = ", ".join(map(str, owners[:6]))
-                more = ", …" if len(owners) > 6 else ""
-                raise ValueError(f"`{name}`: {owner} is none of {listed}{more}")
+                others = ", …" if len(owners) > 6 else ""
+                raise ValueError(f"`{name}`: {owner} is none of {listed}{others}")
         return dict(values)
     return dict.fromkeys(owners, values)

@@ -1,5 +1,8 @@
-"""Pictures of a map for tests: rows of characters, agents as arrows with their numbers beside the
-row, movers as the glyph of their entity type."""
+"""Pictures of a map for tests.
+
+Rows of characters, agents as arrows with their numbers beside the row, movers as the glyph of their
+entity type.
+"""
 
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -16,8 +19,9 @@ Pose = tuple[int, int, int]  # row, column, heading
 
 @dataclass(frozen=True)
 class Row:
-    """One row of a picture: its signs, and the numbers of its agents from left to right, or
-    None.
+    """One row of a picture.
+
+    Its signs, and the numbers of its agents from left to right, or None.
     """
 
     signs: str
@@ -36,7 +40,8 @@ def read_picture(picture: Sequence[str], signs: Signs) -> list[Row]:
     Raises ValueError: a picture that does not fit the map, or numbers that do not fit the arrows.
     """
     glyph_rows = signs.game.rows
-    height, width = len(glyph_rows), len(glyph_rows[0])
+    height = len(glyph_rows)
+    width = len(glyph_rows[0])
     if len(picture) != height:
         raise ValueError(f"the picture has {len(picture)} rows, the map has {height}")
     rows = []
@@ -72,6 +77,7 @@ def _check(sign: str, glyph: str, where: str, signs: Signs) -> None:
 
 
 def _numbers(text: str, arrows: int, row: int) -> tuple[int, ...]:
+    """Returns the numbers beside a row, one for each of its arrows. Raises ValueError."""
     parts = list(text) if len(text) == arrows else re.split(r"[,\s]+", text.strip())
     are_numbers = all(part.isdecimal() and part == str(int(part)) for part in parts)
     if len(parts) != arrows or not are_numbers:
@@ -82,7 +88,7 @@ def _numbers(text: str, arrows: int, row: int) -> tuple[int, ...]:
     return tuple(map(int, parts))
 
 
-def numbered(
+def read_poses(
     rows: Sequence[Row], signs: Signs, agents: int, away: Collection[int]
 ) -> dict[int, Pose]:
     """Returns the pose of each agent of a picture by its number.
@@ -116,17 +122,17 @@ def numbered(
     return poses
 
 
-def placed(
+def read_mover_cells(
     rows: Sequence[Row],
     signs: Signs,
     numbers: Mapping[str, Sequence[int]],
     away: Mapping[str, Collection[int]],
 ) -> dict[str, list[Cell | None]]:
-    """Returns the cells of the movers of each entity type by their numbers; None for those that are
-    away.
+    """Returns entity type -> the cells of its movers by number, None for those that are away.
 
     Args:
       numbers: those of the movers in the picture, in reading order; by default they rise.
+
     Raises:
       ValueError: there are more or fewer movers than in the game, or the numbers don't fit.
     """

@@ -1,5 +1,7 @@
-"""`Scene`: one state of a game on a stage, in which both engines take each step, and the questions
-that a test can ask about it."""
+"""`Scene`: one state of a game on a stage, and the questions that a test can ask about it.
+
+Both engines take each step.
+"""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
@@ -25,7 +27,7 @@ from sjdsl.testing.paths import by_owner, find_field, owners_of, read_field
 from sjdsl.testing.pictures import Row, compare_pictures, draw_cells, draw_picture, read_picture
 from sjdsl.testing.signs import Signs
 from sjdsl.testing.states import compiled_state
-from sjdsl.testing.values import merged, same
+from sjdsl.testing.values import is_expected, merged
 
 SHORT = 8  # a longer list is not shown in full in a message
 _ATTRIBUTES: dict[str, Callable[[World | Herd], list[Any]]] = {
@@ -54,8 +56,10 @@ class Setting(Protocol):
 
 
 class Scene:
-    """A state of a game. Both engines take every step, and must agree in every field, reward,
-    event, metric and observation.
+    """A state of a game.
+
+    Both engines take every step, and must agree in every field, reward, event, metric and
+    observation.
 
     On a stage that is `interpreted`, only the interpreter takes the steps.
 
@@ -96,6 +100,7 @@ class Scene:
         return allowed
 
     def _look(self) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the observation and the allowed actions, computed once for a state."""
         if self._seen is None and self.stage.interpreted:
             self._seen = interpret_look(self.env, self.world)
         if self._seen is None:
@@ -188,15 +193,18 @@ class Scene:
         return self
 
     def value(self, name: str) -> Any:
-        """Returns the value of a name. Names of movers are like those of agents: `deer.FIELD`,
-        `deer.row`.
+        """Returns the value of a name.
 
-        `agent.FIELD`, `KIND.FIELD`: a list over agents or cells; `FIELD`: of the world; `…[word]`:
-        one entry of a `by` field. `agent.row`, `agent.col`, `agent.heading`, `agent.moved`,
-        `agent.away` (condition), `agent.ticks` (until it returns); `allowed ACTION`: may each agent
-        take it; `marks PHASE`: (row, column) of the marked cells; `steps`. Of the last step:
-        `reward`, `event NAME`, `metric NAME`, `terminated`, `truncated`. Raises ValueError for
-        another name.
+        * `agent.FIELD`, `KIND.FIELD`: a list over agents or cells; `FIELD`: of the world;
+          `…[word]`: one entry of a `by` field.
+        * `agent.row`, `agent.col`, `agent.heading`, `agent.moved`, `agent.away` (a condition),
+          `agent.ticks` (until it returns). Names of movers are like those of agents: `deer.row`.
+        * `allowed ACTION`: whether each agent may take it; `marks PHASE`: (row, column) of the
+          marked cells; `steps`.
+        * Of the last step: `reward`, `event NAME`, `metric NAME`, `terminated`, `truncated`.
+
+        Raises:
+          ValueError: there is no such name.
         """
         value, _ = self._read(name)
         return value
@@ -250,6 +258,7 @@ class Scene:
         return draw_picture(self.stage.signs, self.stage.board, self.world)
 
     def _place(self, agent: int) -> tuple[int, int]:
+        """Returns the row and column of an agent. Raises ValueError if it is away."""
         place = self.places()[agent]
         if place is None:
             raise ValueError(f"agent {agent} is away")
@@ -262,12 +271,12 @@ class Scene:
         """Returns lines about where the value of a name isn't the expected one."""
         actual, owners = self._read(name)
         if owners is None:
-            return [] if same(actual, expected) else [f"{name} is {actual}, not {expected}"]
+            return [] if is_expected(actual, expected) else [f"{name} is {actual}, not {expected}"]
         values = dict(zip(owners, actual, strict=True))
         differing = [
             owner
             for owner, value in by_owner(name, expected, owners).items()
-            if not same(values[owner], value)
+            if not is_expected(values[owner], value)
         ]
         if differing and len(actual) <= SHORT:
             return [f"{name} is {actual}, not {expected}"]
@@ -305,6 +314,7 @@ class Scene:
         return read_field(path, self.world), owners_of(path, self.stage.board)
 
     def _of_last_step(self, value: Any) -> Any:
+        """Returns a value of the last step. Raises ValueError if there was none."""
         if not self.reward:
             raise ValueError("no step has been taken, so there are no rewards, events or metrics")
         return value
@@ -316,15 +326,18 @@ class Scene:
         return self._named(name, self._of_last_step(self.metrics), "metric")
 
     def _named(self, name: str, values: Mapping[str, Any], label: str) -> Any:
+        """Returns the value of an event or a metric. Raises ValueError for an unknown name."""
         if name not in values:
             raise ValueError(f"the game has no {label} `{name}`{meant(name, values)}")
         return values[name]
 
     def _allowed(self, action: str) -> list[bool]:
+        """Returns whether each agent may take an action."""
         number = self._read_actions(action)[0]
         return list(self.allowed[:, number].tolist())
 
     def _marks(self, label: str) -> set[tuple[int, int]]:
+        """Returns the row and column of the cells that a phase has marked."""
         names = {phase.label: phase.name for phase in marking_phases(self.env.game)}
         if label not in names:
             raise ValueError(f"no phase `{label}` marks cells{meant(label, names)}")

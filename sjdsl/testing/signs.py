@@ -1,5 +1,7 @@
-"""The characters of a test's picture: glyphs of the map and of movers, `looks` of the test's
-author, arrows for agents."""
+"""The characters of a test's picture.
+
+Glyphs of the map and of movers, `looks` of the test's author, arrows for agents.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -8,7 +10,7 @@ from typing import Any
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import kind_named
 from sjdsl.near_names import meant
-from sjdsl.testing.values import held
+from sjdsl.testing.values import from_author
 
 # The first that isn't a sign is drawn for a cell whose state has no sign.
 UNKNOWN = "?!*%$"
@@ -16,8 +18,10 @@ UNKNOWN = "?!*%$"
 
 @dataclass(frozen=True)
 class Sign:
-    """A character that stands for a kind of cell whose fields have certain values, in the
-    interpreter's form."""
+    """A character that stands for a kind of cell whose fields have certain values.
+
+    These are in the interpreter's form.
+    """
 
     character: str
     kind: str
@@ -37,13 +41,11 @@ class Signs:
     movers: Mapping[str, str] = field(default_factory=dict)  # character -> entity type
 
     def is_body(self, character: str) -> bool:
-        """Whether a character is an agent or a mover, which hides the cell that it stands on."""
+        """Returns whether a character is an agent or a mover, which hides its cell."""
         return character in self.arrows or character in self.movers
 
     def draw(self, kind: str, values: Mapping[str, Any]) -> str:
-        """Returns the sign of a cell with these values: of those that fit, the one with most
-        fields.
-        """
+        """Returns the sign of a cell with these values: the fitting one with most fields."""
         fitting = [sign for sign in self._of_kind(kind) if sign.values.items() <= values.items()]
         if not fitting:
             return next(c for c in UNKNOWN if c not in self.by_character)
@@ -65,18 +67,21 @@ class Signs:
 
 
 def make_signs(game: ir.Game, looks: Mapping[str, str], arrows: str) -> Signs:
-    """Returns the signs of a game. `looks`: character -> what it stands for, as `"tree
-    fruit=none"`.
+    """Returns the signs of a game.
 
-    Raises ValueError: a character twice or not usable, a kind, field or value the game does not
-      have.
+    Args:
+      looks: character -> what it stands for, as `"tree fruit=none"`.
+
+    Raises:
+      ValueError: a character is there twice or can't be used, or the game lacks a kind, field or
+        value.
     """
     if len(set(arrows)) != 4:
         raise ValueError(
             "`arrows` are four different characters, for north, east, south and west, "
             f"not {arrows!r}"
         )
-    signs = {character: _look(game, character, text) for character, text in looks.items()}
+    signs = {character: _read_look(game, character, text) for character, text in looks.items()}
     glyphs = {glyph.glyph: glyph for glyph in game.glyphs}
     movers = {sort.glyph: sort.name for sort in game.movers}
     for character in (*signs, *glyphs, *movers):
@@ -99,11 +104,12 @@ def make_signs(game: ir.Game, looks: Mapping[str, str], arrows: str) -> Signs:
             )
     look_signs = tuple(signs.values())
     for character, glyph in glyphs.items():
-        signs[character] = _glyph(game, glyph, look_signs)
+        signs[character] = _glyph_sign(game, glyph, look_signs)
     return Signs(game, signs, arrows, movers)
 
 
-def _look(game: ir.Game, character: str, text: str) -> Sign:
+def _read_look(game: ir.Game, character: str, text: str) -> Sign:
+    """Returns the sign that a look of the author defines. Raises ValueError."""
     if len(character) != 1 or character.isspace():
         raise ValueError(f"a sign is one character, not {character!r}")
     name, *pairs = text.split() or [""]
@@ -126,8 +132,8 @@ def _look(game: ir.Game, character: str, text: str) -> Sign:
             raise ValueError(
                 f"look `{character}`: `{name}.{field_name}` has many values; put it with `fields`"
             )
-        value = _read(text, type_)
-        values[field_name] = held(f"{name}.{field_name}", value, type_, game.agents.number)
+        value = _read_value(text, type_)
+        values[field_name] = from_author(f"{name}.{field_name}", value, type_, game.agents.number)
     if not values:
         raise ValueError(
             f'look `{character}`: say which state it stands for, as "{name} field=value"'
@@ -135,7 +141,7 @@ def _look(game: ir.Game, character: str, text: str) -> Sign:
     return Sign(character, name, values)
 
 
-def _read(text: str, type_: ir.Type) -> Any:
+def _read_value(text: str, type_: ir.Type) -> Any:
     """Returns a value written in a look.
 
     A text that should be a number and isn't one is returned unchanged; `held` refuses it.
@@ -150,9 +156,11 @@ def _read(text: str, type_: ir.Type) -> Any:
         return text
 
 
-def _glyph(game: ir.Game, glyph: ir.GlyphMeaning, looks: Iterable[Sign]) -> Sign:
-    """Returns a glyph of the map as a sign with values of all fields by which signs of its kind
-    differ."""
+def _glyph_sign(game: ir.Game, glyph: ir.GlyphMeaning, looks: Iterable[Sign]) -> Sign:
+    """Returns a glyph of the map as a sign.
+
+    With values of all fields by which signs of its kind differ.
+    """
     kind = kind_named(game, glyph.kind)
     names: set[str] = set()
     for other in game.glyphs:

@@ -19,7 +19,7 @@ from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_bits
 from sjdsl.testing.paths import find_field, write_field
-from sjdsl.testing.pictures import numbered, placed, put_picture, read_picture
+from sjdsl.testing.pictures import put_picture, read_mover_cells, read_picture, read_poses
 from sjdsl.testing.scene import Scene
 from sjdsl.testing.signs import Signs, make_signs
 from sjdsl.testing.states import make_away
@@ -42,8 +42,7 @@ class Stage:
       arrows: the signs of agents facing north, east, south, west; others where the map has a `v`,
         say.
       interpreted: only the interpreter takes the steps. A scene then costs milliseconds, and
-        doesn't
-        test the compiled game.
+        doesn't test the compiled game.
 
     Creating the environment raises the errors of `sjdsl.make`, and ValueError for impossible signs.
     """
@@ -68,6 +67,7 @@ class Stage:
         return environment_of(*self._build(placed_by_hand=True))
 
     def _build(self, placed_by_hand: bool) -> tuple[Build, dict[str, Any]]:
+        """Returns the game as built, and its run-time numbers."""
         return build_game(
             self.game, self.variant, self.agents, self.params, self.map, placed_by_hand
         )
@@ -91,8 +91,9 @@ class Stage:
         return board_of(self.env.game)
 
     def numbers(self, params: Mapping[str, Any]) -> Numbers:
-        """Returns the run-time numbers with some replaced; their limits hold, but not what the game
-        `require`s.
+        """Returns the run-time numbers with some replaced.
+
+        Their limits hold, but not what the game `require`s.
         """
         key = repr(sorted(params.items()))
         if key not in self._numbers:
@@ -124,16 +125,14 @@ class Stage:
 
         Args:
           picture: the rows of the map in signs, agents as arrows. The numbers of the agents of a
-            row
-            may stand beside it, left to right; the other agents are numbered in reading order:
+            row may stand beside it, left to right; the other agents are numbered in reading order:
             `"..>.<  10"`. Movers are the glyph of their entity type, all of them, numbered in
             reading order; they face north unless `fields` has another `deer.heading`.
           under: agent -> the sign of the cell that it stands on; by default that is as on the map.
           fields: `agent.NAME`, `KIND.NAME`, `SORT.NAME` (of movers) or `NAME` (of the world),
-            perhaps
-            one entry `NAME[word]` -> a list over agents, movers or cells (in reading order), a
-            mapping of some of them (cells by (row, column)), or one value for all. Timers are
-            fields.
+            perhaps one entry `NAME[word]` -> a list over agents, movers or cells (in reading
+            order), a mapping of some of them (cells by (row, column)), or one value for all.
+            Timers are fields.
           away: agents that are not on the map -> ticks until they return, with the phase that has
             sent them if several can; 0: never.
           movers_away: entity type -> which of its movers are not on the map, as `away`.
@@ -141,7 +140,9 @@ class Stage:
           step: finished steps of the episode.
           seed: of the first step; each further step has the next.
           params: run-time numbers by name.
-        Raises ValueError: what does not fit the game.
+
+        Raises:
+          ValueError: something does not fit the game.
         """
         under = under or {}
         away = away or {}
@@ -153,7 +154,7 @@ class Stage:
         interpreted = self.numbers(params).interpreted
         world = reset(game, interpreted, Threefry(*key_bits(0)), sends=False)
         rows = read_picture(picture, self.signs)
-        poses = numbered(rows, self.signs, board.agents, away)
+        poses = read_poses(rows, self.signs, board.agents, away)
         put_picture(rows, poses, under, self.signs, board, world)
         world.position = [None] * board.agents
         world.heading = [0] * board.agents
@@ -162,9 +163,11 @@ class Stage:
             world.heading[agent] = heading
         for agent, absence in away.items():
             world.away[agent] = make_away(game, agent, *_ticks_and_phase(absence))
-        for sort in {*movers_away, *numbers} - {*world.movers}:
-            raise ValueError(f"the game has no movers `{sort}`{meant(sort, world.movers)}")
-        for sort, cells in placed(rows, self.signs, numbers, movers_away).items():
+        unknown = [sort for sort in (*movers_away, *numbers) if sort not in world.movers]
+        if unknown:
+            near = meant(unknown[0], world.movers)
+            raise ValueError(f"the game has no movers `{unknown[0]}`{near}")
+        for sort, cells in read_mover_cells(rows, self.signs, numbers, movers_away).items():
             herd = world.movers[sort]
             herd.position = cells
             herd.moved = [False] * len(cells)
@@ -185,7 +188,7 @@ class Stage:
         The phase `start` runs on both engines (unless the stage is `interpreted`) with the same
         draws. Raises CompileError if the map lacks cells that the game sends agents or movers to.
         """
-        _ = self._with_places
+        _ = self._with_places  # raises CompileError
         params = params or {}
         interpreted = self.numbers(params).interpreted
         world = reset(self.env.game, interpreted, Threefry(*key_bits(seed)))

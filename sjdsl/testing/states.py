@@ -81,8 +81,10 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
 
 
 def away_pools(game: ir.Game, sort: ir.Sort) -> dict[Pool, ir.Send]:
-    """Returns the destinations for which agents, or movers of an entity type, can be away, each
-    with a statement that sends to it."""
+    """Returns the destinations for which agents, or movers of an entity type, can be away.
+
+    Each with a statement that sends to it.
+    """
     sends = board_of(game).pools.items()
     return {
         pool: send for pool, send in sends if send.after is not None and body_sort(send.who) == sort

@@ -1,5 +1,4 @@
-"""Converts field values between three forms: those that authors write, those of the interpreter,
-and those stored in arrays.
+"""Converts values of fields between the form that authors write and that of the interpreter.
 
 Authors write an enum value as a text, an agent as its number, nobody as None, several agents as a
 set of numbers, and a `by` field as a mapping from enum values, numbers, or numbers of agents:
@@ -12,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.types import element
 from sjdsl.interpreter.state import Cell
 from sjdsl.near_names import meant
 
 LARGEST = 2**31 - 1
 
 
-def held(name: str, written: Any, type_: ir.Type, agents: int, current: Any = None) -> Any:
+def from_author(name: str, written: Any, type_: ir.Type, agents: int, current: Any = None) -> Any:
     """Returns a written value in the interpreter's form.
 
     Args:
@@ -28,9 +28,8 @@ def held(name: str, written: Any, type_: ir.Type, agents: int, current: Any = No
       ValueError: not a value of this type.
     """
     if not type_.by:
-        return _held(name, written, type_, agents)
+        return _single_from_author(name, written, type_, agents)
     keys = _keys(type_.by[0])
-    inner = type_.model_copy(update={"by": type_.by[1:]})
     if not isinstance(written, Mapping):
         raise ValueError(
             f"`{name}` has an entry for each of {', '.join(map(str, keys))}: "
@@ -44,7 +43,7 @@ def held(name: str, written: Any, type_: ir.Type, agents: int, current: Any = No
     entries = []
     for key, entry in zip(keys, current, strict=True):
         if key in written:
-            entry = held(f"{name}[{key}]", written[key], inner, agents, entry)
+            entry = from_author(f"{name}[{key}]", written[key], element(type_), agents, entry)
         entries.append(entry)
     return tuple(entries)
 
@@ -54,7 +53,8 @@ def _keys(level: ir.Level) -> tuple[str, ...] | tuple[int, ...]:
     return level.names if level.sort == "word" else tuple(map(int, level.keys))
 
 
-def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
+def _single_from_author(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
+    """Returns a written value of a type without entries in the interpreter's form."""
     match type_.kind:
         case "word":
             if written not in type_.words:
@@ -91,42 +91,35 @@ def _held(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
 
 
 def _agent(name: str, number: Any, agents: int) -> int:
+    """Returns the number of an agent. Raises ValueError for anything else."""
     is_number = isinstance(number, int | np.integer) and not isinstance(number, bool)
     if not is_number or not 0 <= number < agents:
         raise ValueError(f"`{name}`: the agents are 0 .. {agents - 1}, not {number!r}")
     return int(number)
 
 
-def written(value: Any, type_: ir.Type) -> Any:
+def to_author(value: Any, type_: ir.Type) -> Any:
     """Returns a value of the interpreter as an author writes it."""
     if type_.by:
-        inner = type_.model_copy(update={"by": type_.by[1:]})
         entries = zip(_keys(type_.by[0]), value, strict=True)
-        return {key: written(entry, inner) for key, entry in entries}
+        return {key: to_author(entry, element(type_)) for key, entry in entries}
     if type_.kind == "agents":
         return set(value)
     return float(value) if type_.kind == "real" else value
 
 
-def loaded(array: np.ndarray, type_: ir.Type) -> Any:
-    """Returns a stored parameter in the interpreter's form, float32 for float32."""
-    if array.ndim:
-        return tuple(loaded(entry, type_) for entry in array)
-    if type_.kind == "word":
-        return type_.words[int(array)]
-    return np.float32(array) if type_.kind == "real" else int(array)
+def is_expected(actual: Any, expected: Any) -> bool:
+    """Returns whether an actual value is the expected one.
 
-
-def same(actual: Any, expected: Any) -> bool:
-    """Whether an actual value is the expected one: reals to 1e-6; of a mapping only the entries
-    that `expected` has."""
+    Reals are compared to 1e-6, of a mapping only the entries that `expected` has.
+    """
     if isinstance(expected, Mapping):
         return isinstance(actual, Mapping) and all(
-            key in actual and same(actual[key], value) for key, value in expected.items()
+            key in actual and is_expected(actual[key], value) for key, value in expected.items()
         )
     if isinstance(actual, list):
         is_list = isinstance(expected, list | tuple) and len(actual) == len(expected)
-        return is_list and all(map(same, actual, expected))
+        return is_list and all(map(is_expected, actual, expected))
     if isinstance(actual, set):
         return isinstance(expected, Collection) and actual == set(expected)
     if isinstance(actual, float) and isinstance(expected, int | float | np.number):

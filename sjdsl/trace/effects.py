@@ -54,10 +54,10 @@ class Effect:
     """
 
     sort: Sort
-    owner: Owner
-    name: str
-    old: Value
-    new: Value
+    owner: Owner = None
+    name: str = ""
+    old: Value = None
+    new: Value = None
     type: ir.Type | None = None
     by: tuple[Done, ...] = ()
     draws: tuple[Used, ...] = ()
@@ -75,8 +75,12 @@ def effects_of(account: Account, board: Board, numbers: RandomNumbers) -> list[E
         *_bodies(account, board, numbers),
         *_announcements(account, board),
     ]
-    order = {id(done): number for number, done in enumerate(account.done)}
-    return sorted(effects, key=lambda effect: order.get(id(effect.by[0]), -1) if effect.by else -1)
+    numbers_of_statements = {id(done): number for number, done in enumerate(account.done)}
+
+    def order(effect: Effect) -> int:
+        return numbers_of_statements.get(id(effect.by[0]), -1) if effect.by else -1
+
+    return sorted(effects, key=order)
 
 
 # ---- fields
@@ -96,15 +100,15 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
                 (owner, (holder, number), old[number], new[number])
                 for number, owner in enumerate(owners)
             ]
-        for owner, place, old_value, new_value in values:
+        for owner, slot_owner, old_value, new_value in values:
             for entries, label, was, now in _entries(field.type.by, old_value, new_value):
-                slot = Slot(field.name, place, entries)
+                slot = Slot(field.name, slot_owner, entries)
                 by = tuple(writers[slot])
                 if isinstance(owner, Mover) and field.name == "heading" and not by:
-                    continue  # it follows from its way
+                    continue  # an effect of its movement
                 lost = tuple(losers[slot])
                 name = field.name + label
-                yield Effect("field", owner, name, was, now, field.type, by, lost=lost)
+                yield Effect("field", owner, name, was, now, type=field.type, by=by, lost=lost)
 
 
 def _owners(
@@ -147,8 +151,8 @@ def _writers(account: Account) -> tuple[dict[Slot, list[Done]], dict[Slot, list[
         for slot in dict.fromkeys(slot for slot, _ in writes):
             writers[slot].append(done)
         for lot in done.written.get("lots", ()):
-            has_won = winning[lot.slot] is lot
-            (writers if has_won else losers)[lot.slot].append(done)
+            performers = writers if winning[lot.slot] is lot else losers
+            performers[lot.slot].append(done)
     return writers, losers
 
 
@@ -180,7 +184,7 @@ def _bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[
                     continue  # an effect on a field
             if old != new:
                 used = tuple(_used(sort, body, account, by, numbers))
-                yield Effect(sort, body, "", old, new, None, by, used)
+                yield Effect(sort, body, old=old, new=new, by=by, draws=used)
 
 
 def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
@@ -219,9 +223,11 @@ def _used(
         purpose: Purpose
         match sort, statement:
             case "heading", ir.Shift() | ir.Send():
-                purpose, stream = "which heading", statement.heading_stream
+                purpose = "which heading"
+                stream = statement.heading_stream
             case "place", ir.Send():
-                purpose, stream = "which cell", statement.cell_stream
+                purpose = "which cell"
+                stream = statement.cell_stream
             case "place", ir.Move(course=ir.Wander(stream=stream)):
                 purpose = "which way"
             case _:
@@ -244,23 +250,24 @@ def _announcements(account: Account, board: Board) -> Iterator[Effect]:
     for done in account.done:
         for agent, value in done.written.get("gives", ()):
             if value:
-                yield Effect("reward", agent, "", None, value, None, (done,))
+                yield Effect("reward", agent, new=value, by=(done,))
         for counted in done.written.get("tallies", ()):
             if counted.amount:
                 name = counted.event
                 if events[name].by:
                     name += f"[{counted.word}]"
-                yield Effect("event", counted.agent, name, None, counted.amount, None, (done,))
+                yield Effect("event", counted.agent, name, new=counted.amount, by=(done,))
         match done.statement:
             case ir.Mark():
                 near = ir.Near(shape=done.statement.shape, anchor=done.statement.anchor)
                 cells = sorted(cells_in(near, _instance(done, account, board)))
-                yield Effect("mark", None, "", None, tuple(cells), None, (done,))
+                yield Effect("mark", new=tuple(cells), by=(done,))
             case ir.End():
-                yield Effect("end", None, "", None, True, None, (done,))
+                yield Effect("end", new=True, by=(done,))
             case _:
                 pass
 
 
 def _instance(done: Done, account: Account, board: Board) -> Instance:
+    """Returns the instance in which a statement was performed, as far as it reads the state."""
     return Instance(board, account.before, names=done.names)

@@ -4,7 +4,7 @@ The draws are those of the compiled game: a trace is the episode that `sjdsl ren
 play` show for the same seed.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
@@ -12,7 +12,7 @@ from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Outcome, Value, World, copied
 from sjdsl.interpreter.step import action_mask, reset, step
-from sjdsl.interpreter.threefry import Threefry
+from sjdsl.interpreter.threefry import Draws, Threefry
 from sjdsl.trace.choices import ByEpisode
 from sjdsl.trace.effects import Effect, effects_of
 from sjdsl.trace.jax_random import Key, RecordedDraws, keys_of
@@ -86,17 +86,29 @@ def begin(game: ir.Game, params: Mapping[str, Value], key: Key) -> Moment:
 
 
 def follow(
-    game: ir.Game, world: World, params: Mapping[str, Value], key: Key, actions: list[int]
+    game: ir.Game, world: World, params: Mapping[str, Value], key: Key, actions: Sequence[int]
 ) -> Moment:
     """Returns the step that follows a state. `key`: of the environment's `step`."""
+    return take_step(game, world, params, Threefry(*key), actions, key)
+
+
+def take_step(
+    game: ir.Game,
+    world: World,
+    params: Mapping[str, Value],
+    draws: Draws,
+    actions: Sequence[int],
+    key: Key = (0, 0),
+) -> Moment:
+    """Returns the step that follows a state, with any draws. `key`: theirs, if they have one."""
     turns: list[Turn] = []
-    draws = RecordedDraws(Threefry(*key))
+    recorded = RecordedDraws(draws)
     allowed = action_mask(game, world)
     forbidden = frozenset(
         agent for agent, action in enumerate(actions) if not allowed[agent][action]
     )
-    listener = _listener(turns, board_of(game), draws)
-    after, outcome = step(game, world, actions, params, draws, listener)
+    listener = _listener(turns, board_of(game), recorded)
+    after, outcome = step(game, world, actions, params, recorded, listener)
     trial = trial_of(game, world)
     return Moment(world.step, key, after, tuple(turns), tuple(actions), forbidden, outcome, trial)
 

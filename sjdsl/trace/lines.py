@@ -60,11 +60,11 @@ def moment_lines(moment: Moment, teller: Teller) -> Iterator[str]:
     else:
         yield f"trial {moment.trial}, step {moment.number}"
     if moment.actions:
-        yield f"  actions  {_actions(moment, teller.board.game)}"
+        yield f"  actions  {_actions_text(moment, teller.board.game)}"
     for turn in moment.turns:
         if is_shown(turn, teller.phases):
             yield from turn_lines(turn, teller)
-    yield from _outcome(moment)
+    yield from _outcome_lines(moment)
     for row in draw(teller.looks, teller.board, moment.world):
         yield f"    {row}"
     yield ""
@@ -87,7 +87,7 @@ def turn_lines(turn: Turn, teller: Teller) -> Iterator[str]:
             for effect in shown:
                 yield from _effect_lines(effect, rule, teller, explainer, written)
             if len(shown) < len(like_effects):
-                yield f"{EFFECT}{_rest(like_effects[len(shown) :], teller.board)}"
+                yield f"{EFFECT}{_rest_line(like_effects[len(shown) :], teller.board)}"
 
 
 def rules_with_effects(turn: Turn) -> Iterator[tuple[ir.Stmt | None, list[Effect]]]:
@@ -120,7 +120,7 @@ def _groups(effects: Sequence[Effect], board: Board) -> list[list[Effect]]:
     return list(groups.values())
 
 
-def _rest(effects: Sequence[Effect], board: Board) -> str:
+def _rest_line(effects: Sequence[Effect], board: Board) -> str:
     """Returns a line about changes that aren't written out."""
     owners = []
     for effect in effects:
@@ -188,7 +188,8 @@ def _losers(effect: Effect, winner: str, teller: Teller) -> Iterator[str]:
         yield f"{loser} lost the lot to {winner}"
 
 
-def _actions(moment: Moment, game: ir.Game) -> str:
+def _actions_text(moment: Moment, game: ir.Game) -> str:
+    """Returns each agent's action, with a note if it was forbidden."""
     actions = []
     for agent, action in enumerate(moment.actions):
         forbidden = " (forbidden)" if agent in moment.forbidden else ""
@@ -196,7 +197,7 @@ def _actions(moment: Moment, game: ir.Game) -> str:
     return ", ".join(actions)
 
 
-def _outcome(moment: Moment) -> Iterator[str]:
+def _outcome_lines(moment: Moment) -> Iterator[str]:
     """Yields the rewards, the metrics, and whether the episode ends."""
     outcome = moment.outcome
     if outcome is None:

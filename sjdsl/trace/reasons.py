@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables
-from sjdsl.compiler.ir.queries import is_quantified
+from sjdsl.compiler.ir.queries import is_any_or_all
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.evaluate import applies, evaluate
@@ -61,27 +61,27 @@ class Explainer:
         reasons: list[Reason] = []
         for done in effect.by:
             reasons += self._statement_reasons(done)
-        reasons += map(_used, effect.draws)
+        reasons += map(_choice_reason, effect.draws)
         return tuple(dict.fromkeys(reasons))
 
     def draw(self, drawn: Drawn) -> Reason:
         """Returns a draw with its result and the values that it depended on."""
         statement = drawn.statement
         instance = self.instance.only(drawn.names)
-        bits = _bits(drawn.bits, drawn.number, statement.stream)
+        bits = _bits_text(drawn.bits, drawn.number, statement.stream)
         values: list[ir.Expr] = []
         match statement:
             case ir.Chance():
                 last = len(statement.branches) - 1 if drawn.result is None else drawn.result
                 for branch in statement.branches[: last + 1]:
-                    values += _read(branch.test, instance)
-                text = _chance(drawn, self.rules.branch(statement, last))
+                    values += _values_read(branch.test, instance)
+                text = _chance_text(drawn, self.rules.branch(statement, last))
                 bound = statement.branches[0].test if last == 0 else None  # the text has its value
-                return self._reason(text, values, instance, bits, without=bound)
+                return self._reason(text, values, instance, bits, left_out=bound)
             case ir.Draw():
                 for e in (statement.low, statement.high, *statement.weights):
                     if e is not None:
-                        values += _read(e, instance)
+                        values += _values_read(e, instance)
                 result = say_value(drawn.result, statement.type)
             case ir.Pick():
                 result = "picked" if drawn.result else "not picked"
@@ -106,7 +106,7 @@ class Explainer:
             yield from conditions
             for name, part in vars(done.statement).items():
                 if name != "target" and isinstance(part, ir.Node) and ir.is_expression(part):
-                    for value in _read(part, instance):
+                    for value in _values_read(part, instance):
                         yield self._value(value, instance)
         yield from map(self.draw, draws.values())
 
@@ -130,11 +130,11 @@ class Explainer:
                 domain.where is not None and not isinstance(inner, ir.Domain)
             ):
                 is_bound = domain.var.name in instance.names
-                if is_bound and next(_read(domain.where, instance), None) is not None:
+                if is_bound and next(_values_read(domain.where, instance), None) is not None:
                     yield self._condition(domain.where, instance)
 
     def _condition(self, e: ir.Expr, instance: Instance, prefix: str = "") -> Reason:
-        return self._reason(prefix + self.rules.expression(e), _read(e, instance), instance)
+        return self._reason(prefix + self.rules.expression(e), _values_read(e, instance), instance)
 
     def _reason(
         self,
@@ -142,17 +142,17 @@ class Explainer:
         values: Iterable[ir.Expr],
         instance: Instance,
         bits: str = "",
-        without: ir.Expr | None = None,
+        left_out: ir.Expr | None = None,
     ) -> Reason:
         """Returns a reason with the values that it reads, and behind it the formulas of these.
 
         Args:
-          without: a value that the text has already.
+          left_out: a value that the text has already.
         """
         assignments: dict[str, None] = {}
         formulas: dict[Reason, None] = {}
         for e in values:
-            if e is not without:
+            if e is not left_out:
                 assignments[f"{self._name(e)} = {_value_text(e, instance)}"] = None
             if isinstance(e, ir.Named) and not isinstance(e.value, ir.Number):
                 formulas[self._value(e, instance)] = None
@@ -169,7 +169,7 @@ class Explainer:
         if not isinstance(e, ir.Named):
             return Reason(f"{self._name(e)} = {value}")
         text = f"{e.name} = {self.rules.expression(e.value)} = {value}"
-        return self._reason(text, _read(e.value, instance), instance, without=e.value)
+        return self._reason(text, _values_read(e.value, instance), instance, left_out=e.value)
 
     def _name(self, e: ir.Expr) -> str:
         return e.name if isinstance(e, ir.Named) else self.rules.expression(e)
@@ -183,40 +183,41 @@ def explainer_of(turn: Turn, board: Board, rules: Rules) -> Explainer:
     return Explainer(instance, parents, rules, isinstance(account.turn, ir.Phase))
 
 
-def _read(e: ir.Expr, instance: Instance) -> Iterator[ir.Expr]:
+def _values_read(e: ir.Expr, instance: Instance) -> Iterator[ir.Expr]:
     """Yields the values that an expression reads, without what `and`, `or` and `case` skip."""
-    if isinstance(e, _VALUES) or is_quantified(e):
+    if isinstance(e, _VALUES) or is_any_or_all(e):
         if all(variable.name in instance.names for variable in free_variables(e)):
             yield e
         return
     match e:
         case ir.Logic():
             for arg in e.args:
-                yield from _read(arg, instance)
+                yield from _values_read(arg, instance)
                 if bool(evaluate(arg, instance)) == (e.fn == "or"):
                     return
         case ir.Case():
-            yield from _read(e.subject, instance)
+            yield from _values_read(e.subject, instance)
             subject = evaluate(e.subject, instance)
             if isinstance(subject, bool):
                 subject = "yes" if subject else "no"
             for arm in e.arms:
                 if applies(arm, subject):
-                    yield from _read(arm.value, instance)
+                    yield from _values_read(arm.value, instance)
         case _:
             for child in ir.children(e):
                 if ir.is_expression(child):
-                    yield from _read(child, instance)
+                    yield from _values_read(child, instance)
 
 
 def _value_text(e: ir.Expr, instance: Instance) -> str:
+    """Returns the value of an expression in words, reals with 4 digits."""
     value: Value = evaluate(e, instance)
     if e.type.kind == "real" and not e.type.by:
         return f"{float(value):.4g}"
     return say_value(value, e.type)
 
 
-def _chance(drawn: Drawn, header: str) -> str:
+def _chance_text(drawn: Drawn, header: str) -> str:
     """Returns `chance luck drew 0.08873 < 0.25`; of a later branch also the bound before it.
 
     Numbers have 4 digits, or 12 if 4 don't tell them apart.
@@ -232,9 +233,10 @@ def _chance(drawn: Drawn, header: str) -> str:
     return f"{text} and >= {bounds[-2]}" if len(bounds) > 1 else text
 
 
-def _used(used: Used) -> Reason:
-    return Reason(_CHOICES[used.purpose], bits=_bits(used.bits, used.number, used.stream))
+def _choice_reason(used: Used) -> Reason:
+    """Returns that a cell, a heading or a way was drawn, with the random bits."""
+    return Reason(_CHOICES[used.purpose], bits=_bits_text(used.bits, used.number, used.stream))
 
 
-def _bits(bits: int, number: int, stream: int) -> str:
+def _bits_text(bits: int, number: int, stream: int) -> str:
     return f"random bits {bits:08x}: number {number} of stream {stream:08x}"

@@ -7,7 +7,7 @@ from pathlib import PurePath
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.ir.printer import expression
+from sjdsl.compiler.ir.printer import expression_text
 from sjdsl.interpreter.overflow import LeavesFloat32
 
 _COMMENT_OR_TEXT = re.compile(r'("(?:\\.|[^"\\\n])*")|#[^\n]*')
@@ -41,7 +41,7 @@ class Rules:
         """Returns an expression as written, on one line."""
         span = e.origin
         if span is None or span.file not in self.sources:
-            return expression(e)
+            return expression_text(e)
         return self._one_line(span, span.end)
 
     def branch(self, statement: "ir.When | ir.Chance", number: int) -> str:

@@ -60,11 +60,11 @@ def say_effect(effect: Effect, board: Board) -> str:
             old = say_value(effect.old, effect.type)
             change = f"{effect.name}: {old} -> {say_value(effect.new, effect.type)}"
         case "place":
-            change = _journey(effect.old, effect.new)
+            change = _say_journey(effect.old, effect.new)
         case "heading":
             change = f"faces: {HEADINGS[effect.old]} -> {HEADINGS[effect.new]}"
         case "away":
-            change = _absence(effect.new)
+            change = _say_absence(effect.new)
         case "moved":
             change = f"moved: {say_value(effect.old)} -> {say_value(effect.new)}"
         case "reward":
@@ -78,7 +78,7 @@ def say_effect(effect: Effect, board: Board) -> str:
     return f"{owner}  {change}" if owner else change
 
 
-def _journey(old: Cell | None, new: Cell | None) -> str:
+def _say_journey(old: Cell | None, new: Cell | None) -> str:
     if new is None:
         return "stays off the map" if old is None else f"leaves {say_cell(old)}"
     if old is None:
@@ -86,7 +86,7 @@ def _journey(old: Cell | None, new: Cell | None) -> str:
     return f"goes from {say_cell(old)} to {say_cell(new)}"
 
 
-def _absence(away: Away | None) -> str:
+def _say_absence(away: Away | None) -> str:
     if away is None:
         return "is back on the map"
     if not away.ticks:

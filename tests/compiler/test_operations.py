@@ -18,7 +18,7 @@ from sjdsl.compiler.ir.operations import (
     Function,
     Moving,
 )
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.ranges import range_of
 from sjdsl.interpreter import numbers
 from sjdsl.interpreter.evaluate import is_of_class

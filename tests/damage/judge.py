@@ -128,7 +128,7 @@ def _made(source: Source, variants: Variants) -> tuple[Build, str]:
     limits = [
         composed.sources[c.span.file].text[c.low.span.start : c.high.span.end] for c in limited
     ]  # type: ignore[union-attr]
-    return made, "\n".join([printer.game(made.game), *limits])
+    return made, "\n".join([printer.game_text(made.game), *limits])
 
 
 def _is_near(d: Diagnostic, edit: Edit, source: Source) -> bool:

@@ -20,7 +20,7 @@ def changed_by_layout(program: Program, source: Source, game: ir.Game) -> str:
         if tree(once) != tree(text):
             return f"format: {name} is another tree"
     again = build(Source(source.name, format_source(source), source.folder)).game
-    if ir_printer.game(again, positions=False) != ir_printer.game(game, positions=False):
+    if ir_printer.game_text(again, positions=False) != ir_printer.game_text(game, positions=False):
         return "format: the text laid out has other rules"
     return ""
 

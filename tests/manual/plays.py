@@ -14,7 +14,13 @@ from sjdsl.interpreter.threefry import Threefry
 from sjdsl.library.parameters import build_params
 from sjdsl.policies.interpreted import choose
 from sjdsl.testing.differences import outcome_differences, state_differences
-from sjdsl.testing.pictures import draw_picture, numbered, placed, put_picture, read_picture
+from sjdsl.testing.pictures import (
+    draw_picture,
+    put_picture,
+    read_mover_cells,
+    read_picture,
+    read_poses,
+)
 from sjdsl.testing.signs import make_signs
 from sjdsl.testing.states import compiled_state
 from tests.fuzz.numpy_jax import as_array
@@ -48,11 +54,11 @@ class Play:
     def arrange(self, picture: Sequence[str]) -> None:
         """Puts agents in reading order, movers and cells as a picture shows them."""
         rows = read_picture(picture, self.signs)
-        poses = numbered(rows, self.signs, self.board.agents, ())
+        poses = read_poses(rows, self.signs, self.board.agents, ())
         put_picture(rows, poses, {}, self.signs, self.board, self.world)
         self.world.position = [Cell(*poses[agent][:2]) for agent in range(self.board.agents)]
         self.world.heading = [poses[agent][2] for agent in range(self.board.agents)]
-        for sort, cells in placed(rows, self.signs, {}, {}).items():
+        for sort, cells in read_mover_cells(rows, self.signs, {}, {}).items():
             self.world.movers[sort].position = cells
         if self.env is not None:
             self.state = _arrays(compiled_state(self.env, self.state, self.world))

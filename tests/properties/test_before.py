@@ -74,8 +74,8 @@ def family() -> Any:
 def episodes(family: Any) -> tuple[list[Episode], list[Episode]]:
     runner = EpisodeRunner(family, seed=3)
     runner.checks = dict(enumerate(family.own.checks))
-    return runner.compiled(RANDOM, 0, 4), [
-        runner.interpreted(RANDOM, number) for number in range(4)
+    return runner.play_compiled(RANDOM, 0, 4), [
+        runner.play_interpreted(RANDOM, number) for number in range(4)
     ]
 
 

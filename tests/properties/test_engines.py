@@ -39,8 +39,8 @@ def assert_engines_agree(family: GameFamily, seed: int) -> None:
     runner = EpisodeRunner(family, seed)
     runner.checks = dict(enumerate(family.own.checks))
     for check in (c for c in family.own.checks if c.sort == "expect"):
-        compiled = runner.compiled(check.policies, 0, 3)
-        interpreted = [runner.interpreted(check.policies, number) for number in range(3)]
+        compiled = runner.play_compiled(check.policies, 0, 3)
+        interpreted = [runner.play_interpreted(check.policies, number) for number in range(3)]
         for mine, theirs in zip(compiled, interpreted, strict=True):
             assert mine.actions == theirs.actions
             assert mine.totals == theirs.totals
@@ -73,7 +73,7 @@ def test_conserved_is_not_proved_if_trials_begin_differently() -> None:
 def test_a_state_of_an_episode_is_the_interpreters(orchard: GameFamily) -> None:
     """Also with agents that are away, and sets and timers that are not at their start."""
     runner, policies = EpisodeRunner(orchard, seed=1), orchard.own.checks[4].policies
-    (episode,) = runner.compiled(policies, 0, 1)
+    (episode,) = runner.play_compiled(policies, 0, 1)
     trajectory = play(orchard.own, runner.scenario(policies, 0), len(episode.actions))
     player, away = runner._player, 0
     for step in range(len(episode.actions)):

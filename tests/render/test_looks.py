@@ -11,7 +11,7 @@ from sjdsl.compiler import build, check, compile_source
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.render import Snapshot
-from sjdsl.render.appearance import TINTED, cell_keys, draw_cell, draw_figures, held_entries
+from sjdsl.render.appearance import TINTED, cell_keys, draw_cell, draw_figures, possessions_of
 from sjdsl.render.colours import agent_colour, mixed, read_colour
 from sjdsl.render.look import Look, make_look
 from sjdsl.render.usual import Picture
@@ -150,7 +150,8 @@ def test_what_no_agent_sees_is_not_drawn() -> None:
         bush, *_ = bushes(look, **crops)
         _, _, wild = figures(look, bag=[[9, 9]] * 3, mood=[1] * 3)
         assert [
-            bool(part) for part in (bush.badges, bush.bars, bush.edge, wild.badges, look.held)
+            bool(part)
+            for part in (bush.badges, bush.bars, bush.edge, wild.badges, look.possessions)
         ] == [some] * 5
 
 
@@ -181,7 +182,7 @@ def test_agents_show_what_they_carry(looked: Environment, plain: Environment) ->
         nothing > 0,
         nothing,
     )
-    assert [amount for _, amount in held_entries(look, shot, 2)] == [1, 3]
+    assert [amount for _, amount in possessions_of(look, shot, 2)] == [1, 3]
     calm, _, wild = figures(make_look(looked.game), bag=[[1, 0], [0, 0], [1, 3]], mood=[0, 1, 1])
     assert (calm.sprite, calm.colour) == ("agent", agent_colour(0))
     assert (wild.sprite, wild.colour, wild.badges[0].sprite) == (

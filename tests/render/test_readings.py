@@ -18,7 +18,7 @@ from sjdsl.render import Moment, make_painter, take_snapshot
 from sjdsl.render.episode_page import episode_data
 from sjdsl.render.letters import make_letters
 from sjdsl.render.moment import moment_of
-from sjdsl.render.readings import agent_readings, said_together, world_readings
+from sjdsl.render.readings import agent_readings, join_readings, world_readings
 
 GAME = """sj 1
 game dell "A dell" {
@@ -98,9 +98,9 @@ def test_what_agents_are_shown_is_read_alike_from_the_interpreter_and_the_compil
     _, state = env.reset(jax.random.key(0))
     _, state, _, _, _ = env.step_env(jax.random.key(1), state, np.zeros(3, int))
     for snapshot in (shot, take_snapshot(env, state, np.zeros(3))):
-        assert said_together(world_readings(game), snapshot) == ", ".join(WORLD)
-        assert said_together(agent_readings(game), snapshot, 1) == ", ".join(OWN)
-    assert "thirst 7" in said_together(agent_readings(game), shot, 0)
+        assert join_readings(world_readings(game), snapshot) == ", ".join(WORLD)
+        assert join_readings(agent_readings(game), snapshot, 1) == ", ".join(OWN)
+    assert "thirst 7" in join_readings(agent_readings(game), shot, 0)
 
 
 def test_a_page_has_all_of_it() -> None:

@@ -9,8 +9,8 @@ from probes import uneven
 from sjdsl.trainers.algorithms.episodes import (
     EpisodeSums,
     add_step,
-    hand_over,
     mean_episode,
+    split_finished,
     without_value,
     zero_sums,
 )
@@ -44,7 +44,7 @@ STEPS = [
 
 def test_two_of_three_episodes_end() -> None:
     """Their returns are (3, 1) and (2, 4): equalities 3/4 and 5/6; the third, with a negative return, runs on."""
-    running, finished = hand_over(played(STEPS), jnp.array([True, True, False]))
+    running, finished = split_finished(played(STEPS), jnp.array([True, True, False]))
     mean = mean_episode(finished)
     assert (int(mean["episodes"]), float(mean["episode_length"])) == (2, 2.0)
     assert mean["agent_return"].tolist() == [2.5, 2.5]
@@ -62,7 +62,7 @@ def test_two_of_three_episodes_end() -> None:
 
 
 def test_equality_is_told_only_if_every_episode_has_it() -> None:
-    _, finished = hand_over(played(STEPS), jnp.array([True, True, True]))
+    _, finished = split_finished(played(STEPS), jnp.array([True, True, True]))
     mean = mean_episode(finished)
     assert without_value(mean) == {"equality"}
     assert float(mean["collective_return"]) == pytest.approx((4 + 6 + 4) / 3)
@@ -73,7 +73,7 @@ def test_equality_is_told_only_if_every_episode_has_it() -> None:
 
 
 def test_no_episode_ends() -> None:
-    running, finished = hand_over(played(STEPS), jnp.zeros(3, bool))
+    running, finished = split_finished(played(STEPS), jnp.zeros(3, bool))
     mean = mean_episode(finished)
     assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(mean)), "a program gives no NaN"
     row = flatten_metrics(mean)

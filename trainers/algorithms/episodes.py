@@ -38,16 +38,14 @@ class TrialSums:
 
     def figures(self) -> dict[str, Array]:
         """Returns `[B, K]` figures by the names of their metrics."""
-        means = {
-            f"mean_{name}": total / jnp.maximum(self.length, 1)
-            for name, total in self.metric_sums.items()
-        }
-        return {
-            "collective_return": self.returns,
-            **{f"event_{name}": count for name, count in self.events.items()},
-            **means,
-            **{f"final_{name}": value for name, value in self.metric_finals.items()},
-        }
+        figures = {"collective_return": self.returns}
+        for name, count in self.events.items():
+            figures[f"event_{name}"] = count
+        for name, total in self.metric_sums.items():
+            figures[f"mean_{name}"] = total / jnp.maximum(self.length, 1)
+        for name, value in self.metric_finals.items():
+            figures[f"final_{name}"] = value
+        return figures
 
 
 @flax.struct.dataclass
@@ -105,6 +103,7 @@ def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
 
 
 def _zero_trials(info: dict[str, Any], num_envs: int, trials: int) -> TrialSums | None:
+    """Returns the sums before the first step; None in games without trials."""
     if trials == 1:
         return None
     no_counts = jnp.zeros((num_envs, trials), jnp.int32)
@@ -158,12 +157,11 @@ def add_step(
     )
 
 
-def hand_over(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpisodes]:
+def split_finished(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, FinishedEpisodes]:
     """Splits sums of B episodes by whether they are done, `[B]` bool.
 
     Returns the sums of those that continue, zero where they ended, and the totals of the others.
     """
-
     equal = equality(sums.returns)
     ended = FinishedEpisodes(
         episodes=jnp.ones_like(sums.length),

@@ -72,8 +72,9 @@ def draw_orders(key: Array, number: int, config: PPOConfig | VDNConfig) -> Array
     keys = own_keys(key, own_share(all_groups))
     keys = jax.vmap(lambda key: jax.random.split(key, (number, config.num_epochs)))(keys)
     draw = partial(jax.random.permutation, x=jnp.arange(sequences, dtype=jnp.int32))
-    step, env = jnp.divmod(jax.vmap(jax.vmap(jax.vmap(draw)))(keys), envs)
-    # steps one after another, each of the environments of all groups
+    in_group = jax.vmap(jax.vmap(jax.vmap(draw)))(keys)  # [groups, G, epochs, sequences]
+    step, env = jnp.divmod(in_group, envs)
+    # The sequences of a rollout lie step by step, and in each step group by group.
     groups = len(keys)
     group = jnp.arange(groups)[:, None, None, None]
     orders = (step * groups + group) * envs + env

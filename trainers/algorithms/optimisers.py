@@ -1,5 +1,6 @@
 """The optimisers (optax): for PPO one for all parameters that share layers."""
 
+from dataclasses import replace
 from typing import Any
 
 import jax
@@ -14,9 +15,9 @@ from ..settings.config import PPOConfig, VDNConfig
 
 def start_learner(parameters: Any, optimiser: optax.GradientTransformation) -> Learner:
     """Returns parameters with their optimiser, before the first gradient step."""
-    learner = Learner.create(apply_fn=None, params=parameters, tx=optimiser)
-    started: Learner = learner.replace(step=jnp.int32(0))
-    return started
+    learner: Learner = Learner.create(apply_fn=None, params=parameters, tx=optimiser)
+    # `create` leaves a Python int, whose type would change in a loop of JAX.
+    return replace(learner, step=jnp.int32(0))
 
 
 def learning_rate_schedule(config: PPOConfig | VDNConfig) -> optax.Schedule:
@@ -30,7 +31,7 @@ def learning_rate_schedule(config: PPOConfig | VDNConfig) -> optax.Schedule:
 
 
 def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
-    """Returns Adam on gradients whose global norm is clipped.
+    """Returns the optimiser of PPO: Adam on gradients whose global norm is clipped.
 
     There is one for all parameters, or one for each part of them. With separate optimisers, a
     critic with large errors (as with summed rewards) doesn't take the actor's share of the clipped
@@ -65,6 +66,7 @@ def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
 
 
 def _clipped_adam(config: PPOConfig) -> optax.GradientTransformation:
+    """Returns Adam on gradients whose global norm is clipped."""
     return optax.chain(
         optax.clip_by_global_norm(config.max_gradient_norm),
         optax.adam(learning_rate_schedule(config), eps=config.adam_epsilon),

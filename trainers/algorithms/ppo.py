@@ -56,7 +56,7 @@ from .training_functions import Metrics, Train, TrainState, keep_if_finite
 
 @flax.struct.dataclass
 class Acting:
-    """What a rollout stores of acting."""
+    """What a rollout keeps of a step in which agents act."""
 
     log_probability: Array  # [..., B, N] float32, of the drawn action
     value: Array  # [..., B, N] float32, of the observation
@@ -118,7 +118,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array
     ) -> Any:
         """Returns the learner, its losses, and values `[L, M, N]` with their targets."""
-        _, _, last_value = _read(
+        _, _, last_value = _forward(
             networks, learner.params, worlds.memory, worlds.observation, worlds.state, worlds.fresh
         )
         batch = make_batch(rollout, memory, last_value, config)
@@ -156,7 +156,7 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
     """Returns how agents with these parameters act: each draws its action independently."""
 
     def act(worlds: Worlds, key: Array) -> tuple[Memory, Array, Acting]:
-        memory, logits, value = _read(
+        memory, logits, value = _forward(
             networks, parameters, worlds.memory, worlds.observation, worlds.state, worlds.fresh
         )
         allowed = allowed_in(env, networks.masks, worlds.state)
@@ -176,9 +176,11 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
             )
 
         def read_last() -> Array:
-            observation, state = info["terminal_observation"], info.get("terminal_state")
             fresh = jnp.zeros_like(truncated)
-            return _read(networks, parameters, memory, observation, state, fresh)[2]
+            observation = info["terminal_observation"]
+            state = info.get("terminal_state")
+            _, _, values = _forward(networks, parameters, memory, observation, state, fresh)
+            return values
 
         def read_nothing() -> Array:
             return jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32)
@@ -211,7 +213,7 @@ def draw_actions(key: Array, logits: Array) -> Array:
     return action
 
 
-def _read(
+def _forward(
     networks: ActorCritics,
     parameters: Any,
     memory: Memory,
@@ -302,7 +304,7 @@ def take_epochs(
     loss = jax.value_and_grad(loss_of(config), has_aux=True)
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
-        minibatch = sample(batch, indices, agents, networks)
+        minibatch = take_minibatch(batch, indices, agents, networks)
         (value, losses), gradients = mean_of_all(
             loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)
         )
@@ -317,7 +319,7 @@ def take_epochs(
     return learner, jax.tree.map(jnp.mean, losses)
 
 
-def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) -> Batch:
+def take_minibatch(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) -> Batch:
     """Returns the sequences `[m]` of a team's agents `[S]`, and the input of its critic.
 
     Only indices are shuffled, so nothing outside the minibatch is copied.
@@ -347,12 +349,16 @@ def sample(batch: Batch, indices: Array, agents: Array, networks: ActorCritics) 
 
 
 def loss_of(config: PPOConfig) -> Loss:
-    """Returns the loss that gradient steps minimise; a user's own is checked when it is traced."""
+    """Returns the loss that gradient steps minimise.
+
+    A user's own raises ConfigError when it is traced and returns something else.
+    """
     if config.loss == "ppo":
         return ppo_loss
     own_loss = filled("loss", config.loss, config.own)
 
     def checked(*arguments: Any) -> tuple[Array, Metrics]:
+        """Returns what the loss of a user gives."""
         result = own_loss(*arguments)
         match result:
             case (value, dict() as parts) if not any(map(jnp.ndim, (value, *parts.values()))):

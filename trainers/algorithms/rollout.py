@@ -17,8 +17,8 @@ from .episodes import (
     EpisodeSums,
     FinishedEpisodes,
     add_step,
-    hand_over,
     mean_episode,
+    split_finished,
     zero_sums,
 )
 from .partners import NOBODY, Partners
@@ -51,8 +51,8 @@ class Rollout:
     shaped_reward: Array  # [T, B, N] float32, learnt from
     done: Array  # [T, B] bool, the episode ended with this step
     truncated: Array  # [T, B] bool, by the time limit
-    acting: Any  # [T, B, ...] what the actor kept of acting
-    ending: Any  # [T, B, ...] what the actor kept of where the step led
+    acting: Any  # [T, B, ...] what `Actor.act` keeps of a step
+    ending: Any  # [T, B, ...] what `Actor.follow` keeps of where the step led
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def collect_rollout(
             truncated=info["truncated"],
         )
         shaped_reward = shaping.shape(step)
-        sums, finished = hand_over(add_step(worlds.sums, reward, shaped_reward, info), done)
+        sums, finished = split_finished(add_step(worlds.sums, reward, shaped_reward, info), done)
         played = Rollout(
             observation=actor.pack(worlds.observation),
             state=worlds.state if actor.keeps_state else None,

@@ -48,7 +48,8 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
     angles = jnp.asarray([angle * (math.pi / 180) for angle in degrees], jnp.float32)
 
     def shape(step: Step) -> Array:
-        reward, trace = step.reward, step.trace
+        reward = step.reward
+        trace = step.trace
         match config.reward:
             case "individual":
                 return scale * reward
@@ -59,8 +60,8 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
             case "exchange":
                 return scale * exchanged(reward, kept_share(config.exchange_ratio, num_agents))
             case "inequity":
-                envy, guilt = config.inequity_envy, config.inequity_guilt
-                return scale * inequity_averse(reward, trace, envy, guilt)
+                averse = inequity_averse(reward, trace, config.inequity_envy, config.inequity_guilt)
+                return scale * averse
             case "svo":
                 return scale * (reward - config.svo_weight * svo_penalty(trace))
             case own:
@@ -84,12 +85,12 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
 
 
 def common_sum(reward: Array) -> Array:
-    """u_i = sum over j of r_j."""
+    """Returns the sum of all rewards for each agent: u_i = sum over j of r_j."""
     return jnp.broadcast_to(reward.sum(axis=-1, keepdims=True), reward.shape)
 
 
 def common_mean(reward: Array) -> Array:
-    """u_i = (1 / n) * sum over j of r_j."""
+    """Returns the mean of all rewards for each agent: u_i = (1 / n) * sum over j of r_j."""
     return jnp.broadcast_to(reward.mean(axis=-1, keepdims=True), reward.shape)
 
 
@@ -103,7 +104,9 @@ def kept_share(ratio: float, num_agents: int) -> float:
 
 
 def exchanged(reward: Array, kept: float | Array) -> Array:
-    """Reward exchange: u_i = s * r_i + (1 - s) / (n - 1) * sum over j != i of r_j.
+    """Returns rewards of which agents keep a share, and give the rest to the others.
+
+    u_i = s * r_i + (1 - s) / (n - 1) * sum over j != i of r_j.
 
     Args:
       reward: `[..., N]`.
@@ -118,7 +121,9 @@ def exchanged(reward: Array, kept: float | Array) -> Array:
 
 
 def inequity_averse(reward: Array, trace: Array, envy: float, guilt: float) -> Array:
-    """u_i = r_i - (envy * sum_j max(e_j - e_i, 0) + guilt * sum_j max(e_i - e_j, 0)) / (n - 1).
+    """Returns rewards less what agents lose by inequity.
+
+    u_i = r_i - (envy * sum_j max(e_j - e_i, 0) + guilt * sum_j max(e_i - e_j, 0)) / (n - 1).
 
     Args:
       reward: `[..., N]`, raw.

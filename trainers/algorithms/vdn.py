@@ -94,13 +94,15 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
 
     def learn(state: TrainState, of_rollout: Metrics) -> tuple[TrainState, Metrics]:
         key, learn_key = jax.random.split(state.key)
-        before, target, replay = state.learner.online, state.learner.target, state.learner.replay
+        before = state.learner.online
+        target = state.learner.target
+        replay = state.learner.replay
         online, losses = take_gradient_steps(
             network, packing, before, target, replay, learn_key, config
         )
-        begun = replay.filled >= config.learning_starts
+        learns = replay.filled >= config.learning_starts
         online, losses = jax.tree.map(
-            lambda new, old: jnp.where(begun, new, old),
+            lambda new, old: jnp.where(learns, new, old),
             (online, losses),
             (before, jax.tree.map(jnp.zeros_like, losses)),
         )
@@ -130,6 +132,7 @@ def adopt(state: TrainState, parameters: Any) -> TrainState:
 
 
 def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition:
+    """Returns the shapes and dtypes of a transition. `masks`: whether actions may be forbidden."""
     observation, state = reset_shapes(env)
     packed = jax.eval_shape(packing.pack, observation)
     allowed = None
@@ -227,11 +230,11 @@ def vdn_loss(
     def of_team(values: Array) -> Array:
         return values[..., learning].sum(axis=-1)
 
-    team_value = of_team(of_actions(values, batch.action))
+    team_value = of_team(values_of_actions(values, batch.action))
     next_values = cast(Array, network.apply(target, batch.following))
     if config.double_q:
         online_values = cast(Array, network.apply(parameters, batch.following))
-        following = of_actions(next_values, best_action(online_values, batch.allowed))
+        following = values_of_actions(next_values, best_action(online_values, batch.allowed))
     else:
         following = masked(next_values, batch.allowed).max(axis=-1)
     wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, of_team(following))
@@ -239,8 +242,8 @@ def vdn_loss(
     return loss, {"loss": loss, "team_value": team_value.mean()}
 
 
-def of_actions(values: Array, action: Array) -> Array:
-    """Returns the values `[...]` of actions `[...]`, of those of all actions `[..., A]`."""
+def values_of_actions(values: Array, action: Array) -> Array:
+    """Returns the values of the given actions `[...]` from those of all actions `[..., A]`."""
     return jnp.take_along_axis(values, action[..., None], axis=-1)[..., 0]
 
 

@@ -45,7 +45,8 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
     """Returns the pure functions of a run.
 
     Raises:
-      ConfigError: the rollout doesn't divide into minibatches, or the configuration doesn't fit the environment.
+      ConfigError: the rollout doesn't divide into minibatches, or the configuration doesn't fit the
+        environment.
     """
     check_minibatches(config)
     network = make_action_values(env, config)
@@ -71,6 +72,8 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         return TrainState.start(key, start_learner(parameters, optimiser), worlds)
 
     def make_actor(parameters: Any, epsilon: Array) -> Actor:
+        """Returns agents that take their best action or, with probability `epsilon`, any."""
+
         def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Array]:
             allowed = allowed_in(env, masks, worlds.state)
             values = cast(Array, network.apply(parameters, worlds.observation))
@@ -81,8 +84,8 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
             truncated = info["truncated"]
 
             def value_last() -> Array:
-                last, state = info["terminal_observation"], info.get("terminal_state")
-                return team_value(parameters, last, state)
+                state = info.get("terminal_state")
+                return team_value(parameters, info["terminal_observation"], state)
 
             def value_nothing() -> Array:
                 return jnp.zeros(truncated.shape, jnp.float32)

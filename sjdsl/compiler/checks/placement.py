@@ -13,7 +13,7 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.ir.fold import UnknownValue
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.printer import domain as domain_text
+from sjdsl.compiler.ir.printer import domain_text
 from sjdsl.compiler.ir.queries import body_sort, phases_of
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.values import Evaluation, decided

@@ -26,7 +26,7 @@ from sjdsl.compiler.checks.value_ranges import (
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Label
 from sjdsl.compiler.diagnostics.problems import Problems
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import all_fields, event_named, phases_of
 from sjdsl.compiler.ir.types import times
 

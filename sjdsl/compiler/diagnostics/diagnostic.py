@@ -119,7 +119,7 @@ class Diagnostic(Facts):
         """The changes that the message suggests, as edits."""
         suggestions = []
         if self.fix is not None:
-            suggestions.append(Suggestion(_says(self.fix), (self.fix,)))
+            suggestions.append(Suggestion(_fix_text(self.fix), (self.fix,)))
         if not self.help:
             _, instead = self._chosen_hint()
             for text in self._proposed(instead):
@@ -158,7 +158,7 @@ def _shown(value: Any, noun: str) -> str:
     return f"{shown} {noun}" if value == 1 else f"{shown} {noun}s"
 
 
-def _says(fix: Fix) -> str:
+def _fix_text(fix: Fix) -> str:
     """Returns how an edit is named."""
     text = " ".join(fix.text.split())
     if text:

@@ -62,7 +62,8 @@ class Record(Frozen):
     def _completed(self, values: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, ...]:
         """Returns a value for each field: those in order, those by name, and defaults."""
         names = self._names
-        by_name = self._defaults | dict(zip(names, values, strict=False)) | named
+        in_order = dict(zip(names, values, strict=False))  # fields may be missing, or too many
+        by_name = self._defaults | in_order | named
         for name in self._factories.keys() - by_name:
             by_name[name] = self._factories[name]()
         has_two = values and not named.keys().isdisjoint(names[: len(values)])

@@ -34,13 +34,14 @@ class Problems:
     """Collects diagnostics, by `add`, each mistake once.
 
     suppressed: kinds of diagnostic that are not recorded.
+    _messages: of the diagnostics recorded, by kind and place.
     """
 
     diagnostics: list[Diagnostic] = field(default_factory=list)
     suppressed: tuple[type[Diagnostic], ...] = ()
     _messages: dict[tuple[type[Diagnostic], Span], set[str]] = field(
         default_factory=dict, repr=False
-    )  # of the diagnostics, to record each once
+    )
 
     @property
     def failed(self) -> bool:
@@ -70,10 +71,14 @@ class Problems:
         """
         known = list(candidates)
         hint, word = slip(name.text, known)
-        fix = Fix(name.span, word) if word else None
-        near_ = near(name.text, known, description)
         return self.fail(
-            errors.UnknownName(name.span, name=name.text, help=help_ or hint, fix=fix, near=near_)
+            errors.UnknownName(
+                name.span,
+                name=name.text,
+                help=help_ or hint,
+                fix=Fix(name.span, word) if word else None,
+                near=near(name.text, known, description),
+            )
         )
 
     @contextmanager

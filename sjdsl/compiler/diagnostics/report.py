@@ -84,6 +84,7 @@ def _place(span: Span, sources: Mapping[str, Source]) -> dict[str, Any]:
 
 
 def _render_one(d: Diagnostic, sources: Mapping[str, Source], colour: bool) -> str:
+    """Returns a diagnostic as text: its message, the lines it is about, and its help."""
     tint = RED if d.severity == "error" else YELLOW
     head = _paint(f"{d.severity}[{d.code}]", tint + BOLD, colour)
     place = f"{visible(d.span.file)}:{d.span.line}:{d.span.column}"
@@ -135,6 +136,12 @@ def _marks(span: Span, source: Source, sign: str, text: str) -> list[Mark]:
 
 
 def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[str]:
+    """Returns the marked lines of a file with the marks below them.
+
+    Args:
+      width: of the line numbers.
+      tint: the colour of the marks of the mistake; "": no colours.
+    """
     bar = " " * width + " |"
     lines = [f"  {bar}"]
     before = 0
@@ -195,4 +202,5 @@ def _visible_character(character: str) -> str:
 
 
 def _paint(text: str, tint: str, colour: bool) -> str:
+    """Returns a text in a colour, or as it is without colours."""
     return f"{tint}{text}{PLAIN}" if colour else text

@@ -421,7 +421,9 @@ def slip(written: str, known: Collection[str], before: str = "") -> tuple[str, s
     """
     for pattern, hint in _patterns(known):
         left, _, right = pattern.rpartition(" ¦ ")
-        if not re.fullmatch(right, written) or (left and not re.search(f"(^| )({left})$", before)):
+        if not re.fullmatch(right, written):
+            continue
+        if left and not re.search(f"(^| )({left})$", before):
             continue
         word = hint.split("`")[1] if hint.startswith("`") else ""
         if not re.fullmatch("[a-z]+|=+", word):

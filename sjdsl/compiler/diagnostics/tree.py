@@ -31,6 +31,7 @@ def walk(node: TreeNode[N]) -> Iterator[N]:
 
 
 def _gather(value: Any, nodes: list[Any]) -> None:
+    """Adds a field's value to `nodes` if it is a node, or those in it if it is a tuple."""
     kind = value.__class__
     if kind is tuple:
         for item in value:
@@ -63,6 +64,7 @@ def rewrite(node: T, rule: Callable[[Any], Any]) -> T:
 
 
 def _rewritten(value: Any, rule: Callable[[Any], Any]) -> Any:
+    """Returns a field's value with `rule` applied to the nodes in it; itself if none changed."""
     if _is_node(value.__class__):
         return rewrite(value, rule)
     if value.__class__ is not tuple:

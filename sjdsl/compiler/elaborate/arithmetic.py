@@ -12,7 +12,7 @@ from sjdsl.compiler.elaborate.domains import can_be_empty
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrowed_real
 from sjdsl.compiler.ir.operations import Calculation
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import contains
 from sjdsl.compiler.ir.ranges import apart, range_of
 from sjdsl.compiler.ir.types import (

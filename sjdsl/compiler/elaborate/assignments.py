@@ -12,7 +12,7 @@ from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.elaborate.trials import TRIAL
 from sjdsl.compiler.ir.implications import narrowed
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.types import describe, is_number
 
 ONLY_ADD = "only `add` stops at the end of a range that is `capped`"

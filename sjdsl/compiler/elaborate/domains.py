@@ -20,7 +20,7 @@ from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import compares, narrowed
-from sjdsl.compiler.ir.queries import at_most
+from sjdsl.compiler.ir.queries import most_restricted
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
@@ -200,7 +200,7 @@ def most_members(d: ir.Domain, static: Static) -> int:
             everywhere = sum(static.cells.get(kind, 0) for kind in d.var.kinds)
         case "world":
             raise AssertionError(d)
-    return at_most(d, everywhere, lambda near: static.shapes[near.shape].lanes)
+    return most_restricted(d, everywhere, lambda near: static.shapes[near.shape].lanes)
 
 
 def can_be_empty(d: ir.Domain, scope: Scope) -> bool:

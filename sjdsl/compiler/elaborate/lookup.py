@@ -15,7 +15,7 @@ from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.implications import is_known
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.near_names import nearest
 
 AGENT_ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")

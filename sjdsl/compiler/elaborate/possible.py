@@ -11,8 +11,8 @@ from sjdsl.compiler.elaborate.lookup import interval_text
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.ir.equivalence import form, is_exact
 from sjdsl.compiler.ir.implications import Fact, Interval, conjuncts, contradict, facts, narrowed
-from sjdsl.compiler.ir.printer import expression as text
-from sjdsl.compiler.ir.queries import is_quantified
+from sjdsl.compiler.ir.printer import expression_text as text
+from sjdsl.compiler.ir.queries import is_any_or_all
 from sjdsl.compiler.ir.range_arithmetic import ends
 from sjdsl.compiler.ir.ranges import range_of
 from sjdsl.compiler.ir.types import SLACK, integer
@@ -131,7 +131,7 @@ def as_written(e: ir.Expr, scope: Scope) -> str:
             return f"{as_written(left, scope)} is {as_written(right, scope)}"
         case ir.Not(value=ir.Same(left=left, right=right)):
             return f"{as_written(left, scope)} is not {as_written(right, scope)}"
-        case ir.Compare(fn=fn, left=left, right=right) if not is_quantified(e):
+        case ir.Compare(fn=fn, left=left, right=right) if not is_any_or_all(e):
             return f"{as_written(left, scope)} {fn} {as_written(right, scope)}"
         case ir.Compare(left=ir.Count() as counted):
             written = as_written(counted, scope)
@@ -157,7 +157,7 @@ def _as_float32(e: ir.Expr, low: float, high: float) -> tuple[float, float]:
 
     A computed number is rounded more than once, so its interval is widened first.
     """
-    if not range_of(e).given:
+    if not range_of(e).rounded_once:
         low -= SLACK * max(1.0, abs(low))
         high += SLACK * max(1.0, abs(high))
     return ends(low, high)

@@ -7,7 +7,7 @@ from sjdsl.compiler.elaborate.fitting import fitting_value
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.operations import Function
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.types import element, hull, integer, is_number, words
 
 NO_ORDER = "agents have no order: ask for one with `where`"

@@ -14,7 +14,7 @@ from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.statements import block
 from sjdsl.compiler.elaborate.streams import PhaseUse, Streams
 from sjdsl.compiler.ir.names import Names, phase_function
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.near_names import nearest
 
 # Expressions of these alone have the same value in all of an episode.

@@ -24,7 +24,7 @@ from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import compares, narrowed
-from sjdsl.compiler.ir.printer import expression as text
+from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, join_units, real, words
 
 

@@ -1,8 +1,10 @@
-"""The typed IR: a game with names resolved, sizes computed, phase uses expanded and random draws named.
+"""The typed IR.
 
-Words and agents are values; numbers carry their unit and the interval they provably stay in. Variables are named as in
-the text; an inner one never has the name of an outer one. All nodes are frozen and compare by content; `origin` is the
-only part that two equal programs may differ in.
+A game with names resolved, sizes computed, phase uses expanded and random draws named.
+
+Words and agents are values; numbers carry their unit and the interval they provably stay in.
+Variables are named as in the text; an inner one never has the name of an outer one. All nodes are
+frozen and compare by content; `origin` is the only part that two equal programs may differ in.
 """
 
 from sjdsl.compiler.diagnostics.tree import children as children

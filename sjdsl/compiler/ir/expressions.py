@@ -14,13 +14,15 @@ from sjdsl.compiler.ir.node import (
 )
 from sjdsl.compiler.ir.sorts import Sort
 
-# Pydantic checks that a child is *some* expression; with the closed union each schema would hold all others: half a second at import.
+# Pydantic checks that a child is *some* expression. With the closed union each schema would hold
+# all others: half a second at import.
 if TYPE_CHECKING:
     Expr: TypeAlias = (
-        "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | Attribute | Distance | "
-        "At | Step | Arithmetic | Compare | Same | InRange | InWords | InSet | IsEmpty | "
-        "Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | StandsAt | Not | Logic | Count | Sum | SumRow | ShiftRow | Extreme | Case | "
-        "Lowest | Mix | Named | Narrowed | Before | EventTotal | MatrixClass"
+        "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | "
+        "Attribute | Distance | At | Step | Arithmetic | Compare | Same | InRange | InWords | "
+        "InSet | IsEmpty | Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | StandsAt | "
+        "Not | Logic | Count | Sum | SumRow | ShiftRow | Extreme | Case | Lowest | Mix | Named | "
+        "Narrowed | Before | EventTotal | MatrixClass"
     )
     Restriction: TypeAlias = "Near | InAgents | InCell | Among"
 else:
@@ -91,7 +93,9 @@ class Local(Expression):
 
 
 class FieldRead(Expression):
-    """A field at the start of the phase. `owner` is a Member, an expression of type agent or cell, or None for a world field.
+    """A field at the start of the phase.
+
+    `owner` is a Member, an expression of type agent or cell, or None for a world field.
 
     `held_by`: the sort of the owner. A whole row if `type.by`.
     """
@@ -103,7 +107,11 @@ class FieldRead(Expression):
 
 
 class Attribute(Expression):
-    """Read-only facts: of an agent or mover `index`, `moved`, `away`, of an agent `heading` (word); of any of them or a cell `row`, `col`."""
+    """A fact that rules only read.
+
+    Of an agent or a mover: `index`, `moved`, `away`; of an agent: `heading` (an enum value); of any
+    of them or a cell: `row`, `col`.
+    """
 
     type: Type
     owner: Expr
@@ -111,7 +119,10 @@ class Attribute(Expression):
 
 
 class Distance(Expression):
-    """The steps along rows and columns between two agents or cells, whatever stands between: |row - row| + |col - col|."""
+    """The steps along rows and columns between two agents or cells, whatever stands between.
+
+    That is |row - row| + |col - col|.
+    """
 
     type: Type
     left: Expr
@@ -119,7 +130,10 @@ class Distance(Expression):
 
 
 class At(Expression):
-    """One entry of a row or table. `key` has type word, or mix: then the entry is the expected one (shares times entries)."""
+    """One entry of a row or table.
+
+    `key` has type word, or mix: then the entry is the expected one (shares times entries).
+    """
 
     type: Type
     row: Expr
@@ -133,7 +147,10 @@ class Step(Expression):
 
 
 class Arithmetic(Expression):
-    """A number made of others; `fn` is the name of its row in `CALCULATIONS` (`ir/operations.py`). Rows go entry by entry."""
+    """A number made of others; `fn` is the name of its row in `CALCULATIONS` (`ir/operations.py`).
+
+    Rows go entry by entry.
+    """
 
     type: Type
     fn: str
@@ -192,7 +209,9 @@ class Chose(Expression):
 
 
 class Given(Node):
-    """What an argument of an action is to be. `type`: the values the argument has; `name`: as declared, perhaps empty.
+    """What an argument of an action is to be.
+
+    `type`: the values the argument has; `name`: as declared, perhaps empty.
 
     `value`: an agent (or the number of one), a whole number, or a word.
     """
@@ -203,7 +222,10 @@ class Given(Node):
 
 
 class ChoseWith(Expression):
-    """The agent's action of this step (after `forbid`) is the one of this name with arguments: with just these, or with any if none are given."""
+    """The agent's action of this step (after `forbid`) is the one of this name with arguments.
+
+    With just these, or with any if none are given.
+    """
 
     type: Type = CONDITION
     agent: Expr
@@ -212,7 +234,10 @@ class ChoseWith(Expression):
 
 
 class ArgumentOf(Expression):
-    """Argument number `number` of the action an agent chose, where it surely chose the one of this name. `name`: as the rules write it."""
+    """Argument `number` of the action that an agent chose, where that is surely this action.
+
+    `name`: of the argument, as the rules write it.
+    """
 
     type: Type
     agent: Expr
@@ -222,7 +247,10 @@ class ArgumentOf(Expression):
 
 
 class Unoccupied(Expression):
-    """`nobody on soil`: no agent and no mover is on this cell (a cell Member) at the start of the phase."""
+    """`nobody on soil`.
+
+    No agent and no mover is on this cell (a cell Member) at the start of the phase.
+    """
 
     type: Type = CONDITION
     cell: Expr
@@ -237,7 +265,10 @@ class StandsOn(Expression):
 
 
 class StandsAt(Expression):
-    """`agent on gate` where a statement around has bound the cell `gate`: the agent (or mover) is on this very cell, a Member."""
+    """`agent on gate` where a statement around has bound the cell `gate`.
+
+    The agent (or mover) is on this very cell, a Member.
+    """
 
     type: Type = CONDITION
     agent: Member
@@ -250,7 +281,10 @@ class Not(Expression):
 
 
 class Logic(Expression):
-    """`and` or `or` of two or more conditions. Both sides are read; guards only matter to the checks."""
+    """`and` or `or` of two or more conditions.
+
+    Both sides are read; guards only matter to the checks.
+    """
 
     type: Type = CONDITION
     fn: Literal["and", "or"]
@@ -286,7 +320,10 @@ class ShiftRow(Expression):
 
 
 class Extreme(Expression):
-    """The least or greatest value over the members; `otherwise`, which sees none of them, if there are none (None: there is one)."""
+    """The least or greatest value over the members.
+
+    `otherwise`, which sees none of them, if there are none (None: there is one).
+    """
 
     type: Type
     fn: Literal["min", "max"]
@@ -299,7 +336,11 @@ Aggregate: TypeAlias = Count | Sum | Extreme  # of the members of a domain
 
 
 class Arm(Node):
-    """Numbers `low` .. `high` (ends included, None: open), or `words` (`yes`, `no` for a condition)."""
+    """One of the arms of a case.
+
+    Numbers from `low` to `high` (ends included, None: open), or `words` (`yes`, `no` for a
+    condition).
+    """
 
     low: int | None = None
     high: int | None = None
@@ -308,7 +349,10 @@ class Arm(Node):
 
 
 class Case(Expression):
-    """Exactly one arm applies (checked); arms are in the order written, `otherwise` already spelt out."""
+    """Exactly one arm applies (checked).
+
+    Arms are in the order written, `otherwise` already spelt out.
+    """
 
     type: Type
     subject: Expr
@@ -316,7 +360,10 @@ class Case(Expression):
 
 
 class Lowest(Expression):
-    """`lowest(row)`, or with `last` `highest(row)`: the first (last) word with a positive entry; if there is none, the first (last) word of all."""
+    """`lowest(row)`, or with `last` `highest(row)`: the first (last) word with a positive entry.
+
+    If there is none, the first (last) word of all.
+    """
 
     type: Type
     row: Expr
@@ -339,21 +386,30 @@ class Named(Expression):
 
 
 class Narrowed(Expression):
-    """A word that guards leave fewer words to: `type.words` are those of `value.type.words` that remain."""
+    """A word that guards leave fewer words to.
+
+    `type.words` are those of `value.type.words` that remain.
+    """
 
     type: Type
     value: Expr
 
 
 class Before(Expression):
-    """In `always` and `once`: the value when the step began. Variables bound outside stand for the same agents, cells and movers."""
+    """In `always` and `once`: the value when the step began.
+
+    Variables bound outside stand for the same agents, cells and movers.
+    """
 
     type: Type
     value: Expr
 
 
 class EventTotal(Expression):
-    """In `checks`: how often the event was counted so far, over all agents; `word` one entry of a `by` event."""
+    """In `checks`: how often the event was counted so far, over all agents.
+
+    `word` one entry of a `by` event.
+    """
 
     type: Type
     name: str
@@ -361,7 +417,7 @@ class EventTotal(Expression):
 
 
 class MatrixClass(Expression):
-    """In `require`: a two-level table belongs to a class of 2 x 2 games, one of `PAYOFF_CLASSES`."""
+    """In `require`: a two-level table belongs to a class of 2 x 2 games, `PAYOFF_CLASSES`."""
 
     type: Type = CONDITION
     name: str
@@ -372,9 +428,12 @@ class MatrixClass(Expression):
 
 
 class Shape(Node):
-    """Cells in a frame: (ahead, right) of the anchor. Lanes, each nearest first; a see-through shape ends no lane.
+    """Cells in a frame: (ahead, right) of the anchor.
 
-    The cells' order, lane by lane, is their number (draws inside `in SHAPE of x` are indexed by it).
+    Lanes, each nearest first; a see-through shape ends no lane.
+
+    The cells' order, lane by lane, is their number (draws inside `in SHAPE of x` are indexed by
+    it).
     """
 
     name: str
@@ -409,7 +468,10 @@ class Among(RestrictionNode):
 
 
 class Domain(Node):
-    """All (present) agents or movers, or all cells of `kinds`, restricted; binds `var`, and `on` to the cell under the agent or mover."""
+    """All (present) agents or movers, or all cells of `kinds`, restricted.
+
+    Binds `var`, and `on` to the cell under the agent or mover.
+    """
 
     var: Member
     on: Member | None = None

@@ -53,7 +53,7 @@ class Analysis(Generic[V]):
 
 
 def fold(e: ir.Expr, analysis: Analysis[V]) -> V:
-    """Returns what an expression is in an analysis. Raises UnknownValue."""
+    """Returns what an analysis says of an expression: a value, a range. Raises UnknownValue."""
     rule = analysis.rules.get(type(e))
     result = analysis.leaf(e) if rule is None else rule(e, analysis)
     return analysis.refined(e, result)
@@ -65,10 +65,11 @@ def is_computed(e: ir.Node) -> bool:
 
 
 def _of_value(e: Any, analysis: Analysis[V]) -> V:
+    """Returns what an expression is that only gives another a name or a narrower type."""
     return fold(e.value, analysis)
 
 
-# ---- values
+# ---- values: each function says what the expressions of a class are, by the table VALUES
 
 
 def _written(e: Any, _: Any) -> Any:
@@ -155,9 +156,9 @@ def _is_one_of_words(e: ir.InWords, analysis: Any) -> bool:
 
 
 def _is_in_range(e: ir.InRange, analysis: Any) -> bool:
-    above = partial(analysis.compares, e, "<=", e.low, e.value)
-    below = partial(analysis.compares, e, "<=", e.value, e.high)
-    return _joined("and", (above, below))
+    is_high_enough = partial(analysis.compares, e, "<=", e.low, e.value)
+    is_low_enough = partial(analysis.compares, e, "<=", e.value, e.high)
+    return _joined("and", (is_high_enough, is_low_enough))
 
 
 def _joined(fn: str, conditions: Iterable[Callable[[], bool]]) -> bool:
@@ -208,7 +209,7 @@ VALUES: dict[type[ir.Node], Rule] = {
 }
 
 
-# ---- bounds
+# ---- bounds: the same, by the table BOUNDS
 
 
 def _reduced_bounds(e: ir.SumRow, analysis: Any) -> Any:

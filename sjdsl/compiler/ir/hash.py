@@ -1,12 +1,16 @@
 """The hash of a game: of what its rules say, in words of this file alone.
 
-What is hashed is JSON: a node of the IR is a list, its tag and then what the rules say of it by name:
+What is hashed is JSON: a node of the IR is a list, its tag and then what the rules say of it by
+name:
 
-    set soil.fruit = ripe   ->   ["set", {"target": ["read", {"name": "fruit", "owner": …}], "value": ["word", {"value": "ripe"}]}]
+    set soil.fruit = ripe   ->   ["set", {"target": ["read", {"name": "fruit", "owner": …}],
+                                          "value": ["word", {"value": "ripe"}]}]
 
-Tags and names stand in `HASHED`, so that classes and fields of the IR can be renamed: then the left side of a line changes, or `name=field`
-says what the field is called now, and `name=field.part` that only this part of it is hashed. Types that are inferred, their intervals among them, are not hashed. Of an optional field only what is
-not its default is: a new one leaves the hashes of games without it as they are.
+Tags and names stand in `HASHED`, so that classes and fields of the IR can be renamed: then the left
+side of a line changes, or `name=field` says what the field is called now, and `name=field.part`
+that only this part of it is hashed. Types that are inferred, their intervals among them, are not
+hashed. Of an optional field only what is not its default is: a new one leaves the hashes of games
+without it as they are.
 """
 
 import json
@@ -16,7 +20,7 @@ from operator import attrgetter
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.printer import game as ir_text
+from sjdsl.compiler.ir.printer import game_text as ir_text
 
 HASHED: dict[type[ir.Node | ir.Type], str] = {
     # expressions
@@ -122,22 +126,24 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Aim: "aim shape domain avoided action given",
 }
 RULES = (
-    *(
-        "name",
-        "params",
-        "episode",
-        "kinds",
-        "rows",
-        "edges",
-        "glyphs",
-        "fields",
-        "agents",
-        "movers",
-        "shapes",
-        "start",
-        "schedule",
-    ),
-    *("window", "observables", "hidden", "events", "measures"),
+    "name",
+    "params",
+    "episode",
+    "kinds",
+    "rows",
+    "edges",
+    "glyphs",
+    "fields",
+    "agents",
+    "movers",
+    "shapes",
+    "start",
+    "schedule",
+    "window",
+    "observables",
+    "hidden",
+    "events",
+    "measures",
 )
 OPTIONAL = ("trials", "task")  # hashed if there are any
 
@@ -145,8 +151,9 @@ OPTIONAL = ("trials", "task")  # hashed if there are any
 def game_hash(game: ir.Game) -> str:
     """Returns 16 hexadecimal digits that two games share if and only if their rules say the same.
 
-    Left out is what changes nothing that happens: positions, the title, `cite`, `about`, names of sizes, groups, defines and variants,
-    looks, policies, scenarios, and checks other than `require`, which says what parameters there can be.
+    Left out is what changes nothing that happens: positions, the title, `cite`, `about`, names of
+    sizes, groups, defines and variants, looks, policies, scenarios, and checks other than
+    `require`, which says what parameters there can be.
     """
     return _digest(_rules(game))
 
@@ -162,11 +169,15 @@ def policy_hash(policy: ir.ScriptedPolicy) -> str:
 
 
 def printed_digest(game: ir.Game) -> str:
-    """Returns 16 hexadecimal digits of the printed IR, positions aside: for caches, since another version of the compiler prints other text."""
+    """Returns 16 hexadecimal digits of the printed IR, positions aside.
+
+    For caches, since another version of the compiler prints other text.
+    """
     return sha256(ir_text(game).encode()).hexdigest()[:16]
 
 
 def _rules(game: ir.Game) -> dict[str, Any]:
+    """Returns what the rules of a game say, as JSON."""
     required = tuple(check for check in game.checks if check.sort == "require")
     return {
         "requires": _hashable(required),
@@ -176,18 +187,19 @@ def _rules(game: ir.Game) -> dict[str, Any]:
 
 
 def _hashable(value: object) -> Any:
+    """Returns a part of the rules as JSON."""
     match value:
-        case (
-            ir.Named() | ir.Narrowed()
-        ):  # what a define or a guard has made of an expression says nothing more
+        case ir.Named() | ir.Narrowed():
+            # What a define or a guard has made of an expression says nothing more.
             return _hashable(value.value)
         case ir.Node() | ir.Type():
             tag, fields = _hashed_form(type(value))
-            said = ((name, attrgetter(field)(value), default) for name, field, default in fields)
-            return [
-                tag,
-                {name: _hashable(found) for name, found, default in said if found != default},
-            ]
+            hashed = {}
+            for name, field, default in fields:
+                part = attrgetter(field)(value)
+                if part != default:
+                    hashed[name] = _hashable(part)
+            return [tag, hashed]
         case ir.Entry():
             return value.name
         case ir.Level():
@@ -200,7 +212,10 @@ def _hashable(value: object) -> Any:
 
 @cache
 def _hashed_form(kind: type[ir.Node | ir.Type]) -> tuple[str, tuple[tuple[str, str, object], ...]]:
-    """Returns the tag of a class, and for each hashed field its name in the hash, where to find it, and the default that is left out."""
+    """Returns the tag of a class, and its hashed fields.
+
+    Of each: its name in the hash, where to find it, and the default that is left out.
+    """
     tag, *names = HASHED[kind].split()
     pairs = [(name.partition("=")[0], name.rpartition("=")[2]) for name in names]
     return tag, tuple((name, field, _default(kind, field)) for name, field in pairs)

@@ -1,4 +1,7 @@
-"""What guards imply: conditions split into facts, and the intervals and words that these leave to an expression."""
+"""What guards imply.
+
+Conditions split into facts, and the intervals and words that these leave to an expression.
+"""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -17,15 +20,18 @@ from sjdsl.compiler.ir.ranges import are_numbers, range_of
 from sjdsl.compiler.ir.values import TOLERANCE
 
 STEP = 2.0**-23  # from a float32 to the next one, relative; at most
-LOOSE = (
-    2 * TOLERANCE
-)  # by how much a real may pass the number that a `require` compares it with, relative
+# By how much a real may pass the number that a `require` compares it with, relative.
+LOOSE = 2 * TOLERANCE
 
 
 def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
-    """Yields conditions that all hold if `condition` holds (or, with `holds` False, if it does not).
+    """Yields conditions that all hold if `condition` holds.
 
-    Where a real may be NaN, with which no comparison holds, a comparison that does not hold stays one: `not x > y`.
+    Where a real may be NaN, with which no comparison holds, a comparison that does not hold stays
+    one: `not x > y`.
+
+    Args:
+      holds: False if it is known not to hold.
     """
     match condition:
         case ir.Named():
@@ -44,6 +50,7 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
 
 
 def _opposite(comparison: ir.Compare) -> ir.Compare:
+    """Returns the comparison that holds where this one doesn't, of numbers."""
     return comparison.model_copy(update={"fn": COMPARISONS[comparison.fn].opposite})
 
 
@@ -60,9 +67,12 @@ Interval = tuple[float, float]
 
 
 class Fact(Record, eq=False):
-    """One condition that holds, and what it says of its subject: of a number an interval, of a word those it may be.
+    """One condition that holds, and what it says of its subject.
 
-    `names`: what stands for free variables, as in `form`; two facts are compared under the same names.
+    Of a number an interval, of a word those it may be.
+
+    `names`: what stands for free variables, as in `form`; two facts are compared under the same
+    names.
     """
 
     condition: ir.Expr
@@ -107,15 +117,17 @@ class Fact(Record, eq=False):
 
 def facts(condition: ir.Expr, holds: bool = True) -> tuple[Fact, ...]:
     """Returns what is known if a condition holds (or, with `holds` False, if it does not)."""
-    return tuple(
-        Fact(known)
-        for part in conjuncts(condition, holds)
-        for known in (part, *_arguments_known(part))
-    )
+    known: list[Fact] = []
+    for part in conjuncts(condition, holds):
+        known += [Fact(part), *map(Fact, _arguments_known(part))]
+    return tuple(known)
 
 
 def _arguments_known(condition: ir.Expr) -> Iterator[ir.Expr]:
-    """Yields what else holds of an action that was chosen with known arguments: that it was chosen, and what each of them is."""
+    """Yields what else holds of an action that was chosen with known arguments.
+
+    That it was chosen, and what each of them is.
+    """
     if not isinstance(condition, ir.ChoseWith) or not condition.given:
         return
     yield condition.model_copy(update={"given": ()})
@@ -134,7 +146,10 @@ def _arguments_known(condition: ir.Expr) -> Iterator[ir.Expr]:
 
 
 def is_known(condition: ir.Expr, known: Iterable[Fact]) -> bool:
-    """Returns whether a condition is one of the facts; of a comparison, also where a real in it is NaN."""
+    """Returns whether a condition is one of the facts.
+
+    Of a comparison, also where a real in it is NaN.
+    """
     wanted = _directed(condition)
     return any(wanted in (f.form, f.form_without_nan) for f in known)
 
@@ -148,6 +163,7 @@ def compares(
 
 
 def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
+    """Returns the form of a condition; `a < b` has that of `b > a`."""
     if isinstance(condition, ir.Compare) and condition.fn in ("<", "<="):
         mirrored = {
             "fn": COMPARISONS[condition.fn].mirror,
@@ -159,7 +175,10 @@ def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
 
 
 def contradict(a: Fact, b: Fact) -> bool:
-    """Returns whether two facts can be seen never to hold together: opposite, other words, other ranges, other actions."""
+    """Returns whether two facts can be seen never to hold together.
+
+    They are opposite, or name other enum values, ranges or actions.
+    """
     if a.form in b.excluded:
         return True
     if a.subject is None or a.subject != b.subject:
@@ -170,13 +189,7 @@ def contradict(a: Fact, b: Fact) -> bool:
         case (ir.Chose(), ir.ChoseWith()) | (ir.ChoseWith(), ir.Chose()):
             return True
         case ir.ChoseWith() as one, ir.ChoseWith() as other:
-            written = [(x.value, y.value) for x, y in zip(one.given, other.given, strict=False)]
-            plain = [
-                (x.value, y.value)
-                for x, y in written
-                if isinstance(x, ir.Number | ir.Word) and isinstance(y, type(x))
-            ]
-            return one.action != other.action or any(x != y for x, y in plain)
+            return one.action != other.action or _have_other_arguments(one, other)
         case ir.StandsOn() as here, ir.StandsOn() as there:
             return not set(here.kinds) & set(there.kinds)
         case (ir.StandsOn() as here, ir.Not(value=ir.StandsOn() as there)) | (
@@ -184,10 +197,23 @@ def contradict(a: Fact, b: Fact) -> bool:
             ir.StandsOn() as here,
         ):
             return set(here.kinds) <= set(there.kinds)
-    mine, theirs = a.claim, b.claim
-    if mine.interval is not None and theirs.interval is not None:
-        return not (_admits_nan(a) and _admits_nan(b)) and _are_disjoint(mine, theirs)
-    return mine.words is not None and theirs.words is not None and not mine.words & theirs.words
+    if a.claim.interval is not None and b.claim.interval is not None:
+        return not (_admits_nan(a) and _admits_nan(b)) and _are_disjoint(a.claim, b.claim)
+    if a.claim.words is None or b.claim.words is None:
+        return False
+    return a.claim.words.isdisjoint(b.claim.words)
+
+
+def _have_other_arguments(one: ir.ChoseWith, other: ir.ChoseWith) -> bool:
+    """Returns whether two choices of one action differ in an argument that is written out."""
+    if not (one.given and other.given):
+        return False
+    for first, second in zip(one.given, other.given, strict=True):
+        a = first.value
+        b = second.value
+        if isinstance(a, ir.Number | ir.Word) and isinstance(b, type(a)) and a.value != b.value:
+            return True
+    return False
 
 
 def _admits_nan(fact: Fact) -> bool:
@@ -196,18 +222,26 @@ def _admits_nan(fact: Fact) -> bool:
 
 
 def _are_disjoint(a: "Claim", b: "Claim") -> bool:
-    """Returns whether no number is in the intervals of both claims; what a real is compared with is rounded to float32."""
+    """Returns whether no number is in the intervals of both claims.
+
+    What a real is compared with is rounded to float32.
+    """
     assert a.subject is not None
     assert a.interval is not None
     assert b.interval is not None
-    one, other = a.interval, b.interval
+    a_low, a_high = a.interval
+    b_low, b_high = b.interval
     if a.subject.type.kind == "real":
-        one, other = ends(*one), ends(*other)
-    return one[1] < other[0] or other[1] < one[0]
+        a_low, a_high = ends(a_low, a_high)
+        b_low, b_high = ends(b_low, b_high)
+    return a_high < b_low or b_high < a_low
 
 
 class Claim(NamedTuple):
-    """What a condition says of one expression, unless that is NaN. interval: by a comparison with a number; reach: by one with something else, from its type."""
+    """What a condition says of one expression, unless that is NaN.
+
+    interval: by a comparison with a number; reach: by one with something else, from its type.
+    """
 
     subject: ir.Expr | None = None
     interval: Interval | None = None
@@ -216,6 +250,7 @@ class Claim(NamedTuple):
 
 
 def _claim(condition: ir.Expr) -> Claim:
+    """Returns what a condition says of one expression; an empty claim if it says nothing."""
     exact = is_exact(without_nan(condition))
     match without_nan(condition):
         case (
@@ -227,11 +262,9 @@ def _claim(condition: ir.Expr) -> Claim:
             return Claim(agent)
         case ir.Not(value=inner):
             words, subject = _words_named(inner)
-            return (
-                Claim()
-                if subject is None
-                else Claim(subject, words=frozenset(subject.type.words) - words)
-            )
+            if subject is None:
+                return Claim()
+            return Claim(subject, words=frozenset(subject.type.words) - words)
         case ir.InRange(value=subject, low=ir.Number(value=low), high=ir.Number(value=high)):
             return Claim(subject, limits_of("==", subject, (low, high), exact))
         case ir.Compare(fn=fn, left=subject, right=ir.Number(value=value)):
@@ -248,7 +281,10 @@ def _claim(condition: ir.Expr) -> Claim:
 
 
 def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
-    """Returns the words of `x is w`, of `x in { … }` or of several of these joined by `or`, and x."""
+    """Returns the enum values that x may have, and x.
+
+    By `x is w`, `x in { … }` or several of these joined by `or`; None for any other condition.
+    """
     match condition:
         case ir.Named(value=value):
             return _words_named(value)
@@ -270,18 +306,26 @@ def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
 
 
 def limits_of(fn: str, subject: ir.Expr, other: Interval, exact: bool = True) -> Interval | None:
-    """Returns the interval of what is compared with something in another; a whole number that is below it is below it by one.
+    """Returns the interval of a number that compares so with one in another interval.
 
-    exact: whether whole numbers are compared; otherwise both are rounded to float32, so that a whole number may be beyond its equal.
+    exact: whether whole numbers are compared; otherwise both are rounded to float32, so that a
+    whole number may be beyond its equal.
     """
     low, high = other
     whole = subject.type.kind == "int"
     if whole and not exact:
         low, high = ends(low, high)
         if fn in ("<=", ">=", "=="):
-            low, high = low - STEP * abs(low), high + STEP * abs(high)
-    least = ceil(low) if whole and not isinf(low) else low
-    most = floor(high) if whole and not isinf(high) else high
+            low -= STEP * abs(low)
+            high += STEP * abs(high)
+    least = above = low
+    most = below = high
+    if whole and not isinf(low):
+        least = ceil(low)
+        above = floor(low) + 1
+    if whole and not isinf(high):
+        most = floor(high)
+        below = ceil(high) - 1
     match fn:
         case "==":
             return least, most
@@ -290,9 +334,9 @@ def limits_of(fn: str, subject: ir.Expr, other: Interval, exact: bool = True) ->
         case ">=":
             return least, inf
         case "<":
-            return -inf, ceil(high) - 1 if whole and not isinf(high) else high
+            return -inf, below
         case ">":
-            return floor(low) + 1 if whole and not isinf(low) else low, inf
+            return above, inf
         case _:
             return None
 
@@ -301,18 +345,22 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
     """Returns a word without the words that the facts about that very expression exclude."""
     if e.type.kind != "word" or e.type.by or isinstance(e, ir.Word):
         return e
-    subject, left = form(e), frozenset(e.type.words)
-    for f in known:
-        if f.claim.words is not None and f.subject == subject:
-            left &= f.claim.words
-    if not left or left == frozenset(e.type.words):
+    subject = form(e)
+    possible = frozenset(e.type.words)
+    for fact in known:
+        if fact.claim.words is not None and fact.subject == subject:
+            possible &= fact.claim.words
+    if not possible or possible == frozenset(e.type.words):
         return e
-    words = tuple(w for w in e.type.words if w in left)
+    words = tuple(word for word in e.type.words if word in possible)
     return ir.Narrowed(type=ir.Type(kind="word", words=words), value=e, origin=e.origin)
 
 
 def narrowed_real(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
-    """Returns the interval of a number as it is computed in float32, once the facts about it and about its parts are used."""
+    """Returns the interval of a number as it is computed in float32.
+
+    The facts about it and about its parts are used.
+    """
 
     def limits(part: ir.Expr) -> Interval:
         low, high = _claimed(form(part), known)
@@ -326,12 +374,14 @@ def narrowed_real(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
 
 def _claimed(subject: Form, known: Iterable[Fact]) -> Interval:
     """Returns the interval that the facts about a number leave to it."""
-    low, high = -inf, inf
-    for f in known:
-        if f.subject == subject:
-            for bounds in (f.claim.interval, f.claim.reach):
+    low = -inf
+    high = inf
+    for fact in known:
+        if fact.subject == subject:
+            for bounds in (fact.claim.interval, fact.claim.reach):
                 if bounds is not None:
-                    low, high = max(low, bounds[0]), min(high, bounds[1])
+                    low = max(low, bounds[0])
+                    high = min(high, bounds[1])
     return low, high
 
 
@@ -370,5 +420,8 @@ class Narrowing(Analysis[Interval]):
 
 
 def narrowed(e: ir.Expr, known: Sequence[Fact]) -> Interval:
-    """Returns the interval of a number once the facts about it, about its parts, or about sums of these are used."""
+    """Returns the interval of a number.
+
+    The facts about it, about its parts, or about sums of these are used.
+    """
     return fold(e, Narrowing(known)) if known else (e.type.low, e.type.high)

@@ -19,20 +19,23 @@ Memo = dict[int, "Linear"]  # by the `id` of an expression, which must live as l
 
 
 class Linear(Record, eq=False):
-    """A number that is added to so many times each part; `parts`: each with its interval, by its form. All is exact."""
+    """A number that is added to so many times each part.
+
+    `parts`: each with its interval, by its form. All is exact.
+    """
 
     number: Fraction = Fraction(0)
     factors: dict[Form, Fraction] = field(default_factory=dict)
     parts: dict[Form, Interval] = field(default_factory=dict)
 
     def plus(self, other: "Linear", factor: Fraction | int = 1) -> "Linear":
-        """Returns the sum with the other one times a factor."""
+        """Returns this sum plus `factor` times another."""
         factors = dict(self.factors)
-        for part, times_ in other.factors.items():
-            factors[part] = factors.get(part, Fraction(0)) + factor * times_
+        for part, other_factor in other.factors.items():
+            factors[part] = factors.get(part, Fraction(0)) + factor * other_factor
         return Linear(
             self.number + factor * other.number,
-            {p: f for p, f in factors.items() if f},
+            {part: sum_ for part, sum_ in factors.items() if sum_},
             self.parts | other.parts,
         )
 
@@ -43,12 +46,16 @@ class Linear(Record, eq=False):
         high: Fraction | float = self.number
         for part, factor in self.factors.items():
             ends = [factor * (end if isinf(end) else Fraction(end)) for end in self.parts[part]]
-            low, high = low + min(ends), high + max(ends)
+            low += min(ends)
+            high += max(ends)
         return float(low), float(high)
 
 
 def linear(e: ir.Expr, memo: Memo | None = None) -> Linear:
-    """Returns a number as a sum of parts, which are no sums themselves. `memo`: the sums that are known, to which this one is added."""
+    """Returns a number as a sum of parts, which are no sums themselves.
+
+    `memo`: the sums that are known, to which this one is added.
+    """
     memo = {} if memo is None else memo
     if id(e) not in memo:
         memo[id(e)] = _linear(e, memo)
@@ -56,6 +63,7 @@ def linear(e: ir.Expr, memo: Memo | None = None) -> Linear:
 
 
 def _linear(e: ir.Expr, memo: Memo) -> Linear:
+    """Returns `linear(e, memo)`, computed anew."""
     match e:
         case ir.Number():
             return Linear(Fraction(e.value))
@@ -63,45 +71,53 @@ def _linear(e: ir.Expr, memo: Memo) -> Linear:
             return linear(e.value, memo)
         case ir.Arithmetic(fn=fn, args=args) if CALCULATIONS[fn].factors and not e.type.by:
             sum_ = Linear()
-            for part, factor in zip(args, CALCULATIONS[fn].factors, strict=True):
-                sum_ = sum_.plus(linear(part, memo), factor)
+            for arg, factor in zip(args, CALCULATIONS[fn].factors, strict=True):
+                sum_ = sum_.plus(linear(arg, memo), factor)
             return sum_
         case _:
-            own = form(e)
-            return Linear(Fraction(0), {own: Fraction(1)}, {own: (e.type.low, e.type.high)})
+            part = form(e)
+            return Linear(Fraction(0), {part: Fraction(1)}, {part: (e.type.low, e.type.high)})
 
 
 def narrowed_sum(mine: Linear, interval: Interval, known: Iterable[Linear]) -> Interval:
-    """Returns the interval of a sum or difference once it is known what other sums of the same parts are at least 0, one at a time."""
+    """Returns the interval of a sum or difference, by other sums of the same parts.
+
+    Args:
+      interval: what is known without these.
+      known: sums that are at least 0. They are used one at a time.
+    """
     low, high = interval
     for fact in known:
         for part in mine.factors.keys() & fact.factors.keys():
             factor = mine.factors[part] / fact.factors[part]
-            rest = mine.plus(
-                fact, -factor
-            ).interval  # e is this and `factor` times the fact, which is at least 0
+            # The sum is this rest and `factor` times the fact, which is at least 0.
+            rest_low, rest_high = mine.plus(fact, -factor).interval
             if factor > 0:
-                low = max(low, rest[0])
+                low = max(low, rest_low)
             else:
-                high = min(high, rest[1])
+                high = min(high, rest_high)
     return low, high
 
 
 def not_negative(condition: ir.Expr) -> Iterator[Linear]:
-    """Yields what is at least 0 if a condition holds, of sums of several parts; of fewer, their intervals say as much."""
+    """Yields the sums of several parts that are at least 0 if a condition holds.
+
+    Of a single part, its interval says as much.
+    """
     match condition:
         case ir.Compare(fn=fn, left=left, right=right) if fn != "!=" and not (
             left.type.by or right.type.by
         ):
-            apart = linear(left).plus(linear(right), -1)
-            whole = left.type.kind == right.type.kind == "int"
-            if len(apart.factors) < 2:
+            difference = linear(left).plus(linear(right), -1)
+            if len(difference.factors) < 2:
                 return
+            # A whole number that is above another is above it by one.
+            is_whole = left.type.kind == right.type.kind == "int"
+            gap = Linear(Fraction(-1)) if is_whole and fn in ("<", ">") else Linear()
             if fn in (">", ">=", "=="):
-                yield apart.plus(Linear(Fraction(-1))) if whole and fn == ">" else apart
+                yield difference.plus(gap)
             if fn in ("<", "<=", "=="):
-                turned = Linear().plus(apart, -1)
-                yield turned.plus(Linear(Fraction(-1))) if whole and fn == "<" else turned
+                yield gap.plus(difference, -1)
         case ir.InRange(value=value, low=low, high=high):
             yield from not_negative(ir.Compare(fn=">=", left=value, right=low))
             yield from not_negative(ir.Compare(fn="<=", left=value, right=high))

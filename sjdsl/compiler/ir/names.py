@@ -1,4 +1,7 @@
-"""Identifiers of generated code: valid names, different from Python's keywords and from the module's own."""
+"""Identifiers of generated code.
+
+Valid names, different from Python's keywords and from the module's own.
+"""
 
 import keyword
 import re
@@ -13,39 +16,35 @@ _KERNELS = {
     "neighbourhood": "entries_at looked_up over_neighbours",
     "random_bits": "below dealt_values next_threshold ranks random_bits random_bits_at threshold unit",
     "fields": "StateField",
-    "geometry": "around_edges blocking cells_of inside lane_reach near_masks neighbours next_cells numbers_among own_cell own_cells view_cells "
-    "view_offsets view_steps view_steps_around painted reading_order shape_offsets site_numbers values_of",
+    "geometry": "around_edges blocking cells_of inside lane_reach near_masks neighbours next_cells "
+    "numbers_among own_cell own_cells view_cells view_offsets view_steps view_steps_around painted "
+    "reading_order shape_offsets site_numbers values_of",
     "movement": "resolve",
-    "placing": "best_ranks choose choose_by_chance come_back drawn_by_lot member_of outranking pair pair_reached pick pick_of_large_set pick_of_set "
-    "pick_of_sets place place_fitting",
+    "placing": "best_ranks choose choose_by_chance come_back drawn_by_lot member_of outranking "
+    "pair pair_reached pick pick_of_large_set pick_of_set pick_of_sets place place_fitting",
     "planes": "TokenPlane",
     "reductions": "all_of any_of argmax_of count_of max_of min_of sum_of",
     "rows": "entry highest lowest mix one_hot ramp shifted",
-    "exact_reals": "divided exact_mix exact_ramp exact_sum exactly fixed_point rounded sum_in_order",
+    "exact_reals": "divided exact_mix exact_ramp exact_sum exactly fixed_point rounded "
+    "sum_in_order",
     "steering": "gains gains_around is_one_of",
     "line_of_sight": "nearest_in_lanes reached",
     "torus": "cells_on joined_edges shorter_way",
     "egocentric_windows": "fill look_fields look_number paint planes_of windows",
     "writing": "add_at add_to_entry set_at set_entry",
 }
-KERNELS = {
-    f"sjdsl.runtime.{module}": tuple(names.split()) for module, names in _KERNELS.items()
-}  # what generated code may call
+# What generated code may call, by module.
+KERNELS = {f"sjdsl.runtime.{module}": tuple(names.split()) for module, names in _KERNELS.items()}
 RESERVED = {
-    "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step", "observe", "measures", "tick", "allowed",
-    "allowed_actions", "episode_length", "initial_state", "no_outcome", "default_params",
-    "next_trial", "trial_length", "draw_task",
+    "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step",
+    "observe", "measures", "tick", "allowed", "allowed_actions", "episode_length", "initial_state",
+    "no_outcome", "default_params", "next_trial", "trial_length", "draw_task",
     *keyword.kwlist,
     *(name for names in KERNELS.values() for name in names),
 }  # fmt: skip
 STATE = ("step", "position", "heading", "moved", "away", "away_pool", "away_facing")
-POSE = (
-    "position",
-    "moved",
-    "away",
-    "away_pool",
-    "away_facing",
-)  # what State has of each mover beside its fields
+# What State has of each mover beside its fields.
+POSE = ("position", "moved", "away", "away_pool", "away_facing")
 _IDENTIFIER = re.compile(r"[a-z_][a-z0-9_]*")
 _TAKEN = {"replace"}  # a method of flax.struct dataclasses
 
@@ -58,7 +57,8 @@ class Names:
 
     def fresh(self, wanted: str) -> str:
         """Returns `wanted`, or `wanted_2`, `wanted_3`, …"""
-        name, number = wanted, 1
+        name = wanted
+        number = 1
         while name in self.taken:
             number += 1
             name = f"{wanted}_{number}"
@@ -73,12 +73,18 @@ def identifier(name: str) -> str:
 
 
 def param_attribute(name: str) -> str:
-    """Returns the attribute of Params or Outcome for a name of the game: with `_` after a Python word."""
+    """Returns the attribute of Params or Outcome for a name of the game.
+
+    A word of Python gets a `_` behind it.
+    """
     return identifier(name) + ("_" if keyword.iskeyword(name) or name in _TAKEN else "")
 
 
 def phase_function(name: str) -> str:
-    """Returns the function of a phase use: its name, with `_phase` after a name the module needs itself."""
+    """Returns the name of the function of a phase use.
+
+    A name that the module needs itself gets `_phase` behind it.
+    """
     return identifier(name) + ("_phase" if name in RESERVED else "")
 
 
@@ -88,7 +94,10 @@ def attribute_name(field: ir.VarField) -> str:
 
 
 def attribute_of(name: str, sort: ir.Sort) -> str:
-    """Returns the attribute of State for a fact about all agents (`position`), or about all movers of a sort (`deer_position`)."""
+    """Returns the attribute of State for a fact about all agents, or all movers of a type.
+
+    `position`, or `deer_position`.
+    """
     return identifier(f"{sort.name}_{name}") if sort.what == "mover" else name
 
 

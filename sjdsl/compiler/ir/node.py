@@ -13,9 +13,12 @@ Unit = Literal["count", "steps", "cells", "reward", "probability", "fraction", "
 
 
 class InstanceCheck:
-    """Has pydantic check that a value is an instance, and nothing about its own fields: those were checked when it was made.
+    """Has pydantic check that a value is an instance, and nothing about its own fields.
 
-    (Pydantic's `InstanceOf` adds the whole schema of the class, for reading JSON, to that of every model that holds one.)
+    Those were checked when it was made.
+
+    (Pydantic's `InstanceOf` adds the whole schema of the class, for reading JSON, to that of every
+    model that holds one.)
     """
 
     def __get_pydantic_core_schema__(self, kind: type, handler: Any) -> CoreSchema:
@@ -29,7 +32,8 @@ INSTANCE = InstanceCheck()
 class Node(BaseModel, TreeNode["Node"]):
     """A frozen part of the IR. `origin` is where the author wrote it."""
 
-    # what checks a node's fields is built when the first one is made: no game has nodes of all classes
+    # Pydantic builds what checks a node's fields when the first one is made: no game has nodes of
+    # all classes.
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
     origin: Annotated[Span, INSTANCE] | None = Field(default=None, repr=False)
 
@@ -67,9 +71,9 @@ class PolicyRuleNode(Node):
 class Type(BaseModel):
     """What values an expression has.
 
-    kind: `word` (one of `words`), `int` and `real` (`unit`, `low` .. `high`), `condition`, `agent` (one or nobody),
-      `agents` (a set), `cell` (one of `kinds`, or nowhere), `mix` (shares over `words`), `member` (a variable of a domain: an agent or
-      a cell).
+    kind: `word` (one of `words`), `int` and `real` (`unit`, `low` .. `high`), `condition`, `agent`
+    (one or nobody), `agents` (a set), `cell` (one of `kinds`, or nowhere), `mix` (shares over
+    `words`), `member` (a variable of a domain: an agent or a cell).
     by: the levels of a row or table, outermost first; empty for a single value.
     """
 

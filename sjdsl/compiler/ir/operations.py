@@ -1,7 +1,10 @@
-"""The functions and operators of the language: a row for each, with all that compiler, pages and editors know of it.
+"""The functions and operators of the language.
 
-Whatever elaborates, folds, bounds, lowers, prints or describes an operation reads its row, and asks for none by its name. The interpreter
-is the oracle and does not read this table: it has its own meaning of each, and `tests/compiler/test_operations.py` compares the two.
+A row for each, with all that compiler, pages and editors know of it.
+
+Whatever elaborates, folds, bounds, lowers, prints or describes an operation reads its row, and asks
+for none by its name. The interpreter is the oracle and does not read this table: it has its own
+meaning of each, and `tests/compiler/test_operations.py` compares the two.
 """
 
 import operator
@@ -12,7 +15,13 @@ from typing import Any, Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range, differ_as_reals, disjoint, real
+from sjdsl.compiler.ir.range_arithmetic import (
+    FLOAT32,
+    Range,
+    differ_as_reals,
+    disjoint,
+    to_float32,
+)
 from sjdsl.compiler.ir.types import SLACK, join_units, over_unit, times, times_unit
 
 Interval = tuple[float, float]
@@ -21,19 +30,26 @@ OPPOSITE: dict[Slope, Slope] = {"level": "level", "rising": "falling", "falling"
 
 
 class Moving(NamedTuple):
-    """An argument of a calculation while some number grows: the direction it goes in, and all that it can be."""
+    """An argument of a calculation while some number grows.
+
+    The direction it goes in, and all that it can be.
+    """
 
     slope: Slope
     range: Range
 
 
-# The direction of a calculation from those of its arguments, None if it is not known. The second parameter of a rule says whether one
-# argument is known to be less than another, both by their places.
+# The direction of a calculation from those of its arguments, None if it is not known. The second
+# parameter of a rule says whether one argument is known to be less than another, both by their
+# places.
 SlopeRule = Callable[[Sequence[Moving], Callable[[int, int], bool]], Slope | None]
 
 
 class Rounding(NamedTuple):
-    """How float32 rounds a result: `terms` and `steady` as in `Range`; `once`: no more than once, if the arguments are exact."""
+    """How float32 rounds a result: `terms` and `steady` as in `Range`.
+
+    `once`: no more than once, if the arguments are exact.
+    """
 
     terms: float
     steady: bool
@@ -54,9 +70,8 @@ class Function(Record):
     """What authors write as a name with brackets behind it."""
 
     name: str
-    uses: tuple[
-        tuple[str, str], ...
-    ]  # each way to write it, and what that gives: for the cheat sheet and editors
+    # Each way to write it, and what that gives: for the cheat sheet and editors.
+    uses: tuple[tuple[str, str], ...]
     builds: type[ir.Node]  # the class of its node in the IR
     least: int = 1  # number of arguments
     most: int = 1
@@ -69,10 +84,10 @@ class Function(Record):
 
 def _joined(*units: ir.Unit) -> ir.Unit | None:
     """Returns the unit of numbers that are added or compared; None if they do not mix."""
-    found: ir.Unit | None = units[0]
+    joined: ir.Unit | None = units[0]
     for unit in units[1:]:
-        found = None if found is None else join_units(found, unit)
-    return found
+        joined = None if joined is None else join_units(joined, unit)
+    return joined
 
 
 class Calculation(Function):
@@ -83,7 +98,9 @@ class Calculation(Function):
     sign: str = ""  # what authors write instead of the name: it is an operator
 
     # what it takes
-    verb: str = ""  # of an operation on two numbers: `cannot {verb} steps and rewards`; otherwise they cannot be compared
+    # Of an operation on two numbers: `cannot {verb} steps and rewards`; otherwise they cannot be
+    # compared.
+    verb: str = ""
     rows: bool = False  # also two rows of numbers, entry by entry
     whole_only: bool = False  # whole numbers only
     divisor: int | None = None  # the argument that must not be 0
@@ -91,47 +108,45 @@ class Calculation(Function):
     bounded: bool = False  # the argument must be known to stay within the limits of numbers
 
     # the type of its result
-    unit: Callable[..., ir.Unit | None] = (
-        _joined  # from the units of its arguments; None if they do not mix
-    )
-    keeps_unit: bool = False  # also where the result leaves the limits of that unit; otherwise it becomes a bare number there
-    kind: Literal["joined", "whole", "real"] = (
-        "joined"  # joined: whole if all arguments are; whole: the result of `array` becomes int32
-    )
+    # From the units of its arguments; None if they do not mix.
+    unit: Callable[..., ir.Unit | None] = _joined
+    # Also where the result leaves the limits of that unit; else it becomes a bare number there.
+    keeps_unit: bool = False
+    # joined: whole if all arguments are; whole: the result of `array` becomes int32.
+    kind: Literal["joined", "whole", "real"] = "joined"
     unchanged: bool = False  # a whole argument is the result itself
     share: bool = False  # `count(some of them) / count(them)` is a fraction
 
     # its value
     fold: Callable[..., float]  # for Python's numbers
-    interval: Callable[
-        ..., Interval
-    ]  # all that it can be, from the interval of each argument; as exact numbers
+    # All that it can be, from the interval of each argument; as exact numbers.
+    interval: Callable[..., Interval]
     factors: tuple[int, ...] = ()  # it is the sum of its arguments, each times one of these
     slope: SlopeRule
-    rounding: Callable[[Range, Range], Rounding] | None = (
-        None  # of two reals in float32; None: the result is exact
-    )
-    range: Callable[[Sequence[Range]], Range] | None = (
-        None  # all that it can be in float32; None: as `interval` and `rounding` say
-    )
+    # Of two reals in float32; None: the result is exact.
+    rounding: Callable[[Range, Range], Rounding] | None = None
+    # All that it can be in float32; None: as `interval` and `rounding` say.
+    range: Callable[[Sequence[Range]], Range] | None = None
 
     # its code
-    array: str  # an operator of Python, or a function of arrays; one of two arrays is applied to one argument after another
+    # An operator of Python, or a function of arrays; one of two arrays is applied to one argument
+    # after another.
+    array: str
     exact: str = ""  # the function of arrays in its place where the result decides something
 
 
 class PayoffClass(Function):
     """A class of 2 x 2 games.
 
-    Source: Macy and Flache 2002, the orders of R, S, T, P: prisoner's dilemma T > R > P > S and 2R > T + S;
-    stag hunt R > T >= P > S; chicken T > R > S > P. Their 2R > T + S is not asked of a chicken game: taking turns
-    may pay more than cooperating, as in the one of Melting Pot (3, 2 / 5, 0).
+    Source: Macy and Flache 2002, the orders of R, S, T, P: prisoner's dilemma T > R > P > S and 2R
+    > T + S; stag hunt R > T >= P > S; chicken T > R > S > P. Their 2R > T + S is not asked of a
+    chicken game: taking turns may pay more than cooperating, as in the one of Melting Pot (3, 2 /
+    5, 0).
     """
 
     _: KW_ONLY
-    holds: Callable[
-        [float, float, float, float], bool
-    ]  # for the payoffs R, S, T and P of the row player
+    # For the payoffs R, S, T and P of the row player.
+    holds: Callable[[float, float, float, float], bool]
 
 
 class Comparison(Record):
@@ -147,24 +162,26 @@ class Comparison(Record):
 
 
 def _product(a: Interval, b: Interval) -> Interval:
+    """Returns the interval of a product."""
     corners = [times(x, y) for x in a for y in b]
     return min(corners), max(corners)
 
 
 def _quotient(a: Interval, b: Interval) -> Interval:
-    if (
-        min(b) <= 0 <= max(b)
-    ):  # the ends are the wrong way round where conditions contradict each other
+    """Returns the interval of a quotient."""
+    # The ends are the wrong way round where conditions contradict each other.
+    if min(b) <= 0 <= max(b):
         return -inf, inf
     corners = [x / y if abs(y) != inf else 0.0 for x in a for y in b]
     return min(corners), max(corners)
 
 
 def _whole_quotient(a: Interval, b: Interval) -> Interval:
-    divisors = [y for y in (b[0], -1, 1, b[1]) if y and b[0] <= y <= b[1]] or [
-        -1,
-        1,
-    ]  # where it is 0, nothing is divided
+    """Returns the interval of a quotient of whole numbers that is rounded down."""
+    low, high = b
+    divisors = [y for y in (low, -1, 1, high) if y and low <= y <= high]
+    if not divisors:  # where it is 0, nothing is divided
+        divisors = [-1, 1]
     corners = [_rounded_down(x, y) for x in a for y in divisors]
     return min(corners), max(corners)
 
@@ -173,11 +190,16 @@ def _rounded_down(x: float, y: float) -> float:
     """Returns the quotient of two ends of intervals of whole numbers, rounded down."""
     if abs(x) == inf:
         return x if y > 0 else -x
-    return (-1 if x and (x < 0) != (y < 0) else 0) if abs(y) == inf else x // y
+    if abs(y) == inf:
+        return -1 if x and (x < 0) != (y < 0) else 0
+    return x // y
 
 
 def _nearest_whole(a: Interval) -> Interval:
-    """Returns the interval of the whole numbers nearest to reals, which float32 arithmetic may pass by a little."""
+    """Returns the interval of the whole numbers nearest to reals.
+
+    Float32 arithmetic may pass the ends of their interval by a little.
+    """
     low, high = (
         end if abs(end) == inf else round(end + slack * max(1.0, abs(end)))
         for end, slack in zip(a, (-SLACK, SLACK), strict=True)
@@ -191,57 +213,60 @@ def _nearest_whole(a: Interval) -> Interval:
 def _together(slopes: Sequence[Slope | None]) -> Slope | None:
     """Returns the direction of what rises with each of its parts, from theirs."""
     moving = set(slopes) - {"level"}
-    return "level" if not moving else next(iter(moving)) if len(moving) == 1 else None
+    if not moving:
+        return "level"
+    return moving.pop() if len(moving) == 1 else None
 
 
 def _scaled(slope: Slope, by: Range) -> Slope | None:
     """Returns the direction of a product with a number of this range."""
-    if slope == "level":
+    if slope == "level" or by.low >= 0:
         return slope
-    return slope if by.low >= 0 else OPPOSITE[slope] if by.high <= 0 else None
+    return OPPOSITE[slope] if by.high <= 0 else None
 
 
 def _quotient_slope(a: Moving, b: Moving) -> Slope | None:
+    """Returns the direction of a quotient."""
     if b.range.low <= 0 <= b.range.high:
         return None
     return _together([_scaled(a.slope, b.range), _scaled(OPPOSITE[b.slope], a.range)])
 
 
 def _ramp_slope(parts: Sequence[Moving], below: Callable[[int, int], bool]) -> Slope | None:
-    """Returns the direction of a ramp between two ends that stay where they are, if it is known which of them is greater."""
-    value, (_, zero), (_, one) = parts[0].slope, *parts[1:]
-    if not parts[1].slope == parts[2].slope == "level":
+    """Returns the direction of a ramp between two ends that stay where they are.
+
+    None if they don't, or if it isn't known which of them is greater.
+    """
+    value, zero_at, one_at = parts
+    if not zero_at.slope == one_at.slope == "level":
         return None
-    zero, one = real(zero), real(one)
+    zero = to_float32(zero_at.range)
+    one = to_float32(one_at.range)
     if zero.high < one.low or below(1, 2):
-        return value
-    return OPPOSITE[value] if one.high < zero.low or below(2, 1) else None
+        return value.slope
+    return OPPOSITE[value.slope] if one.high < zero.low or below(2, 1) else None
 
 
 # ---- ranges in float32
 
 
 def _quotient_rounding(a: Range, b: Range) -> Rounding:
+    """Returns how float32 rounds a quotient."""
     least = min(abs(b.low), abs(b.high))
-    return Rounding(
-        times(a.terms / least, max(1.0, b.terms / least)), True, once=False
-    )  # XLA may multiply by 1 / b
+    terms = times(a.terms / least, max(1.0, b.terms / least))
+    return Rounding(terms, True, once=False)  # XLA may multiply by 1 / b
 
 
 def _ramp_range(parts: Sequence[Range]) -> Range:
-    value, zero, one = map(real, parts)
-    exact = (
-        parts[1].given and parts[2].given and differ_as_reals(*parts[1:])
-    )  # as a guard or a `require` says
-    differ = disjoint(*parts[1:]) or exact
-    sound = (
-        value.sound
-        and zero.sound
-        and one.sound
-        and differ
-        and zero.largest + one.largest <= FLOAT32
-    )
-    return Range(0.0, 1.0, terms=1.0, given=False, sound=sound)
+    """Returns the range of a ramp; it may be NaN if its ends may be equal, or far apart."""
+    value, zero, one = map(to_float32, parts)
+    _, zero_at, one_at = parts
+    # The ends differ, as a guard or a `require` says.
+    are_exact = zero_at.rounded_once and one_at.rounded_once
+    differ = disjoint(zero_at, one_at) or (are_exact and differ_as_reals(zero_at, one_at))
+    are_sound = value.sound and zero.sound and one.sound
+    sound = are_sound and differ and zero.largest + one.largest <= FLOAT32
+    return Range(0.0, 1.0, terms=1.0, rounded_once=False, sound=sound)
 
 
 def _operator(sign: str, gives: str, **columns: Any) -> Calculation:
@@ -322,7 +347,8 @@ OPERATIONS: tuple[Function, ...] = (
         (
             (
                 "distance(a, b)",
-                "steps along rows and columns, whatever stands between; where the map wraps, the shorter way round",
+                "steps along rows and columns, whatever stands between; where the map wraps, the "
+                "shorter way round",
             ),
         ),
         ir.Distance,
@@ -395,7 +421,8 @@ OPERATIONS: tuple[Function, ...] = (
         (
             (
                 "mix(row)",
-                "as a table's index: payoff[mix(a.bag)] is the mean of the payoffs, weighted with the row's entries",
+                "as a table's index: payoff[mix(a.bag)] is the mean of the payoffs, weighted with "
+                "the row's entries",
             ),
         ),
         ir.Mix,

@@ -1,4 +1,7 @@
-"""Prints the IR as stable text: expressions as an author would write them, whole games for `dump`."""
+"""Prints the IR as stable text.
+
+Expressions as an author would write them, whole games for `sjdsl dump`.
+"""
 
 from collections.abc import Iterator
 from typing import assert_never
@@ -9,14 +12,12 @@ from sjdsl.compiler.ir.operations import CALCULATIONS
 
 def number_text(value: float) -> str:
     """Returns the shortest text that reads back as the same number; integers without a point."""
-    return (
-        str(int(value))
-        if isinstance(value, int) or (value == int(value) and abs(value) < 1e15)
-        else repr(float(value))
-    )
+    if isinstance(value, int) or (value == int(value) and abs(value) < 1e15):
+        return str(int(value))
+    return repr(float(value))
 
 
-def expression(e: ir.Expr) -> str:
+def expression_text(e: ir.Expr) -> str:
     """Returns an expression in the syntax of the language, without positions, fully bracketed."""
     match e:
         case ir.Number():
@@ -32,89 +33,98 @@ def expression(e: ir.Expr) -> str:
         case ir.ParamRef() | ir.Member() | ir.Local():
             return e.name
         case ir.FieldRead() | ir.Attribute():
-            return e.name if e.owner is None else f"{expression(e.owner)}.{e.name}"
+            return e.name if e.owner is None else f"{expression_text(e.owner)}.{e.name}"
         case ir.Distance():
-            return f"distance({expression(e.left)}, {expression(e.right)})"
+            return f"distance({expression_text(e.left)}, {expression_text(e.right)})"
         case ir.At():
-            return f"{expression(e.row)}[{expression(e.key)}]"
+            return f"{expression_text(e.row)}[{expression_text(e.key)}]"
         case ir.Step():
             return "step"
         case ir.Arithmetic():
-            row, args = CALCULATIONS[e.fn], [expression(a) for a in e.args]
-            if not row.sign:
-                return f"{row.name}({', '.join(args)})"
-            return (
-                f"({row.sign}{args[0]})" if len(args) == 1 else f"({args[0]} {row.sign} {args[1]})"
-            )
+            operation = CALCULATIONS[e.fn]
+            args = [expression_text(arg) for arg in e.args]
+            if not operation.sign:
+                return f"{operation.name}({', '.join(args)})"
+            if len(args) == 1:
+                return f"({operation.sign}{args[0]})"
+            return f"({args[0]} {operation.sign} {args[1]})"
         case ir.Compare():
-            return f"({expression(e.left)} {e.fn} {expression(e.right)})"
+            return f"({expression_text(e.left)} {e.fn} {expression_text(e.right)})"
         case ir.Same():
-            return f"({expression(e.left)} is {expression(e.right)})"
+            return f"({expression_text(e.left)} is {expression_text(e.right)})"
         case ir.InRange():
-            return f"({expression(e.value)} in {expression(e.low)} .. {expression(e.high)})"
+            interval = f"{expression_text(e.low)} .. {expression_text(e.high)}"
+            return f"({expression_text(e.value)} in {interval})"
         case ir.InWords():
-            return f"({expression(e.value)} in {{ {', '.join(e.words)} }})"
+            return f"({expression_text(e.value)} in {{ {', '.join(e.words)} }})"
         case ir.InSet():
-            return f"({expression(e.value)} in {expression(e.container)})"
+            return f"({expression_text(e.value)} in {expression_text(e.container)})"
         case ir.IsEmpty():
-            return f"({expression(e.container)} is nobody)"
+            return f"({expression_text(e.container)} is nobody)"
         case ir.Chose():
-            return f"({expression(e.agent)} chose #{e.action})"
+            return f"({expression_text(e.agent)} chose #{e.action})"
         case ir.ChoseWith():
-            given = f"({', '.join(expression(g.value) for g in e.given)})" if e.given else ""
-            return f"({expression(e.agent)} chose {e.action}{given})"
+            arguments = ", ".join(expression_text(given.value) for given in e.given)
+            action = f"{e.action}({arguments})" if e.given else e.action
+            return f"({expression_text(e.agent)} chose {action})"
         case ir.ArgumentOf():
-            return f"{expression(e.agent)}.{e.action}" + (f".{e.name}" if e.name else "")
+            action = f"{expression_text(e.agent)}.{e.action}"
+            return f"{action}.{e.name}" if e.name else action
         case ir.Unoccupied():
-            return f"(nobody on {expression(e.cell)})"
+            return f"(nobody on {expression_text(e.cell)})"
         case ir.StandsOn():
-            return f"({expression(e.agent)} on {' | '.join(e.kinds)})"
+            return f"({expression_text(e.agent)} on {' | '.join(e.kinds)})"
         case ir.StandsAt():
-            return f"({expression(e.agent)} on {expression(e.cell)})"
+            return f"({expression_text(e.agent)} on {expression_text(e.cell)})"
         case ir.Not():
-            return f"(not {expression(e.value)})"
+            return f"(not {expression_text(e.value)})"
         case ir.Logic():
-            return "(" + f" {e.fn} ".join(expression(a) for a in e.args) + ")"
+            return f"({f' {e.fn} '.join(map(expression_text, e.args))})"
         case ir.Count():
-            return f"count({domain(e.domain)})"
+            return f"count({domain_text(e.domain)})"
         case ir.Sum():
-            return f"sum({expression(e.value)} over {domain(e.domain)})"
+            return f"sum({expression_text(e.value)} over {domain_text(e.domain)})"
         case ir.SumRow():
-            return f"{e.fn}({expression(e.row)})"
+            return f"{e.fn}({expression_text(e.row)})"
         case ir.ShiftRow():
-            return f"shift({expression(e.row)}, {e.by}, {expression(e.filler)})"
+            return f"shift({expression_text(e.row)}, {e.by}, {expression_text(e.filler)})"
         case ir.Lowest():
-            return f"{'highest' if e.last else 'lowest'}({expression(e.row)})"
+            return f"{'highest' if e.last else 'lowest'}({expression_text(e.row)})"
         case ir.Mix():
-            return f"mix({expression(e.row)})"
+            return f"mix({expression_text(e.row)})"
         case ir.Extreme():
-            otherwise = "" if e.otherwise is None else f" otherwise {expression(e.otherwise)}"
-            return f"{e.fn}({expression(e.value)} over {domain(e.domain)}{otherwise})"
+            otherwise = "" if e.otherwise is None else f" otherwise {expression_text(e.otherwise)}"
+            return f"{e.fn}({expression_text(e.value)} over {domain_text(e.domain)}{otherwise})"
         case ir.Case():
-            return f"case {expression(e.subject)} {{ {', '.join(_arm(a) for a in e.arms)} }}"
+            return (
+                f"case {expression_text(e.subject)} {{ {', '.join(_arm_text(a) for a in e.arms)} }}"
+            )
         case ir.Named() | ir.Narrowed():
-            return expression(e.value)
+            return expression_text(e.value)
         case ir.Before():
-            return f"before({expression(e.value)})"
+            return f"before({expression_text(e.value)})"
         case ir.EventTotal():
             return e.name if e.word is None else f"{e.name}[{e.word}]"
         case ir.MatrixClass():
-            return f"{e.name}({expression(e.table)})"
+            return f"{e.name}({expression_text(e.table)})"
         case _:
             assert_never(e)
 
 
-def _arm(arm: ir.Arm) -> str:
+def _arm_text(arm: ir.Arm) -> str:
+    """Returns an arm of a `case`: `1..3: 0.5`, `ripe | rotten: 0`."""
     if arm.words:
         key = " | ".join(arm.words)
     elif arm.low == arm.high:
         key = str(arm.low)
     else:
-        key = f"{'' if arm.low is None else arm.low}..{'' if arm.high is None else arm.high}"
-    return f"{key}: {expression(arm.value)}"
+        low = "" if arm.low is None else arm.low
+        high = "" if arm.high is None else arm.high
+        key = f"{low}..{high}"
+    return f"{key}: {expression_text(arm.value)}"
 
 
-def domain(d: ir.Domain) -> str:
+def domain_text(d: ir.Domain) -> str:
     """Returns a domain in the syntax of the language; a group shows as its kinds."""
     parts = [d.var.sort.name, f"as {d.var.name}"]
     if d.on is not None:
@@ -123,39 +133,44 @@ def domain(d: ir.Domain) -> str:
         case ir.Near():
             parts.append(f"in {d.restriction.shape} of {d.restriction.anchor.name}")
         case ir.InAgents() | ir.InCell():
-            parts.append(f"in {expression(d.restriction.value)}")
+            parts.append(f"in {expression_text(d.restriction.value)}")
         case ir.Among():
             parts.append(f"in {{ {', '.join(m.name for m in d.restriction.members)} }}")
         case None:
             pass
     if d.where is not None:
-        parts.append(f"where {expression(d.where)}")
+        parts.append(f"where {expression_text(d.where)}")
     return " ".join(parts)
 
 
-def game(g: ir.Game, positions: bool = False) -> str:
-    """Returns the whole IR as indented text, one node or value a line; two games are equal if and only if their texts are."""
-    return "\n".join(_lines(g, "game", 0, positions)) + "\n"
+def game_text(g: ir.Game, positions: bool = False) -> str:
+    """Returns the whole IR as indented text, one node or value a line.
+
+    Two games are equal if and only if their texts are.
+    """
+    return "\n".join(_node_lines(g, "game", 0, positions)) + "\n"
 
 
-def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[str]:
+def _node_lines(value: object, label: str, depth: int, positions: bool) -> Iterator[str]:
+    """Yields the lines of a node, or of another value of a field, which `label` names."""
     pad = "  " * depth
     match value:
         case ir.Node() if ir.is_expression(value):
-            yield f"{pad}{label}: {expression(value)}  : {_type(value.type)}{_at(value, positions)}"
+            position = _position_text(value, positions)
+            yield f"{pad}{label}: {expression_text(value)}  : {_type_text(value.type)}{position}"
         case ir.Domain():
-            yield f"{pad}{label}: {domain(value)}{_at(value, positions)}"
+            yield f"{pad}{label}: {domain_text(value)}{_position_text(value, positions)}"
         case ir.Node():
-            yield (
-                f"{pad}{label}"
-                if isinstance(value, ir.Game)
-                else f"{pad}{label}: {type(value).__name__.lower()}{_at(value, positions)}"
-            )
+            if isinstance(value, ir.Game):
+                yield f"{pad}{label}"
+            else:
+                kind = type(value).__name__.lower()
+                yield f"{pad}{label}: {kind}{_position_text(value, positions)}"
             for name in type(value).model_fields:
                 if name != "origin":
-                    yield from _lines(getattr(value, name), name, depth + 1, positions)
+                    yield from _node_lines(getattr(value, name), name, depth + 1, positions)
         case ir.Type():
-            yield f"{pad}{label}: {_type(value)}"
+            yield f"{pad}{label}: {_type_text(value)}"
         case ir.Entry():
             yield f"{pad}{label}: {value.name!r}"
         case ir.Level():
@@ -165,14 +180,15 @@ def _lines(value: object, label: str, depth: int, positions: bool) -> Iterator[s
             yield from (f"{pad}kind: {name!r}" for name in value.names)
         case tuple() if any(isinstance(v, ir.Node) for v in value):
             for index, item in enumerate(value):
-                yield from _lines(item, f"{label}[{index}]", depth, positions)
+                yield from _node_lines(item, f"{label}[{index}]", depth, positions)
         case None | () | "":
             return
         case _:
             yield f"{pad}{label}: {value!r}"
 
 
-def _type(type_: ir.Type) -> str:
+def _type_text(type_: ir.Type) -> str:
+    """Returns a type with all that is known of it: `int count 0 .. 9 by { raw, cut }`."""
     by = "".join(f" by {level}" for level in type_.by)
     match type_.kind:
         case "word" | "mix":
@@ -186,9 +202,8 @@ def _type(type_: ir.Type) -> str:
             return type_.kind + by
 
 
-def _at(node: ir.Node, positions: bool) -> str:
-    return (
-        f"  @{node.origin.file}:{node.origin.line}:{node.origin.column}"
-        if positions and node.origin
-        else ""
-    )
+def _position_text(node: ir.Node, positions: bool) -> str:
+    """Returns where a node is written; "" if it is nowhere, or positions aren't printed."""
+    if not positions or node.origin is None:
+        return ""
+    return f"  @{node.origin.file}:{node.origin.line}:{node.origin.column}"

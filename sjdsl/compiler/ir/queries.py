@@ -1,6 +1,7 @@
 """Queries over a typed game: declarations by name, characters of the map, what the rules contain.
 
-They say what a game declares and where, never what its rules mean: the interpreter may ask them and stays an oracle.
+They say what a game declares and where, never what its rules mean: the interpreter may ask them and
+stays an oracle.
 """
 
 from collections.abc import Callable
@@ -47,8 +48,12 @@ def contains(node: Node, *classes: type[Node] | UnionType) -> bool:
     return any(isinstance(inner, classes) for inner in walk(node))
 
 
-def is_quantified(e: Node) -> bool:
-    """Returns whether an expression is written `any(D)` or `all(D)`, which are comparisons of counts."""
+def is_any_or_all(e: Node) -> bool:
+    """Returns whether an expression is written `any(D)` or `all(D)`.
+
+    Elaboration makes them comparisons of counts, and gives the count the origin of the whole
+    expression. A `count(D) > 0` that an author wrote has a shorter one inside.
+    """
     return (
         isinstance(e, Compare)
         and isinstance(e.left, Count)
@@ -72,7 +77,10 @@ def title_of(game: Game) -> str:
 
 
 def all_fields(game: Game) -> tuple[VarField, ...]:
-    """Returns every declared variable: those of cells, kind by kind, then those of agents, of movers, sort by sort, and of the world."""
+    """Returns every declared variable.
+
+    Those of cells, kind by kind, then those of agents, of movers, sort by sort, and of the world.
+    """
     of_cells = (field for kind in game.kinds for field in kind.fields)
     return (
         *of_cells,
@@ -83,7 +91,10 @@ def all_fields(game: Game) -> tuple[VarField, ...]:
 
 
 def declared_field(game: Game, read: FieldRead, kind: str | None = None) -> VarField:
-    """Returns the declaration of the variable that is read or written. `kind`: which of the kinds it may be of, instead of the first."""
+    """Returns the declaration of the variable that is read or written.
+
+    `kind`: which of the kinds it may be of, instead of the first.
+    """
     names = read.held_by.names[:1] if kind is None else (kind,)
     owner = Sort(read.held_by.what, names)
     return next(f for f in all_fields(game) if (f.held_by, f.name) == (owner, read.name))
@@ -95,7 +106,10 @@ def can_be(read: FieldRead, declared: VarField) -> bool:
 
 
 def written_field(target: Expr) -> FieldRead:
-    """Returns the variable that a `set` or `add` writes: of an entry, the variable it is an entry of."""
+    """Returns the variable that a `set` or `add` writes.
+
+    Of an entry, the variable it is an entry of.
+    """
     while isinstance(target, At):
         target = target.row
     assert isinstance(target, FieldRead), target
@@ -107,14 +121,8 @@ def written_keys(target: Expr) -> tuple[Expr, ...]:
     return (*written_keys(target.row), target.key) if isinstance(target, At) else ()
 
 
-ATTRIBUTES = (
-    "index",
-    "heading",
-    "moved",
-    "away",
-    "row",
-    "col",
-)  # what every agent has of itself: no field has such a name
+# What every agent has of itself: no field has such a name.
+ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
 
 
 def shows_attribute(observable: Observable) -> bool:
@@ -150,12 +158,13 @@ def action_named(game: Game, name: str) -> ActionWithArguments:
 
 
 def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:
-    """Returns what is counted of an event, each with the name it is reported by: `("red", "eaten[red]")`, or `(None, "eaten")`."""
-    return (
-        ((None, event.name),)
-        if event.by is None
-        else tuple((key, f"{event.name}[{key}]") for key in event.by.keys)
-    )
+    """Returns what is counted of an event, each with the name it is reported by.
+
+    `("red", "eaten[red]")`, or `(None, "eaten")`.
+    """
+    if event.by is None:
+        return ((None, event.name),)
+    return tuple((key, f"{event.name}[{key}]") for key in event.by.keys)
 
 
 def phases_of(game: Game) -> tuple[Phase, ...]:
@@ -181,13 +190,14 @@ def glyphs_of(game: Game, kinds: tuple[str, ...]) -> str:
 
 def starts_of(game: Game, meaning: GlyphMeaning) -> dict[str, Start]:
     """Returns the value at the start of each variable of the cells that a character stands for."""
-    return {field.name: field.start for field in kind_named(game, meaning.kind).fields} | dict(
-        meaning.starts
-    )
+    starts: dict[str, Start] = {
+        field.name: field.start for field in kind_named(game, meaning.kind).fields
+    }
+    return starts | dict(meaning.starts)
 
 
 def blocks_always(kind: Kind, what: str = "agents") -> bool:
-    """Returns whether cells of a kind stop agents, or the lanes of the shape `what`, whatever the state."""
+    """Returns whether cells of a kind always stop agents, or the lanes of the shape `what`."""
     return any(block.what == what and block.condition is None for block in kind.blocks)
 
 
@@ -202,13 +212,15 @@ def body_sort(who: Expr) -> Sort:
 
 
 def can_be_away(game: Game, sort: Sort = AGENTS) -> bool:
-    """Returns whether an agent, or a mover of a sort, can be off the map: sent away for some ticks, or removed."""
-    leaving = (
-        node
-        for node in walk(game)
-        if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None)
-    )
-    return any(body_sort(node.who) == sort for node in leaving)
+    """Returns whether an agent, or a mover of a sort, can be off the map.
+
+    Sent away for some ticks, or removed.
+    """
+    for node in walk(game):
+        if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None):
+            if body_sort(node.who) == sort:
+                return True
+    return False
 
 
 def body_sorts(game: Game) -> tuple[Sort, ...]:
@@ -226,48 +238,54 @@ def most_members(domain: Domain, game: Game) -> int:
     """Returns the most members that a domain can have, its condition aside."""
     match domain.var.sort.what:
         case "agent":
-            everybody = game.agents.number
+            population = game.agents.number
         case "mover":
-            everybody = movers_named(game, domain.var.sort.name).number
+            population = movers_named(game, domain.var.sort.name).number
         case "cell":
-            everybody = num_cells(game, domain.var.kinds)
+            population = num_cells(game, domain.var.kinds)
         case "world":
             raise AssertionError(domain)
     if domain.on is not None:
-        everybody = min(everybody, num_cells(game, domain.on.kinds))
-    return at_most(domain, everybody, lambda near: lanes_of(near, game))
+        population = min(population, num_cells(game, domain.on.kinds))
+    return most_restricted(domain, population, lambda near: lanes_of(near, game))
 
 
-def at_most(domain: Domain, everybody: int, lanes: Callable[[Near], Lanes]) -> int:
-    """Returns the most members that a restriction leaves of everybody; `lanes`: those of a shape."""
+def most_restricted(domain: Domain, population: int, lanes: Callable[[Near], Lanes]) -> int:
+    """Returns the most members that a domain can have by its restriction.
+
+    Args:
+      population: how many there are without it.
+      lanes: returns the lanes (paths of cells) of a shape.
+    """
     if cell_under_all(domain) is not None:
-        return min(everybody, 1)
+        return min(population, 1)
     match domain.restriction:
         case Near():
-            return min(everybody, sum(map(len, lanes(domain.restriction))))
+            return min(population, sum(map(len, lanes(domain.restriction))))
         case Among():
-            return min(everybody, len(domain.restriction.members))
+            return min(population, len(domain.restriction.members))
         case InAgents() if domain.restriction.value.type.kind != "agents":
-            return min(everybody, 1)
+            return min(population, 1)
         case InCell():
-            return min(everybody, 1)
+            return min(population, 1)
         case _:
-            return everybody
+            return population
 
 
 def cell_under_all(domain: Domain) -> Member | None:
-    """Returns the cell around on which each member stands, as in `agent on gate` inside `each gate`: so there is one member at most."""
-    parts = (
-        domain.where.args
-        if isinstance(domain.where, Logic) and domain.where.fn == "and"
-        else (domain.where,)
-    )
-    cells = [
-        part.cell
-        for part in parts
-        if isinstance(part, StandsAt) and part.agent.name == domain.var.name
-    ]
-    return next((cell for cell in cells if domain.on is None or cell.name != domain.on.name), None)
+    """Returns the cell, bound around a domain, on which each of its members stands.
+
+    None if none is known. As in `agent on gate` inside `each gate`. So there is one member at most.
+    """
+    condition = domain.where
+    parts: tuple[Expr | None, ...] = (condition,)
+    if isinstance(condition, Logic) and condition.fn == "and":
+        parts = condition.args
+    for part in parts:
+        if isinstance(part, StandsAt) and part.agent.name == domain.var.name:
+            if domain.on is None or part.cell.name != domain.on.name:
+                return part.cell
+    return None
 
 
 def num_cells(game: Game, kinds: tuple[str, ...]) -> int:
@@ -277,7 +295,10 @@ def num_cells(game: Game, kinds: tuple[str, ...]) -> int:
 
 
 def lanes_of(near: Near, game: Game) -> Lanes:
-    """Returns the lanes of the shape in which members are looked for; policies have shapes of their own."""
+    """Returns the lanes of the shape in which members are looked for.
+
+    Policies have shapes of their own.
+    """
     return next(
         shape.lanes for shape in (*game.shapes, *game.policy_shapes) if shape.name == near.shape
     )

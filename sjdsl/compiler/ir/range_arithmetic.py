@@ -1,9 +1,10 @@
 """Ranges of numbers as they are computed, in int32 and float32.
 
-The interval of a type is that of exact numbers. Here every real is rounded: `pot * 0.05` for a pot of 9 is a little more than 0.45.
-One operation on numbers that are given rounds to the nearest float32, and so do the ends of its interval. Where a result is rounded
-again, XLA may do it in another order or once instead of twice, and each end is moved outward by `SLACK`. A real that leaves float32 is
-infinite, and what is computed from infinity may be NaN.
+The interval of a type is that of exact numbers. Here every real is rounded: `pot * 0.05` for a pot
+of 9 is a little more than 0.45. One operation on numbers that are given rounds to the nearest
+float32, and so do the ends of its interval. Where a result is rounded again, XLA may do it in
+another order or once instead of twice, and each end is moved outward by `SLACK`. A real that leaves
+float32 is infinite, and what is computed from infinity may be NaN.
 """
 
 import struct
@@ -22,12 +23,13 @@ SLACK = 2.0**-20  # of a result that is rounded more than once, relative; one ro
 
 @dataclass(frozen=True)
 class Range:
-    """All that a number can be: `low` .. `high`, which may be infinite, and NaN if it isn't `sound`.
+    """All that a number can be, from `low` to `high`, which may be infinite.
 
-    terms: the largest absolute value of what it is a sum of, to which rounding errors are relative. steady: it is no difference of
-    such terms, so that they are relative to itself. given: a number that is given, or a whole one: no more than one rounding in it.
-    sound: it is a number; False if it may be NaN. literal: it is computed from written numbers alone,
-    perhaps before they are rounded to float32.
+    terms: the largest absolute value of what it is a sum of, to which rounding errors are relative.
+    steady: it is no difference of such terms, so that errors are relative to itself.
+    rounded_once: no more than one rounding is in it: it is no result, or whole.
+    sound: it is a number; False if it may be NaN.
+    literal: it is computed from written numbers alone, perhaps before they are rounded to float32.
     """
 
     low: float
@@ -35,7 +37,7 @@ class Range:
     whole: bool = False
     terms: float = 0.0
     steady: bool = True
-    given: bool = True
+    rounded_once: bool = True
     sound: bool = True
     literal: bool = False
 
@@ -44,8 +46,8 @@ class Range:
         return max(abs(self.low), abs(self.high))
 
 
-def real(r: Range) -> Range:
-    """Returns a number as float32."""
+def to_float32(r: Range) -> Range:
+    """Returns the range of a number once it is made a real."""
     if not r.whole:
         return r
     low, high = ends(r.low, r.high)
@@ -53,10 +55,17 @@ def real(r: Range) -> Range:
 
 
 def ends(low: float, high: float) -> tuple[float, float]:
-    """Returns an interval of float32: numbers that are too large are infinite, those that are too small may be taken for 0."""
-    low, high = nearest(low), nearest(high)
-    least = 0.0 if 0 < low < SMALLEST else -SMALLEST if -SMALLEST < low < 0 else low
-    return least, 0.0 if -SMALLEST < high < 0 else SMALLEST if 0 < high < SMALLEST else high
+    """Returns an interval of float32.
+
+    Numbers that are too large are infinite, those that are too small may be taken for 0.
+    """
+    low = nearest(low)
+    high = nearest(high)
+    if abs(low) < SMALLEST:
+        low = -SMALLEST if low < 0 else 0.0
+    if abs(high) < SMALLEST:
+        high = SMALLEST if high > 0 else 0.0
+    return low, high
 
 
 def nearest(x: float) -> float:
@@ -68,38 +77,52 @@ def nearest(x: float) -> float:
     return rounded
 
 
-def anything(whole: bool) -> Range:
-    return (
-        Range(*INT32, whole=True, terms=-INT32[0])
-        if whole
-        else Range(-inf, inf, terms=inf, sound=False)
-    )
+def any_number(whole: bool) -> Range:
+    """Returns the range of a number of which nothing is known."""
+    if whole:
+        return Range(*INT32, whole=True, terms=-INT32[0])
+    return Range(-inf, inf, terms=inf, sound=False)
 
 
-def given(type_: Type) -> Range:
-    """Returns the range of a number that is no result. A counter without a limit goes as far as int32."""
+def range_of_type(type_: Type) -> Range:
+    """Returns the range of a number that is no result.
+
+    A counter without a limit goes as far as int32.
+    """
     if type_.kind == "real":
-        return real(Range(type_.low, type_.high, whole=True))
-    low, high = max(INT32[0], type_.low), min(INT32[1], type_.high)
+        return to_float32(Range(type_.low, type_.high, whole=True))
+    low = max(INT32[0], type_.low)
+    high = min(INT32[1], type_.high)
     return Range(low, high, whole=True, terms=max(abs(low), abs(high)))
 
 
-def whole(low: float, high: float, *parts: Range) -> Range:
-    """Returns the range of a whole number; one that can leave int32 can be anything there, as it wraps."""
-    inside = INT32[0] <= low and high <= INT32[1]
-    literal, sound = all(p.literal for p in parts), all(p.sound for p in parts)
-    return (
-        Range(low, high, whole=True, terms=max(abs(low), abs(high)), literal=literal, sound=sound)
-        if inside
-        else anything(True)
+def whole_range(low: float, high: float, *parts: Range) -> Range:
+    """Returns the range of a whole number.
+
+    One that can leave int32 can be anything there, as it wraps.
+    """
+    if low < INT32[0] or high > INT32[1]:
+        return any_number(True)
+    return Range(
+        low,
+        high,
+        whole=True,
+        terms=max(abs(low), abs(high)),
+        literal=all(part.literal for part in parts),
+        sound=all(part.sound for part in parts),
     )
 
 
-def rounded(r: Range, often: float = 1) -> Range:
-    """Returns a real with the slack of so many more roundings; one that can leave float32 is infinite there."""
-    slack = [often * SLACK * (abs(end) if r.steady else r.terms) for end in (r.low, r.high)]
-    low, high = ends(r.low - slack[0], r.high + slack[1])
-    return replace(r, low=low, high=high, given=False)
+def rounded(r: Range, times: float = 1) -> Range:
+    """Returns the range of a real after so many more roundings.
+
+    An end beyond float32 becomes infinite.
+    """
+    slack = times * SLACK
+    low = r.low - slack * (abs(r.low) if r.steady else r.terms)
+    high = r.high + slack * (abs(r.high) if r.steady else r.terms)
+    low, high = ends(low, high)
+    return replace(r, low=low, high=high, rounded_once=False)
 
 
 def is_finite(r: Range) -> bool:
@@ -111,16 +134,21 @@ def as_compared(ranges: Sequence[Range]) -> list[Range]:
     """Returns the ranges of numbers that are compared: as reals if one of them is one."""
     if all(r.whole for r in ranges):
         return list(ranges)
-    reals = [real(r) for r in ranges]
-    return [rounded(r) for r in reals] if all(r.literal for r in reals) else reals
+    reals = [to_float32(r) for r in ranges]
+    if all(r.literal for r in reals):
+        return [rounded(r) for r in reals]
+    return reals
 
 
 def differ_as_reals(a: Range, b: Range) -> bool:
-    """Returns whether two numbers that a comparison tells apart differ as float32: whole numbers beyond 2^24 may be rounded to one."""
+    """Returns whether two numbers that a comparison tells apart differ as float32.
+
+    Whole numbers beyond 2^24 may be rounded to one.
+    """
     return not (a.whole and b.whole) or max(a.largest, b.largest) <= WHOLE
 
 
 def disjoint(a: Range, b: Range) -> bool:
     """Returns whether two numbers are never equal as float32."""
-    left, right = map(real, as_compared((a, b)))
+    left, right = map(to_float32, as_compared((a, b)))
     return left.high < right.low or right.high < left.low

@@ -1,4 +1,7 @@
-"""The range of every number of a game, whatever the state and the parameters are: the rules are followed down to what is given."""
+"""The range of every number of a game, whatever the state and the parameters are.
+
+The rules are followed down to what is given.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -12,16 +15,16 @@ from sjdsl.compiler.ir.queries import is_number_of_cells
 from sjdsl.compiler.ir.range_arithmetic import (
     FLOAT32,
     Range,
-    anything,
+    any_number,
     as_compared,
     differ_as_reals,
     disjoint,
     ends,
-    given,
     is_finite,
-    real,
+    range_of_type,
     rounded,
-    whole,
+    to_float32,
+    whole_range,
 )
 from sjdsl.compiler.ir.types import without_zero
 
@@ -29,6 +32,7 @@ Limits = Callable[[ir.Expr], tuple[float, float]]
 
 
 def no_limits(_: ir.Expr) -> tuple[float, float]:
+    """Returns that nothing is known of a number from elsewhere."""
     return -inf, inf
 
 
@@ -47,34 +51,36 @@ class FloatRanges(Analysis[Range]):
         match e:
             case ir.Number():
                 written = ir.Type(kind=e.type.kind, low=e.value, high=e.value)
-                return replace(given(written), literal=True)
+                return replace(range_of_type(written), literal=True)
             case ir.ParamRef() if e.type.kind == "real":
                 low = max(e.type.low, -MAX_VALUE)
                 high = min(e.type.high, MAX_VALUE)
-                return given(ir.Type(kind="real", low=low, high=high))
+                return range_of_type(ir.Type(kind="real", low=low, high=high))
             case ir.FieldRead() | ir.Local() if e.type.kind == "real":
                 # added to or computed, so that it may have left float32
-                return replace(given(e.type), sound=False)
+                return replace(range_of_type(e.type), sound=False)
             case _ if is_number_of_cells(e):
-                return given(e.type.model_copy(update={"low": e.type.high}))
+                return range_of_type(e.type.model_copy(update={"low": e.type.high}))
             case ir.EventTotal():
-                return anything(e.type.kind == "int")
+                return any_number(e.type.kind == "int")
             case _ if e.type.kind in ("int", "real"):
-                return given(e.type)
+                return range_of_type(e.type)
             case _:
-                return anything(False)
+                return any_number(False)
 
     def refined(self, e: ir.Expr, result: Range) -> Range:
         low, high = self.limits(e)
         if low <= result.low and result.high <= high:
             return result
         limited = replace(result, low=max(low, result.low), high=min(high, result.high))
-        return replace(limited, terms=limited.largest) if result.given else limited
+        return replace(limited, terms=limited.largest) if result.rounded_once else limited
 
     def inside(self, _domain: ir.Domain) -> "FloatRanges":
+        """Returns the ranges without limits, as other variables are bound there."""
         return FloatRanges()
 
     def before(self) -> "FloatRanges":
+        """Returns the ranges without limits, as these are of another state."""
         return FloatRanges()
 
     def calculated(self, e: ir.Arithmetic, parts: list[Range]) -> Range:
@@ -85,18 +91,21 @@ class FloatRanges(Analysis[Range]):
             return row.range(parts)
         are_counts = all(isinstance(part, ir.Count) for part in e.args)
         if row.share and e.type.unit == "fraction" and are_counts:  # of all, some
-            return Range(0.0, 1.0, terms=1.0, given=False)
-        parts = parts if is_whole else [real(p) for p in parts]
+            return Range(0.0, 1.0, terms=1.0, rounded_once=False)
+        parts = parts if is_whole else [to_float32(p) for p in parts]
         if row.divisor is not None:
-            parts[row.divisor] = divisor = _not_zero(parts[row.divisor], e.args[row.divisor].type)
+            divisor = _not_zero(parts[row.divisor], e.args[row.divisor].type)
+            parts[row.divisor] = divisor
             if divisor.low <= 0 <= divisor.high:
-                return anything(is_whole)
+                return any_number(is_whole)
         low, high = row.interval(*((p.low, p.high) for p in parts))
         if is_whole:
-            return whole(low, high, *parts) if all(p.sound for p in parts) else anything(True)
+            return (
+                whole_range(low, high, *parts) if all(p.sound for p in parts) else any_number(True)
+            )
         if row.rounding is not None:
             return _of_reals(row, low, high, *parts)
-        exact = _exact(low, high, parts)
+        exact = _unrounded(low, high, parts)
         if row.factors:
             return exact
         return replace(exact, terms=min(exact.terms, exact.largest))  # no sum any more
@@ -104,28 +113,29 @@ class FloatRanges(Analysis[Range]):
     def either(self, e: ir.Expr, parts: Sequence[Range]) -> Range:
         """Returns the range of a number that is one of several, all made reals if one is."""
         if e.type.kind != "int":
-            parts = [real(part) for part in parts]
+            parts = [to_float32(part) for part in parts]
         low = min(part.low for part in parts)
         high = max(part.high for part in parts)
-        return _exact(low, high, parts)
+        return _unrounded(low, high, parts)
 
     def entry(self, e: ir.At, row: Range) -> Range:
+        """Returns the range of an entry of a row, or of a mean of its entries."""
         if e.key.type.kind != "mix":
             return row
-        row = real(row)
+        row = to_float32(row)
         return rounded(replace(row, sound=row.sound and is_finite(row)), len(e.key.type.words))
 
     def total(self, r: Range, least: int, most: float) -> Range:
         """Returns the range of a sum of so many numbers of a range, in any order."""
         if most == inf:
-            return anything(r.whole)
-        sums = [number * end for number in (least, most) if number for end in (r.low, r.high)]
-        if not least:
-            sums.append(0.0)
+            return any_number(r.whole)
+        sums: list[float] = []
+        for number in (least, most):
+            sums += [number * r.low, number * r.high] if number else [0.0]
         low = min(sums)
         high = max(sums)
         if r.whole:
-            return whole(low, high, r)
+            return whole_range(low, high, r)
         one_sign = r.low >= 0 or r.high <= 0
         sound = r.sound and (one_sign or most * r.largest <= FLOAT32)  # no infinity minus infinity
         summed = Range(low, high, terms=most * r.terms, steady=r.steady and one_sign, sound=sound)
@@ -133,14 +143,18 @@ class FloatRanges(Analysis[Range]):
 
     def most(self, e: ir.Sum) -> float:
         """Returns how many numbers are added at most, by the intervals in the types."""
-        one, all_ = (max(abs(t.low), abs(t.high)) for t in (e.value.type, e.type))
-        if one in (0, inf) and all_ != 0:
+        one = max(abs(e.value.type.low), abs(e.value.type.high))
+        total = max(abs(e.type.low), abs(e.type.high))
+        if one in (0, inf) and total != 0:
             return inf
-        return all_ / one if one else 1.0
+        return total / one if one else 1.0
 
 
 def range_of(e: ir.Expr, limits: Limits = no_limits) -> Range:
-    """Returns what a number, or an entry of a row of numbers, can be; for `limits` see FloatRanges."""
+    """Returns what a number, or an entry of a row of numbers, can be.
+
+    For `limits` see FloatRanges.
+    """
     return fold(e, FloatRanges(limits))
 
 
@@ -161,19 +175,26 @@ def stays_in_float32(e: ir.Expr, added: float = 1) -> bool:
 
 
 def apart(a: ir.Expr, b: ir.Expr, known: bool = False) -> bool:
-    """Returns whether two numbers are never equal as float32, by their ranges. `known`: a comparison tells them apart."""
-    one, other = range_of(a), range_of(b)
-    return disjoint(one, other) or (known and differ_as_reals(one, other))
+    """Returns whether two numbers are never equal as float32, by their ranges.
+
+    `known`: a comparison tells them apart.
+    """
+    a_range = range_of(a)
+    b_range = range_of(b)
+    return disjoint(a_range, b_range) or (known and differ_as_reals(a_range, b_range))
 
 
-def _exact(low: float, high: float, parts: Sequence[Range]) -> Range:
-    """Returns the range of a number that is one of some, or the negative of one: nothing is rounded."""
-    steady, given_, sound, literal = (
-        all(flags)
-        for flags in zip(*((p.steady, p.given, p.sound, p.literal) for p in parts), strict=True)
-    )
+def _unrounded(low: float, high: float, parts: Sequence[Range]) -> Range:
+    """Returns the range of a number that is one of the parts or its negative: none is rounded."""
     return Range(
-        low, high, parts[0].whole, max(p.terms for p in parts), steady, given_, sound, literal
+        low,
+        high,
+        parts[0].whole,
+        terms=max(part.terms for part in parts),
+        steady=all(part.steady for part in parts),
+        rounded_once=all(part.rounded_once for part in parts),
+        sound=all(part.sound for part in parts),
+        literal=all(part.literal for part in parts),
     )
 
 
@@ -181,18 +202,23 @@ def _not_zero(divisor: Range, type_: ir.Type) -> Range:
     """Returns the range of a divisor, which is not 0: a whole number begins or ends beside it."""
     if type_.kind != "int":
         return divisor
-    left = without_zero(type_)
-    low, high = max(divisor.low, left.low), min(divisor.high, left.high)
-    return replace(divisor, low=low, high=high) if low <= high else anything(divisor.whole)
+    other_than_zero = without_zero(type_)
+    low = max(divisor.low, other_than_zero.low)
+    high = min(divisor.high, other_than_zero.high)
+    return replace(divisor, low=low, high=high) if low <= high else any_number(divisor.whole)
 
 
 def _of_reals(row: Calculation, low: float, high: float, a: Range, b: Range) -> Range:
-    """Returns the range of what is calculated from two reals in float32, and is exactly in `low` .. `high`."""
+    """Returns the range of what is calculated from two reals in float32.
+
+    Args:
+      low, high: the ends of its interval as an exact number.
+    """
     assert row.rounding is not None
     terms, steady, once = row.rounding(a, b)
     finite = is_finite(a) and is_finite(b)
     if isnan(low) or isnan(high):  # the sum of infinite ends
-        return anything(False)
+        return any_number(False)
     literal = a.literal and b.literal
     r = Range(
         low,
@@ -202,7 +228,8 @@ def _of_reals(row: Calculation, low: float, high: float, a: Range, b: Range) -> 
         sound=a.sound and b.sound and finite,
         literal=literal,
     )
-    if not (once and a.given and b.given and not literal) or max(abs(low), abs(high)) > FLOAT32:
+    is_rounded_once = once and a.rounded_once and b.rounded_once and not literal
+    if not is_rounded_once or max(abs(low), abs(high)) > FLOAT32:
         return rounded(r)
     low, high = ends(low, high)
-    return replace(r, low=low, high=high, given=False)
+    return replace(r, low=low, high=high, rounded_once=False)

@@ -8,7 +8,8 @@ from sjdsl.compiler.diagnostics.frozen import Record
 class Sort(Record):
     """What a thing is: an agent, a mover, a cell, or the world, of which there is one.
 
-    names: the name of the movers, or the kinds that the cell may be of; none of agents and the world.
+    names: the name of the movers, or the kinds that the cell may be of; none of agents and the
+    world.
     """
 
     what: Literal["agent", "mover", "cell", "world"]
@@ -16,7 +17,10 @@ class Sort(Record):
 
     @property
     def name(self) -> str:
-        """The word for one of the sort: `agent`, `world`, the name of the movers or of the one kind of cell."""
+        """The word for one of the sort.
+
+        `agent`, `world`, the name of the movers or of the one kind of cell.
+        """
         return " | ".join(self.names) or self.what
 
     @property
@@ -35,7 +39,9 @@ AGENTS = Sort("agent")
 
 
 class Level(Record):
-    """What the entries of a row are told apart by: the words of a set, the whole numbers of a range, or the agents.
+    """What the entries of a row are told apart by.
+
+    The words of a set, the whole numbers of a range, or the agents.
 
     names: of the entries, in order: `raw`, `cut`; `-1`, `0`, `1`; `agent 0`, `agent 1`.
     """
@@ -66,7 +72,10 @@ class Level(Record):
         return self.first + len(self) - 1
 
     def place_of(self, key: str | int) -> int:
-        """Returns the place of an entry, from 0. `key`: the name of the entry, a number of the range, or the number of an agent."""
+        """Returns the place of an entry, from 0.
+
+        `key`: the name of the entry, a number of the range, or the number of an agent.
+        """
         return self.names.index(key) if isinstance(key, str) else int(key) - self.first
 
     def __str__(self) -> str:

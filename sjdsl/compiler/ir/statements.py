@@ -7,14 +7,19 @@ from sjdsl.compiler.ir.node import INSTANCE, CourseNode, Node, Statement, Type
 from sjdsl.compiler.ir.sorts import Level
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
-    Stmt: TypeAlias = "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | Send | Shift | Remove | Move | Mark | End"
+    Stmt: TypeAlias = (
+        "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | "
+        "Send | Shift | Remove | Move | Mark | End"
+    )
     Course: TypeAlias = "Wander | Along"
 else:
     Stmt = Annotated[Statement, INSTANCE]
     Course = Annotated[CourseNode, INSTANCE]
 
 
-RETURN = 0x52455455  # the streams of those who return from being away differ from those of their `Send` by this
+# By this the streams of those who return from being away differ from those of their `Send`:
+# "RETU" in ASCII.
+RETURN = 0x52455455
 
 
 class Let(Statement):
@@ -23,9 +28,13 @@ class Let(Statement):
 
 
 class Draw(Statement):
-    """Exactly one source: `low` .. `high` (ends included), or `words`, with `weights` unless they are fair, or `numbers` with weights.
+    """Draws from one source.
 
-    by: the entries of the row that is drawn, each by itself; None: one value. different: no two of them are equal.
+    From `low` to `high` (ends included), or from `words`, with `weights` unless they are fair, or
+    from `numbers` with weights.
+
+    by: the entries of the row that is drawn, each by itself; None: one value.
+    different: no two of them are equal.
     """
 
     name: str
@@ -46,7 +55,10 @@ class Each(Statement):
 
 
 class Pick(Statement):
-    """`most`: the largest value `number` can have, as written; it fixes how many words of the stream an instance owns."""
+    """`most`: the largest value `number` can have, as written.
+
+    It fixes how many words of the stream an instance owns.
+    """
 
     number: Expr
     most: int
@@ -81,7 +93,10 @@ class When(Statement):
 
 
 class Chance(Statement):
-    """One draw per instance; branch k has its condition's probability given that none before it came."""
+    """One draw per instance.
+
+    Branch k has its condition's probability given that none before it came.
+    """
 
     branches: tuple["Branch", ...]
     otherwise: tuple[Stmt, ...] = ()
@@ -96,7 +111,9 @@ class Branch(Node):
 
 
 class Set(Statement):
-    """`target` is a FieldRead, or an At of one; a whole row is set if the target is a row and the value is not.
+    """`target` is a FieldRead, or an At of one.
+
+    A whole row is set if the target is a row and the value is not.
 
     `lot`: of all that write one target one does, drawn on this stream; None: all write the same.
     """
@@ -114,7 +131,10 @@ class Add(Statement):
 
 
 class Give(Statement):
-    """`receiver`: an agent (Member or agent-typed), a set of agents, None for all; `but`: all but this one."""
+    """`receiver`: an agent (Member or agent-typed), a set of agents, None for all.
+
+    `but`: all but this one.
+    """
 
     value: Expr
     receiver: Expr | None
@@ -122,7 +142,9 @@ class Give(Statement):
 
 
 class Tally(Statement):
-    """Counts `amount` (1 unless `by`) of an event for an agent, each agent of a set, or the game (`receiver` None).
+    """Counts an event, `amount` times (1 unless `by`).
+
+    For an agent, each agent of a set, or the game (`receiver` None).
 
     `word`: the entry of a `by` event.
     """
@@ -134,7 +156,10 @@ class Tally(Statement):
 
 
 class Send(Statement):
-    """To a free cell of `domain`, at once or after n ticks. All sends of one phase use with one `pool` share one order."""
+    """To a free cell of `domain`, at once or after n ticks.
+
+    All sends of one phase use with one `pool` share one order.
+    """
 
     who: Expr
     domain: Domain
@@ -147,9 +172,12 @@ class Send(Statement):
 
 
 class Shift(Statement):
-    """To one cell: `to`, or the one so many `steps` away if the way is free. All shifts of one phase are settled together.
+    """To one cell: `to`, or the one so many `steps` away if the way is free.
 
-    The way: in the direction of the word `heading`, or toward the agent or cell `other`, turned by so many `quarters` to the right.
+    All shifts of one phase are settled together.
+
+    The way: in the direction of the word `heading`, or toward the agent or cell `other`, turned by
+    so many `quarters` to the right.
     """
 
     who: Expr
@@ -178,7 +206,8 @@ class Move(Statement):
 class Wander(CourseNode):
     """To one of the neighbouring cells that are open and free, by lot; it stays if there is none.
 
-    `goal`: only those nearer to its nearest member, or (`away`) those farther from it. `avoided`: cells, or whose cells, are not open.
+    `goal`: only those nearer to its nearest member, or (`away`) those farther from it. `avoided`:
+    cells, or whose cells, are not open.
     """
 
     goal: Domain | None = None

@@ -4,7 +4,8 @@ from math import inf
 
 from sjdsl.compiler import ir
 
-SLACK = 1e-5  # by how much reals may pass the ends of their intervals, relative: the interpreter allows as much
+# By how much reals may pass the ends of their intervals, relative: the interpreter allows as much.
+SLACK = 1e-5
 INTEGER_UNITS = ("count", "steps", "cells")
 UNIT_LIMITS = {
     "count": (0, inf),
@@ -38,6 +39,7 @@ def element(row: ir.Type) -> ir.Type:
 
 
 def is_number(type_: ir.Type) -> bool:
+    """Returns whether values are single numbers."""
     return type_.kind in ("int", "real") and not type_.by
 
 
@@ -48,11 +50,9 @@ def describe(type_: ir.Type) -> str:
         return f"a row of {entries} by {type_.by[0]}"
     match type_.kind:
         case "word":
-            return (
-                f"a word of {{ {', '.join(type_.words)} }}"
-                if len(type_.words) > 1
-                else f"the word `{type_.words[0]}`"
-            )
+            if len(type_.words) == 1:
+                return f"the word `{type_.words[0]}`"
+            return f"a word of {{ {', '.join(type_.words)} }}"
         case "int" | "real":
             plural = "counts" if type_.unit == "count" else type_.unit
             return f"a number of {plural}" if type_.unit in INTEGER_UNITS else f"a {type_.unit}"
@@ -68,7 +68,10 @@ def describe(type_: ir.Type) -> str:
 
 
 def join_units(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
-    """Returns the unit two numbers share when added or compared; a bare number takes the other's. None: they do not mix."""
+    """Returns the unit two numbers share when added or compared; a bare number takes the other's.
+
+    None: they do not mix.
+    """
     if left == right or right == "number":
         return left
     if left == "number":
@@ -77,7 +80,10 @@ def join_units(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
 
 
 def times_unit(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
-    """Returns the unit of a product: a number or a count scales anything; shares scale rewards and chances."""
+    """Returns the unit of a product: a number or a count scales anything.
+
+    Shares scale rewards and chances.
+    """
     if "number" in (left, right):
         return right if left == "number" else left
     for a, b in ((left, right), (right, left)):
@@ -91,7 +97,10 @@ def times_unit(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
 
 
 def over_unit(left: ir.Unit, right: ir.Unit) -> ir.Unit | None:
-    """Returns the unit of a quotient: like over like is a bare number, anything over a number or a count keeps its unit."""
+    """Returns the unit of a quotient.
+
+    Like over like is a bare number, anything over a number or a count keeps its unit.
+    """
     if left == right and right != "number":
         return "number"
     if right in ("number", "count"):
@@ -105,10 +114,14 @@ def hull(types: list[ir.Type]) -> tuple[float, float]:
 
 
 def without_zero(divisor: ir.Type) -> ir.Type:
-    """Returns the type of a divisor that is known not to be 0: a whole number that begins or ends there begins or ends beside it."""
+    """Returns the type of a divisor that is known not to be 0.
+
+    A whole number that begins or ends there begins or ends beside it.
+    """
     if divisor.kind != "int":
         return divisor
-    low, high = divisor.low + (divisor.low == 0), divisor.high - (divisor.high == 0)
+    low = 1 if divisor.low == 0 else divisor.low
+    high = -1 if divisor.high == 0 else divisor.high
     return divisor.model_copy(update={"low": low, "high": high}) if low <= high else divisor
 
 

@@ -19,7 +19,9 @@ TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 
 @dataclass(frozen=True)
 class Evaluation(Analysis[Any]):
-    """Folds expressions to values: words to texts, agents to numbers, nobody to None, rows to tuples.
+    """Folds expressions to values.
+
+    Words to texts, agents to numbers, nobody to None, rows to tuples.
 
     read: returns the value of a parameter or a field. Raises UnknownValue.
     computes_reals: if not, what is computed of reals isn't known: play may round it otherwise.

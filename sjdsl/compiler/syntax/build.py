@@ -55,13 +55,13 @@ def _inner_first(root: Tree[Token]) -> list[Tree[Token]]:
 
     It may be too deep for recursion.
     """
-    found = []
+    outer_first = []
     waiting = [root]
     while waiting:
         tree = waiting.pop()
-        found.append(tree)
+        outer_first.append(tree)
         waiting += [child for child in tree.children if isinstance(child, Tree)]
-    return found[::-1]
+    return outer_first[::-1]
 
 
 def _levels(tree: Tree[Token]) -> int:
@@ -85,13 +85,16 @@ def _node(tree: Tree[Token], children: list[Any], source: Source) -> Any:
 
 
 def _leaf(token: Token, source: Source) -> ast.Name | ast.String | str:
+    """Returns the part of a node that a token is: a text, a name, or the token as written."""
     text = str(token)
     if token.type in AS_WRITTEN:
         return text
-    start, end = token.start_pos or 0, token.end_pos or 0
-    span = Span(source.name, start, end, token.line or 0, token.column or 0)
+    span = Span(
+        source.name, token.start_pos or 0, token.end_pos or 0, token.line or 0, token.column or 0
+    )
     return ast.String(span, unquote(text)) if token.type == "STRING" else ast.Name(span, text)
 
 
 def _start(tree: Tree[Token], source: Source) -> Span:
+    """Returns the empty span where a tree begins."""
     return source.span(tree.meta.start_pos, tree.meta.start_pos)

@@ -35,27 +35,29 @@ from sjdsl.compiler.syntax.tokens import Scan, scan
 
 HERE = Path(__file__).parent
 VERSION = "1"  # of the language
-FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)  # that is no comment
+# The first line that isn't empty and no comment.
+FIRST_LINE = re.compile(r"^[ \t\r\f\ufeff]*([^\s#].*)$", re.MULTILINE)
 
 
 def parse(source: Source) -> ast.File:
     """Returns the tree of one `.sj` text. Raises CompileError with every syntax error it has."""
-    result = _parsed(source)
+    result = _parse_once(source)
     if isinstance(result, ast.File):
         return result
     raise CompileError(result)
 
 
 @lru_cache(maxsize=16)  # a game is parsed once, however many of its variants are looked at
-def _parsed(source: Source) -> ast.File | tuple[Diagnostic, ...]:
+def _parse_once(source: Source) -> ast.File | tuple[Diagnostic, ...]:
     """Returns the tree of a text, or its syntax errors."""
     try:
-        return _file(source)
+        return _parse(source)
     except CompileError as error:
         return error.diagnostics
 
 
-def _file(source: Source) -> ast.File:
+def _parse(source: Source) -> ast.File:
+    """Returns the tree of a text. Raises CompileError."""
     problems = check_text(source)
     if problems:
         raise CompileError(problems)
@@ -118,8 +120,8 @@ def _check_version(source: Source) -> Diagnostic | None:
     """Returns what is wrong with the version line; None if it is there and for this language."""
     first = FIRST_LINE.search(source.text)
     if first is None:
-        but = ": it holds only comments" if "#" in source.text else ": it is empty"
-        return errors.NoVersion(source.span(0, 0), known=VERSION, but=but)
+        content = ": it holds only comments" if "#" in source.text else ": it is empty"
+        return errors.NoVersion(source.span(0, 0), known=VERSION, but=content)
     line = first.group(1)
     start = first.start(1)
     number = re.match(r"sj\s+([0-9][0-9._]*)", line)
@@ -154,8 +156,9 @@ def _skip_to_game(scanned: Scan) -> bool:
 class Search:
     """The errors found so far.
 
-    quiet: errors before this token may follow from the one before. owed: how many braces too many
-    (or too few) the repairs have put in; errors that give them back follow from those.
+    quiet: errors before this token may follow from the one before, and aren't reported.
+    owed: how many braces too many (below 0: too few) the repairs have put in. An error whose repair
+    takes one of these back follows from them.
     """
 
     problems: dict[tuple[int, object], Diagnostic] = field(default_factory=dict)
@@ -204,7 +207,7 @@ def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
 
 def _report(search: Search, trouble: Trouble, repair: Repair | None, scanned: Scan) -> None:
     """Adds an error, unless it follows from one before."""
-    change = 0
+    change = 0  # of the number of open braces
     follows = False
     if repair is not None:
         change = _change_of_braces(repair, trouble.kinds)
@@ -250,7 +253,7 @@ def closing_braces(kinds: Sequence[str]) -> list[int]:
     """Returns for each token how many more `}` than `{` there are from it to the end."""
     counts = [0]
     for kind in reversed(kinds):
-        counts.append(counts[-1] + (kind == "RBRACE") - (kind == "LBRACE"))
+        counts.append(counts[-1] + {"RBRACE": 1, "LBRACE": -1}.get(kind, 0))
     return counts[::-1]
 
 

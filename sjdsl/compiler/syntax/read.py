@@ -96,7 +96,7 @@ def _leads_outside(name: str, span: Span, folders: Sequence[Path]) -> Diagnostic
     """
     path = folders[0] / name
     target = path.resolve()
-    path.exists()
+    path.exists()  # raises OSError for a name that is too long
     if any(target.is_relative_to(folder) for folder in folders):
         return None
     parts = Path(name).parts

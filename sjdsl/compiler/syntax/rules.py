@@ -36,9 +36,9 @@ def unquote(text: str) -> str:
 
 
 def split(items: tuple[Any, ...]) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """Returns the plain children of a rule, and its clauses by name."""
-    plain = tuple(i for i in items if not isinstance(i, Part))
-    return plain, {i.rule: i.content for i in items if isinstance(i, Part)}
+    """Returns the plain children of a rule, and the contents of its clauses by name."""
+    plain = tuple(item for item in items if not isinstance(item, Part))
+    return plain, {item.rule: item.content for item in items if isinstance(item, Part)}
 
 
 def node(kind: type[Node], *same: str, **other: str) -> Build:
@@ -53,17 +53,11 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
     declared = [field for field in fields(kind)[1:] if field.name not in clauses]
     names = [field.name for field in declared]
     number = len(declared)
-    is_list = bool(declared) and str(declared[-1].type).startswith("tuple[")
-    if not clauses and is_list:
-        return lambda span, *items: make(span, *items[: number - 1], items[number - 1 :])
-    if not clauses and any("None" in str(field.type) for field in declared):
-        return lambda span, *items: make(span, *items, *[None] * (number - len(items)))
-    if not clauses:
-        return make
+    takes_rest = bool(declared) and str(declared[-1].type).startswith("tuple[")
 
     def build(span: Span, *items: Any) -> Node:
         plain, contents = split(items)
-        if is_list:
+        if takes_rest:
             plain = (*plain[: number - 1], plain[number - 1 :])
         values = dict(zip_longest(names, plain))
         for name, clause in clauses.items():
@@ -72,6 +66,9 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
         return built
 
     return build
+
+
+# A function with the name of a rule of the grammar builds its node from the rule's children.
 
 
 def constant(span: Span, *items: Any) -> ast.Constant:
@@ -168,16 +165,22 @@ def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
 
 def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
     """Returns a chain of operators: `a + b - c` becomes `(a + b) - c`."""
-    for op, right in zip(rest[:-2:2], rest[1:-2:2], strict=True):
+    *inner, last_op, last = rest
+    for op, right in zip(inner[::2], inner[1::2], strict=True):
         left = ast.Binary(replace(span, end=right.span.end), op, left, right)
-    return ast.Binary(span, rest[-2], left, rest[-1])
+    return ast.Binary(span, last_op, left, last)
 
 
 def binary(op: str) -> Build:
     """Returns what builds a chain of one operator, which is no child of the rule."""
-    return lambda span, first, *rest: chain(
-        span, first, *(item for right in rest for item in (op, right))
-    )
+
+    def build(span: Span, first: ast.Expr, *rest: ast.Expr) -> ast.Expr:
+        operators_and_operands: list[Any] = []
+        for operand in rest:
+            operators_and_operands += [op, operand]
+        return chain(span, first, *operators_and_operands)
+
+    return build
 
 
 def entry(span: Span, key: tuple[Any, ...], value: Any) -> ast.Entry:
@@ -189,17 +192,19 @@ def entry(span: Span, key: tuple[Any, ...], value: Any) -> ast.Entry:
 
 
 def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
+    """Returns an arm of a `case`: for an enum value, a number, a range, or `otherwise`."""
+    otherwise = ast.Arm(span, low=None, high=None, open=False, word=None, value=value)
     match key:
         case ("otherwise",):
-            return ast.Arm(span, None, None, False, None, value)
+            return otherwise
         case (ast.Name() as word,):
-            return ast.Arm(span, None, None, False, word, value)
+            return replace(otherwise, word=word)
         case (low,):
-            return ast.Arm(span, int(low), int(low), False, None, value)
+            return replace(otherwise, low=int(low), high=int(low))
         case (low, ".."):
-            return ast.Arm(span, int(low), None, True, None, value)
+            return replace(otherwise, low=int(low), open=True)
         case (low, "..", high):
-            return ast.Arm(span, int(low), int(high), False, None, value)
+            return replace(otherwise, low=int(low), high=int(high))
     raise AssertionError(key)
 
 

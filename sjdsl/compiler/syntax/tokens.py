@@ -53,7 +53,7 @@ def scan(source: Source, parser: Lark) -> Scan:
         try:
             for token in thread.lex(None):
                 result.tokens.append(token)
-                reading = _is_within_limits(result, token)
+                reading = _check_limits(result, token)
                 if not reading:
                     break
             else:
@@ -77,10 +77,10 @@ def is_too_large(digits: str) -> bool:
     return len(digits) >= LONG and (len(digits.lstrip("0")) > LONG or int(digits) > MAX_INTEGER)
 
 
-def _is_within_limits(result: Scan, token: Token) -> bool:
-    """Returns whether reading may go on: tokens are neither too many nor too deeply nested.
+def _check_limits(result: Scan, token: Token) -> bool:
+    """Reports a number too large, tokens too many or nested too deeply.
 
-    Reports if not, and numbers too large.
+    Returns whether reading may go on: not after the latter two.
     """
 
     def span() -> Span:  # counts lines, so it is computed for mistakes alone

@@ -80,10 +80,11 @@ def _refused_span(trouble: Trouble, tokens: Sequence[Token], source: Source) -> 
     """Returns the span of the refused token; at the end of the file, the place after the last."""
     if trouble.at < len(tokens):
         return token_span(tokens[trouble.at], source)
-    return _behind(tokens[-1], source) if tokens else source.span(0, 0)
+    return _place_behind(tokens[-1], source) if tokens else source.span(0, 0)
 
 
-def _behind(token: Token, source: Source) -> Span:
+def _place_behind(token: Token, source: Source) -> Span:
+    """Returns the empty span where a token ends."""
     return source.span(token.end_pos or 0, token.end_pos or 0)
 
 
@@ -91,7 +92,7 @@ def _open_block(
     trouble: Trouble, repair: Repair, tokens: Sequence[Token], source: Source
 ) -> Diagnostic:
     """Returns the diagnostic of a `{` without its `}`, with the likely place of that."""
-    opener, closer = _suspect(tokens[: trouble.at], source)
+    opener, closer = _find_unclosed(tokens[: trouble.at], source)
     if opener is None:
         opener = open_braces(trouble.automaton, trouble.stack)[0]
     help_ = "write `}` where it ends"
@@ -99,9 +100,9 @@ def _open_block(
         help_ = f"{help_}; {repair.times} are missing in all"
     label: Label | None = None
     fix: Fix | None = None
-    left = _left_of(opener, tokens[: trouble.at + 1], source)
-    if left is not None and left != closer:
-        gap = _behind(tokens[left - 1], source)
+    outdented = _find_outdented(opener, tokens[: trouble.at + 1], source)
+    if outdented is not None and outdented != closer:
+        gap = _place_behind(tokens[outdented - 1], source)
         label = Label(gap, "`}` seems to be missing here")
         fix = Fix(gap, " }" * repair.times)
     elif closer is not None:
@@ -110,9 +111,9 @@ def _open_block(
     elif trouble.at < len(tokens):
         span = _refused_span(trouble, tokens, source)
         label = Label(span, f"`{tokens[trouble.at]}` cannot stand inside it")
-        fix = Fix(_behind(tokens[trouble.at - 1], source), " }" * repair.times)
+        fix = Fix(_place_behind(tokens[trouble.at - 1], source), " }" * repair.times)
     else:
-        fix = Fix(_behind(tokens[-1], source), "\n}" * repair.times)
+        fix = Fix(_place_behind(tokens[-1], source), "\n}" * repair.times)
     labels = () if label is None else (label,)
     return errors.OpenBlock(token_span(tokens[opener], source), help=help_, labels=labels, fix=fix)
 
@@ -125,7 +126,7 @@ def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> 
     return _indent(tokens[trouble.at], source) <= _indent(tokens[opened[0]], source)
 
 
-def _suspect(tokens: Sequence[Token], source: Source) -> tuple[int | None, int | None]:
+def _find_unclosed(tokens: Sequence[Token], source: Source) -> tuple[int | None, int | None]:
     """Returns the `{` that is probably not closed, and the `}` that was taken for its own.
 
     That `}` begins a line further left than the `{`. Blocks around it then end too far left as
@@ -148,7 +149,7 @@ def _suspect(tokens: Sequence[Token], source: Source) -> tuple[int | None, int |
     return opener, closer
 
 
-def _left_of(opener: int, tokens: Sequence[Token], source: Source) -> int | None:
+def _find_outdented(opener: int, tokens: Sequence[Token], source: Source) -> int | None:
     """Returns the first token after a `{` that begins a line no further right than its line.
 
     None if that is a `}` just below.
@@ -162,7 +163,7 @@ def _left_of(opener: int, tokens: Sequence[Token], source: Source) -> int | None
     return None
 
 
-def _surplus(tokens: Sequence[Token], source: Source) -> int | None:
+def _find_surplus(tokens: Sequence[Token], source: Source) -> int | None:
     """Returns the first `}` that is probably one too many: the next line is inside its block."""
     opened: list[int] = []
     for number, (token, after) in enumerate(pairwise(tokens)):
@@ -170,20 +171,22 @@ def _surplus(tokens: Sequence[Token], source: Source) -> int | None:
             opened.append(number)
         elif token.type == "RBRACE" and opened:
             outside = _indent(tokens[opened.pop()], source)
-            inside = _indent(after, source) - outside
-            is_inside = inside > 0 or (inside == 0 and after.type == "RBRACE")
+            further = _indent(after, source) - outside
+            is_inside = further > 0 or (further == 0 and after.type == "RBRACE")
             if is_inside and _begins_line(after, source):
                 return number
     return None
 
 
 def _indent(token: Token, source: Source) -> int:
+    """Returns by how many columns the line of a token is indented; a tab counts as up to 4."""
     start = source.text.rfind("\n", 0, token.start_pos or 0) + 1
     line = source.text[start : token.end_pos].expandtabs(4)
     return len(line) - len(line.lstrip())
 
 
 def _begins_line(token: Token, source: Source) -> bool:
+    """Returns whether only spaces stand before a token in its line."""
     start = source.text.rfind("\n", 0, token.start_pos or 0) + 1
     return not source.text[start : token.start_pos].strip()
 
@@ -191,6 +194,7 @@ def _begins_line(token: Token, source: Source) -> bool:
 def _unexpected(
     trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
 ) -> Diagnostic:
+    """Returns the diagnostic of a token that can't stand where it does."""
     span = _refused_span(trouble, tokens, source)
     kinds = accepted(trouble.automaton, trouble.stack)
     expected = expected_text(trouble, kinds)
@@ -200,7 +204,7 @@ def _unexpected(
     if not hint:
         writable = can_be_written(trouble.automaton, kinds)
         hint, _ = slip(trouble.texts[trouble.at], writable)
-    help_ = hint or _help(trouble, kinds)
+    help_ = hint or _help_text(trouble, kinds)
     if repair is not None and repair.alone:
         word = trouble.automaton.words.get(repair.kind, "")
         is_sign = bool(word) and not word.isalpha()
@@ -215,7 +219,7 @@ def _unexpected(
             case "insert" if is_sign:
                 expected = f"`{word}`"
                 space = "" if word in ")],:." else " "
-                fix = Fix(_behind(tokens[trouble.at - 1], source), space + word)
+                fix = Fix(_place_behind(tokens[trouble.at - 1], source), space + word)
             case "insert" if word:
                 help_ = help_ or f"write `{word}` before it"
                 fix = Fix(source.span(span.start, span.start), f"{word} ")
@@ -225,10 +229,10 @@ def _unexpected(
                 labels = (_one_too_many(tokens[trouble.at - 1], source),)
         if hint and repair.sort != "near":
             fix = None  # the hint is about another change
-    surplus = _surplus(tokens[: trouble.at + 1], source) if trouble.unmatched < 0 else None
+    surplus = _find_surplus(tokens[: trouble.at + 1], source) if trouble.unmatched < 0 else None
     if surplus is not None:
         labels = (_one_too_many(tokens[surplus], source),)
-    labels = labels or _context(trouble, repair, tokens, source)
+    labels = labels or _context_labels(trouble, repair, tokens, source)
     actual = "end of the file"
     if trouble.at < len(tokens):
         text = trouble.texts[trouble.at]
@@ -242,7 +246,7 @@ def _one_too_many(brace: Token, source: Source) -> Label:
     return Label(token_span(brace, source), "is this `}` one too many?")
 
 
-def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
+def _help_text(trouble: Trouble, kinds: Sequence[str]) -> str:
     """Returns what may have been meant, whatever the repair: another place, a near keyword."""
     kind = trouble.kinds[trouble.at]
     for group, other, help_ in MISPLACED:
@@ -257,7 +261,7 @@ def _help(trouble: Trouble, kinds: Sequence[str]) -> str:
     return f"did you mean {either(near)}?"
 
 
-def _context(
+def _context_labels(
     trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
 ) -> tuple[Label, ...]:
     """Returns a label for an open bracket, or for the end of a line where something is missing."""

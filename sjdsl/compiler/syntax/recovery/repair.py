@@ -33,7 +33,7 @@ STATEMENTS = frozenset((
 SECTIONS = frozenset((
     "CITE", "ABOUT", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS",
     "SHAPE", "DEFINE", "SCHEDULE", "PHASE", "OBSERVE", "LOOK", "METRICS", "CHECKS", "POLICY",
-    "SCENARIO", "MOVERS", "VARIANT",
+    "SCENARIO", "MOVERS", "VARIANT", "TASK",
 ))  # fmt: skip
 ENTRIES = frozenset((
     "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN",
@@ -99,6 +99,7 @@ class Repair(Record):
 
     @property
     def is_sure(self) -> bool:
+        """Whether later errors can't follow from it: a word is only read as another."""
         return self.sort in ("near", "name")
 
 
@@ -158,11 +159,11 @@ def _changes_here(trouble: Trouble) -> Iterator[Repair]:
     at = trouble.at
     kinds = accepted(automaton, stack)
     for kind in near_keywords(trouble, at, kinds):
-        yield Repair("near", at, _read(automaton, stack, kind), at + 1, kind)
+        yield Repair("near", at, _read_accepted(automaton, stack, kind), at + 1, kind)
     if automaton.words.get(trouble.kinds[at], "").isalpha() and "NAME" in kinds:
-        yield Repair("name", at, _read(automaton, stack, "NAME"), at + 1, "NAME")
+        yield Repair("name", at, _read_accepted(automaton, stack, "NAME"), at + 1, "NAME")
     for kind in kinds:
-        after = _read(automaton, stack, kind)
+        after = _read_accepted(automaton, stack, kind)
         if kind != END:
             yield Repair("insert", at, after, at, kind)
         if trouble.kinds[at] != END:
@@ -177,20 +178,23 @@ def _changes_before(trouble: Trouble, before: Stack) -> Iterator[Repair]:
     place = trouble.at - 1
     kinds = accepted(automaton, before)
     for kind in near_keywords(trouble, place, kinds):
-        yield Repair("near", place, _read(automaton, before, kind), trouble.at, kind)
+        yield Repair("near", place, _read_accepted(automaton, before, kind), trouble.at, kind)
     if trouble.kinds[place] in NAMELIKE and "NAME" in kinds:
-        yield Repair("name", place, _read(automaton, before, "NAME"), trouble.at, "NAME")
+        yield Repair("name", place, _read_accepted(automaton, before, "NAME"), trouble.at, "NAME")
     if trouble.kinds[place] == "RBRACE":
         yield Repair("unclose", trouble.at, before, trouble.at)
     for kind in kinds:
         if kind == END:
             continue
-        after = read(automaton, _read(automaton, before, kind), trouble.kinds[place], place)
+        after = read(
+            automaton, _read_accepted(automaton, before, kind), trouble.kinds[place], place
+        )
         if after is not None:
             yield Repair("insert", place, after, trouble.at, kind)
 
 
-def _read(automaton: Automaton, stack: Stack, kind: str) -> Stack:
+def _read_accepted(automaton: Automaton, stack: Stack, kind: str) -> Stack:
+    """Returns the stack after a token of a kind that can come next."""
     after = read(automaton, stack, kind)
     assert after is not None
     return after
