@@ -166,7 +166,7 @@ def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
         "Schedule": ("", {"schedule": c.schedule}),
         "Phases": ("", c.phases),
         "Observation": ("observe", {"window": c.windows} | c.observables),
-        "Episode": ("", {"episode": c.episode}),
+        "Episode": ("", {"episode": c.episode} | c.tasks),
         "Metrics": ("metrics", c.metrics),
         "Checks": ("checks", {name or "checks": checks for name, checks in c.checks.items()}),
         "Policies": ("", c.policies),

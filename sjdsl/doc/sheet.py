@@ -7,7 +7,7 @@ from itertools import chain, groupby
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
-from sjdsl.compiler.ir.queries import event_named, kind_named, phases_of, starts_of
+from sjdsl.compiler.ir.queries import event_named, kind_named, phases_of, starts_of, task_space
 from sjdsl.compiler.lower import NotSupported, token_planes
 from sjdsl.doc.actions import action_rows
 from sjdsl.doc.numbers import parameters
@@ -71,6 +71,7 @@ def entities(w: Written) -> list[str]:
         "Kinds of cell": _kinds(w),
         "Map": _map(w.game),
         "State of the world": quoted(c, c.fields.values()),
+        "Task": _task(w),
         "Shapes": quoted(c, c.shapes.values()),
     }
     text: list[str] = []
@@ -78,6 +79,18 @@ def entities(w: Written) -> list[str]:
         if lines:
             text += [f"### {title}", "", *lines]
     return text
+
+
+def _task(w: Written) -> list[str]:
+    """Returns what is drawn for each episode, and how many tasks there are."""
+    if w.game.task is None:
+        return []
+    space = counted(task_space(w.game.task), "task")
+    return [
+        f"Drawn for each episode: {space}.",
+        "",
+        *quoted(w.composition, w.composition.tasks.values()),
+    ]
 
 
 def _agents(w: Written) -> list[str]:

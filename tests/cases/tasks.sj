@@ -1,7 +1,12 @@
 sj 1
 game tasks "Rules drawn for each episode" {
-  episode 2 trials of 5 task rules { field feeding : { red, green, blue } field pay by { red, green, blue } : different 0 .. 9 field order
-      by { red, green, blue } : { red, green, blue } field delay : -1 .. 2 }
+  episode 2 trials of 5
+  task rules {
+    field feeding : { red, green, blue }
+    field pay by { red, green, blue } : different 0 .. 9
+    field order by { red, green, blue } : { red, green, blue }
+    field delay : -1 .. 2
+  }
   kind tree  "T" { field hue : { red, green, blue } = red  field fruit : { none, ripe } = ripe }
   kind grass "."
   map { "T.T."  ".T.T" }

@@ -4,6 +4,7 @@ They say what a game declares and where, never what its rules mean: the interpre
 stays an oracle.
 """
 
+import math
 from collections.abc import Callable
 from types import UnionType
 
@@ -33,11 +34,12 @@ from sjdsl.compiler.ir.game import (
     Movers,
     Observable,
     Phase,
+    Task,
     VarField,
 )
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
-from sjdsl.compiler.ir.statements import Remove, Send
+from sjdsl.compiler.ir.statements import Draw, Remove, Send
 
 Start = int | float | str | None
 Lanes = tuple[tuple[tuple[int, int], ...], ...]
@@ -171,6 +173,17 @@ def phases_of(game: Game) -> tuple[Phase, ...]:
     """Returns the draw of the task if there is one, `start`, and the phases of the schedule."""
     drawn = () if game.task is None else (game.task.draw,)
     return (*drawn, game.start, *(turn for turn in game.schedule if isinstance(turn, Phase)))
+
+
+def task_space(task: Task) -> int:
+    """Returns how many tasks there are, all equally likely."""
+    space = 1
+    for drawn in task.draw.body:
+        if isinstance(drawn, Draw):
+            values = len(drawn.words) or int(drawn.type.high - drawn.type.low) + 1
+            entries = 1 if drawn.by is None else len(drawn.by)
+            space *= math.perm(values, entries) if drawn.different else values**entries
+    return space
 
 
 def marking_phases(game: Game) -> tuple[Phase, ...]:
