@@ -135,8 +135,9 @@ def dealt_values(words: Array, number: int) -> Array:
     Entry i takes that at place i + floor(word * (number - i) / 2^32) of the list 0 .. number - 1,
     and swaps it with that at place i: a Fisher-Yates shuffle, of which the first entries are kept.
     """
-    places = jnp.arange(number, dtype=jnp.int32)
-    left = jnp.broadcast_to(places, (*words.shape[:-1], number))
+    numbers = jnp.arange(number, dtype=jnp.int32)
+    places = jnp.broadcast_to(numbers, (*words.shape[:-1], number))
+    left = places
     dealt = []
     for entry in range(words.shape[-1]):
         place = entry + below(words[..., entry], number - entry)

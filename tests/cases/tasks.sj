@@ -25,4 +25,9 @@ game tasks "Rules drawn for each episode" {
   }
   observe { window ahead 1, behind 1, left 1, right 1  show feeding }
   metrics { event fed  final paid = pay[red] }
+  checks {
+    always pay[red] != pay[green] and delay >= -1
+    conserved delay + pay[blue]
+    expect step == 5 with random over 3 episodes
+  }
 }

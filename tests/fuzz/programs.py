@@ -53,6 +53,7 @@ def program(random: Random, checks: Callable[[World], list[Lines]] = checks) -> 
     )
     loose += [
         _episode(w),
+        *_task(w),
         *_kinds(w),
         *([g] for g in _groups(w)),
         *([f.text] for f in w.fields),
@@ -188,6 +189,21 @@ def _episode(w: World) -> Lines:
     kept = random.sample(fields, random.randint(0, min(3, len(fields))))
     keep = f" {{ keep {', '.join(kept)} }}" if kept else ""
     return [f"episode {random.randint(1, 4)} trials of {random.choice((4, 9, length))}{keep}"]
+
+
+def _task(w: World) -> list[Lines]:
+    """Declares a task in some programs, drawn from the names as trials are."""
+    random = Random("task of " + " ".join(f.name for f in w.fields))
+    if random.random() > SHARE_WITH_TRIALS:
+        return []
+    words = "{ clover, thistle, nettle }"
+    fields = [
+        f"field sown : {words}",
+        f"field harvest by {words} : different {random.randint(-2, 0)} .. {random.randint(2, 5)}",
+        f"field weeds by {random.randint(-1, 0)} .. 2 : {words}",
+        f"field crop by {words} : 0 .. {random.randint(1, 300)}",
+    ]
+    return [[f"task rules {{ {' '.join(random.sample(fields, random.randint(1, 4)))} }}"]]
 
 
 def _kinds(w: World) -> list[Lines]:
