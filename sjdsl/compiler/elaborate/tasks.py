@@ -89,7 +89,7 @@ def check_not_told(agents: ir.Agents, shown: tuple[ir.Observable, ...], scope: S
     seen = {o.field for o in shown if o.what == "world" and o.shown_when is None}
     hidden = scope.static.task_fields - seen
     for forbid in agents.forbids:
-        for node in ir.walk(forbid):
-            is_of_world = isinstance(node, ir.FieldRead) and node.held_by == WORLD
-            if is_of_world and node.name in hidden:
-                scope.problems.add(errors.TaskTold(node.span, name=node.name))
+        reads = [node for node in ir.walk(forbid) if isinstance(node, ir.FieldRead)]
+        for read in reads:
+            if read.held_by == WORLD and read.name in hidden:
+                scope.problems.add(errors.TaskTold(read.span, name=read.name))
