@@ -494,9 +494,10 @@ def _clipped(numbers: Array) -> Array:
 
 
 def _counts(numbers: Array) -> Array:
-    """Returns a few numbers in order; of more than COUNTED, about how often each occurs.
+    """Returns what doesn't depend on the order of numbers.
 
-    That is counted in steps that grow with the count.
+    Up to COUNTED numbers: these, sorted. More: how often each of -1 .. COUNTED occurs, on a
+    logarithmic scale, so that only large differences count.
     """
     flat = numbers.reshape(-1)
     if flat.size <= COUNTED:

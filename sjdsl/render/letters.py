@@ -64,7 +64,7 @@ class Letters:
 def make_letters(game: ir.Game) -> Letters:
     """Returns the characters of a game: its glyphs, and letters for states that have no glyph.
 
-    Such a letter is one of an enum value that sets the state apart.
+    Such a letter is taken from an enum value that the kind's first glyph doesn't have.
     """
     characters: dict[tuple[str, State], str] = {}
     shown: dict[str, tuple[ir.VarField, ...]] = {}
@@ -79,7 +79,8 @@ def make_letters(game: ir.Game) -> Letters:
         characters.setdefault((meaning.kind, state), meaning.glyph)
     for name, fields in shown.items():
         unknown = ("",) * len(fields)
-        usual_state = next((state for kind, state in characters if kind == name), unknown)
+        states_of_glyphs = [state for kind, state in characters if kind == name]
+        usual_state = states_of_glyphs[0] if states_of_glyphs else unknown
         for state in product(*(f.type.words for f in fields)):
             if (name, state) not in characters:
                 differing = [

@@ -244,7 +244,9 @@ def set_of(numbers: Array, size: int) -> Array:
     first = np.arange(0, size, WIDTH, dtype=np.int32)
     first = first.reshape((1,) * (numbers.ndim - 1) + (-1, 1))
     stored = lax.optimization_barrier(numbers)[..., None, :]
-    bit = (stored - first).astype(jnp.uint32)  # past the last in another word, before or after
+    # As uint32 a member of an earlier word, whose place is negative, is huge: one comparison
+    # leaves out members of earlier and of later words.
+    bit = (stored - first).astype(jnp.uint32)
     members = jnp.where(bit < WIDTH, jnp.uint32(1) << bit, jnp.uint32(0))
     members = lengthened(members, -1, 0)
     words = lax.reduce(members, jnp.uint32(0), lax.bitwise_or, (numbers.ndim,))

@@ -108,6 +108,7 @@ def block(body: tuple[ir.Stmt, ...], here: Here) -> Sums:
 
 
 def _statement(s: ir.Stmt, here: Here) -> Sums:
+    """Returns what one statement adds, and goes through all the numbers in it."""
     match s:
         case ir.Each() | ir.Pick() | ir.First():
             return _quantified(s, here)
@@ -115,25 +116,29 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
             numbers = [most_members(domain, here.played.game) for domain in (s.left, s.right)]
             sums = block(s.body, here.inside(s.left).inside(s.right))
             return _often(sums, min(numbers), (s.left.var, s.left.on, s.right.var, s.right.on))
-        case ir.When() | ir.Chance():
-            found = []
+        case ir.When():
+            sums_of_branches = []
             for branch in s.branches:
                 visit(branch.test, here)
-                known = here.knowing(branch.test) if isinstance(s, ir.When) else here
-                found.append(block(branch.body, known))
-                here = here.knowing(branch.test, holds=False) if isinstance(s, ir.When) else here
-            return merged([*found, block(s.otherwise, here)], all_happen=False)
+                sums_of_branches.append(block(branch.body, here.knowing(branch.test)))
+                here = here.knowing(branch.test, holds=False)
+            return merged([*sums_of_branches, block(s.otherwise, here)], all_happen=False)
+        case ir.Chance():
+            sums_of_branches = []
+            for branch in s.branches:
+                visit(branch.test, here)
+                sums_of_branches.append(block(branch.body, here))
+            return merged([*sums_of_branches, block(s.otherwise, here)], all_happen=False)
         case ir.Set():
             _set(s, here)
             return {}
         case ir.Add(target=target, value=value):
             field = written_field(target)
             visit_children(target, here)  # what names it: what it holds is not read
-            if (
-                field.type.kind != "int" or not declared_field(here.played.game, field).capped
-            ):  # without `capped` it is proved to fit
+            is_capped = declared_field(here.played.game, field).capped
+            if field.type.kind != "int" or not is_capped:
                 visit(value, here)
-                return {}
+                return {}  # a real, or a whole number that is proved to stay in its range
             return _adding(
                 Target("field", field.held_by.what, field.name, _name(field.owner)),
                 s,
@@ -145,11 +150,10 @@ def _statement(s: ir.Stmt, here: Here) -> Sums:
                     visit(part, here)
             each = (1, 1) if s.amount is None else interval_of(s.amount, here)
             return _adding(Target("event", "", s.event, _name(s.receiver)), s, each)
-        case ir.Send() if (
-            s.after is not None
-        ):  # where it goes is looked up when it comes back: what is known now may not hold then
+        case ir.Send() if s.after is not None:
             visit(s.after, here)
-            here.before().inside(s.domain)
+            # Where it goes is looked up when it comes back: what is known now may not hold then.
+            visit(s.domain, here.before())
             return {}
         case _:
             visit_children(s, here)

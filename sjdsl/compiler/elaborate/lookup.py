@@ -60,10 +60,14 @@ def not_named(value: ir.Expr, e: ast.Expr, scope: Scope) -> Poisoned:
 
 
 def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
-    """Returns the kinds that a cell can be of, none for `nowhere`; None if it isn't a cell."""
+    """Returns the kinds that a cell can be of, an empty tuple for `nowhere`.
+
+    None: it isn't one cell, but something else or a row of cells.
+    """
     if is_member(e, "cell"):
         return e.kinds
-    return e.type.kinds if e.type.kind == "cell" and not e.type.by else None
+    is_row = bool(e.type.by)
+    return e.type.kinds if e.type.kind == "cell" and not is_row else None
 
 
 def or_nowhere(e: ir.Expr) -> ir.Expr:

@@ -96,11 +96,11 @@ class Static:
         )
 
     def refer(self, name: ast.Name, declared: Symbol) -> None:
-        """Records what a name of the text stands for."""
+        """Records what a name of the text stands for, such as a word, which may go unused."""
         self.references.append((name.span, declared))
 
     def use(self, name: ast.Name, declared: Symbol) -> None:
-        """Records what a name stands for, and that it makes a difference to the game."""
+        """Records what a name stands for, and that it is used: else there is a warning (SJ505)."""
         self.refer(name, declared)
         self.used.add(declared)
 

@@ -80,7 +80,7 @@ def _calculated_value(e: ir.Arithmetic, analysis: Any) -> Any:
     values = [fold(part, analysis) for part in e.args]
     try:
         return _entry_by_entry(partial(analysis.calculated, e), *values)
-    except ZeroDivisionError as error:  # a guard excludes it
+    except ZeroDivisionError as error:  # only where a guard doesn't hold, which isn't read here
         raise UnknownValue from error
 
 

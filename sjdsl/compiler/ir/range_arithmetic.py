@@ -118,10 +118,11 @@ def rounded(r: Range, times: float = 1) -> Range:
 
     An end beyond float32 becomes infinite.
     """
+    # What errors are relative to: where terms have cancelled, these, not the small result.
+    size_of_low = abs(r.low) if r.steady else r.terms
+    size_of_high = abs(r.high) if r.steady else r.terms
     slack = times * SLACK
-    low = r.low - slack * (abs(r.low) if r.steady else r.terms)
-    high = r.high + slack * (abs(r.high) if r.steady else r.terms)
-    low, high = ends(low, high)
+    low, high = ends(r.low - slack * size_of_low, r.high + slack * size_of_high)
     return replace(r, low=low, high=high, rounded_once=False)
 
 

@@ -83,19 +83,25 @@ def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: Axes, w: 
     if any(hidden.on == "cells" for hidden in all_hidden):
         raw = w.keep("raw", raw)
     for hidden in all_hidden:
-        if hidden.what == "marks" and hidden.on == "agents":
-            marks = select(somebody_seen(planes, w), 0, marks)
+        if hidden.on == "agents":
+            if hidden.what == "marks":
+                marks = select(somebody_seen(planes, w), 0, marks)
+            continue
+        # On cells, only marks can be hidden.
         for kind in hidden.kinds:
-            if kind not in by_kind:
-                continue
-            w.origin = hidden.origin
-            look = by_kind[kind]
-            is_hidden, values = look_fields(look, raw, w)
-            if hidden.when is not None:
-                scope = seen_cell(look, hidden.name, values, axes)
-                is_hidden = is_hidden & w.value(hidden.when, scope)
-            marks = w.keep("marks", select(is_hidden, 0, marks))
+            if kind in by_kind:
+                w.origin = hidden.origin
+                is_hidden = _is_hidden_on(by_kind[kind], hidden, raw, axes, w)
+                marks = w.keep("marks", select(is_hidden, 0, marks))
     return marks
+
+
+def _is_hidden_on(look: Look, hidden: ir.Hidden, raw: Value, axes: Axes, w: Writer) -> Value:
+    """Returns which painted numbers are cells of a kind on which marks are hidden."""
+    is_kind, values = look_fields(look, raw, w)
+    if hidden.when is None:
+        return is_kind
+    return is_kind & w.value(hidden.when, seen_cell(look, hidden.name, values, axes))
 
 
 def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Value]]:

@@ -223,19 +223,32 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
 def _parameters(
     uses: list[tuple[ir.Phase, Function]],
 ) -> tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]:
-    """Returns the parameters of a phase, and what each use has for them, as written.
+    """Returns the parameters of a phase, and the arguments of each use, as written.
 
-    There are none if the uses don't say what they have for each.
+    There are no parameters if the arguments of a use can't be told apart.
     """
-    declaration = re.match(r"phase\s+\w+\s*\(([^)]*)\)", uses[0][1].doc)
-    if declaration is None:
+    first_function = uses[0][1]
+    parameters = _declared_parameters(first_function.doc)
+    if not parameters:
         return (), ((),) * len(uses)
-    parameters = tuple(part.strip() for part in declaration[1].split(","))
-    in_brackets = [re.sub(r"^\w+\(|\).*$", "", phase.label) for phase, _ in uses]
-    texts = tuple(tuple(text.split(", ")) for text in in_brackets)
-    if any(len(text) != len(parameters) for text in texts):
+    arguments = tuple(_arguments(phase.label) for phase, _ in uses)
+    if any(len(of_use) != len(parameters) for of_use in arguments):
         parameters = ()
-    return parameters, texts
+    return parameters, arguments
+
+
+def _declared_parameters(text: str) -> tuple[str, ...]:
+    """Returns the parameters in the text of a phase: `phase grow(hue, often) { … }`."""
+    declaration = re.match(r"phase\s+\w+\s*\(([^)]*)\)", text)
+    if declaration is None:
+        return ()
+    return tuple(part.strip() for part in declaration[1].split(","))
+
+
+def _arguments(label: str) -> tuple[str, ...]:
+    """Returns the arguments in the label of a use: `grow(red, 0.5)`, `grow(red, 0.5) #2`."""
+    in_brackets = re.sub(r"^\w+\(|\).*$", "", label)
+    return tuple(in_brackets.split(", "))
 
 
 def _type_of(argument: Expression) -> str:

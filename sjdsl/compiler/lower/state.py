@@ -224,13 +224,14 @@ def events(game: ir.Game) -> tuple[tuple[str, str, int | None], ...]:
 def described_fields(game: ir.Game) -> tuple[StateField, ...]:
     """Returns every variable of the game: of cells, agents, movers and the world.
 
-    The fields of movers come after the cells on which they are.
+    Of movers, the cells on which they are come before their first field, `heading`.
     """
     described: list[StateField] = []
     for field in all_fields(game):
         attribute = attribute_name(field)
         type_ = field.type
-        if field.held_by.what == "mover" and field.name == "heading":
+        is_first_of_movers = field.held_by.what == "mover" and field.name == "heading"
+        if is_first_of_movers:
             described.append(StateField(attribute_of("position", field.held_by), "place"))
         match type_.kind:
             case "word":
