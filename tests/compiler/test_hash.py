@@ -37,6 +37,7 @@ INFERRED = {  # of classes other than expressions: what follows from the rest
     ir.ActionWithArguments: {"first"},
     ir.Forbid: {"action", "names"},
     ir.Phase: {"name"},
+    ir.Task: {"fields", "name"},
     ir.Event: {"per_agent"},
     ir.Check: {"words", "policies", "episodes"},
     ir.ScriptedPolicy: {"title"},

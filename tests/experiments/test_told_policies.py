@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from small_games import MATRIX, STAY, matrix_game
 
-from sjdsl.cli.play import compiled
+from sjdsl.cli.play import play_compiled
 from sjdsl.experiments import cross_play
 from sjdsl.experiments.players import program_digest
 from sjdsl.render.playing import play_moments
@@ -79,7 +79,7 @@ def test_line_ups() -> None:
 def test_a_person_among_them() -> None:
     """The policy is told of what was done, not of what it would have done."""
     env = matrix_game()
-    moments = list(compiled(env, REPEATING, 0, [{1: 0}] * 4))[1:]
+    moments = list(play_compiled(env, REPEATING, 0, [{1: 0}] * 4))[1:]
     actions, _ = by_hand(other_stays)
     np.testing.assert_array_equal([moment.actions for moment in moments], actions)
 

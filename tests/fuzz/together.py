@@ -126,9 +126,10 @@ class OnNumPy(Environment):
         metrics = self.module.measures(state, self.params)
         state = state.replace(step=state.step + 1)
         is_over = (state.step >= steps_of_trial(self.module, self.params)) | out.ended
-        info = {"events": self._events(out), "metrics": metrics, "trial_ended": is_over}
+        info = {"events": self._events(out), "metrics": metrics}
         done = is_over
         if has_trials(self.module):
+            info["trial_ended"] = is_over
             done = is_over & is_last_trial(self.module, state)
             if is_over and not done:
                 state = self.module.next_trial(state, done, self.params, key_of(words))

@@ -124,7 +124,7 @@ def _body(who: ir.Expr, board: Board) -> Digit:
 def _everybody(domain: ir.Domain, board: Board) -> Digit:
     if domain.var.sort.what != "cell":
         return _body(domain.var, board)
-    return Digit("cell", members.everybody(domain, board), domain.var.kinds)
+    return Digit("cell", members.population(domain, board), domain.var.kinds)
 
 
 def renumbered(

@@ -5,9 +5,9 @@ if exists("b:current_syntax")
 endif
 syntax case match
 syntax match sjKeywordOperator '->\|\.\.\|<=\|>=\|==\|!=\|[-+*/%<>=]'
-syntax match sjKeywordOperatorWord '\<\(after\|ahead\|aim\|all\|along\|and\|any\|as\|at\|avoiding\|away\|but\|by\|capped\|choose\|chose\|count\|episodes\|facing\|focal\|for\|from\|in\|is\|not\|of\|on\|or\|over\|random\|seek\|slots\|sum\|to\|toward\|with\|wraps\)\>'
+syntax match sjKeywordOperatorWord '\<\(after\|ahead\|aim\|all\|along\|and\|any\|as\|at\|avoiding\|away\|but\|by\|capped\|choose\|chose\|count\|different\|episodes\|facing\|focal\|for\|from\|in\|is\|keep\|not\|of\|on\|or\|over\|random\|seek\|slots\|sum\|to\|toward\|trials\|with\|wraps\)\>'
 syntax match sjKeywordOtherStatement '\<\(add\|draw\|end\|give\|let\|mark\|move\|remove\|send\|set\|tally\)\>'
-syntax match sjStorageType '\<\(about\|acts\|agents\|always\|blocks\|checks\|cite\|conserved\|define\|drop\|episode\|event\|expect\|extends\|field\|final\|forbid\|game\|glyph\|group\|hide\|kind\|look\|map\|mean\|metrics\|monotone\|movers\|moves\|observe\|once\|param\|phase\|policy\|require\|scenario\|schedule\|shape\|show\|size\|sj\|symmetric\|timer\|variant\|where\|window\)\>'
+syntax match sjStorageType '\<\(about\|acts\|agents\|always\|blocks\|checks\|cite\|conserved\|define\|drop\|episode\|event\|expect\|extends\|field\|final\|forbid\|game\|glyph\|group\|hide\|kind\|look\|map\|mean\|metrics\|monotone\|movers\|moves\|observe\|once\|param\|phase\|policy\|require\|scenario\|schedule\|shape\|show\|size\|sj\|symmetric\|task\|timer\|variant\|where\|window\)\>'
 syntax match sjKeywordControl '\<\(case\|chance\|each\|first\|match\|otherwise\|pick\|when\)\>'
 syntax match sjSupportFunction '\<\(abs\|before\|chicken\|count\|distance\|highest\|lowest\|max\|min\|mix\|prisoners_dilemma\|quotient\|ramp\|round\|shift\|stag_hunt\|sum\)\ze\s*('
 syntax match sjVariableLanguage '\<\(agent\|step\)\>'
@@ -20,7 +20,7 @@ syntax match sjKeywordOperatorWord '\<\(as\|let\|draw\)\ze\(\s\+\)\([a-z][a-z0-9
 syntax match sjVariableOtherLocal '\([a-z][a-z0-9_]*\)' contained
 syntax match sjStorageType '\<\(field\|timer\)\ze\(\s\+\)\([a-z][a-z0-9_]*\)' nextgroup=sjVariableOtherProperty skipwhite
 syntax match sjVariableOtherProperty '\([a-z][a-z0-9_]*\)' contained
-syntax match sjStorageType '\<\(define\|event\|final\|game\|group\|kind\|mean\|movers\|param\|phase\|policy\|scenario\|shape\|size\|variant\)\ze\(\s\+\)\([a-z][a-z0-9_]*\)' nextgroup=sjEntityNameType skipwhite
+syntax match sjStorageType '\<\(define\|event\|final\|game\|group\|kind\|mean\|movers\|param\|phase\|policy\|scenario\|shape\|size\|task\|variant\)\ze\(\s\+\)\([a-z][a-z0-9_]*\)' nextgroup=sjEntityNameType skipwhite
 syntax match sjEntityNameType '\([a-z][a-z0-9_]*\)' contained
 syntax match sjConstantNumeric '\<[0-9]\+\(\.[0-9]\+\)\?\>'
 syntax match sjConstantCharacterEscape '\\.' contained
