@@ -1,6 +1,12 @@
 sj 1
-# A tree bears fruit, the other one doesn't, and which is which is hidden. It stays so for the five trials of an episode:
-# who tries in the first trial what to eat knows in the others.
+# One of two trees bears fruit, and which one is hidden. It stays the same in all five trials of an episode, so an agent that
+# remembers what it tried in the first trial knows where to go in the others.
+#
+# Fruits in trials 0 to 4, mean of 500 episodes and of seeds 1 to 3 (a minute a seed on one core):
+#   0.49  0.91  0.98  0.98  0.98   with memory: sjdsl train examples/two_trees.sj --preset examples/two_trees.toml --seed 1
+#   0.50  0.50  0.51  0.50  0.51   without: --preset two_cores --reward individual --set total_timesteps=4e5 --set num_steps=50
+#                                  --set num_minibatches=4 --set learning_rate=2e-3 --set network_width=32
+#   1     1     1     1     1      the first command with --variant told: the agent sees which tree bears fruit
 game two_trees "Two trees" {
   about summary "Find out in the first trial which of two trees bears fruit, and return to it in the others."
 
