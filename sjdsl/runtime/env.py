@@ -173,9 +173,9 @@ class Environment:
           observation of the state returned; state; reward `[N]` float32 of the game; done bool;
           info: `truncated`, `terminated` bool, `events` int32 `[N]` or scalar counts of this step,
           `metrics` float32 scalars, `terminal_observation` and `terminal_state` (before the next
-          episode or trial; they cost nothing under `jit` when unused). In a game with trials also `trial`, the number
-          of the trial that this step was in, from 0, and `trial_ended` bool; after the last step of
-          a trial, the state is the first of the next.
+          episode or trial; they cost nothing under `jit` when unused). In a game with trials also
+          `trial`, the number of the trial that this step was in, from 0, and `trial_ended` bool;
+          after the last step of a trial, the state is the first of the next.
 
         Raises:
           TypeError: actions aren't whole numbers, or the key, the state or the parameters aren't

@@ -222,14 +222,19 @@ def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Ty
         if unit is None or unit in INTEGER_UNITS:
             unit = "number"
         return real(low.type.low, high.type.high, unit)
-    most = high.type.high - low.type.low + 1
-    if most > limits.MAX_DRAWN:
-        number = f"{most:g}" if most < inf else "endlessly many"
-        help_ = "give the parameters limits, `in a .. b`"
-        problem = f"this draw is from {number} numbers"
-        raise scope.fail(limits.too_much(problem, limits.MAX_DRAWN, s.span, help_))
     unit = high_unit if low_unit == "number" else low_unit
-    return integer(low.type.low, high.type.high, unit)
+    type_ = integer(low.type.low, high.type.high, unit)
+    check_number_of_values(type_, s.span, scope, "give the parameters limits, `in a .. b`")
+    return type_
+
+
+def check_number_of_values(type_: ir.Type, span: Span, scope: Scope, help_: str) -> None:
+    """Reports a range of more whole numbers than can be drawn from."""
+    values = type_.high - type_.low + 1
+    if values > limits.MAX_DRAWN:
+        number = f"{values:g}" if values < inf else "endlessly many"
+        problem = f"this draw is from {number} numbers"
+        raise scope.fail(limits.too_much(problem, limits.MAX_DRAWN, span, help_))
 
 
 def _weighted(s: ast.Draw, table: ast.Table, scope: Scope, stream: int) -> ir.Draw:

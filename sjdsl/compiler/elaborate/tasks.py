@@ -4,13 +4,14 @@ task rules { field hue : { red, green } }   ->   Task(draw=phase { draw hue from
 """
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.ast.names import Symbol
+from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate.fields import field_type
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.scope import Scope
-from sjdsl.compiler.elaborate.statements import check_deal
+from sjdsl.compiler.elaborate.statements import check_deal, check_number_of_values
 from sjdsl.compiler.elaborate.streams import Streams
 
 WORLD = ir.Sort("world")
@@ -36,6 +37,8 @@ def _declared(field: ast.TaskField, scope: Scope) -> ir.VarField:
     if field.by is not None:
         type_ = type_.model_copy(update={"by": (level_of(field.by, scope),)})
     name = field.name.text
+    if any(isinstance(node, ast.Path) for node in walk(field.type)):
+        scope.static.sized.add(field_symbol(name, WORLD.name))
     return ir.VarField(name=name, held_by=WORLD, type=type_, start=start, origin=field.span)
 
 
@@ -77,6 +80,8 @@ def _drawn(field: ast.TaskField, streams: Streams, scope: Scope) -> tuple[ir.Dra
         stream=streams.of_statement(streams.header(field.span)),
         origin=field.span,
     )
+    if type_.kind == "int":
+        check_number_of_values(type_, field.span, scope, "write a smaller range")
     if field.different:
         check_deal(draw, field.span, scope)
     read = ir.FieldRead(type=type_, owner=None, held_by=WORLD, name=name, origin=field.span)

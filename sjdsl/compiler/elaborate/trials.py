@@ -4,7 +4,7 @@ episode 5 trials of 300 { keep tree.hue }   ->   300, Trials(number=5, kept=(tre
 """
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.ast.names import Symbol
+from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.compose import Composition, path_text
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
@@ -26,6 +26,8 @@ def declare_trial(game: Composition, scope: Scope) -> None:
     static.used.add(Symbol("name", TRIAL))  # by the episode itself
     with scope.problems.survive(static.broken, Symbol("name", TRIAL)):
         number = _number_of_trials(game.episode, scope)
+        if isinstance(game.episode.length, ast.Path):
+            static.sized.add(field_symbol(TRIAL, "world"))
         static.fields[TRIAL] = ir.VarField(
             name=TRIAL,
             held_by=ir.Sort("world"),
@@ -71,6 +73,8 @@ def _kept(path: ast.Path, scope: Scope) -> list[ir.Kept]:
     static = scope.static
     head = path.name.text
     match path.steps:
+        case () if head in static.task_fields:
+            raise scope.fail(errors.KeptAnyway(path.span, name=head))
         case () if head in static.fields and head != TRIAL:
             static.use(path.name, Symbol("name", head))
             return [ir.Kept(held_by=ir.Sort("world"), name=head, origin=path.span)]

@@ -253,6 +253,11 @@ class NotKept(TrialIsCounted):
     name: str
 
 
+class KeptAnyway(AboutName, code="SJ516", title="Tasks"):
+    says = "`{name}` is part of the task, which stays as it is in all trials of an episode"
+    hints = ("take it out of `keep`",)
+
+
 class TaskWritten(AboutName, code="SJ516", title="Tasks"):
     says = "no rule can change `{name}`: it is part of the task, which is drawn for an episode"
     hints = ("for what changes in an episode, declare a field of the world",)
