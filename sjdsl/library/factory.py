@@ -16,7 +16,7 @@ from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.library.cache import cached_text
 from sjdsl.library.checked_game import build_game
 from sjdsl.library.parameters import admitted_params, build_params
-from sjdsl.library.tasks import Tasks
+from sjdsl.library.tasks import Tasks, with_tasks
 from sjdsl.runtime.env import Encoding, Environment
 
 
@@ -77,6 +77,17 @@ def environment_of(
     module = load_module(text, file, game.name)
     admit = partial(admitted_params, game, module)
     return Environment(module, build_params(game, module, params), observation, game, admit)
+
+
+def with_other_tasks(env: Environment, tasks: Tasks, split: str | None = None) -> Environment:
+    """Returns the same game with the same numbers, which plays other tasks.
+
+    The arguments and the errors are those of `make`.
+    """
+    build = Build(with_tasks(env.game, tasks, split), (), {})
+    other = environment_of(build, {}, env.observation)  # type: ignore[arg-type]
+    numbers = {field.name: getattr(env.params, field.name) for field in fields(env.params)}
+    return other.with_params(other.params.replace(**numbers))
 
 
 class GeneratedModule(ModuleType):

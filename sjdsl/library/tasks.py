@@ -74,19 +74,6 @@ def splits_of(task: ir.Task) -> tuple[str, ...]:
     return (*names, *(hold_out.name for hold_out in task.hold_outs))
 
 
-def chosen_tasks(game: ir.Game) -> str | dict[str, int | str] | None:
-    """Returns which tasks are played, as the argument `tasks` of `sjdsl.make`.
-
-    None for a game without a task.
-    """
-    task = game.task
-    if task is None:
-        return None
-    if task.given:
-        return {part_name(given.part, task): given.value for given in task.given}
-    return task.side
-
-
 def _side(task: ir.Task, side: str | None, split: str | None) -> dict[str, Any]:
     """Returns what a task says of the side that is played."""
     names = splits_of(task)
@@ -136,9 +123,8 @@ def _given(task: ir.Task, values: Mapping[str, Any]) -> tuple[ir.GivenPart, ...]
     given = []
     for name, part in known.items():
         if name in wanted:
-            given.append(
-                ir.GivenPart(part=part, value=_value(name, wanted[name], fields[part.field]))
-            )
+            value = _value(name, wanted[name], fields[part.field])
+            given.append(ir.GivenPart(name=name, part=part, value=value))
     _check_different(given, task)
     return tuple(given)
 
@@ -185,8 +171,8 @@ def _check_different(given: list[ir.GivenPart], task: ir.Task) -> None:
         other = first.setdefault((one.part.field, one.value), one)
         if other is not one:
             raise ValueError(
-                f"`{part_name(other.part, task)}` and `{part_name(one.part, task)}` are both "
-                f"{one.value}: the entries of this row are different"
+                f"`{other.name}` and `{one.name}` are both {one.value}: "
+                "the entries of this row are different"
             )
 
 
@@ -197,8 +183,10 @@ def _with_values(game: ir.Game, values: Mapping[str, Any]) -> ir.Game:
     for drawn in drawn_fields(game.task):
         entries = (values[drawn.name],) if drawn.by is None else values[drawn.name]
         for part, value in zip(parts_of(drawn), entries, strict=True):
-            given.append(ir.GivenPart(part=part, value=value))
-    return game.model_copy(update={"task": game.task.model_copy(update={"given": tuple(given)})})
+            name = part_name(part, game.task)
+            given.append(ir.GivenPart(name=name, part=part, value=value))
+    changes = {"given": tuple(given), "side": "all", "split": ""}
+    return game.model_copy(update={"task": game.task.model_copy(update=changes)})
 
 
 def _listed(names: tuple[str, ...]) -> str:

@@ -17,7 +17,7 @@ from sjdsl.compiler.ir.queries import task_space
 from sjdsl.compiler.ir.task_rows import rows_of_hold_out, rows_of_training, tasks_with
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.library.factory import make
-from sjdsl.library.tasks import chosen_tasks, with_tasks
+from sjdsl.library.tasks import with_tasks
 from sjdsl.runtime.tasks import with_entries
 from tests.fuzz import together
 
@@ -223,9 +223,12 @@ def test_a_game_without_a_task_or_a_split_says_so() -> None:
         make(CASE.with_name("tasks.sj"), tasks="training")
     with pytest.raises(TypeError, match="a mapping from fields"):
         make(CASE, tasks=3)  # type: ignore[arg-type]
-    unsplit = build(read_source(CASE.with_name("tasks.sj"))).game
-    assert chosen_tasks(with_tasks(unsplit)) == "all"
-    assert chosen_tasks(side("given")) == SIDES["given"]["tasks"]
+    assert make(CASE.with_name("tasks.sj")).tasks == "all"
+    assert make("coins").tasks is None
+    env = make(CASE, **SIDES["given"])
+    assert (env.tasks, env.split) == (SIDES["given"]["tasks"], "")
+    env = make(CASE, **SIDES["rich"])
+    assert (env.tasks, env.split) == ("held_out", "rich")
 
 
 def test_held_out_tasks_compiled_by_xla() -> None:

@@ -373,8 +373,12 @@ class TaskPart(Node):
 
 
 class GivenPart(Node):
-    """A part of a task that isn't drawn. `value`: a word, or a number."""
+    """A part of a task that isn't drawn.
 
+    `name`: as it is written, `pay[red]`. `value`: a word, or a number.
+    """
+
+    name: str
     part: TaskPart
     value: int | str
 
