@@ -54,12 +54,8 @@ def _forbidden_by_number(family: GameFamily) -> ast.Forbid | None:
 
 
 def _why_asymmetric(sort: ir.Sort, game: ir.Game) -> str:
-    """Returns which line of a game tells agents or movers apart, and how; "" if none does.
-
-    In a game with trials, `start` is part of the step that ends one.
-    """
-    starts = () if game.trials is None else (game.start,)
-    for rule in (*game.schedule, *starts, game.agents, *game.kinds):
+    """Returns which line of a game tells agents or movers apart, and how; "" if none does."""
+    for rule in _rules_of_a_step(game):
         for node in ir.walk(rule):
             reason = _reads_number(node, sort)
             if not reason and sort == AGENTS:
@@ -67,6 +63,13 @@ def _why_asymmetric(sort: ir.Sort, game: ir.Game) -> str:
             if reason:
                 return f"line {_line(node, rule)} {reason}"
     return ""
+
+
+def _rules_of_a_step(game: ir.Game) -> tuple[ir.Node, ...]:
+    """Returns what happens in steps. In a game with trials, `start` is part of one that ends a
+    trial."""
+    starts = () if game.trials is None else (game.start,)
+    return (*game.schedule, *starts, game.agents, *game.kinds)
 
 
 def why_symmetric(check: ir.Check, game: ir.Game) -> str:
@@ -93,7 +96,7 @@ def order_of_sending(check: ir.Check, game: ir.Game) -> tuple[list[ir.Send], lis
     sort = _sort_of(check)
     choosy: list[ir.Send] = []
     crowded: list[ir.Send] = []
-    for rule in (*game.schedule, game.agents, *game.kinds):
+    for rule in _rules_of_a_step(game):
         for node in ir.walk(rule):
             if isinstance(node, ir.Send) and body_sort(node.who) == sort:
                 if variables_around(node.domain):
