@@ -6,7 +6,7 @@ import tempfile
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from sjdsl.runtime.env import Environment
 from tests.fuzz.policies import different_choice
 from tests.fuzz.printed import changed_by_layout
 from tests.fuzz.programs import Program
+from tests.fuzz.sides import on_some_side
 from tests.fuzz.together import (
     History,
     OnNumPy,
@@ -56,6 +57,7 @@ FORESEEN = {
     "SJ511": "a variant changes the number of agents",
     "SJ502": "a variant adds a timer, and no tick",
     "SJ508": "a define that asks for a place, used in `phase start`",
+    "SJ517": "a split that leaves nothing on a side",
     "SJ601": "a stated limit",
 }
 IN_VARIANTS = 15  # steps that are played in each variant
@@ -128,6 +130,7 @@ def _judge_one(source: Source, variants: tuple[str, ...], manner: Manner) -> Ver
     try:
         made = build(source, variants)
         verdict.game = verify(made.game)
+        made = replace(made, game=verify(on_some_side(made.game, manner.seed)))
         lower_build(made, source)
     except CompileError as refused:
         errors = [d for d in refused.diagnostics if d.severity == "error"]

@@ -22,6 +22,7 @@ from tests.fuzz.members import domain
 from tests.fuzz.policies import policies, scenarios
 from tests.fuzz.quantities import integer, real
 from tests.fuzz.reading import Scope, Variable
+from tests.fuzz.sides import splits
 from tests.fuzz.statements import Phase, block, braces, destination, indented
 from tests.fuzz.writing import Written
 
@@ -203,7 +204,9 @@ def _task(w: World) -> list[Lines]:
         f"field weeds by {random.randint(-1, 0)} .. 2 : {words}",
         f"field crop by {words} : 0 .. {random.randint(1, 300)}",
     ]
-    return [[f"task rules {{ {' '.join(random.sample(fields, random.randint(1, 4)))} }}"]]
+    declared = random.sample(fields, random.randint(1, 4))
+    names = [field.split()[1] for field in declared]
+    return [[f"task rules {{ {' '.join(declared)} }}"], *([text] for text in splits(names, random))]
 
 
 def _kinds(w: World) -> list[Lines]:
