@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import groupby
+from itertools import count, groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -88,6 +88,22 @@ def returns(frame: "pd.DataFrame") -> Section:
     headings = ("game", "way of training", "collective return", BEHIND)
     table = Table("returns", "Collective return", headings, rows, 2)
     return Section("Returns", (), (table,) if rows else ())
+
+
+def trials(frame: "pd.DataFrame") -> Section:
+    """Returns the section on the return in each trial, in games whose episodes have trials."""
+    rows = []
+    for setting, of_game in games(frame):
+        for words, seeds in ways_of_training(of_game):
+            for trial in count():
+                result = result_of(seeds, f"collective return of trial {trial}")
+                if result is None or not result.values:
+                    break
+                rows.append((setting.label, words, str(trial), result_figure(result)))
+    headings = ("game", "way of training", "trial", "collective return")
+    table = Table("trials", "Collective return by trial", headings, rows, 3)
+    text = "Each trial begins anew, so what rises from trial to trial is what agents find out."
+    return Section("Trials", (text,), (table,) if rows else ())
 
 
 def compared_table(
@@ -388,6 +404,11 @@ def cross_play(frame: "pd.DataFrame") -> Section:
 
 def report_sections(frame: "pd.DataFrame", curves: "pd.DataFrame") -> list[Section]:
     """Returns the sections of a report that have something to show."""
-    summaries = (returns(frame), learning_curves(frame, curves), over_games(frame))
+    summaries = (
+        returns(frame),
+        trials(frame),
+        learning_curves(frame, curves),
+        over_games(frame),
+    )
     sections = (*summaries, diagrams(frame), cross_play(frame))
     return [section for section in sections if section.tables or section.pictures]

@@ -10,7 +10,7 @@ from report_folders import read, write_diagram, write_everything, write_run
 from sjdsl.cli import run
 from sjdsl.results import ResultsError, write_report
 from sjdsl.results.page import Section, page_text
-from sjdsl.results.sections import chosen_games, returns
+from sjdsl.results.sections import chosen_games, returns, trials
 
 COMMAND = "sjdsl report runs"
 CONTRASTS = dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 0.5, 1.5))
@@ -34,6 +34,23 @@ def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None
     assert texts(found) == [
         ["coins", "IPPO, common", "155 [142.6, 167.4]", "3 seeds, 400 steps, unnamed CPU"]
     ]
+
+
+def test_a_game_with_trials_has_its_return_in_each(tmp_path: Path) -> None:
+    measures = {
+        "collective return of trial 0": (40.0, 42.0),
+        "collective return of trial 1": (60.0, 60.0),
+    }
+    write_run(tmp_path / "run", "coins", (100.0, 102.0), measures=measures)
+    write_run(tmp_path / "other", "harvest_open", (10.0, 12.0))  # a game without trials
+    rows = texts(trials(read(tmp_path).frame))
+    assert [row[:3] for row in rows] == [
+        ["coins", "IPPO, individual", "0"],
+        ["coins", "IPPO, individual", "1"],
+    ]
+    # Student's t with one degree of freedom is 12.71, from a printed table; the standard error 1.
+    assert [row[3] for row in rows] == ["41 [28.29, 53.71]", "60 [60, 60]"]
+    assert trials(read(tmp_path / "other").frame).tables == ()
 
 
 def test_ways_of_training_are_named_by_the_values_in_which_they_differ(tmp_path: Path) -> None:
