@@ -24,6 +24,8 @@ from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
 from sjdsl.cli.provenance import arguments_of_run
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
 from sjdsl.cli.stages import LOADING, stages
+from sjdsl.library.tasks import splits_of
+from sjdsl.trainers.policies.estimates import difference, estimate
 from sjdsl.trainers.policies.stored_evaluation import RETURN, read_evaluation
 from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
 from sjdsl.trainers.settings.policy_names import UNTRAINED, split_name
@@ -288,7 +290,6 @@ def _of_one_side(options: EnvironmentOptions) -> dict[str, Any]:
 def _held_out(env: "Environment", options: EnvironmentOptions) -> dict[str, "Environment"]:
     """Returns the environments of the held-out tasks to compare with, by split."""
     from sjdsl.library.factory import with_other_tasks
-    from sjdsl.library.tasks import splits_of
 
     if _of_one_side(options) or env.tasks != "training":
         if options.split is not None and not _of_one_side(options):
@@ -323,7 +324,6 @@ def _compare(
     """
     from sjdsl.experiments.summaries import in_columns
     from sjdsl.trainers import evaluate, random_policy, summarise
-    from sjdsl.trainers.policies.estimates import difference
     from sjdsl.trainers.policies.evaluation import evaluation_key
 
     key = evaluation_key(seed)
@@ -372,8 +372,6 @@ def _compare(
 def _print_over_seeds(results: Sequence[Mapping[str, "Estimate"]]) -> None:
     """Prints the differences of training and held-out tasks over the training seeds of a run."""
     import numpy as np
-
-    from sjdsl.trainers.policies.estimates import estimate
 
     if len(results) < 2:
         return

@@ -85,7 +85,7 @@ def with_other_tasks(env: Environment, tasks: Tasks, split: str | None = None) -
     The arguments and the errors are those of `make`.
     """
     build = Build(with_tasks(env.game, tasks, split), (), {})
-    other = environment_of(build, {}, env.observation)  # type: ignore[arg-type]
+    other = environment_of(build, {}, env.observation)
     numbers = {field.name: getattr(env.params, field.name) for field in fields(env.params)}
     return other.with_params(other.params.replace(**numbers))
 
