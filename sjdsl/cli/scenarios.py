@@ -37,7 +37,9 @@ def evaluate_in_scenarios(
         policy_words = re.sub(r"\W+", "_", Path(policy).name).strip("_")
         folder = Path(f"{Path(game or '').stem}_{policy_words}_scenarios")
     if game is None:
-        prepared = prepare_environment(folder, arguments_of_run(path, OR_A_GAME))
+        prepared = prepare_environment(
+            folder, {**arguments_of_run(path, OR_A_GAME), **options.of_tasks}
+        )
     else:
         prepared = prepare_experiment(game, (policy,), folder, options)
     stem = "scenarios" if which == "last" else f"scenarios_{which}"

@@ -156,6 +156,7 @@ def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
     Before them stands the block of the file that they belong to, "" for none.
     """
     agents = {"acts": c.acts, "moves": c.moves} | c.agent_fields | c.forbids | c.agent_blocks
+    splits = dict(c.held_out) if c.train_on is None else {"train on": c.train_on} | c.held_out
     parts: dict[str, tuple[str, Mapping[str, Any]]] = {
         "Agents": ("agents", agents),
         "Movers": ("", c.movers),
@@ -166,7 +167,7 @@ def _declarations(c: Composition) -> dict[str, tuple[str, Declared]]:
         "Schedule": ("", {"schedule": c.schedule}),
         "Phases": ("", c.phases),
         "Observation": ("observe", {"window": c.windows} | c.observables),
-        "Episode": ("", {"episode": c.episode} | c.tasks),
+        "Episode": ("", {"episode": c.episode} | c.tasks | splits),
         "Metrics": ("metrics", c.metrics),
         "Checks": ("checks", {name or "checks": checks for name, checks in c.checks.items()}),
         "Policies": ("", c.policies),

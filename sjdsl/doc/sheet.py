@@ -8,6 +8,7 @@ from itertools import chain, groupby
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.ir.queries import event_named, kind_named, phases_of, starts_of, task_space
+from sjdsl.compiler.ir.task_rows import rows_of_hold_out, rows_of_training, tasks_with
 from sjdsl.compiler.lower import NotSupported, token_planes
 from sjdsl.doc.actions import action_rows
 from sjdsl.doc.numbers import parameters
@@ -82,15 +83,23 @@ def entities(w: Written) -> list[str]:
 
 
 def _task(w: Written) -> list[str]:
-    """Returns what is drawn for each episode, and how many tasks there are."""
-    if w.game.task is None:
+    """Returns what is drawn for each episode, how many tasks there are, and its splits."""
+    task = w.game.task
+    if task is None:
         return []
-    space = counted(task_space(w.game.task), "task")
-    return [
-        f"Drawn for each episode: {space}.",
-        "",
-        *quoted(w.composition, w.composition.tasks.values()),
-    ]
+    c = w.composition
+    space = counted(task_space(task), "task")
+    sides = []
+    for hold_out in task.hold_outs:
+        held_out = counted(tasks_with(rows_of_hold_out(task, hold_out), task), "task")
+        sides.append(f"`{hold_out.name}` holds out {held_out}.")
+    if task.hold_outs:
+        left = counted(tasks_with(rows_of_training(task), task), "task")
+        sides.append(f"To train on: {left}.")
+    written = [*c.tasks.values(), *c.held_out.values()]
+    if c.train_on is not None:
+        written.insert(1, c.train_on)
+    return [" ".join([f"Drawn for each episode: {space}.", *sides]), "", *quoted(c, written)]
 
 
 def _agents(w: Written) -> list[str]:

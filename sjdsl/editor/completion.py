@@ -38,7 +38,7 @@ KINDS = {
     "action": Kind.EnumMember, "argument": Kind.Property, "shape": Kind.Struct,
     "phase": Kind.Method, "metric": Kind.Event, "policy": Kind.Function, "variant": Kind.Module,
     "word": Kind.EnumMember, "function": Kind.Function, "file": Kind.File,
-    "scenario": Kind.Module, "checks": Kind.Module, "value": Kind.Value,
+    "scenario": Kind.Module, "checks": Kind.Module, "value": Kind.Value, "split": Kind.Module,
 }  # fmt: skip
 TRIGGERS = (".", "[", '"')
 MAX_LENGTH = 80  # characters of a declaration that is shown beside a name

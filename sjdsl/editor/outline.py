@@ -21,6 +21,7 @@ SYMBOLS: dict[type[object], tuple[types.SymbolKind, str]] = {  # a symbol and it
     ast.Field: (Kind.Field, "field"),
     ast.Task: (Kind.Object, "task"),
     ast.TaskField: (Kind.Field, "field"),
+    ast.HoldOut: (Kind.Object, "hold out"),
     ast.Timer: (Kind.Field, "timer"),
     ast.Action: (Kind.EnumMember, "action"),
     ast.Shape: (Kind.Struct, "shape"),
