@@ -58,7 +58,7 @@ def declare_actions(game: Composition, scope: Scope) -> None:
         if not action.arguments:
             actions.append(name)
             continue
-        with problems.survive(static.broken_actions, name):
+        with problems.skip_if_broken(static.broken_actions, name):
             declared = _with_arguments(action, len(actions), game, scope)
             static.with_arguments[name] = declared
             combinations = product(*map(_values, declared.arguments))

@@ -49,7 +49,9 @@ def fields_of(
         if name in fields:
             scope.problems.add(errors.WrittenTwice(attribute.name.span, part=f"the field `{name}`"))
             continue
-        with scope.problems.survive(scope.static.broken, Symbol("field", name, held_by.name)):
+        with scope.problems.skip_if_broken(
+            scope.static.broken, Symbol("field", name, held_by.name)
+        ):
             fields[name] = one_field(attribute, scope, held_by)
     return fields
 

@@ -21,7 +21,7 @@ def declare_movers(game: Composition, scope: Scope) -> None:
     """Adds the movers to the tables, each with a field `heading`, which rules may set."""
     for declared in game.movers.values():
         name = declared.name.text
-        with scope.problems.survive(scope.static.broken, Symbol("name", name)):
+        with scope.problems.skip_if_broken(scope.static.broken, Symbol("name", name)):
             sort = ir.Sort("mover", (name,))
             heading = ir.VarField(
                 name="heading",

@@ -50,7 +50,7 @@ def observables(
     for observable in game.observables.values():
         kinds = set(static.kinds_of(observable.what.name.text) or ()) - broken_kinds
         broken_kinds |= kinds
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             if isinstance(observable, ast.Show):
                 _show(observable, seen, shown, scope)
             elif not _is_of_a_plane(observable, static):

@@ -24,7 +24,7 @@ def declare_task(game: Composition, scope: Scope) -> None:
         if number:
             scope.problems.add(errors.SecondTask(task.name.span, name=task.name.text))
         for field in task.fields:
-            with scope.problems.survive(static.broken, Symbol("name", field.name.text)):
+            with scope.problems.skip_if_broken(static.broken, Symbol("name", field.name.text)):
                 static.fields[field.name.text] = _declared(field, scope)
                 static.task_fields.add(field.name.text)
 
@@ -50,7 +50,7 @@ def task(game: Composition, scope: Scope) -> ir.Task | None:
         body: list[ir.Stmt] = []
         for field in declared.fields:
             if field.name.text in static.task_fields:
-                with scope.problems.survive():
+                with scope.problems.skip_if_broken():
                     body += _drawn(field, streams, scope)
         draw = ir.Phase(
             label=streams.label, name="draw_task", body=tuple(body), origin=declared.span
