@@ -40,7 +40,7 @@ class Series:
     label: str = "ours"
 
     @classmethod
-    def of(cls, figures: Iterable[tuple[float, Estimate]], label: str = "ours") -> "Series":
+    def of(cls, figures: Iterable[tuple[float, Estimate]]) -> "Series":
         """Returns the series of estimates over x."""
         pairs = list(figures)
         mean, low, high = stack_estimates(figure for _, figure in pairs)
@@ -49,7 +49,6 @@ class Series:
             mean=mean,
             low=np.where(np.isfinite(low), low, np.nan),
             high=np.where(np.isfinite(high), high, np.nan),
-            label=label,
         )
 
 
@@ -109,7 +108,8 @@ def _draw(axes: "Axes", plot: Multiple, colours: Mapping[str, str], logarithmic:
     """Draws one plot. colours: by the label of a series."""
     ends: list[float] = [y for _, y in plot.printed]
     for series in plot.series:
-        below, above = series.mean - series.low, series.high - series.mean
+        below = series.mean - series.low
+        above = series.high - series.mean
         known = np.isfinite(below) & np.isfinite(above)
         bars = np.stack([np.where(known, below, 0.0), np.where(known, above, 0.0)])
         axes.errorbar(

@@ -123,7 +123,8 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     what is not there, two variants that disagree.
     """
     game = _inherited(tuple(chain(source)))
-    game.file, game.chosen = source.name, tuple(variants)
+    game.file = source.name
+    game.chosen = tuple(variants)
     touched: dict[str, tuple[str, str]] = {}
     for name in variants:
         variant = game.variants.get(name)
@@ -174,7 +175,8 @@ def _inherited(files: Sequence[tuple[Source, ast.File]]) -> Composition:
     outermost = files[-1][1].game
     game = Composition(outermost.name.text, "", outermost.name.span)
     for source, file in reversed(files):
-        game.name, game.span = file.game.name.text, file.game.name.span
+        game.name = file.game.name.text
+        game.span = file.game.name.span
         if file.game.title is not None:
             game.title = file.game.title.text or game.title
         game.sources[source.name] = source
@@ -348,15 +350,16 @@ def _chosen_text(action: ast.Chosen) -> str:
     """Returns an action as it is spoken of, without layout; arguments other than names and numbers show as `..`."""
     if action.arguments is None:
         return action.name.text
-    arguments = (
-        path_text(a)
-        if isinstance(a, ast.Path)
-        else str(a.value)
-        if isinstance(a, ast.Int)
-        else ".."
-        for a in action.arguments
-    )
-    return f"{action.name.text}({', '.join(arguments)})"
+    texts = []
+    for argument in action.arguments:
+        match argument:
+            case ast.Path():
+                texts.append(path_text(argument))
+            case ast.Int():
+                texts.append(str(argument.value))
+            case _:
+                texts.append("..")
+    return f"{action.name.text}({', '.join(texts)})"
 
 
 def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
@@ -475,8 +478,11 @@ def path_text(path: ast.Path) -> str:
 
 def _with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.Expr | ast.Table:
     """Returns a table in which an entry stands by itself: one that `otherwise` or a single number for all stood for gets a line of its own."""
-    known = isinstance(by, ast.Words) and key.text in {name.text for name in by.names}
-    if not known and not (not isinstance(by, ast.Words) and key.text.isdigit()):
+    if isinstance(by, ast.Words):
+        is_entry = key.text in {name.text for name in by.names}
+    else:
+        is_entry = key.text.isdigit()
+    if not is_entry:
         return value
     rest = ast.Name(value.span, "otherwise")
     entries = (

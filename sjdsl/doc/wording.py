@@ -66,7 +66,7 @@ def fenced(lines: Sequence[str], language: str = "text") -> list[str]:
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Returns a Markdown table without empty columns; no lines without rows."""
-    cells = [[_cell(text) for text in row] for row in rows]
+    cells = [list(map(_cell, row)) for row in rows]
     if not cells:
         return []
     is_filled = [any(column) for column in zip(*cells, strict=True)]

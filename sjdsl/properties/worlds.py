@@ -177,7 +177,8 @@ class WorldSearch:
     def _choose_bias(self, episode: np.ndarray) -> np.ndarray:
         """Returns the bias of the draws of each world in a segment, `[B]` uint32.
 
-        Half of the whole episodes have one bias throughout.
+        Of the worlds that play whole episodes, every second episode has one bias throughout; these
+        take the biases in turn. Elsewhere a segment has any bias, or none.
         """
         any_bias = self._rng.integers(0, len(BIASES), self.worlds)
         changing = np.where(self._rng.random(self.worlds) < UNFAIR, any_bias, FAIR)
@@ -298,6 +299,7 @@ class Archive:
 
         If there is no room left, they replace those of the summaries that were seen most often.
         """
+        # Each summary once, the index among the places of a world that has it, and how many have.
         summaries, indices, times = np.unique(
             summary[places], return_index=True, return_counts=True
         )

@@ -44,7 +44,8 @@ from sjdsl.render.usual import (
 )
 
 MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
-MIN_TILE, MAX_TILE = 2, 40
+MIN_TILE = 2
+MAX_TILE = 40
 BADGES = 2  # of an agent: its other corners are in front of its eyes
 NOTHING = ("none", "nothing", "empty", "bare")  # enum values: nothing is there
 Sort = Literal["shape", "tint", "edge", "bar"]
@@ -602,7 +603,8 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
     ]
     coloured = [field for field in fields if set(field.type.words) <= COLOURS]
     lasting_coloured = [field for field in coloured if field in lasting]
-    return next(iter((*lasting_coloured, *lasting, *coloured)), None)
+    best = lasting_coloured or lasting or coloured
+    return best[0] if best else None
 
 
 def _is_set(rules: ir.Node, owner: ir.Sort, name: str) -> bool:

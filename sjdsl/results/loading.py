@@ -143,8 +143,12 @@ OF_EXPERIMENT = (
 )
 
 RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a report
-SWEEP, CELLS, FAILED = "sweep.json", "cells", "failed"
-PLAN, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
+SWEEP = "sweep.json"
+CELLS = "cells"
+FAILED = "failed"
+PLAN = "experiment.json"
+DIAGRAM = "schelling.json"
+CROSS_PLAY = "crossplay.json"
 # At least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`.
 EPISODES = 30
 POINTS = 40  # at most, of the learning curve of a seed
@@ -434,7 +438,8 @@ def columns_of_run(
     Args:
       earlier: the manifests of the stages before.
     """
-    game, config = manifest["game"], manifest["config"]
+    game = manifest["game"]
+    config = manifest["config"]
     provenance = manifest.get("provenance") or {}
     settings = {
         name: value
@@ -553,7 +558,8 @@ def _changed_numbers(game: Mapping[str, Any], provenance: Mapping[str, Any]) -> 
 
 def _seed_folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
     """Returns the seeds of a run, and the folder of each."""
-    first, number = int(config["seed"]), int(config["seeds"])
+    first = int(config["seed"])
+    number = int(config["seeds"])
     if not 1 <= number <= MOST_SEEDS:
         raise ValueError(f"it has {number} seeds")
     if number == 1:
@@ -584,7 +590,8 @@ def _read_seed(
     else:
         status = "done" if manifest.get("status") == "finished" else "unfinished"
     device = manifest.get("device") or {}
-    number, kind = device.get("count", 1), device.get("kind", "unknown")
+    number = device.get("count", 1)
+    kind = device.get("kind", "unknown")
     steps, returns = _read_curve(folder)
     row = {
         "record": "seed",

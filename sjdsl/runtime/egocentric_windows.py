@@ -50,6 +50,8 @@ def _windows_looked_up(
     """The form for GPUs: each cell of each window looks its cell of the plane up, in one kernel."""
     ahead, behind, left, right = sides
     cols = plane.shape[1]
+    # Where the cells of a window are from its agent, [V] each: rows down and columns to the right
+    # if it faces north; for each heading, the difference of cell numbers.
     row, col = np.mgrid[-ahead : behind + 1, -left : right + 1].reshape(2, -1)
     by_heading = [row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]
     offsets = np.stack(by_heading).astype(np.int32)

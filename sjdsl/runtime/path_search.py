@@ -153,9 +153,11 @@ def first_moves(
     if goals.shape[0] > 1:
         board_of_agent = jnp.arange(heading.shape[0])
 
-    def holds(reached: Array, facing: Array, r: Array, c: Array) -> Array:
+    def holds(reached: Array, facing: Array, at_row: Array, at_col: Array) -> Array:
+        """Returns which agents' boards contain a place with a heading, `[N]` bool."""
         flat = reached.reshape(-1, *reached.shape[2:])
-        return contains(flat, board_of_agent * planes + (facing if planes > 1 else 0), r, c)
+        plane = facing if planes > 1 else 0
+        return contains(flat, board_of_agent * planes + plane, at_row, at_col)
 
     def leading_moves(reached: Array) -> Array:
         """Returns which moves lead into what is reached, `[N, M]`."""
@@ -165,8 +167,8 @@ def first_moves(
             if step is None:
                 leads.append(holds(reached, (heading + turn) % 4, row, col))
             else:
-                r, c = destination(moves, step, heading, row, col)
-                leads.append(holds(entered, heading, r, c))
+                next_row, next_col = destination(moves, step, heading, row, col)
+                leads.append(holds(entered, heading, next_row, next_col))
         return jnp.stack(leads, axis=-1)
 
     def advance(carry: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:

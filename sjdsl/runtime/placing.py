@@ -81,9 +81,14 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
     def batched(
         size: int, in_batched: list[bool], members: Array, key: Array
     ) -> tuple[Array, bool]:
-        axes = tuple(0 if is_batched else None for is_batched in in_batched)
+        members_batched, key_batched = in_batched
+        axes = (0 if members_batched else None, 0 if key_batched else None)
         chosen_of_each = jax.vmap(chosen, in_axes=axes, axis_size=size)
-        unchanged = members if in_batched[0] else jnp.broadcast_to(members, (size, *members.shape))
+        if members_batched:
+            unchanged = members
+        else:
+            unchanged = jnp.broadcast_to(members, (size, *members.shape))
+        # One branch for the whole batch: under `vmap`, each set would compute both.
         has_several = _several(members)
         return either(has_several, lambda: chosen_of_each(members, key), lambda: unchanged), True
 
@@ -493,13 +498,16 @@ def _paired_in_turn(ranks: Array, alike: bool, most: int) -> Array:
 
     def take(_: int, state: tuple[Array, Array]) -> tuple[Array, Array]:
         ranks, partner = state
-        best = jnp.argmax(ranks.reshape(-1))
-        a = best // right
-        b = best % right
+        best = jnp.argmax(ranks.reshape(-1))  # of all pairs, row by row
+        a = best // right  # the left member of the pair
+        b = best % right  # the right one
         is_pair = ranks.reshape(-1)[best] > 0
         partner = jnp.where(is_pair & (rows == a), b.astype(jnp.int32), partner)
-        gone_row = (rows == a) | (rows == b) if alike else rows == a
-        gone_col = (cols == a) | (cols == b) if alike else cols == b
+        gone_row = rows == a
+        gone_col = cols == b
+        if alike:  # both sides are the same members
+            gone_row = gone_row | (rows == b)
+            gone_col = (cols == a) | gone_col
         gone = gone_row[:, None] | gone_col[None, :]
         return jnp.where(is_pair & gone, jnp.uint32(0), ranks), partner
 

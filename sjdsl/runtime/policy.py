@@ -32,6 +32,14 @@ class MemoryPolicy:
     reads_state: bool = False
     after_step: Callable[[Any, Array, Array, Mapping[str, Any]], Any] = unchanged
 
+    def starts(self, *shape: int) -> Any:
+        """Returns the memories before the first step of many episodes: leaves `[*shape, ...]`."""
+
+        def repeated(leaf: Any) -> Array:
+            return jnp.broadcast_to(leaf, (*shape, *jnp.shape(leaf)))
+
+        return jax.tree.map(repeated, self.start)
+
     def needs(self, allowed: Any, state: Any) -> tuple[Any, ...]:
         """Returns the arguments of `act` behind memory, key and observation."""
         arguments = []

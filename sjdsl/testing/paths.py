@@ -155,12 +155,13 @@ def by_owner(name: str, values: Any, owners: list[Any]) -> dict[Any, Any]:
                 "give some as a mapping"
             )
         return dict(zip(owners, values, strict=True))
-    is_entry = isinstance(values, Mapping) and values and all(isinstance(k, str) for k in values)
-    if isinstance(values, Mapping) and not is_entry:
-        for owner in values:
-            if owner not in owners:
-                listed = ", ".join(map(str, owners[:6]))
-                others = ", …" if len(owners) > 6 else ""
-                raise ValueError(f"`{name}`: {owner} is none of {listed}{others}")
-        return dict(values)
-    return dict.fromkeys(owners, values)
+    if not isinstance(values, Mapping):
+        return dict.fromkeys(owners, values)
+    if values and all(isinstance(key, str) for key in values):  # words: the entries of one row
+        return dict.fromkeys(owners, values)
+    for owner in values:
+        if owner not in owners:
+            listed = ", ".join(map(str, owners[:6]))
+            others = ", …" if len(owners) > 6 else ""
+            raise ValueError(f"`{name}`: {owner} is none of {listed}{others}")
+    return dict(values)

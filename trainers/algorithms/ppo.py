@@ -47,11 +47,12 @@ from .rollout import (
     Rollout,
     Worlds,
     collect_rollout,
+    if_any_truncated,
     rollout_metrics,
     start_worlds,
 )
 from .shaping import make_shaping
-from .training_functions import Metrics, Train, TrainState, keep_if_finite
+from .training_functions import Metrics, Train, TrainState, keep_if_finite, with_parameters
 
 
 @flax.struct.dataclass
@@ -146,10 +147,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         }
         return state.after_update(key, learner, losses["loss"]), metrics
 
-    def adopt(state: TrainState, parameters: Any) -> TrainState:
-        return replace(state, learner=replace(state.learner, params=parameters))
-
-    return Train(init, collect, learn, lambda state: state.learner.params, adopt)
+    return Train(init, collect, learn, lambda state: state.learner.params, with_parameters)
 
 
 def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Actor:
@@ -168,26 +166,20 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
 
     def follow(memory: Memory, info: dict[str, Any]) -> Array:
         """Returns the values `[B, N]` of the observations at which episodes were cut."""
-        truncated = info["truncated"]
         if networks.state_vector is not None and "terminal_state" not in info:
             raise ConfigError(
                 f"`{env.name}` gives no terminal_state in the info of a step; "
                 'choose critic = "observations"'
             )
 
-        def read_last() -> Array:
-            fresh = jnp.zeros_like(truncated)
+        def terminal_values() -> Array:
+            fresh = jnp.zeros_like(info["truncated"])
             observation = info["terminal_observation"]
             state = info.get("terminal_state")
             _, _, values = _forward(networks, parameters, memory, observation, state, fresh)
             return values
 
-        def read_nothing() -> Array:
-            return jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32)
-
-        # Most steps end no episode, and then the second forward pass is skipped.
-        values: Array = jax.lax.cond(truncated.any(), read_last, read_nothing)
-        return values
+        return if_any_truncated(info, terminal_values)
 
     return Actor(
         act,

@@ -90,9 +90,16 @@ def start_worlds(
     )
 
 
-def rewarded_steps(reward: Array) -> Array:
-    """Returns the share of steps in which some agent's reward isn't 0, of rewards `[T, B, N]`."""
-    return (reward != 0).any(axis=-1).mean()
+def if_any_truncated(info: Mapping[str, Any], terminal_values: Callable[[], Array]) -> Array:
+    """Returns the values of terminal observations, or zeros if no episode was cut.
+
+    Most steps cut none, and then the second forward pass of the networks is skipped.
+    """
+    form = jax.eval_shape(terminal_values)
+    values: Array = jax.lax.cond(
+        info["truncated"].any(), terminal_values, lambda: jnp.zeros(form.shape, form.dtype)
+    )
+    return values
 
 
 def rollout_metrics(
@@ -102,7 +109,8 @@ def rollout_metrics(
     return {
         **mean_episode(finished),
         "reward_per_step": rollout.reward.sum(axis=-1).mean(),
-        "rewarded_steps": rewarded_steps(rollout.reward),
+        # the share of steps in which some agent's reward isn't 0
+        "rewarded_steps": (rollout.reward != 0).any(axis=-1).mean(),
         "metric": measured,
     }
 

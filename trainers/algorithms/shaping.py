@@ -151,7 +151,7 @@ def svo_deviation(trace: Array, sought: Array, at_rest: str, quadrant: bool) -> 
     angle; `quadrant` clips it.
 
     Args:
-      trace: `[..., N]`.
+      trace: `[..., N]`, decayed sums of rewards (`Shaping`), in place of the rewards themselves.
       sought: `[N]` radians.
     Returns:
       `[..., N]` |theta - sought|, the plain difference of angles from -pi to pi.

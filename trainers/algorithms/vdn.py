@@ -15,7 +15,13 @@ from flax.training.train_state import TrainState as Learner
 from jax import Array
 
 from ..environment import Environment, MaskedEnvironment, array_shape, reset_shapes
-from ..networks.action_values import best_action, exploration, explore, make_action_values
+from ..networks.action_values import (
+    best_action,
+    exploration,
+    explore,
+    make_action_values,
+    values_of_actions,
+)
 from ..networks.actor_critics import packing_of
 from ..networks.architectures import ActionValues
 from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask, wants_masks
@@ -240,11 +246,6 @@ def vdn_loss(
     wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, of_team(following))
     loss = jnp.square(team_value - jax.lax.stop_gradient(wanted)).mean()
     return loss, {"loss": loss, "team_value": team_value.mean()}
-
-
-def values_of_actions(values: Array, action: Array) -> Array:
-    """Returns the values of the given actions `[...]` from those of all actions `[..., A]`."""
-    return jnp.take_along_axis(values, action[..., None], axis=-1)[..., 0]
 
 
 def follow_target(target: Any, online: Any, updates: Array, config: VDNConfig) -> Any:

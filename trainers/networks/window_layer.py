@@ -233,11 +233,17 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
             jax.ShapeDtypeStruct((len(plane.channels), 1, number, width), jnp.float32)
             for plane in planes
         ]
+        # Tables are sums of rows, so the transpose of making them takes gradients of tables to
+        # gradients of rows.
         to_rows = jax.linear_transpose(
             lambda rows: [make_tables(rows, group, planes) for group in groups], of_cell
         )
 
         def add_cell(_: None, chosen: list[Array]) -> tuple[None, list[Array]]:
+            """Returns the gradients of one cell's rows, `[L, G, K]` of each plane.
+
+            chosen: of each group of planes, the row that each window selects, `[G * M]`.
+            """
             tables = []
             for group, numbers in zip(groups, chosen, strict=True):
                 table = jnp.zeros((number * rows_of(group, planes), width), jnp.float32)

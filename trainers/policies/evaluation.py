@@ -93,12 +93,7 @@ def make_evaluator(
     def play(key: Array, parameters: Any) -> EpisodeSums:
         """Returns the sums over each episode, arrays `[E, ...]`."""
         policy = with_memory(policy_of(parameters))
-        if memory_of is not None:
-            memory = memory_of(parameters)
-        else:
-            memory = jax.tree.map(
-                lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), policy.start
-            )
+        memory = memory_of(parameters) if memory_of else policy.starts(num_episodes)
         return _play_to_end(env, policy, memory, key, num_episodes).sums
 
     def evaluate_parameters(key: Array, parameters: Any) -> Evaluation:

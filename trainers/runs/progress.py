@@ -132,8 +132,10 @@ def _outcome(row: Row) -> str:
     """Returns what the episodes that ended in an update earned, or "" if none ended."""
     if not row["episodes"] > 0:
         return ""
-    earned, before = row["collective_return"], row["before_learning"]
-    return f"collective return {earned:.1f} (before learning {before:.1f})"
+    return (
+        f"collective return {row['collective_return']:.1f} "
+        f"(before learning {row['before_learning']:.1f})"
+    )
 
 
 def _learning(row: Row) -> str:

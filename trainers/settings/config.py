@@ -196,17 +196,21 @@ Reads = Annotated[
 ]
 Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partner_pairs)]
 
-COMMON, SVO = only("reward", "common"), only("reward", "svo")
-EXCHANGE, INEQUITY = only("reward", "exchange"), only("reward", "inequity")
+COMMON = only("reward", "common")
+SVO = only("reward", "svo")
+EXCHANGE = only("reward", "exchange")
+INEQUITY = only("reward", "inequity")
 TRACES = Only(
     "reward",
     "svo or one of your own",
     lambda reward: reward not in get_args(RewardMode) or reward == "svo",
 )
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
-CNN, MAPPO = only("network", "cnn"), only("algorithm", "mappo")
+CNN = only("network", "cnn")
+MAPPO = only("algorithm", "mappo")
 REMEMBERED = only("memory", "gru")
-BUFFER, ROLLOUT = only("replay", "buffer"), only("replay", "none")
+BUFFER = only("replay", "buffer")
+ROLLOUT = only("replay", "none")
 BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 

@@ -53,7 +53,8 @@ class Sum(NamedTuple):
 
     def times(self, number: float) -> "Sum":
         """Returns the sum of a block that happens so often."""
-        low, high = times(self.low, number), times(self.high, number)
+        low = times(self.low, number)
+        high = times(self.high, number)
         return Sum(low, high, self.part._replace(often=times(self.part.often, number)))
 
 
@@ -100,7 +101,8 @@ def block(body: tuple[ir.Stmt, ...], here: Here) -> Sums:
             case ir.Let(name=name, value=value) if value.type.kind in ("int", "real"):
                 here = replace(here, locals={**here.locals, name: interval_of(value, here)})
             case ir.Draw(name=name, low=ir.Expression() as low, high=ir.Expression() as high):
-                (first, _), (_, last) = interval_of(low, here), interval_of(high, here)
+                (first, _) = interval_of(low, here)
+                (_, last) = interval_of(high, here)
                 here = replace(here, locals={**here.locals, name: (first, last)})
             case _:
                 found.append(_statement(statement, here))
@@ -193,10 +195,12 @@ def _set(s: ir.Set, here: Here) -> None:
     if s.value.type.kind != "int":
         visit(s.value, here)
         return
-    field, (_, high) = written_field(s.target), interval_of(s.value, here)
+    field = written_field(s.target)
+    (_, high) = interval_of(s.value, here)
     if s.target.type.high < inf:  # the range of a field
         return
-    held, played = (field.held_by.what, field.name), here.played
+    held = (field.held_by.what, field.name)
+    played = here.played
     added = _counted_on(s.value, held)
     if added is None:
         played.sets[held] = max(played.sets.get(held, 0), high)

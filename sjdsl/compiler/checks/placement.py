@@ -128,7 +128,8 @@ def _without_room(
         if lacking is None:
             continue
         domain = pool.sends[0].domain
-        place, span = domain_text(domain), domain.origin
+        place = domain_text(domain)
+        span = domain.origin
         if span is not None and span.file in sources:  # as its author wrote it, on one line
             place = " ".join(
                 re.sub(r"#[^\n]*", "", sources[span.file].text[span.start : span.end]).split()
@@ -207,7 +208,8 @@ def _without_room_at_start(
         earlier[agent] = earlier.get(agent, set()) | possible
         if len(sure) > taken:
             continue
-        everybody, cells = len({*pool.reached, *earlier}), len(sure)
+        everybody = len({*pool.reached, *earlier})
+        cells = len(sure)
         if any(variables_around(s.domain) for s in pool.sends):
             yield errors.TooFewForOne(
                 span,
@@ -229,7 +231,8 @@ def _without_room_at_start(
 
 def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place], set[Place]]:
     """Returns the cells that certainly fit an agent when the episode begins, and those that may."""
-    sure, possible = set(), set()
+    sure = set()
+    possible = set()
     for s in pool.sends:
         known = {s.who.name: agent.number} if isinstance(s.who, ir.Member) else {}
         by_glyph = s.domain.where is not None and reads_only_fields(

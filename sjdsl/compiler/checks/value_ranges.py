@@ -20,7 +20,8 @@ from sjdsl.compiler.ir.queries import most_members
 from sjdsl.compiler.ir.types import times
 from sjdsl.compiler.ir.values import Evaluation
 
-LOWEST, HIGHEST = -MAX_INTEGER - 1, MAX_INTEGER
+LOWEST = -MAX_INTEGER - 1
+HIGHEST = MAX_INTEGER
 Interval = tuple[float, float]
 Held = tuple[str, str]  # a field: what holds it, and its name
 

@@ -98,7 +98,8 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
 
 def _settled(played: Played) -> list[Sums]:
     """Goes through the phases until no timer rises any more, or the episode is over, and returns what each of them adds."""
-    game, phases = played.game, phases_of(played.game)
+    game = played.game
+    phases = phases_of(played.game)
     starts: dict[Held, float] = {}  # the largest value that each timer begins with on the map
     for timer in (field for field in all_fields(game) if field.timer):
         values = [
@@ -111,9 +112,12 @@ def _settled(played: Played) -> list[Sums]:
         starts[timer.held_by.what, timer.name] = max(
             (value for value in values if isinstance(value, int)), default=0
         )
-    played.timers, round_ = starts, 0
+    played.timers = starts
+    round_ = 0
     while True:
-        played.leaving, played.sets, played.growth = [], {}, {}
+        played.leaving = []
+        played.sets = {}
+        played.growth = {}
         sums = [sums_of(phase, Here(played)) for phase in phases]
         rising = {}
         for held, before in played.timers.items():
@@ -124,7 +128,8 @@ def _settled(played: Played) -> list[Sums]:
                 rising[held] = reached if round_ < ROUNDS else inf
         if not rising or round_ >= played.steps_of_episode * len(phases):
             return sums
-        played.timers, round_ = {**played.timers, **rising}, round_ + 1
+        played.timers = {**played.timers, **rising}
+        round_ = round_ + 1
 
 
 def _in_field(added: Sum) -> Interval:
@@ -138,7 +143,8 @@ def _in_field(added: Sum) -> Interval:
 
 
 def _of_number(leaving: Leaving) -> Diagnostic:
-    value, name = leaving.value, text(leaving.value)
+    value = leaving.value
+    name = text(leaving.value)
     name = (
         name[1:-1] if isinstance(value, ir.Arithmetic) and name.startswith("(") else name
     )  # as an author would write it
@@ -185,7 +191,8 @@ def _bound(node: ir.Expr, leaving: Leaving) -> int | None:
     """Returns the largest value of a part of a number with which that stays in int32, None if there is none above 0."""
 
     def fits(bound: int) -> bool:
-        played, here = replace(leaving.here.played, leaving=[]), leaving.here
+        played = replace(leaving.here.played, leaving=[])
+        here = leaving.here
         if isinstance(node, ir.ParamRef):
             played.params = {**played.params, node.name: bound}
         else:

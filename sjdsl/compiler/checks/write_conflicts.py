@@ -154,12 +154,10 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
             ):  # an `add` that several instances make at once is in range only if capped
                 assert isinstance(write.statement, ir.Add) and write.statement.origin is not None
                 declared = declared_field(game, written_field(write.statement.target))
-                span, low, high, reached = (
-                    write.statement.origin,
-                    declared.type.low,
-                    declared.type.high,
-                    "the sum of several adds",
-                )
+                span = write.statement.origin
+                low = declared.type.low
+                high = declared.type.high
+                reached = "the sum of several adds"
                 problems.add(
                     errors.FieldRange(
                         span,
@@ -250,7 +248,8 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
 def _place_writes(
     s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around
 ) -> Iterator[Write]:
-    sort, rest = body_sort(s.who), (around.quantifiers, around.branches, around.facts)
+    sort = body_sort(s.who)
+    rest = (around.quantifiers, around.branches, around.facts)
     yield Write("place", Target("place", sort.name), (), s.who, value, depends, s, *rest)
     if (
         sort.what == "mover" and not isinstance(s, ir.Remove) and s.facing != "same"
@@ -487,7 +486,8 @@ def _target_text(w: Write) -> str:
 
 
 def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
-    span, other = b.statement.origin, a.statement.origin
+    span = b.statement.origin
+    other = a.statement.origin
     assert span is not None and other is not None
     labels = () if a is b else (Label(other, "the other write is here"),)
     if a.sort == b.sort == "place":
@@ -496,7 +496,8 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     elif {a.sort, b.sort} == {"set", "add"}:
         problems.add(errors.AddAndSet(span, labels=labels, name=_target_text(b), phase=phase.label))
     else:
-        owner, lot = a.target.name if a.target.of == "place" else a.target.of, ""
+        owner = a.target.name if a.target.of == "place" else a.target.of
+        lot = ""
         if a.is_by_lot and b.is_by_lot:
             lot = "those who draw lots together write the same: let both set the whole row, or both an entry of it"
         elif a.is_by_lot or b.is_by_lot:

@@ -13,11 +13,6 @@ from sjdsl.compiler.diagnostics.source import Span
 Build = Callable[..., Any]
 # Kinds of tokens that become plain texts.
 AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE"))
-CLAUSES = {  # rules that fill a field of the rule around them
-    "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing",
-    "stay", "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none",
-    "by_lot", "wraps", "different",
-}  # fmt: skip
 
 
 class Part(Record):
