@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = 3
-WIDTH, HEIGHT = 4.2, 2.8  # inches of a plot
+WIDTH = 4.2  # inches of a plot
+HEIGHT = 2.8
 
 
 @dataclass(frozen=True)

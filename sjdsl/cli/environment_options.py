@@ -112,6 +112,7 @@ def environment_options(command: Command) -> Command:
         params: tuple[str, ...],
         **others: Any,
     ) -> Any:
+        """Calls the command with the options in one object."""
         options = EnvironmentOptions(variant, map_file, agents, read_assignments(params))
         return command(options=options, **others)
 

@@ -176,6 +176,7 @@ def evaluate_run(
     file = path / ("evaluation.json" if which == "last" else f"evaluation_{which}.json")
 
     def save(evaluation: "Evaluation") -> None:
+        """Stores an evaluation in the run, unless it holds a longer one of the same policy."""
         update = update_of(policy_path(path, which))
         stored = read_evaluation(file)
         if stored is not None and stored.episodes > episodes and stored.update == update:
@@ -222,6 +223,7 @@ def _evaluate_policy(
                 act = find_policy(policy, env, greedy)
 
     def save(evaluation: "Evaluation") -> None:
+        """Stores an evaluation where `--output` says."""
         if output is not None:
             about = {
                 "policy": policy,

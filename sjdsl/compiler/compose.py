@@ -239,6 +239,7 @@ def named_entries(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
 
 
 def _check_duplicates(game: Composition, sections: Sections) -> None:
+    """Reports what one text declares twice."""
     seen: dict[str, Span] = {}
     for section in sections:
         for key, span, node in named_entries(section):
@@ -284,6 +285,7 @@ def _content(game: Composition, node: Node) -> str:
 
 
 def _apply(game: Composition, sections: Sections) -> None:
+    """Adds the sections of a text to a game; what a base has under the same names is replaced."""
     looks = [section for section in sections if isinstance(section, ast.Look)]
     for name in dict.fromkeys(look.what.text for look in looks):
         game.looks[name] = tuple(look for look in looks if look.what.text == name)
@@ -333,6 +335,7 @@ def _apply(game: Composition, sections: Sections) -> None:
 def _agent_key(
     attribute: ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks,
 ) -> str:
+    """Returns the name under which a variant replaces an attribute of agents."""
     match attribute:
         case ast.Acts():
             return "acts"
@@ -381,6 +384,7 @@ def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | as
 
 
 def _observable_key(observable: ast.Show | ast.Hide) -> str:
+    """Returns the name under which a variant replaces a `show` or `hide`."""
     on = (
         f" on {observable.on.text}"
         if isinstance(observable, ast.Hide) and observable.on is not None
@@ -408,6 +412,7 @@ def _replace_entry(
     change: ast.Override,
     by: ast.By | None = None,
 ) -> ast.Expr | ast.Table:
+    """Returns a constant's value with the entry replaced to which the steps lead."""
     if not steps:
         return change.value
     key: ast.Name | None = None  # the entry that is changed: a word, or a number
@@ -436,6 +441,7 @@ def _replace_entry(
 
 
 def _drop(game: Composition, name: ast.Name) -> None:
+    """Removes what a variant drops by name."""
     others: dict[str, Space | None] = {
         "agent_fields": "field",
         "observables": None,

@@ -50,9 +50,9 @@ def table_value(value: Any, by: Sequence[Level]) -> str:
     entries = [table_value(entry, by[1:]) for entry in value]
     if len(by) > 1:
         entries = [f"({entry})" for entry in entries]
-    if index.sort != "word" and len(set(entries)) == 1:
-        return f"{entries[0]} for each {'agent' if index.sort == 'agent' else f'of {index}'}"
-    names = map(code, index.names) if index.sort == "word" else index.names
+    if index.kind != "word" and len(set(entries)) == 1:
+        return f"{entries[0]} for each {'agent' if index.kind == 'agent' else f'of {index}'}"
+    names = map(code, index.names) if index.kind == "word" else index.names
     return ", ".join(f"{name}: {entry}" for name, entry in zip(names, entries, strict=True))
 
 

@@ -155,6 +155,7 @@ def _lineup_policy(
     num_columns = sum(stack.at_once for stack in stacks)
 
     def act(memory: Any, key: Array, observation: Array, *needed: Any) -> tuple[Any, Array]:
+        """Returns the memories of all stacks and the action of each slot, `[N]`: of its column."""
         allowed, state = policy.given(needed)
         column_of_slot, memories = memory
         keys = _keys_of_columns(key, num_columns, only_column)
@@ -175,6 +176,7 @@ def _lineup_policy(
         return (column_of_slot, tuple(next_memories)), by_slot
 
     def after_step(memory: Any, actions: Array, reward: Array, info: Mapping[str, Any]) -> Any:
+        """Returns the memories of all stacks after a step."""
         column_of_slot, memories = memory
         next_memories = [
             _tell_together(stack, of_stack, part, (actions, reward, info))

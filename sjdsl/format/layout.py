@@ -94,6 +94,7 @@ class Layout:
         return first
 
     def _insert_above_head(self, texts: list[str]) -> None:
+        """Inserts lines above the item that is being written; it loses its blank line to them."""
         head = self.lines[self.head]
         lines = [Line(text) for text in texts]
         lines[0].blank = head.blank

@@ -56,6 +56,7 @@ class BiasedDraws:
     bias: Bias
 
     def bits(self, stream: int, number: int) -> int:
+        """Returns the biased word of an instance in a stream."""
         bits = self.source.bits(stream, number)
         match self.bias:
             case "good":
@@ -75,6 +76,8 @@ def biased(draw: "Callable[..., Array]") -> "Callable[..., Array]":
     """
 
     def draw_biased(key: "Array", *arguments: Any) -> "Array":
+        """Returns biased words. key: three uint32, the last one the index of the bias."""
+
         import jax.numpy as jnp
 
         bits = draw(key[:2], *arguments)

@@ -50,7 +50,7 @@ class EpisodeRunner:
         self.checks = {
             number: check
             for number, check in enumerate(family.own.checks)
-            if check.sort == "expect"
+            if check.kind == "expect"
         }
 
     @cached_property

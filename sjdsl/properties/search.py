@@ -151,7 +151,7 @@ class Search:
         self.steps += len(trajectory.outcomes)
         self.ran |= trajectory.ran
         for i, check in checks.items():
-            if check.sort == "once" and any(values[0] for values in trajectory.values(check)[1:]):
+            if check.kind == "once" and any(values[0] for values in trajectory.values(check)[1:]):
                 self.triggered.add(i)
         written = replace(scenario, actions=tuple(trajectory.actions), policies=())
         for number in {*numbers, FLOATS} - self.found.keys():

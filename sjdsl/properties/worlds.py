@@ -96,6 +96,7 @@ class WorldSearch:
     triggered: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
+        """Plans the play: how many worlds side by side, how many of them whole episodes, how long."""
         game = self.family.own
         self._checks = [game.checks[number] for number in self.numbers]
         self._left = {FLOATS, *self.numbers}
@@ -238,7 +239,7 @@ class WorldSearch:
             values = played.values[:, :, first:after]
             first_values = worlds.first_values[:, None, first:after]
             first = after
-            match check.sort:
+            match check.kind:
                 case "always":
                     is_violated = values[:, :, 0] == 0
                 case "conserved":

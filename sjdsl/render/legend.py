@@ -264,7 +264,7 @@ def _values(field: FieldLook, fields: Sequence[FieldLook]) -> Iterator[tuple[int
 
     The text of an enum value that another of the `fields` has too begins with the field's name.
     """
-    match field.sort:
+    match field.drawn_as:
         case "bar":
             yield LEGEND_BAR, field.name
         case "edge":

@@ -69,7 +69,7 @@ def make_letters(game: ir.Game) -> Letters:
     characters: dict[tuple[str, State], str] = {}
     shown: dict[str, tuple[ir.VarField, ...]] = {}
     for kind in game.kinds:
-        fields = tuple(f for f in kind.fields if f.type.kind == "word" and not f.type.by)
+        fields = tuple(f for f in kind.fields if f.type.kind == "word" and not f.type.indexed_by)
         num_states = prod(len(f.type.words) for f in fields)
         shown[kind.name] = fields if num_states <= MAX_STATES else fields[:1]
     movers = {mover.name: mover.glyph for mover in game.movers}

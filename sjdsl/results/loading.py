@@ -142,7 +142,8 @@ OF_EXPERIMENT = (
     *(f"{name}_{end}" for name in CONTRASTS for end in ("mean", "low", "high")),
 )
 
-RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a report
+RESULTS = "results.csv"  # in the folder `data` of a report
+CURVES = "curves.csv"
 SWEEP = "sweep.json"
 CELLS = "cells"
 FAILED = "failed"
@@ -298,6 +299,7 @@ def _read_all(folders: Iterable[str | Path]) -> RowsAndPoints:
 
 
 def _read_each(folders: Iterable[str | Path]) -> RowsAndPoints:
+    """Returns the rows and the points of learning curves of all folders."""
     rows: Rows = []
     points: Rows = []
     for folder in folders:
@@ -717,6 +719,7 @@ def _read_experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay
 
 
 def _diagram_row(stored: Diagram) -> dict[str, Any]:
+    """Returns the row of a stored Schelling diagram."""
     row = {
         "record": "diagram",
         **stored.model_dump(include={"cooperators", "defectors", "unit", "units", "episodes"}),

@@ -134,6 +134,7 @@ def _filled_in_runs(cells: Array | np.ndarray, plane: Array, values: Array) -> A
 
     @filled.def_vmap
     def batched(size: int, in_batched: Any, plane: Array, values: Array) -> tuple[Array, bool]:
+        """Fills the planes of a batch `[B, cells]`: in a large one, runs of cells are slices."""
         plane_batched, values_batched = in_batched
         if not plane_batched:
             plane = jnp.broadcast_to(plane, (size, *plane.shape))
@@ -152,6 +153,7 @@ LARGE_BATCH = 16  # environments: below, starting so many copies takes longer th
 
 
 def _scattered(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
+    """Returns a plane with values at distinct cells, which are in order."""
     where = plane.at[cells]
     return where.set(
         values,

@@ -216,6 +216,7 @@ class Environment:
     def _transition(
         self, words: Array, state: State, actions: Array, params: Params
     ) -> tuple[State, Array, Array, Info]:
+        """Returns the state after a step without any reset, rewards `[N]`, done `[]` and info."""
         check_state(self.module, state)
         state, out = self.module.step(
             state, checked_actions(actions, self.num_agents), params, words

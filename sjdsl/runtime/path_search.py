@@ -172,6 +172,7 @@ def first_moves(
         return jnp.stack(leads, axis=-1)
 
     def advance(carry: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        """Extends what is reached by one move; notes whose first move that is."""
         reached, has_path, best, _ = carry
         further = reached | _expanded(moves, reached, enterable)
         arrives = ~has_path & holds(further, heading, row, col)

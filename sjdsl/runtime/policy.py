@@ -88,6 +88,7 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
     reads_state = any(policy.reads_state for _, policy in policies)
 
     def act(memory: Any, key: Array, observation: Array, *needed: Any) -> tuple[Any, Array]:
+        """Lets each part act, and takes of its actions those of its agents."""
         allowed, state = mixed.given(needed)
         actions = jnp.zeros(num_agents, jnp.int32)
         keys = jax.random.split(key, len(policies))

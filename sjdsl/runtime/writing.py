@@ -86,6 +86,7 @@ def _written(
     places: Places,
     new: Any,
 ) -> Array:
+    """Returns what is written by one of two forms: see `set_at`."""
     given = places if isinstance(places, tuple) else (places,)
     numbers = tuple(map(jnp.asarray, given))
     writers = math.prod(np.broadcast_shapes(*(number.shape for number in numbers)))

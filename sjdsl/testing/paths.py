@@ -27,7 +27,9 @@ class FieldPath:
     @property
     def entry_type(self) -> ir.Type:
         """The type of the field's values, or of that entry of them."""
-        return self.declared.type.model_copy(update={"by": self.declared.type.by[len(self.keys) :]})
+        return self.declared.type.model_copy(
+            update={"indexed_by": self.declared.type.indexed_by[len(self.keys) :]}
+        )
 
 
 def find_field(game: ir.Game, text: str) -> FieldPath:
@@ -52,7 +54,7 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     if declared is None:
         raise ValueError(f"`{text}`: {_no_field(owner, name, owners, game.fields)}")
     keys = re.findall(r"-?\w+", brackets)
-    levels = declared.type.by
+    levels = declared.type.indexed_by
     if len(keys) > len(levels):
         indices = f"has {len(levels)} indices" if levels else "is one value, without an index"
         raise ValueError(f"`{text}`: `{name}` {indices}")

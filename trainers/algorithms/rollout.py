@@ -142,6 +142,7 @@ def collect_rollout(
     def advance(
         worlds: Worlds, key: Array
     ) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
+        """Plays one step of all environments, and begins new episodes where one ended."""
         action_key, env_key, *others = jax.random.split(key, 3 if partners.agents else 2)
         memory, action, acting = actor.act(worlds, action_key)
         partners_memory = worlds.partners

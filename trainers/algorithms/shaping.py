@@ -48,6 +48,7 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
     angles = jnp.asarray([angle * (math.pi / 180) for angle in degrees], jnp.float32)
 
     def shape(step: Step) -> Array:
+        """Returns the shaped rewards `[B, N]` of a step."""
         reward = step.reward
         trace = step.trace
         match config.reward:

@@ -76,6 +76,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
     masks = wants_masks(env, config)
 
     def init(key: Array) -> TrainState:
+        """Returns the state before the first update, with an empty replay buffer."""
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, (), worlds_key, partners)
         parameters = network.init(network_key, worlds.observation[:1])
@@ -87,6 +88,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         return TrainState.start(key, learner, worlds)
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
+        """Plays a rollout into the replay buffer."""
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
         actor = make_actor(env, network, packing, masks, state.learner.online.params, epsilon)
@@ -99,6 +101,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         return replace(state, key=key, worlds=worlds, learner=learner), metrics
 
     def learn(state: TrainState, of_rollout: Metrics) -> tuple[TrainState, Metrics]:
+        """Takes gradient steps on batches of the buffer, once it is full enough."""
         key, learn_key = jax.random.split(state.key)
         before = state.learner.online
         target = state.learner.target
@@ -205,6 +208,7 @@ def take_gradient_steps(
     """Takes `gradient_steps` steps, each on a new batch; losses are means over them."""
 
     def take_step(online: Learner, key: Array) -> tuple[Learner, Metrics]:
+        """Takes one gradient step on a batch drawn from the buffer."""
         drawn = draw_entries(replay, key, config.batch_size)
         batch = drawn.replace(
             observation=packing.unpack(drawn.observation),

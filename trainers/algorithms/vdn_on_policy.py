@@ -88,6 +88,7 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
             return (), explore(key, values, allowed, epsilon), best_values(values, allowed)
 
         def follow(memory: Any, info: dict[str, Any]) -> Array:
+            """Returns the team's values `[B]` of the observations at which episodes were cut."""
             del memory
 
             def terminal_values() -> Array:
@@ -99,6 +100,7 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         return Actor(act, packing.pack, follow)
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
+        """Plays a rollout; exploration falls with the updates."""
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
         actor = make_actor(state.learner.params, epsilon)
@@ -109,6 +111,7 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         return replace(state, key=key, worlds=worlds), (rollout, metrics)
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
+        """Takes gradient steps towards the lambda returns of a rollout."""
         rollout, metrics = played
         before = state.learner
         key, shuffle_key = jax.random.split(state.key)
@@ -166,6 +169,7 @@ def take_gradient_steps(
     """Takes `num_epochs * num_minibatches` gradient steps; losses are means over them."""
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
+        """Takes one gradient step on the steps of a minibatch."""
         ordered = sorted_on_cpu(indices)
         minibatch = jax.tree.map(lambda leaf: leaf[ordered], steps)
         minibatch = minibatch.replace(observation=packing.unpack(minibatch.observation))

@@ -57,6 +57,7 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
         over_seeds = one_after_the_other
 
     def start_seed(seed: Array, parameters: Any) -> TrainState:
+        """Returns the first state of one seed."""
         state = program.init(jax.random.key(seed))
         if parameters is None:
             return state
@@ -131,6 +132,7 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
         return new_worlds
 
     def start() -> TrainState:
+        """Returns the first state; on the way there, environments stop after their rollouts."""
         state = compiled.start()
         places = jax.tree.map(lambda leaf: leaf.sharding, state.worlds)
         kept = jax.tree.map(jnp.copy, state.worlds)  # a copy, as the next rollout reuses the memory

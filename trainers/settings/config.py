@@ -100,6 +100,7 @@ def _hook_validator(kind: Kind, *names: str) -> BeforeValidator:
     built_in = names or BUILT_IN[kind]
 
     def check(value: Any, info: ValidationInfo) -> Any:
+        """Returns the name of a hook. Raises ValueError for anything else."""
         if callable(value):
             return name_of(kind, value)
         if isinstance(value, str) and (value in built_in or _is_stored(info)):
@@ -304,6 +305,7 @@ class Config(BaseModel):
         return config
 
     def _refuse_large_seeds(self) -> None:
+        """Raises ConfigError if the last seed has more than 32 bits."""
         last = self.seed + self.seeds - 1
         if last < SEEDS:
             return

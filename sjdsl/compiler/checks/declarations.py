@@ -82,7 +82,7 @@ def check_unused(
             level = static.event_levels.get(name)
             key = ""
             if level is not None:
-                key = "[agent]" if level.sort == "agent" else f"[{level.names[0]}]"
+                key = "[agent]" if level.kind == "agent" else f"[{level.names[0]}]"
             problems.add(errors.NeverCounted(event.name.span, name=name, path=f"{name}{key}"))
 
 

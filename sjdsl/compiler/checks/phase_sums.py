@@ -171,16 +171,15 @@ def _adding(target: Target, s: ir.Add | ir.Tally, each: Interval) -> Sums:
 
 
 def _quantified(s: ir.Each | ir.Pick | ir.First, here: Here) -> Sums:
+    """Returns what the members of a domain add together."""
     number: float = most_members(s.domain, here.played.game)
     members: tuple[ir.Member | None, ...] = (s.domain.var, s.domain.on)
     if isinstance(s, ir.Pick):
         number = min(number, interval_of(s.number, here)[1])
     if isinstance(s, ir.First):
         assert isinstance(s.domain.restriction, ir.Near)
-        number, members = (
-            len(lanes_of(s.domain.restriction, here.played.game)),
-            (),
-        )  # two lanes can reach one member
+        number = len(lanes_of(s.domain.restriction, here.played.game))
+        members = ()  # two lanes can reach one member
     sums = _often(block(s.body, here.inside(s.domain)), number, members)
     return (
         merged([sums, block(s.otherwise, here)], all_happen=False)

@@ -70,15 +70,14 @@ def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
             case ir.Each(domain=ir.Domain(on=None, restriction=None)) if _is_of(
                 s.domain.var, agent
             ):
-                sent = (
-                    s.domain.where is None or _decide(s.domain.where, agent) is True
-                ) and _always_sent(s.body, agent)
+                where = s.domain.where
+                is_member = where is None or _decide(where, agent) is True
+                sent = is_member and _always_sent(s.body, agent)
             case ir.When():
                 sent = all(_always_sent(way, agent) for way in _ways(s, agent))
             case ir.Chance():
-                sent = bool(s.otherwise) and all(
-                    _always_sent(b, agent) for b in (*(b.body for b in s.branches), s.otherwise)
-                )
+                ways = [*(branch.body for branch in s.branches), s.otherwise]
+                sent = bool(s.otherwise) and all(_always_sent(way, agent) for way in ways)
             case _:
                 pass
         if sent:
@@ -158,12 +157,14 @@ def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
     for s in body:
         match s:
             case ir.Send():
-                found += [s] if _is_of(s.who, agent) else []
+                if _is_of(s.who, agent):
+                    found.append(s)
             case ir.Each() | ir.Pick() | ir.First():
                 where = s.domain.where if _is_of(s.domain.var, agent) else None
                 if where is None or _decide(where, agent) is not False or _has_quantifier(s.body):
                     found += _possible_sends(s.body, agent)
-                found += _possible_sends(s.otherwise, agent) if isinstance(s, ir.Pick) else ()
+                if isinstance(s, ir.Pick):
+                    found += _possible_sends(s.otherwise, agent)
             case ir.Match():
                 found += _possible_sends(s.body, agent)
             case ir.When():
@@ -183,6 +184,7 @@ def _has_quantifier(body: tuple[ir.Stmt, ...]) -> bool:
 
 
 def _when_sends(s: ir.When, agent: Body) -> list[ir.Send]:
+    """Returns the sends in the branches that an agent may reach."""
     found: list[ir.Send] = []
     for branch in s.branches:
         decided = _decide(branch.test, agent)

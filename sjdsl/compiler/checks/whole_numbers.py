@@ -77,7 +77,7 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
         played.totals[target.name] = times(own.high, played.steps_of_episode * receivers)
     for part in ir.children(game):
         is_required = (
-            isinstance(part, ir.Check) and part.sort == "require"
+            isinstance(part, ir.Check) and part.kind == "require"
         )  # decided in Python's numbers, before the game is played
         if not isinstance(part, ir.Phase) and not is_required:
             visit(part, Here(played))
@@ -143,6 +143,7 @@ def _in_field(added: Sum) -> Interval:
 
 
 def _of_number(leaving: Leaving) -> Diagnostic:
+    """Returns the message about a whole number that can leave int32."""
     value = leaving.value
     name = text(leaving.value)
     name = (
@@ -191,6 +192,7 @@ def _bound(node: ir.Expr, leaving: Leaving) -> int | None:
     """Returns the largest value of a part of a number with which that stays in int32, None if there is none above 0."""
 
     def fits(bound: int) -> bool:
+        """Returns whether the number stays in int32 if what it reads is at most `bound`."""
         played = replace(leaving.here.played, leaving=[])
         here = leaving.here
         if isinstance(node, ir.ParamRef):
@@ -200,7 +202,7 @@ def _bound(node: ir.Expr, leaving: Leaving) -> int | None:
         interval_of(leaving.value, replace(here, played=played))
         return not played.leaving
 
-    return None if node.type.by or not fits(1) else boundary(1, HIGHEST, fits)
+    return None if node.type.indexed_by or not fits(1) else boundary(1, HIGHEST, fits)
 
 
 def boundary(good: int, bad: int, fits: Callable[[int], bool]) -> int:
@@ -215,7 +217,9 @@ def _values_read(e: ir.Expr, played: Played) -> tuple[Label, ...]:
     """Returns where the parameters that a number reads are declared, with their values."""
     named = {n.name for n in ir.walk(e) if isinstance(n, ir.ParamRef)}
     declared = [
-        p for p in played.game.params if p.name in named and not p.type.by and p.origin is not None
+        p
+        for p in played.game.params
+        if p.name in named and not p.type.indexed_by and p.origin is not None
     ]
     return tuple(Label(p.span, f"`{p.name}` is {played.params[p.name]}") for p in declared)
 

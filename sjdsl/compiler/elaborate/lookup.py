@@ -66,7 +66,7 @@ def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
     """
     if is_member(e, "cell"):
         return e.kinds
-    is_row = bool(e.type.by)
+    is_row = bool(e.type.indexed_by)
     return e.type.kinds if e.type.kind == "cell" and not is_row else None
 
 

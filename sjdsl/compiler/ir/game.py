@@ -136,6 +136,11 @@ class Phase(TurnNode):
     body: tuple[Stmt, ...]
     marks: tuple[str, ...] = ()
 
+    @property
+    def declared(self) -> str:
+        """The name of the phase that this is a use of: `sprout`."""
+        return self.label.partition("(")[0]
+
 
 class Tick(TurnNode):
     """All timers fall by one, agents whose time away is over return."""
@@ -261,7 +266,7 @@ class Window(Node):
 class Check(Node):
     """A check. `values` are its expressions in the order written."""
 
-    sort: Literal["require", "always", "once", "conserved", "monotone", "symmetric", "expect"]
+    kind: Literal["require", "always", "once", "conserved", "monotone", "symmetric", "expect"]
     values: tuple[Expr, ...] = ()
     words: tuple[str, ...] = ()
     policies: tuple["Policy", ...] = ()

@@ -99,6 +99,7 @@ class Value(Record):
     ne = _operator("!=")
 
     def __invert__(self) -> "Value":
+        """Returns the opposite of a condition, in the simplest form."""
         match self.node:
             case Literal(value=value):
                 return literal(not value, "bool")

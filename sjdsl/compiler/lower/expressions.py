@@ -66,7 +66,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return state_reads.no_cell(w)
         case ir.ParamRef():
             node = path(f"params.{param_attribute(e.name)}")
-            return Value(node, VALUE_DTYPES[e.type.kind], (), len(e.type.by))
+            return Value(node, VALUE_DTYPES[e.type.kind], (), len(e.type.indexed_by))
         case ir.Member():
             return scope.variables[e.name].number
         case ir.Local():
@@ -413,6 +413,7 @@ def first_of(arms: list[tuple[Value, Value]], otherwise: Value, w: Writer) -> Va
 
 
 def _arm_test(e: ir.Case, arm: ir.Arm, subject: Value, w: Writer) -> Value:
+    """Returns where the subject of a `case` is what an arm is for."""
     if e.subject.type.kind == "condition":
         return subject if arm.words == ("yes",) else ~subject
     if arm.words:

@@ -188,7 +188,7 @@ def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
 def _declared(use: tuple[ir.Phase, Function]) -> str:
     """Returns the name that a phase is declared by."""
     phase, _ = use
-    return re.split(r"\W", phase.label)[0]
+    return phase.declared
 
 
 def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str, Turn]:

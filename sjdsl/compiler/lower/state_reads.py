@@ -101,7 +101,7 @@ def storage(declared: ir.VarField, w: Writer) -> DType:
             return "f32"
         case "agents":
             return w.module.set_dtype
-        case "word" | "int" as kind if declared.held_by.what != "world" or declared.type.by:
+        case "word" | "int" as kind if declared.held_by.what != "world" or declared.type.indexed_by:
             return "u8" if kind == "word" or fits_byte(declared, w) else "i32"
         case _:
             return "i32"

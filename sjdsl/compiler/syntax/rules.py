@@ -51,6 +51,7 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
     takes_rest = bool(declared) and str(declared[-1].type).startswith("tuple[")
 
     def build(span: Span, *items: Any) -> Node:
+        """Returns the node of one rule."""
         plain, contents = split(items)
         if takes_rest:
             plain = (*plain[: number - 1], plain[number - 1 :])
@@ -78,6 +79,7 @@ def blocks(span: Span, *items: Any) -> ast.Blocks:
 
 
 def map_(span: Span, *items: Any) -> ast.Map:
+    """Returns a map, in a file or as rows."""
     *wraps, content = items
     edges: Literal["joined"] | None = "joined" if wraps else None
     if isinstance(content, ast.String):
@@ -121,6 +123,7 @@ def checks(span: Span, *items: Any) -> ast.Checks:
 
 
 def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
+    """Returns a policy of an `expect`: `seek KIND`, `never(ACTION)` or a name."""
     match first, rest:
         case Part(rule="seek", content=domain), ():
             seek = ast.Name(replace(span, end=span.start + len("seek")), "seek")
