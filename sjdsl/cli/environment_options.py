@@ -83,7 +83,8 @@ class EnvironmentOptions:
 
     def check(self, game: str) -> "ir.Game":
         """Returns the checked game; raises what `build` raises."""
-        return self.build(game)[0].game
+        build, _ = self.build(game)
+        return build.game
 
     def make(self, game: str) -> "Environment":
         """Returns the environment of a game that `check` accepts."""

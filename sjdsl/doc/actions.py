@@ -65,7 +65,7 @@ def _meaning(name: str, action: int | str, game: ir.Game) -> str:
     phases: dict[str, None] = {}
     for phase in game.schedule:
         if isinstance(phase, ir.Phase) and _asks_for(action, phase):
-            phases[code(phase.declared)] = None
+            phases[code(phase.label.partition("(")[0])] = None
     if phases:
         meanings.append(f"what {joined(phases)} {'says' if len(phases) == 1 else 'say'}")
     return "; ".join(meanings) or "nothing"

@@ -146,7 +146,9 @@ def overview(w: Written) -> list[str]:
     """Returns the schedule and the length of an episode, and which phases draw at random."""
     c = w.composition
     random_phases = dict.fromkeys(
-        phase.declared for phase in phases_of(w.game) if any(map(_is_random, ir.walk(phase)))
+        phase.label.partition("(")[0]
+        for phase in phases_of(w.game)
+        if any(map(_is_random, ir.walk(phase)))
     )
     draws = "Nothing is drawn at random."
     if random_phases:

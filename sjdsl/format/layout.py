@@ -221,6 +221,7 @@ class Layout:
         opened = [
             c for c in containers if c.content == "block" or self.tokens.breaks(c.open + 1, c.end)
         ]
+        # Between the opened containers are parts that would stay on one line.
         starts = [start, *(c.end if c.close is None else c.close for c in opened)]
         ends = [*(c.open for c in opened), end]
         for first, last in zip(starts, ends, strict=True):

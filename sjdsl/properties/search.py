@@ -205,7 +205,7 @@ def _without(
     """
     steps = [list(actions) for actions in counterexample.scenario.actions]
     active = [(t, agent) for t, agent in active if t < len(steps)]
-    since = active[0][0] if active else len(steps)
+    since = active[0][0] if active else len(steps)  # steps before the first change are known
     cost = len(steps) - since
     if not 0 < cost <= budget:
         return counterexample, budget

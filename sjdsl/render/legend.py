@@ -181,6 +181,7 @@ def _word_states(kind: KindLook) -> Iterator[Key]:
         if rule.reads <= known:
             applies = rule.applies(kind.name, values, len(combinations)).tolist()
         columns.append(applies)
+    # A key: the number of each field's value, and whether each rule applies.
     for combination, *applied in zip(combinations, *columns, strict=True):
         yield (*combination, *map(int, applied))
 

@@ -284,6 +284,7 @@ def _read_all(folders: Iterable[str | Path]) -> RowsAndPoints:
     Elsewhere seeds that each started from a policy of their own count as trained the same.
     """
     rows, points = _read_each(folders)
+    # The policies that each seed of a run was started from, in any of the folders.
     starts = {(row["run"], row["seed"], row[START]) for row in rows if START in row}
     counts = Counter((run, seed) for run, seed, _ in starts)
     with_several = {run for (run, _), number in counts.items() if number > 1}

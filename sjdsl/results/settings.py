@@ -186,6 +186,7 @@ def with_settings(frame: "pd.DataFrame") -> "pd.DataFrame":
     columns = {
         name: column_of([values.get(name) for values in by_row]) for name in dict.fromkeys(names)
     }
+    # The new columns stand right behind `settings`.
     others = frame.drop(columns=GAME_NUMBERS)
     middle = others.columns.get_loc("settings") + 1
     return pd.concat(

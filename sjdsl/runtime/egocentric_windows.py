@@ -171,7 +171,7 @@ def _from_runs(planes: Array, values: Array, cells: np.ndarray, first: np.ndarra
       first: the number of each run's first cell among `cells`.
     """
     pieces = []
-    place = 0
+    place = 0  # the first cell of the planes behind the last run
     for begin, end in zip(first, [*first[1:], cells.size], strict=True):
         pieces.append(planes[:, place : cells[begin]])
         pieces.append(values[:, begin:end])

@@ -272,9 +272,8 @@ class Environment:
         """
         if self.module.ROLE is None:
             return None
-        states = jax.vmap(lambda key: self.reset(key)[1])(
-            jax.vmap(jax.random.key)(jnp.arange(NUM_STARTS))
-        )
+        keys = jax.vmap(jax.random.key)(jnp.arange(NUM_STARTS))
+        _, states = jax.vmap(self.reset)(keys)
         roles = np.asarray(getattr(states, self.module.ROLE))
         if (roles != roles[0]).any():
             return None

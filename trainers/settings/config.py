@@ -523,7 +523,8 @@ def require_code(config: Config, place: str, to_act: bool) -> None:
         if not to_act or kind in TO_ACT:
             require_allowed(kind, name, place)
     for _, policy in config.partners:
-        if not split_name(policy)[0].exists():
+        path, _ = split_name(policy)
+        if not path.exists():
             require_allowed("policy", policy, place)
 
 

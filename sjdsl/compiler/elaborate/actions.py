@@ -371,7 +371,8 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
         names = _new_names(chosen, declared, scope)
         if names and len(forbid.actions) > 1:
             wanted = "a number or a word where `forbid` lists several actions"
-            raise scope.misused(next(iter(names.values())), "a name for an argument", wanted)
+            first_name, *_ = names.values()
+            raise scope.misused(first_name, "a name for an argument", wanted)
         numbers += _forbidden_numbers(chosen, declared, names, scope)
     inner = scope
     if declared is not None and names:

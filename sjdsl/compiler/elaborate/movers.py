@@ -107,7 +107,10 @@ def _course(c: ast.Course, var: ir.Member, scope: Scope, stream: int) -> ir.Wand
     """Returns the way that a mover goes."""
 
     def optional(d: ast.Domain | None) -> ir.Domain | None:
-        return None if d is None else domain(d, scope)[0]
+        if d is None:
+            return None
+        typed, _ = domain(d, scope)
+        return typed
 
     match c:
         case ast.Toward() | ast.AwayFrom():

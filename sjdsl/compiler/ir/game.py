@@ -136,11 +136,6 @@ class Phase(TurnNode):
     body: tuple[Stmt, ...]
     marks: tuple[str, ...] = ()
 
-    @property
-    def declared(self) -> str:
-        """The name of the phase that this is a use of: `sprout`."""
-        return self.label.partition("(")[0]
-
 
 class Tick(TurnNode):
     """All timers fall by one, agents whose time away is over return."""

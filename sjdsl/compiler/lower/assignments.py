@@ -399,6 +399,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
         name = _place(target.who)
         past_the_end = w.module.extent(target.who.sort)
         entry = key
+    # A place for each instance; an array drops what is written past its end.
     axes = axes_of(index, scope.mask, value, entry)
     at = w.keep(name, broadcast(select(scope.mask, index, past_the_end), axes)).node
     places = (at,) if entry is None else (at, aligned(entry, axes))
@@ -518,6 +519,8 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     joining = target.scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
     axis = None if joining is None else joining.axis
     joins_once = axis in axes and all(a.size == 1 for a in axes if a != axis)
+    # To a set of the world: who is added at all. Where each instance adds a member of its own once:
+    # its bit is added to the set. Else a table of places and members is folded into bits.
     sets: Expression
     if who is None:
         sets = _folded(places, at.node, sizes, w)

@@ -79,6 +79,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     table = w.module.layout.order_table(owner.kinds)
     order = w.module.constant(f"order_{group}", table, "cells of a group in reading order")
     vectors = [w.stored(attribute_name(f)) for f in fields]
+    # Each kind is a vector over its own cells; the group is one over all of them.
     concatenated = Value(call("jnp.concatenate", vectors)[order], storage(fields[0], w))
     whole = w.keep(f"{group}_{e.name}", concatenated)
     whole = replace(whole, levels=w.module.levels(e.type))
